@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
+
+namespace plumbline {
+
+/// Projection of a point in the camera frame to normalised coordinates, in Kalibr's words.
+enum class ProjectionModel { kPinhole, kOmni, kEucm, kDs };
+/// Distortion of normalised coordinates, in Kalibr's words.
+enum class DistortionModel { kNone, kRadtan, kEquidistant, kFov };
+
+/// "pinhole", "omni", "eucm", "ds".
+std::string toString(ProjectionModel model);
+/// "none", "radtan", "equidistant", "fov".
+std::string toString(DistortionModel model);
+/// The inverse; also accepts the words other tools use (EuRoC's "radial-tangential", ROS'
+/// "plumb_bob", yac's "radtan4", "equi", "kannala_brandt"). Empty for an unknown word.
+std::optional<ProjectionModel> projectionModelFrom(const std::string& word);
+std::optional<DistortionModel> distortionModelFrom(const std::string& word);
+
+/// A camera's projection as plain values, in Kalibr's order: `projection` (pinhole: fu fv pu pv
+/// [px]) then `distortion` (radtan: k1 k2 p1 p2; equidistant: k1 k2 k3 k4).
+struct Intrinsics {
+  ProjectionModel projection_model = ProjectionModel::kPinhole;
+  DistortionModel distortion_model = DistortionModel::kRadtan;
+  Resolution resolution;
+  Eigen::VectorXd projection;
+  Eigen::VectorXd distortion;
+
+  /// projection and distortion stacked: the order in which parameters are estimated.
+  Eigen::VectorXd stacked() const;
+  /// Splits a stacked vector back; sizes stay as they are.
+  void setStacked(const Eigen::VectorXd& parameters);
+};
+
+struct CameraCalibration {
+  std::string name;      ///< "cam0", ...
+  std::string rostopic;  ///< empty if unknown
+  Intrinsics intrinsics;
+  Transform T_C0Ci;  ///< this camera in camera 0; identity for camera 0
+  std::optional<Eigen::VectorXd> intrinsics_std;  ///< of stacked()
+  std::optional<Vector6d> T_C0Ci_std;             ///< 3 m, 3 rad, tangent of Transform
+};
+
+struct ImuCalibration {
+  Transform T_SC0;           ///< camera 0 in the IMU frame
+  double time_offset_s = 0;  ///< t_imu = t_cam + t_d
+  double gravity_m_s2 = 9.80655;
+  ImuNoise noise;
+  std::string rostopic;
+  std::optional<Vector6d> T_SC0_std;  ///< 3 m, 3 rad
+  std::optional<double> time_offset_std_s;
+};
+
+/// What a calibration is to the rest of the world, whichever tool made it.
+struct Calibration {
+  std::vector<CameraCalibration> cameras;
+  std::optional<ImuCalibration> imu;
+};
+
+/// A covariance with the list of parameters that its rows stand for.
+struct ParameterCovariance {
+  std::vector<std::string> names;  ///< e.g. "cam0.fu", "T_C0C1.ty", "T_SC0.rx", "time_offset"
+  std::vector<std::string> units;  ///< "px", "-", "m", "rad", "s"
+  Eigen::MatrixXd matrix;
+
+  Eigen::VectorXd standardDeviations() const { return matrix.diagonal().cwiseSqrt(); }
+};
+
+}  // namespace plumbline

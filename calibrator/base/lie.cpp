@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/base/lie.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr double kSmallAngle2 = 1e-8;  // squared angle below which series replace sin(t)/t and kin
+
+}  // namespace
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& w) {
+  Eigen::Matrix3d W;
+  W << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+  return W;
+}
+
+Eigen::Matrix3d expSO3(const Eigen::Vector3d& w) {
+  const double t2 = w.squaredNorm();
+  double a = 1 - t2 / 6;
+  double b = 0.5 - t2 / 24;
+  if (t2 > kSmallAngle2) {
+    const double t = std::sqrt(t2);
+    const double s = std::sin(t / 2) / t;
+    a = std::sin(t) / t;
+    b = 2 * s * s;  // (1 - cos t) / t^2 without cancellation
+  }
+  const Eigen::Matrix3d W = skew(w);
+  return Eigen::Matrix3d::Identity() + a * W + b * W * W;
+}
+
+Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
+  Eigen::Quaterniond q(R);
+  if (q.w() < 0) q.coeffs() *= -1;
+  const double n = q.vec().norm();
+  if (n < 1e-9) return 2 * q.vec() / q.w();
+  return q.vec() * (2 * std::atan2(n, q.w()) / n);
+}
+
+Eigen::Matrix3d leftJacobianSO3(const Eigen::Vector3d& w) {
+  const double t2 = w.squaredNorm();
+  double b = 0.5 - t2 / 24;
+  double c = 1.0 / 6 - t2 / 120;
+  if (t2 > kSmallAngle2) {
+    const double t = std::sqrt(t2);
+    const double s = std::sin(t / 2) / t;
+    b = 2 * s * s;
+    c = t2 < 1e-2 ? 1.0 / 6 - t2 / 120 + t2 * t2 / 5040 : (t - std::sin(t)) / (t2 * t);
+  }
+  const Eigen::Matrix3d W = skew(w);
+  return Eigen::Matrix3d::Identity() + b * W + c * W * W;
+}
+
+Eigen::Matrix3d rightJacobianSO3(const Eigen::Vector3d& w) { return leftJacobianSO3(-w); }
+
+Eigen::Matrix3d inverseLeftJacobianSO3(const Eigen::Vector3d& w) {
+  const double t2 = w.squaredNorm();
+  double c = 1.0 / 12 + t2 / 720 + t2 * t2 / 30240;
+  if (t2 > 1e-2) {
+    const double t = std::sqrt(t2);
+    c = 1 / t2 - (1 + std::cos(t)) / (2 * t * std::sin(t));
+  }
+  const Eigen::Matrix3d W = skew(w);
+  return Eigen::Matrix3d::Identity() - 0.5 * W + c * W * W;
+}
+
+Eigen::Matrix3d inverseRightJacobianSO3(const Eigen::Vector3d& w) {
+  return inverseLeftJacobianSO3(-w);
+}
+
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& R) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d d(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
+  return svd.matrixU() * d.asDiagonal() * svd.matrixV().transpose();
+}
+
+}  // namespace plumbline

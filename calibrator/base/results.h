@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/frames.h"
+#include "calibrator/base/statistics.h"
+#include "calibrator/base/transform.h"
+
+namespace plumbline {
+
+/// One corner's reprojection error at the solution: e = measured - projected [px] (paper, eq. for
+/// e_r).
+struct CornerResidual {
+  int camera = 0;
+  int frame = 0;  ///< index into the stage's frames
+  int corner_id = 0;
+  Eigen::Vector2f uv = Eigen::Vector2f::Zero();     ///< measured [px]
+  Eigen::Vector2f error = Eigen::Vector2f::Zero();  ///< [px]
+  bool used = true;                                 ///< false: rejected as an outlier
+};
+
+/// Wall seconds of the parts of a stage.
+struct StageSeconds {
+  double load = 0, detect = 0, initialise = 0, solve = 0, covariance = 0, total = 0;
+};
+
+/// What both stages report of themselves.
+struct StageSummary {
+  ErrorStatistics reprojection;             ///< over all used corners
+  std::vector<ErrorStatistics> per_camera;  ///< over each camera's used corners
+  std::size_t corners_used = 0;
+  std::size_t corners_offered = 0;
+  int views_used = 0;     ///< (camera, frame) pairs with used corners
+  int views_offered = 0;  ///< the same in the session, whatever they saw
+  bool converged = false;
+  int iterations = 0;
+  double cost = 0;  ///< 0.5 * sum of (robustified) squared normalised residuals
+  /// Of the calibration parameters with all else marginalised; pixel_sigma as given, no tuned
+  /// factor.
+  ParameterCovariance covariance;
+  double entropy_nats = 0;  ///< 0.5 log((2 pi e)^n |Sigma|) of `covariance`
+  StageSeconds seconds;
+};
+
+/// Camera stage: intrinsics, extrinsics, and the pose of camera 0 in every frame used.
+struct CameraStageResult {
+  std::vector<CameraCalibration> cameras;
+  std::vector<Frame> frames;     ///< frames used by the solution
+  std::vector<Transform> T_FC0;  ///< one per frame
+  std::vector<CornerResidual> residuals;
+  StageSummary summary;
+};
+
+/// State of the sensor at a camera frame, in the target's frame F (no gauge freedom remains there).
+struct ImuState {
+  Transform T_FS;
+  Eigen::Vector3d v_F = Eigen::Vector3d::Zero();         ///< [m/s]
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< [rad/s]
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
+/// Residual of the IMU between two consecutive frames at the solution.
+struct ImuIntervalResidual {
+  TimeNs t = 0;     ///< of the earlier frame, camera clock
+  double dt_s = 0;  ///< length of the interval
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  /// Whitened by the assumed noise; unit variance where the assumption holds. Rotation, velocity,
+  /// position (jointly whitened), gyro bias walk, accel bias walk.
+  Eigen::Matrix<double, 15, 1> normalised = Eigen::Matrix<double, 15, 1>::Zero();
+};
+
+/// What the inertial residuals say of the noise that was assumed.
+struct ImuResidualSummary {
+  double gyro_rms_rad_s = 0;        ///< RMS of |rotation residual| / dt
+  double accel_rms_m_s2 = 0;        ///< RMS of |velocity residual| / dt
+  double gyro_normalised_rms = 0;   ///< per component, rotation rows; 1 where the assumption holds
+  double accel_normalised_rms = 0;  ///< velocity and position rows
+  double gyro_bias_normalised_rms = 0;
+  double accel_bias_normalised_rms = 0;
+  double chi2 = 0;  ///< sum of squared normalised residuals
+  int dof = 0;      ///< their number
+};
+
+/// Camera-IMU stage.
+struct CameraImuStageResult {
+  ImuCalibration imu;
+  std::vector<CameraCalibration> cameras;  ///< as given, or refined where they were freed
+  std::vector<Frame> frames;
+  std::vector<ImuState> states;  ///< one per frame
+  Eigen::Vector3d gravity_F =
+      Eigen::Vector3d::Zero();  ///< in the target's frame [m/s^2], pointing down
+  std::vector<CornerResidual> residuals;
+  std::vector<ImuIntervalResidual> imu_residuals;
+  ImuResidualSummary imu_summary;
+  StageSummary summary;
+};
+
+}  // namespace plumbline

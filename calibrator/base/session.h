@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/time.h"
+
+namespace plumbline {
+
+struct Resolution {
+  int width = 0;
+  int height = 0;
+  bool operator==(const Resolution&) const = default;
+};
+
+/// One measured corner. Pixel (0, 0) is the centre of the first pixel (OpenCV's and Kalibr's rule).
+struct Corner {
+  int id = 0;  ///< corner_id of AprilGrid
+  Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+};
+
+/// The corners one camera saw at one instant (the camera's own stamp). Ids are unique and
+/// ascending.
+struct ImageView {
+  TimeNs t = 0;
+  std::vector<Corner> corners;
+};
+
+/// Everything one camera recorded. Views are strictly ascending in time; views without corners are
+/// kept (their number is what "offered" counts).
+struct CameraStream {
+  std::string name;      ///< "cam0", ...
+  std::string rostopic;  ///< empty if unknown
+  Resolution resolution;
+  std::string camera_model;      ///< as the session states it, Kalibr's words; empty if it does not
+  std::string distortion_model;  ///< likewise
+  std::vector<ImageView> views;
+};
+
+/// One IMU sample in the IMU frame S. Specific force: a resting, upright accelerometer reads +g up.
+struct ImuSample {
+  TimeNs t = 0;
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< [rad/s]
+  Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
+/// Continuous-time noise densities, as in Kalibr's imu.yaml.
+struct ImuNoise {
+  double gyro_density = 1.6968e-4;      ///< [rad/s/sqrt(Hz)]
+  double gyro_random_walk = 1.9393e-5;  ///< [rad/s^2/sqrt(Hz)]
+  double accel_density = 2.0e-3;        ///< [m/s^2/sqrt(Hz)]
+  double accel_random_walk = 3.0e-3;    ///< [m/s^3/sqrt(Hz)]
+  double rate_hz = 200;                 ///< nominal sample rate
+};
+
+struct ImuStream {
+  std::string rostopic;
+  ImuNoise noise;
+  std::vector<ImuSample> samples;  ///< strictly ascending in time
+};
+
+/// A recording: what the calibrator works on. All stamps are in one clock (camera and IMU stamps
+/// may differ by the time offset that is to be estimated).
+struct Session {
+  std::string name;
+  AprilGrid target;
+  std::vector<CameraStream> cameras;
+  std::optional<ImuStream> imu;
+};
+
+}  // namespace plumbline

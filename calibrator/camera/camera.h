@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "calibrator/base/calibration.h"
+
+namespace plumbline {
+
+/// Most intrinsic parameters any model has (projection and distortion together).
+inline constexpr int kMaxIntrinsics = 12;
+/// 2 x K, K <= kMaxIntrinsics, without heap storage.
+using IntrinsicsJacobian = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxIntrinsics>;
+
+/// h(p_C; k) with its derivatives.
+struct Projection {
+  Eigen::Vector2d uv;                   ///< [px]
+  Eigen::Matrix<double, 2, 3> J_point;  ///< d uv / d p_C [px/m]
+  IntrinsicsJacobian J_intrinsics;      ///< d uv / d stacked()
+};
+
+/// Whether this project can calibrate with that pair of models (pinhole with radtan or
+/// equidistant).
+bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion);
+
+/// Projects a point of the camera frame [m] to pixels. Empty where the model does not define it:
+/// behind the camera, or beyond the radius at which the distortion stops growing (folding back).
+/// Throws InputError for a model without implementation.
+std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Vector3d& p_C);
+
+/// project() with analytic Jacobians.
+std::optional<Projection> projectWithJacobians(const Intrinsics& camera,
+                                               const Eigen::Vector3d& p_C);
+
+/// The unit-length ray of a pixel, inverse of project() to 1e-12 in normalised coordinates
+/// (Newton). Empty where it does not converge or lies outside the model's domain.
+std::optional<Eigen::Vector3d> unproject(const Intrinsics& camera, const Eigen::Vector2d& uv);
+
+}  // namespace plumbline

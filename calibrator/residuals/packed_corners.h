@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/session.h"
+
+namespace plumbline {
+
+/// Lanes to which a view is padded; padding repeats the last corner with weight 0.
+inline constexpr int kLanes = 8;
+
+/// One view's corners as structure of arrays; pointers into a PackedCorners, valid while it lives.
+struct PackedView {
+  int count = 0;              ///< corners
+  int padded = 0;             ///< count rounded up to kLanes
+  const double* x = nullptr;  ///< target coordinates in F [m]
+  const double* y = nullptr;
+  const double* u = nullptr;  ///< measured pixels
+  const double* v = nullptr;
+  const double* w = nullptr;  ///< weight: 1 used, 0 rejected or padding
+  const int* id = nullptr;    ///< corner_id
+};
+
+/// All views of one camera in one block of memory, 64-byte aligned at every view.
+class PackedCorners {
+ public:
+  PackedCorners() = default;
+  PackedCorners(const AprilGrid& target, const std::vector<ImageView>& views);
+
+  int viewCount() const { return static_cast<int>(count_.size()); }
+  PackedView view(int index) const;
+  /// Sets the weight of one corner (position within its view): 0 rejects it.
+  void setWeight(int view, int position, double weight);
+
+ private:
+  // Owned by the implementation (see packed_corners.cpp): aligned arena and offsets per view.
+  std::vector<double> storage_;
+  std::vector<int> ids_;
+  std::vector<int> offset_;
+  std::vector<int> count_;
+  std::size_t total_ = 0;
+};
+
+}  // namespace plumbline
