@@ -30,5 +30,8 @@ function(plumbline_test name)
     PLUMBLINE_SHARED_DATA="${PLUMBLINE_SHARED_DATA}"
     PLUMBLINE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   add_test(NAME ${name} COMMAND ${name})
+  if("unit" IN_LIST ARG_LABELS)
+    add_dependencies(plumbline_unit_tests ${name})
+  endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900)
 endfunction()

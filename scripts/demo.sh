@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# From a fresh Debian 12 machine to a calibration report: installs, builds, records a small simulated
+# session with images, calibrates it as if it were real, and names the report. Everything is written
+# below ./demo (or the folder given as first argument).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=${1:-demo}
+
+scripts/install_dependencies.sh build
+echo "Building ..."
+cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=OFF >/dev/null
+cmake --build build --target plumbline
+
+rm -rf "$out/session" "$out/calibration"
+mkdir -p "$out"
+echo
+echo "Simulating a stereo camera-IMU recording with images ..."
+build/evaluate/plumbline simulate --out "$out/session" --rig euroc --seed 7 --duration 20 \
+  --camera-rate 10 --images
+echo
+echo "Calibrating it from the images alone ..."
+build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --cache "$out/cache"

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The unit tests (ctest label `unit`) in a build with AddressSanitizer and UBSan.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/install_dependencies.sh build test
+cmake -S . -B build-sanitized -G Ninja -DCMAKE_BUILD_TYPE=Debug -DPLUMBLINE_SANITIZE=ON \
+  -DPLUMBLINE_TESTS=ON >/dev/null
+cmake --build build-sanitized --target plumbline_unit_tests
+# The leak checker is off where a debugger or container forbids ptrace; faults still abort.
+ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1} UBSAN_OPTIONS=print_stacktrace=1 \
+  ctest --test-dir build-sanitized --output-on-failure -j "$(nproc)" -L unit
