@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/records/calibration_record.h"
+
+#include <algorithm>
+
+#include "calibrator/base/lie.h"
+
+namespace plumbline {
+namespace {
+
+/// Component of a transform by the suffix of a parameter's name: tx ty tz rx ry rz.
+std::optional<double> component(const Transform& T, const std::string& suffix) {
+  if (suffix.size() != 2 || suffix[1] < 'x' || suffix[1] > 'z') return std::nullopt;
+  const int axis = suffix[1] - 'x';
+  if (suffix[0] == 't') return T.t[axis];
+  if (suffix[0] == 'r') return logSO3(T.R)[axis];
+  return std::nullopt;
+}
+
+std::vector<std::string> intrinsicNames(const Intrinsics& intrinsics) {
+  std::vector<std::string> names;
+  if (intrinsics.projection_model == ProjectionModel::kOmni) names = {"xi"};
+  if (intrinsics.projection_model == ProjectionModel::kEucm) names = {"alpha", "beta"};
+  if (intrinsics.projection_model == ProjectionModel::kDs) names = {"xi", "alpha"};
+  names.insert(names.end(), {"fu", "fv", "pu", "pv"});
+  switch (intrinsics.distortion_model) {
+    case DistortionModel::kNone:
+      break;
+    case DistortionModel::kRadtan:
+      names.insert(names.end(), {"k1", "k2", "p1", "p2"});
+      break;
+    case DistortionModel::kEquidistant:
+      names.insert(names.end(), {"k1", "k2", "k3", "k4"});
+      break;
+    case DistortionModel::kFov:
+      names.push_back("w");
+      break;
+  }
+  return names;
+}
+
+std::optional<double> intrinsicValue(const CameraCalibration& camera, const std::string& suffix) {
+  const std::vector<std::string> names = intrinsicNames(camera.intrinsics);
+  const auto found = std::find(names.begin(), names.end(), suffix);
+  const Eigen::VectorXd values = camera.intrinsics.stacked();
+  const auto index = found - names.begin();
+  if (found == names.end() || index >= values.size()) return std::nullopt;
+  return values[index];
+}
+
+std::optional<double> cameraValue(const std::vector<CameraCalibration>& cameras,
+                                  const std::string& prefix, const std::string& suffix) {
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const std::string number = std::to_string(i);
+    if (prefix == "cam" + number) return intrinsicValue(cameras[i], suffix);
+    if (prefix == "T_C0C" + number) return component(cameras[i].T_C0Ci, suffix);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> valueOf(const CalibrationRecord& record, const std::string& name,
+                              const std::vector<CameraCalibration>& cameras) {
+  const std::size_t dot = name.find('.');
+  const std::string prefix = name.substr(0, dot);
+  const std::string suffix = dot == std::string::npos ? "" : name.substr(dot + 1);
+  if (record.camera_imu) {
+    if (prefix == "time_offset") return record.camera_imu->imu.time_offset_s;
+    if (prefix == "T_SC0") return component(record.camera_imu->imu.T_SC0, suffix);
+  }
+  return cameraValue(cameras, prefix, suffix);
+}
+
+std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
+                               const std::string& name) {
+  if (!spread) return std::nullopt;
+  const auto found = std::find(spread->names.begin(), spread->names.end(), name);
+  if (found == spread->names.end()) return std::nullopt;
+  return spread->std[found - spread->names.begin()];
+}
+
+}  // namespace
+
+std::string toString(VerdictLevel level) {
+  switch (level) {
+    case VerdictLevel::kGood:
+      return "good";
+    case VerdictLevel::kDoubtful:
+      return "doubtful";
+    case VerdictLevel::kBad:
+      return "bad";
+  }
+  return "bad";
+}
+
+std::optional<VerdictLevel> verdictLevelFrom(const std::string& word) {
+  for (const auto level : {VerdictLevel::kGood, VerdictLevel::kDoubtful, VerdictLevel::kBad}) {
+    if (word == toString(level)) return level;
+  }
+  return std::nullopt;
+}
+
+Verdict makeVerdict(std::vector<Finding> findings) {
+  Verdict verdict;
+  for (const Finding& finding : findings) verdict.level = std::max(verdict.level, finding.level);
+  verdict.findings = std::move(findings);
+  return verdict;
+}
+
+const std::vector<CameraCalibration>& CalibrationRecord::cameras() const {
+  static const std::vector<CameraCalibration> kNone;
+  if (camera_imu) return camera_imu->cameras;
+  return camera ? camera->cameras : kNone;
+}
+
+std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& record, Stage stage) {
+  const bool first = stage == Stage::kCamera;
+  if (first ? !record.camera : !record.camera_imu) return {};
+  const auto& cameras = first ? record.camera->cameras : record.camera_imu->cameras;
+  const auto& summary = first ? record.camera->summary : record.camera_imu->summary;
+  const auto& spread = first ? record.camera_resample : record.camera_imu_resample;
+  const Eigen::VectorXd deviations = summary.covariance.standardDeviations();
+  std::vector<ParameterEstimate> estimates;
+  for (std::size_t i = 0; i < summary.covariance.names.size(); ++i) {
+    const std::string& name = summary.covariance.names[i];
+    const auto value = valueOf(record, name, cameras);
+    if (!value) continue;
+    estimates.push_back({name, *value, deviations[static_cast<Eigen::Index>(i)],
+                         summary.covariance.units[i], spreadOf(spread, name)});
+  }
+  return estimates;
+}
+
+}  // namespace plumbline
