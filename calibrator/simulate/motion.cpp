@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/motion.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace plumbline {
+
+ScalarMotion SumOfSinusoids::at(double t_s) const {
+  ScalarMotion m{mean, 0, 0};
+  for (int i = 0; i < kTerms; ++i) {
+    const double angle = omega[i] * t_s + phase[i];
+    const double s = amplitude[i] * std::sin(angle);
+    m.x += s;
+    m.dx += amplitude[i] * omega[i] * std::cos(angle);
+    m.ddx -= omega[i] * omega[i] * s;
+  }
+  return m;
+}
+
+RotationMotion rotationAbout(const Eigen::Vector3d& axis, const ScalarMotion& angle) {
+  return {Eigen::AngleAxisd(angle.x, axis).toRotationMatrix(), axis * angle.dx, axis * angle.ddx};
+}
+
+RotationMotion operator*(const RotationMotion& R_AB, const RotationMotion& R_BC) {
+  const Eigen::Vector3d omega_C = R_BC.R.transpose() * R_AB.omega;  // of B against A, in C
+  const Eigen::Vector3d alpha_C = R_BC.R.transpose() * R_AB.alpha;
+  return {R_AB.R * R_BC.R, R_BC.omega + omega_C, R_BC.alpha + alpha_C - R_BC.omega.cross(omega_C)};
+}
+
+MotionState attached(const MotionState& body, const Transform& T_BX) {
+  const Eigen::Vector3d& w = body.omega_B;
+  const Eigen::Vector3d spin = w.cross(T_BX.t);
+  MotionState x;
+  x.T_FB = body.T_FB * T_BX;
+  x.v_F = body.v_F + body.T_FB.R * spin;
+  x.a_F = body.a_F + body.T_FB.R * (body.alpha_B.cross(T_BX.t) + w.cross(spin));
+  x.omega_B = T_BX.R.transpose() * w;
+  x.alpha_B = T_BX.R.transpose() * body.alpha_B;
+  return x;
+}
+
+}  // namespace plumbline

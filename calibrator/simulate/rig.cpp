@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/rig.h"
+
+#include <initializer_list>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+Eigen::VectorXd vectorOf(std::initializer_list<double> values) {
+  Eigen::VectorXd v(static_cast<Eigen::Index>(values.size()));
+  Eigen::Index i = 0;
+  for (const double value : values) v[i++] = value;
+  return v;
+}
+
+/// Row-major 3x4 matrix [R t].
+Transform transformOf(std::initializer_list<double> rows) {
+  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+  Eigen::Index i = 0;
+  for (const double value : rows) {
+    T(i / 4, i % 4) = value;
+    ++i;
+  }
+  return Transform::fromMatrix(T);
+}
+
+CameraCalibration camera(int index, Resolution resolution, DistortionModel distortion,
+                         std::initializer_list<double> projection,
+                         std::initializer_list<double> coefficients) {
+  CameraCalibration c;
+  c.name = "cam" + std::to_string(index);
+  c.rostopic = "/" + c.name + "/image_raw";
+  c.intrinsics.distortion_model = distortion;
+  c.intrinsics.resolution = resolution;
+  c.intrinsics.projection = vectorOf(projection);
+  c.intrinsics.distortion = vectorOf(coefficients);
+  return c;
+}
+
+SimulatedRig euroc() {
+  SimulatedRig rig{"euroc", {}, 20};
+  const Resolution size{752, 480};
+  const auto radtan = DistortionModel::kRadtan;
+  auto cam0 = camera(0, size, radtan, {458.654, 457.296, 367.215, 248.375},
+                     {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05});
+  auto cam1 = camera(1, size, radtan, {457.587, 456.134, 379.999, 255.238},
+                     {-0.28368365, 0.07451284, -0.00010473, -3.55590700e-05});
+  const Transform T_SC0 = transformOf({0.0148655429818, -0.999880929698, 0.00414029679422,  //
+                                       -0.0216401454975,                                    //
+                                       0.999557249008, 0.0149672133247, 0.025715529948,     //
+                                       -0.064676986768,                                     //
+                                       -0.0257744366974, 0.00375618835797, 0.999660727178,  //
+                                       0.00981073058949});
+  const Transform T_SC1 = transformOf({0.0125552670891, -0.999755099723, 0.0182237714554,  //
+                                       -0.0198435579556,                                   //
+                                       0.999598781151, 0.0130119051815, 0.0251588363115,   //
+                                       0.0453689425024,                                    //
+                                       -0.0253898008918, 0.0179005838253, 0.999517347078,  //
+                                       0.00786212447038});
+  cam1.T_C0Ci = T_SC0.inverse() * T_SC1;
+  rig.calibration.cameras = {cam0, cam1};
+  ImuCalibration imu;
+  imu.T_SC0 = T_SC0;
+  imu.time_offset_s = 0.0021;
+  imu.noise = {1.6968e-4, 1.9393e-5, 2.0e-3, 3.0e-3, 200};
+  rig.calibration.imu = imu;
+  return rig;
+}
+
+SimulatedRig tumvi() {
+  SimulatedRig rig{"tumvi", {}, 20};
+  const Resolution size{512, 512};
+  const auto equidistant = DistortionModel::kEquidistant;
+  auto cam0 = camera(0, size, equidistant, {190.97847715, 190.97330705, 254.93170606, 256.89744290},
+                     {0.00348238940, 0.00071503485, -0.00205323614, 0.00020293674});
+  auto cam1 = camera(1, size, equidistant, {190.44236969, 190.43443847, 252.59949717, 254.91723065},
+                     {0.00340031708, 0.00176627815, -0.00266312570, 0.00032995174});
+  const Transform T_C0S = transformOf({-0.99952504, 0.02961534, -0.00852233, 0.04727988,   //
+                                       0.00750192, -0.03439736, -0.99938008, -0.04744323,  //
+                                       -0.02989013, -0.99896935, 0.03415885, -0.06819996});
+  const Transform T_C1C0 = transformOf({0.99999943, -0.00083618, -0.00066128, -0.10092123,  //
+                                        0.00080425, 0.99889894, -0.04690685, -0.00196454,   //
+                                        0.00069978, 0.04690629, 0.99889905, -0.00146636});
+  cam1.T_C0Ci = T_C1C0.inverse();
+  rig.calibration.cameras = {cam0, cam1};
+  ImuCalibration imu;
+  imu.T_SC0 = T_C0S.inverse();
+  imu.time_offset_s = -0.0037;
+  imu.noise = {1.6e-4, 2.2e-5, 2.8e-3, 8.6e-4, 200};
+  rig.calibration.imu = imu;
+  return rig;
+}
+
+SimulatedRig d435i() {
+  SimulatedRig rig{"d435i", {}, 15};
+  const Resolution size{640, 480};
+  const auto radtan = DistortionModel::kRadtan;
+  auto cam0 = camera(0, size, radtan, {384.61, 384.23, 321.87, 238.42},
+                     {0.0094, -0.0127, 0.00041, -0.00033});
+  auto cam1 = camera(1, size, radtan, {385.02, 384.75, 320.35, 239.16},
+                     {0.0081, -0.0109, -0.00027, 0.00052});
+  cam1.T_C0Ci = {Eigen::Quaterniond(1, 0.0011, -0.0017, 0.0006),
+                 Eigen::Vector3d(0.05003, 0.00012, -0.00021)};
+  rig.calibration.cameras = {cam0, cam1};
+  ImuCalibration imu;
+  imu.T_SC0 = {Eigen::Quaterniond(1, 0.0041, -0.0027, 0.0036),
+               Eigen::Vector3d(0.00552, -0.00510, -0.01174)};
+  imu.time_offset_s = 0.0113;
+  imu.noise = {2.78e-3, 1.65e-5, 2.52e-2, 4.41e-3, 400};
+  rig.calibration.imu = imu;
+  return rig;
+}
+
+}  // namespace
+
+SimulatedRig simulatedRig(const std::string& name) {
+  if (name == "euroc") return euroc();
+  if (name == "tumvi") return tumvi();
+  if (name == "d435i") return d435i();
+  std::string known;
+  for (const std::string& n : simulatedRigNames()) known += (known.empty() ? "" : ", ") + n;
+  throw InputError("unknown rig '" + name + "'; known are " + known);
+}
+
+std::vector<std::string> simulatedRigNames() { return {"euroc", "tumvi", "d435i"}; }
+
+}  // namespace plumbline

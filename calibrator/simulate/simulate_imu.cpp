@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/simulate_imu.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibrator/simulate/random_stream.h"
+
+namespace plumbline {
+namespace {
+
+/// Indices of the samples: sample j is stamped start + j / rate; j runs from -before to after.
+struct SampleRange {
+  std::int64_t before = 0;
+  std::int64_t after = 0;
+  std::size_t count() const { return static_cast<std::size_t>(before + after + 1); }
+};
+
+/// One triad of sensors: how noisy it is and where its random numbers come from.
+struct TriadNoise {
+  RandomPurpose white_purpose = RandomPurpose::kGyroNoise;
+  RandomPurpose walk_purpose = RandomPurpose::kGyroWalk;
+  double white_sigma = 0;  ///< of a sample
+  double walk_sigma = 0;   ///< of a step between samples
+  Eigen::Vector3d initial_bias = Eigen::Vector3d::Zero();
+};
+
+struct TriadSequence {
+  std::vector<Eigen::Vector3d> white;
+  std::vector<Eigen::Vector3d> bias;
+};
+
+Eigen::Vector3d normalVector(RandomStream& random) {
+  const double x = random.normal();
+  const double y = random.normal();
+  const double z = random.normal();
+  return {x, y, z};
+}
+
+/// Noise of all samples. Numbers are drawn outwards from sample 0, forwards and backwards from a
+/// stream each, so that a longer recording or margin keeps the noise of what it had.
+TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const SampleRange& range) {
+  TriadSequence s;
+  s.white.resize(range.count());
+  s.bias.resize(range.count());
+  for (const int direction : {1, -1}) {
+    const std::uint64_t stream = direction > 0 ? 0 : 1;
+    RandomStream white(seed, noise.white_purpose, {stream});
+    RandomStream walk(seed, noise.walk_purpose, {stream});
+    Eigen::Vector3d bias = noise.initial_bias;
+    const std::int64_t last = direction > 0 ? range.after : range.before;
+    for (std::int64_t j = 0; j <= last; ++j) {
+      if (j > 0) bias += noise.walk_sigma * normalVector(walk);
+      const Eigen::Vector3d n = noise.white_sigma * normalVector(white);
+      if (j == 0 && direction < 0) continue;  // sample 0 belongs to the forward pass
+      const auto index = static_cast<std::size_t>(range.before + direction * j);
+      s.white[index] = n;
+      s.bias[index] = bias;
+    }
+  }
+  return s;
+}
+
+/// Covers all exposures, first to last, by the margin on both sides.
+SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
+  const double rate = imu.noise.rate_hz;
+  const double before = o.imu_margin_s + std::max(0.0, -imu.time_offset_s);
+  const double after = o.duration_s + o.imu_margin_s + std::max(0.0, imu.time_offset_s);
+  SampleRange range;
+  range.before = static_cast<std::int64_t>(std::ceil(before * rate));
+  range.after = static_cast<std::int64_t>(std::ceil(after * rate));
+  return range;
+}
+
+}  // namespace
+
+SimulatedImu simulateImu(const Trajectory& trajectory, const ImuCalibration& imu,
+                         const Eigen::Vector3d& gravity_F, const SimulationOptions& o) {
+  const SampleRange range = sampleRange(imu, o);
+  const double noise = o.imu_noise ? std::sqrt(imu.noise.rate_hz) : 0;  // density to a sample
+  const double step = o.imu_noise ? 1 / std::sqrt(imu.noise.rate_hz) : 0;
+  const TriadSequence gyro = triadSequence(
+      {RandomPurpose::kGyroNoise, RandomPurpose::kGyroWalk, imu.noise.gyro_density * noise,
+       imu.noise.gyro_random_walk * step, o.initial_gyro_bias},
+      o.seed, range);
+  const TriadSequence accel = triadSequence(
+      {RandomPurpose::kAccelNoise, RandomPurpose::kAccelWalk, imu.noise.accel_density * noise,
+       imu.noise.accel_random_walk * step, o.initial_accel_bias},
+      o.seed, range);
+
+  SimulatedImu out;
+  out.samples.resize(range.count());
+  out.biases.resize(range.count());
+  for (std::size_t i = 0; i < range.count(); ++i) {
+    const double nominal_s =
+        static_cast<double>(static_cast<std::int64_t>(i) - range.before) / imu.noise.rate_hz;
+    ImuSample& sample = out.samples[i];
+    sample.t = o.start_ns + toNanoseconds(nominal_s);
+    const MotionState m = trajectory.at(secondsBetween(o.start_ns, sample.t));
+    sample.gyro = m.omega_B + gyro.bias[i] + gyro.white[i];
+    sample.accel = m.T_FB.R.transpose() * (m.a_F - gravity_F) + accel.bias[i] + accel.white[i];
+    out.biases[i] = {gyro.bias[i], accel.bias[i]};
+  }
+  return out;
+}
+
+}  // namespace plumbline

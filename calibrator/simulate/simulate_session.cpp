@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/simulate_session.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "calibrator/base/error.h"
+#include "calibrator/simulate/simulate_imu.h"
+#include "calibrator/simulate/simulate_views.h"
+
+namespace plumbline {
+namespace {
+
+/// The rig's calibration with the options' overrides.
+Calibration trueCalibration(const SimulatedRig& rig, const SimulationOptions& o) {
+  if (rig.calibration.cameras.empty() || !rig.calibration.imu) {
+    throw InputError("rig '" + rig.name + "' cannot be simulated; it needs a camera and an IMU");
+  }
+  Calibration truth = rig.calibration;
+  truth.imu->noise.rate_hz = o.imu_rate_hz.value_or(truth.imu->noise.rate_hz);
+  truth.imu->time_offset_s = o.time_offset_s.value_or(truth.imu->time_offset_s);
+  return truth;
+}
+
+std::vector<TimeNs> nominalStamps(double rate_hz, const SimulationOptions& o) {
+  const auto count = std::max<std::int64_t>(1, std::llround(o.duration_s * rate_hz));
+  std::vector<TimeNs> stamps;
+  for (std::int64_t k = 0; k < count; ++k) {
+    stamps.push_back(o.start_ns + toNanoseconds(static_cast<double>(k) / rate_hz));
+  }
+  return stamps;
+}
+
+CameraStream simulateCamera(const SimulatedSession& s, int index, const SimulationOptions& o) {
+  const CameraCalibration& camera = s.truth.cameras[static_cast<std::size_t>(index)];
+  CameraStream stream;
+  stream.name = camera.name;
+  stream.rostopic = camera.rostopic;
+  stream.resolution = camera.intrinsics.resolution;
+  stream.camera_model = toString(camera.intrinsics.projection_model);
+  stream.distortion_model = toString(camera.intrinsics.distortion_model);
+  for (const FrameStamp& stamp : simulateStamps(s.frame_stamps, index, o)) {
+    ImageView view{stamp.t, visibleCorners(camera.intrinsics, s.cameraPose(index, stamp.t), o)};
+    disturbCorners(view.corners, camera.intrinsics.resolution, index, stamp.frame, o);
+    stream.views.push_back(std::move(view));
+  }
+  return stream;
+}
+
+}  // namespace
+
+MotionState SimulatedSession::motionAtImuTime(TimeNs t_imu) const {
+  return trajectory.at(secondsBetween(start_ns, t_imu));
+}
+
+MotionState SimulatedSession::motionAtCameraTime(TimeNs t_cam) const {
+  return trajectory.at(secondsBetween(start_ns, t_cam) + truth.imu->time_offset_s);
+}
+
+Transform SimulatedSession::cameraPose(int camera, TimeNs t_cam) const {
+  const Transform T_FC0 = motionAtCameraTime(t_cam).T_FB * truth.imu->T_SC0;
+  return T_FC0 * truth.cameras[static_cast<std::size_t>(camera)].T_C0Ci;
+}
+
+ImuState SimulatedSession::stateAt(TimeNs t_cam) const {
+  const MotionState m = motionAtCameraTime(t_cam);
+  const std::vector<ImuSample>& samples = session.imu->samples;
+  const TimeNs t = t_cam + toNanoseconds(truth.imu->time_offset_s);
+  const auto later = std::upper_bound(samples.begin(), samples.end(), t,
+                                      [](TimeNs a, const ImuSample& b) { return a < b.t; });
+  const auto count = static_cast<std::ptrdiff_t>(samples.size());
+  const auto i1 =
+      static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(later - samples.begin(), 0, count - 1));
+  const std::size_t i0 = i1 > 0 ? i1 - 1 : 0;
+  const double span = secondsBetween(samples[i0].t, samples[i1].t);
+  const double w = span > 0 ? std::clamp(secondsBetween(samples[i0].t, t) / span, 0.0, 1.0) : 0;
+  ImuState state;
+  state.T_FS = m.T_FB;
+  state.v_F = m.v_F;
+  state.gyro_bias = (1 - w) * biases[i0].gyro + w * biases[i1].gyro;
+  state.accel_bias = (1 - w) * biases[i0].accel + w * biases[i1].accel;
+  return state;
+}
+
+Transform SimulatedSession::T_WF() const {
+  const Eigen::Vector3d up_F = -gravity_F.normalized();
+  const Eigen::Vector3d side = Eigen::Vector3d::UnitX() - up_F.x() * up_F;
+  Eigen::Matrix3d R_WF;
+  R_WF.row(0) = side.normalized();
+  R_WF.row(2) = up_F;
+  R_WF.row(1) = up_F.cross(side.normalized());
+  return {R_WF, Eigen::Vector3d::Zero()};
+}
+
+SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& o) {
+  check(o);
+  Calibration truth = trueCalibration(rig, o);
+  const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();
+  SimulatedSession s{{},
+                     std::move(truth),
+                     Trajectory(o.target, rig, o.trajectory),
+                     o.start_ns,
+                     gravity_F,
+                     {},
+                     nominalStamps(o.camera_rate_hz.value_or(rig.camera_rate_hz), o),
+                     {}};
+  s.session.name = "simulated-" + rig.name;
+  s.session.target = o.target;
+
+  SimulatedImu imu = simulateImu(s.trajectory, *s.truth.imu, gravity_F, o);
+  s.session.imu = ImuStream{s.truth.imu->rostopic, s.truth.imu->noise, std::move(imu.samples)};
+  s.biases = std::move(imu.biases);
+  for (int i = 0; i < static_cast<int>(s.truth.cameras.size()); ++i) {
+    s.session.cameras.push_back(simulateCamera(s, i, o));
+  }
+  for (const TimeNs t : s.frame_stamps) s.states.push_back(s.stateAt(t));
+  return s;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/simulate_views.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "calibrator/camera/camera.h"
+#include "calibrator/simulate/random_stream.h"
+
+namespace plumbline {
+namespace {
+
+using TagCorners = std::array<Eigen::Vector2d, 4>;
+
+bool isInside(const Eigen::Vector2d& uv, const Resolution& size, double border) {
+  return uv.x() >= border && uv.y() >= border && uv.x() <= size.width - 1 - border &&
+         uv.y() <= size.height - 1 - border;
+}
+
+/// The four corners of a tag in the image; empty where a detector would not see the tag.
+std::optional<TagCorners> projectTag(const Intrinsics& camera, const Transform& T_CF, int tag,
+                                     const SimulationOptions& o) {
+  TagCorners corners;
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2d p = o.target.corner(4 * tag + k);
+    const auto uv = project(camera, T_CF * Eigen::Vector3d(p.x(), p.y(), 0));
+    if (!uv || !isInside(*uv, camera.resolution, o.border_px)) return std::nullopt;
+    corners[static_cast<std::size_t>(k)] = *uv;
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    if ((corners[(k + 1) % 4] - corners[k]).norm() < o.min_tag_px) return std::nullopt;
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+                                   const SimulationOptions& o) {
+  std::vector<Corner> corners;
+  if (T_FC.t.z() <= 0) return corners;
+  const Transform T_CF = T_FC.inverse();
+  for (int tag = 0; tag < o.target.tagCount(); ++tag) {
+    const auto seen = projectTag(camera, T_CF, tag, o);
+    if (!seen) continue;
+    for (int k = 0; k < 4; ++k) {
+      corners.push_back({4 * tag + k, (*seen)[static_cast<std::size_t>(k)]});
+    }
+  }
+  return corners;
+}
+
+std::vector<FrameStamp> simulateStamps(const std::vector<TimeNs>& nominal, int index,
+                                       const SimulationOptions& o) {
+  const auto camera = static_cast<std::uint64_t>(index);
+  RandomStream jitter(o.seed, RandomPurpose::kStampJitter, {camera});
+  RandomStream drop(o.seed, RandomPurpose::kDroppedFrames, {camera});
+  std::vector<FrameStamp> stamps;
+  stamps.reserve(nominal.size());
+  for (std::size_t k = 0; k < nominal.size(); ++k) {
+    const double shift_s = o.stamp_jitter_s * jitter.uniform(-0.5, 0.5);
+    if (drop.uniform() < o.dropped_fraction) continue;
+    stamps.push_back({k, nominal[k] + toNanoseconds(shift_s)});
+  }
+  return stamps;
+}
+
+void disturbCorners(std::vector<Corner>& corners, const Resolution& resolution, int camera,
+                    std::uint64_t frame, const SimulationOptions& o) {
+  const auto index = static_cast<std::uint64_t>(camera);
+  // One stream for each view, and numbers drawn for every corner of the target, seen or not: what
+  // is visible elsewhere never changes a corner's noise.
+  RandomStream noise(o.seed, RandomPurpose::kCornerNoise, {index, frame});
+  RandomStream outlier(o.seed, RandomPurpose::kOutliers, {index, frame});
+  auto corner = corners.begin();
+  for (int id = 0; id < o.target.cornerCount() && corner != corners.end(); ++id) {
+    const double n_u = o.corner_sigma_px > 0 ? noise.normal() : 0;
+    const double n_v = o.corner_sigma_px > 0 ? noise.normal() : 0;
+    const bool is_outlier = outlier.uniform() < o.outlier_fraction;
+    const double direction = outlier.uniform(0, 2 * std::numbers::pi);
+    const double length = o.outlier_px * outlier.uniform(0.5, 1.5);
+    if (corner->id != id) continue;
+    corner->uv += o.corner_sigma_px * Eigen::Vector2d(n_u, n_v);
+    if (is_outlier) {
+      corner->uv += length * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+      corner->uv.x() = std::clamp(corner->uv.x(), 0.0, resolution.width - 1.0);
+      corner->uv.y() = std::clamp(corner->uv.y(), 0.0, resolution.height - 1.0);
+    }
+    ++corner;
+  }
+}
+
+}  // namespace plumbline

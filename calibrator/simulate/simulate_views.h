@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline {
+
+/// Corners of the tags that a camera at T_FC sees, exact, ids ascending; which tags those are says
+/// simulateSession(). Empty where the camera is behind the target.
+std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+                                   const SimulationOptions& options);
+
+/// Stamps that camera `index` gives its frames: the nominal ones with jitter, less those dropped.
+/// Each stamp comes with the frame's number, which selects its random numbers.
+struct FrameStamp {
+  std::uint64_t frame = 0;
+  TimeNs t = 0;
+};
+std::vector<FrameStamp> simulateStamps(const std::vector<TimeNs>& nominal, int index,
+                                       const SimulationOptions& options);
+
+/// Adds noise and outliers to the corners of one camera's frame; outliers stay in the image.
+void disturbCorners(std::vector<Corner>& corners, const Resolution& resolution, int camera,
+                    std::uint64_t frame, const SimulationOptions& options);
+
+}  // namespace plumbline

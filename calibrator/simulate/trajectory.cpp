@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calibrator/simulate/random_stream.h"
+
+namespace plumbline {
+namespace {
+
+/// Orientation of a camera (x right, y down, z forward) that faces the target squarely.
+Eigen::Matrix3d facingTarget() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
+
+/// Draws channels one after the other from the trajectory's stream of random numbers.
+class ChannelMaker {
+ public:
+  ChannelMaker(std::uint64_t seed, double pace)
+      : random_(seed, RandomPurpose::kTrajectory), pace_(pace) {}
+
+  /// Reaches mean +- amplitude (+-10 %), slowest term at base_hz (+-10 %) times the pace.
+  SumOfSinusoids channel(double mean, double amplitude, double base_hz) {
+    constexpr std::array<double, SumOfSinusoids::kTerms> kShare{0.6, 0.3, 0.1};
+    constexpr std::array<double, SumOfSinusoids::kTerms> kHarmonic{1.0, 1.9, 3.1};
+    SumOfSinusoids s;
+    s.mean = mean;
+    const double scale = amplitude * random_.uniform(0.9, 1.1);
+    for (int i = 0; i < SumOfSinusoids::kTerms; ++i) {
+      const double hz = base_hz * kHarmonic[i] * random_.uniform(0.9, 1.1) * pace_;
+      s.amplitude[i] = scale * kShare[i];
+      s.omega[i] = 2 * std::numbers::pi * hz;
+      s.phase[i] = random_.uniform(0, 2 * std::numbers::pi);
+    }
+    return s;
+  }
+
+ private:
+  RandomStream random_;
+  double pace_;
+};
+
+/// Half of the angle that the image spans along one axis, for pan and tilt [rad].
+double halfAngle(const Intrinsics& camera, int axis) {
+  const int size = axis == 0 ? camera.resolution.width : camera.resolution.height;
+  const double slope = 0.5 * size / camera.projection[axis];
+  return camera.distortion_model == DistortionModel::kEquidistant ? slope : std::atan(slope);
+}
+
+/// Distance at which the target fills the shorter side of the image, but at least 0.3 m [m].
+double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
+  const double size = std::max(target.width(), target.height());
+  const int side = std::min(camera.resolution.width, camera.resolution.height);
+  return std::max(0.3, size * camera.projection[0] / side);
+}
+
+/// The rig's centre between its cameras, with the orientation of camera 0, in camera 0.
+Transform rigCentre(const std::vector<CameraCalibration>& cameras) {
+  Transform T_C0B;
+  for (const CameraCalibration& c : cameras) T_C0B.t += c.T_C0Ci.t;
+  T_C0B.t /= static_cast<double>(cameras.size());
+  return T_C0B;
+}
+
+}  // namespace
+
+Trajectory::Trajectory(const AprilGrid& target, const SimulatedRig& rig,
+                       const TrajectoryOptions& options)
+    : kind_(options.kind) {
+  const Intrinsics& camera = rig.calibration.cameras.front().intrinsics;
+  const Transform T_C0S = rig.calibration.imu->T_SC0.inverse();
+  const Transform T_C0B = rigCentre(rig.calibration.cameras);
+  const double near = fillingDistance(target, camera) * options.distance_ratio;
+  const Eigen::Vector2d centre(0.5 * target.width(), 0.5 * target.height());
+  ChannelMaker make(options.seed, options.pace);
+
+  distance_ = make.channel(1.4 * near, 0.45 * near, 0.17);
+  aim_x_ = make.channel(centre.x(), 0.15 * target.width(), 0.13);
+  aim_y_ = make.channel(centre.y(), 0.15 * target.height(), 0.11);
+  azimuth_ = make.channel(0, 0.62, 0.21);
+  elevation_ = make.channel(0, 0.52, 0.27);
+  pan_ = make.channel(0, 0.45 * halfAngle(camera, 0), 0.23);
+  tilt_ = make.channel(0, 0.40 * halfAngle(camera, 1), 0.19);
+  roll_ = make.channel(0, 0.75, 0.31);
+  T_BS_ = T_C0B.inverse() * T_C0S;
+  if (kind_ == MotionKind::kFull) return;
+
+  const bool moves = kind_ != MotionKind::kStatic;
+  const bool translates = moves && kind_ != MotionKind::kPureRotation;
+  const double reach = translates ? 0.2 * near : 0;
+  angle_ = make.channel(0.1, moves ? 0.4 : 0, 0.27);
+  x_ = make.channel(0, reach, 0.23);
+  y_ = make.channel(0, reach, 0.19);
+  z_ = make.channel(0, reach, 0.29);
+  const Transform T_FRig(facingTarget(), {centre.x(), centre.y(), 1.3 * near});
+  const bool by_camera = kind_ == MotionKind::kFrontoParallel;
+  T_FB0_ = T_FRig * T_C0B.inverse() * (by_camera ? Transform() : T_C0S);
+  T_BS_ = by_camera ? T_C0S : Transform();
+  axis_B_ = by_camera ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d(options.axis_S.normalized());
+}
+
+MotionState Trajectory::at(double t_s) const {
+  return attached(kind_ == MotionKind::kFull ? orbit(t_s) : axisBound(t_s), T_BS_);
+}
+
+MotionState Trajectory::orbit(double t_s) const {
+  using Eigen::Vector3d;
+  const RotationMotion facing{facingTarget(), Vector3d::Zero(), Vector3d::Zero()};
+  const RotationMotion around = facing * rotationAbout(Vector3d::UnitY(), azimuth_.at(t_s)) *
+                                rotationAbout(Vector3d::UnitX(), elevation_.at(t_s));
+  const RotationMotion head = around * rotationAbout(Vector3d::UnitY(), pan_.at(t_s)) *
+                              rotationAbout(Vector3d::UnitX(), tilt_.at(t_s)) *
+                              rotationAbout(Vector3d::UnitZ(), roll_.at(t_s));
+  // The line of sight u = R e_z and its derivatives; position = aim - d u.
+  const Vector3d e = Vector3d::UnitZ();
+  const Vector3d spin = around.omega.cross(e);
+  const Vector3d u = around.R * e;
+  const Vector3d du = around.R * spin;
+  const Vector3d ddu = around.R * (around.alpha.cross(e) + around.omega.cross(spin));
+  const ScalarMotion d = distance_.at(t_s);
+  const ScalarMotion ax = aim_x_.at(t_s);
+  const ScalarMotion ay = aim_y_.at(t_s);
+
+  MotionState m;
+  m.T_FB = {head.R, Vector3d(ax.x, ay.x, 0) - d.x * u};
+  m.v_F = Vector3d(ax.dx, ay.dx, 0) - d.dx * u - d.x * du;
+  m.a_F = Vector3d(ax.ddx, ay.ddx, 0) - d.ddx * u - 2 * d.dx * du - d.x * ddu;
+  m.omega_B = head.omega;
+  m.alpha_B = head.alpha;
+  return m;
+}
+
+MotionState Trajectory::axisBound(double t_s) const {
+  const ScalarMotion x = x_.at(t_s);
+  const ScalarMotion y = y_.at(t_s);
+  const ScalarMotion z = z_.at(t_s);
+  const RotationMotion turn = rotationAbout(axis_B_, angle_.at(t_s));
+  Eigen::Matrix3d allowed = T_FB0_.R;
+  if (kind_ == MotionKind::kPlanar) {
+    allowed *= Eigen::Matrix3d::Identity() - axis_B_ * axis_B_.transpose();
+  }
+  MotionState m;
+  m.T_FB = {T_FB0_.R * turn.R, T_FB0_.t + allowed * Eigen::Vector3d(x.x, y.x, z.x)};
+  m.v_F = allowed * Eigen::Vector3d(x.dx, y.dx, z.dx);
+  m.a_F = allowed * Eigen::Vector3d(x.ddx, y.ddx, z.ddx);
+  m.omega_B = turn.omega;
+  m.alpha_B = turn.alpha;
+  return m;
+}
+
+}  // namespace plumbline
