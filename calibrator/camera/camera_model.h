@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <concepts>
+
+namespace plumbline {
+
+/// Coordinates m on the image plane, before focal length and principal point, with derivatives:
+///   u = fu m_x + pu,   v = fv m_y + pv.
+/// T is the arithmetic: double, ceres::Jet, or a vector of SIMD lanes (GCC vector extension).
+template <class T, int kShape>
+struct PlanePoint {
+  T x, y;                                    ///< m [-]
+  std::array<std::array<T, 3>, 2> J_point;   ///< d m / d p_C [1/m]
+  std::array<std::array<T, kShape>, 2> J_k;  ///< d m / d shape coefficients
+};
+
+/// What a camera model is to this project: one type without state, in one file of its own.
+///
+/// Every model of Kalibr ends in fu, fv, pu, pv; what lies before is its "shape": kShape
+/// coefficients and a function of the point in the camera frame. image() must be free of branches
+/// on T (choose with ?:), so that it runs on SIMD lanes, and must be always_inline, so that it is
+/// compiled for the instruction set of the kernel that calls it.
+template <class Model>
+concept CameraModel = requires(const double* k, double s) {
+  { Model::kShape } -> std::convertible_to<int>;
+  { Model::image(k, s, s, s) } -> std::same_as<PlanePoint<double, Model::kShape>>;
+  { Model::isInDomain(k, s, s, s) } -> std::same_as<bool>;
+};
+
+}  // namespace plumbline
