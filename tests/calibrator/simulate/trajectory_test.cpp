@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/trajectory.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+const std::vector<MotionKind> kAllKinds{
+    MotionKind::kFull,   MotionKind::kPureRotation, MotionKind::kSingleAxisRotation,
+    MotionKind::kPlanar, MotionKind::kStatic,       MotionKind::kFrontoParallel};
+
+Trajectory makeTrajectory(MotionKind kind, std::uint64_t seed = 1,
+                          const Vector3d& axis = Vector3d::UnitY()) {
+  TrajectoryOptions options;
+  options.kind = kind;
+  options.seed = seed;
+  options.axis_S = axis;
+  return Trajectory(AprilGrid{}, simulatedRig("euroc"), options);
+}
+
+// Central differences with step h err by h^2 / 6 times the third derivative (below 1e3 here): with
+// h = 1e-4 s about 1e-6, and rounding adds 1e-16 / h.
+TEST(Trajectory, DerivativesAreThoseOfThePose) {
+  constexpr double kStep = 1e-4;
+  constexpr double kTolerance = 2e-6;
+  for (const MotionKind kind : kAllKinds) {
+    const Trajectory trajectory = makeTrajectory(kind);
+    for (double t = 0; t < 20; t += 0.37) {
+      SCOPED_TRACE(testing::Message() << "kind " << static_cast<int>(kind) << ", t " << t);
+      const MotionState a = trajectory.at(t - kStep);
+      const MotionState m = trajectory.at(t);
+      const MotionState b = trajectory.at(t + kStep);
+      const Vector3d velocity = (b.T_FB.t - a.T_FB.t) / (2 * kStep);
+      const Vector3d acceleration = (b.v_F - a.v_F) / (2 * kStep);
+      const Vector3d omega = logSO3(a.T_FB.R.transpose() * b.T_FB.R) / (2 * kStep);
+      const Vector3d alpha = (b.omega_B - a.omega_B) / (2 * kStep);
+      ASSERT_LE((velocity - m.v_F).norm(), kTolerance);
+      ASSERT_LE((acceleration - m.a_F).norm(), kTolerance);
+      ASSERT_LE((omega - m.omega_B).norm(), kTolerance);
+      ASSERT_LE((alpha - m.alpha_B).norm(), kTolerance);
+      ASSERT_LE((m.T_FB.R.transpose() * m.T_FB.R - Matrix3d::Identity()).norm(), 1e-14);
+      ASSERT_NEAR(m.T_FB.R.determinant(), 1, 1e-14);
+    }
+  }
+}
+
+TEST(Trajectory, FullMotionExcitesEveryAxis) {
+  const Trajectory trajectory = makeTrajectory(MotionKind::kFull);
+  Matrix3d rate = Matrix3d::Zero();
+  Matrix3d acceleration = Matrix3d::Zero();
+  double fastest = 0;
+  double hardest = 0;
+  int count = 0;
+  for (double t = 0; t < 30; t += 0.01, ++count) {
+    const MotionState m = trajectory.at(t);
+    rate += m.omega_B * m.omega_B.transpose();
+    acceleration += m.a_F * m.a_F.transpose();
+    fastest = std::max(fastest, m.omega_B.norm());
+    hardest = std::max(hardest, m.a_F.norm());
+  }
+  const auto weakest = [&](const Matrix3d& second_moment) {
+    const Matrix3d mean = second_moment / count;
+    return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(mean).eigenvalues().minCoeff());
+  };
+  EXPECT_GT(weakest(rate), 0.25);         // RMS about the least excited axis [rad/s]
+  EXPECT_GT(weakest(acceleration), 0.2);  // RMS along the least excited axis [m/s^2]
+  EXPECT_LT(fastest, 6.0);                // what a hand does, and a gyro's range allows
+  EXPECT_LT(hardest, 15.0);
+}
+
+TEST(Trajectory, SeedsGiveDifferentMotionsOfTheSameKind) {
+  const Trajectory a = makeTrajectory(MotionKind::kFull, 1);
+  const Trajectory again = makeTrajectory(MotionKind::kFull, 1);
+  const Trajectory b = makeTrajectory(MotionKind::kFull, 2);
+  EXPECT_EQ(a.at(3.3).T_FB.matrix(), again.at(3.3).T_FB.matrix());
+  EXPECT_GT((a.at(3.3).T_FB.t - b.at(3.3).T_FB.t).norm(), 0.01);
+}
+
+TEST(Trajectory, PureRotationKeepsTheImuInPlace) {
+  const Vector3d axis = Vector3d(1, 2, -1).normalized();
+  const Trajectory trajectory = makeTrajectory(MotionKind::kPureRotation, 1, axis);
+  const Vector3d origin = trajectory.at(0).T_FB.t;
+  double largest = 0;
+  for (double t = 0; t < 10; t += 0.1) {
+    const MotionState m = trajectory.at(t);
+    EXPECT_LE((m.T_FB.t - origin).norm(), 1e-14);
+    EXPECT_LE(m.omega_B.cross(axis).norm(), 1e-14);
+    largest = std::max(largest, m.omega_B.norm());
+  }
+  EXPECT_GT(largest, 0.3);
+}
+
+TEST(Trajectory, PlanarMotionStaysInThePlaneAcrossItsAxis) {
+  const Vector3d axis = Vector3d::UnitX();
+  const Trajectory planar = makeTrajectory(MotionKind::kPlanar, 1, axis);
+  const Trajectory spatial = makeTrajectory(MotionKind::kSingleAxisRotation, 1, axis);
+  double off_plane = 0;
+  for (double t = 0; t < 10; t += 0.1) {
+    const MotionState m = planar.at(t);
+    const MotionState n = spatial.at(t);
+    EXPECT_NEAR((m.T_FB.R * axis).dot(m.v_F), 0, 1e-13);
+    EXPECT_LE(m.omega_B.cross(axis).norm(), 1e-14);
+    EXPECT_LE(n.omega_B.cross(axis).norm(), 1e-14);
+    off_plane = std::max(off_plane, std::abs((n.T_FB.R * axis).dot(n.v_F)));
+  }
+  EXPECT_GT(off_plane, 0.1);
+}
+
+TEST(Trajectory, StaticMeansStatic) {
+  const Trajectory trajectory = makeTrajectory(MotionKind::kStatic);
+  const MotionState a = trajectory.at(0);
+  const MotionState b = trajectory.at(7.7);
+  EXPECT_EQ(a.T_FB.matrix(), b.T_FB.matrix());
+  EXPECT_EQ(b.v_F.norm() + b.a_F.norm() + b.omega_B.norm() + b.alpha_B.norm(), 0);
+}
+
+TEST(Trajectory, FrontoParallelKeepsTheTargetSquareToCameraZero) {
+  const Trajectory trajectory = makeTrajectory(MotionKind::kFrontoParallel);
+  const Transform T_SC0 = simulatedRig("euroc").calibration.imu->T_SC0;
+  for (double t = 0; t < 10; t += 0.1) {
+    const Matrix3d R_FC0 = (trajectory.at(t).T_FB * T_SC0).R;
+    EXPECT_LE((R_FC0 * Vector3d::UnitZ() + Vector3d::UnitZ()).norm(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
