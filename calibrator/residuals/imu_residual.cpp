@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/imu_residual.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <cassert>
+#include <cmath>
+
+#include "calibrator/base/lie.h"
+
+namespace plumbline {
+
+ImuState boxplus(const ImuState& state, const Vector15d& d) {
+  ImuState out;
+  out.T_FS = boxplus(state.T_FS, Vector6d(d.head<6>()));
+  out.v_F = state.v_F + d.segment<3>(6);
+  out.gyro_bias = state.gyro_bias + d.segment<3>(9);
+  out.accel_bias = state.accel_bias + d.segment<3>(12);
+  return out;
+}
+
+Vector15d boxminus(const ImuState& to, const ImuState& from) {
+  Vector15d d;
+  d << boxminus(to.T_FS, from.T_FS), to.v_F - from.v_F, to.gyro_bias - from.gyro_bias,
+      to.accel_bias - from.accel_bias;
+  return d;
+}
+
+Eigen::Matrix<double, 3, 2> tangentBasis(const Eigen::Vector3d& direction) {
+  Eigen::Matrix<double, 3, 2> basis;
+  basis.col(0) = direction.unitOrthogonal();
+  basis.col(1) = direction.cross(basis.col(0));
+  return basis;
+}
+
+Eigen::Vector3d boxplusDirection(const Eigen::Vector3d& direction, const Eigen::Vector2d& d) {
+  const double angle = d.norm();
+  if (angle < 1e-12) return (direction + tangentBasis(direction) * d).normalized();
+  const Eigen::Vector3d towards = tangentBasis(direction) * (d / angle);
+  return (std::cos(angle) * direction + std::sin(angle) * towards).normalized();
+}
+
+ImuResidual imuResidual(const Preintegration& motion, const ImuState& i, const ImuState& j,
+                        const Gravity& gravity) {
+  const double T = motion.duration_s;
+  const Eigen::Vector3d g = gravity.magnitude * gravity.direction;
+  const Eigen::Matrix3d R_SF = i.T_FS.R.transpose();
+  const Eigen::Vector3d dv = j.v_F - i.v_F - g * T;
+  const Eigen::Vector3d dp = j.T_FS.t - i.T_FS.t - i.v_F * T - g * (0.5 * T * T);
+  const Eigen::Vector3d r_R = logSO3(motion.R.transpose() * R_SF * j.T_FS.R);
+
+  ImuResidual out;
+  out.r << r_R, R_SF * dv - motion.v, R_SF * dp - motion.p;
+
+  const Eigen::Matrix3d J_R = inverseRightJacobianSO3(r_R) * j.T_FS.R.transpose();
+  const Eigen::Matrix3d J_left = inverseLeftJacobianSO3(r_R);
+  out.J_i.setZero();
+  out.J_i.block<3, 3>(0, 3) = -J_R;
+  out.J_i.block<3, 3>(0, 9) = -J_left * motion.R_bg;
+  out.J_i.block<3, 3>(3, 3) = R_SF * skew(dv);
+  out.J_i.block<3, 3>(3, 6) = -R_SF;
+  out.J_i.block<3, 3>(3, 9) = -motion.v_bg;
+  out.J_i.block<3, 3>(3, 12) = -motion.v_ba;
+  out.J_i.block<3, 3>(6, 0) = -R_SF;
+  out.J_i.block<3, 3>(6, 3) = R_SF * skew(dp);
+  out.J_i.block<3, 3>(6, 6) = -R_SF * T;
+  out.J_i.block<3, 3>(6, 9) = -motion.p_bg;
+  out.J_i.block<3, 3>(6, 12) = -motion.p_ba;
+
+  out.J_j.setZero();
+  out.J_j.block<3, 3>(0, 3) = J_R;
+  out.J_j.block<3, 3>(3, 6) = R_SF;
+  out.J_j.block<3, 3>(6, 0) = R_SF;
+
+  const Eigen::Matrix<double, 3, 2> g_basis = gravity.magnitude * tangentBasis(gravity.direction);
+  out.J_gravity.setZero();
+  out.J_gravity.middleRows<3>(3) = -T * (R_SF * g_basis);
+  out.J_gravity.bottomRows<3>() = (-0.5 * T * T) * (R_SF * g_basis);
+  out.J_offset << -J_left * motion.R_td, -motion.v_td, -motion.p_td;
+  return out;
+}
+
+Vector6d biasWalkResidual(const ImuState& i, const ImuState& j) {
+  Vector6d r;
+  r << j.gyro_bias - i.gyro_bias, j.accel_bias - i.accel_bias;
+  return r;
+}
+
+ImuWeight biasWalkWeight(const ImuNoise& noise, double duration_s) {
+  assert(duration_s > 0);
+  ImuWeight weight;
+  weight.gyro_walk = 1 / (noise.gyro_random_walk * std::sqrt(duration_s));
+  weight.accel_walk = 1 / (noise.accel_random_walk * std::sqrt(duration_s));
+  return weight;
+}
+
+ImuWeight imuWeight(const Matrix9d& covariance, const ImuNoise& noise, double duration_s) {
+  ImuWeight weight = biasWalkWeight(noise, duration_s);
+  const Eigen::LLT<Matrix9d> llt(covariance);
+  assert(llt.info() == Eigen::Success);
+  weight.sqrt_information.setIdentity();
+  llt.matrixL().solveInPlace(weight.sqrt_information);
+  return weight;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/preintegration.h"
+
+#include <Eigen/Geometry>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/residuals/imu_segments.h"
+
+namespace plumbline {
+namespace {
+
+/// What one segment does: the rotation over it, and the rotation vector's derivatives.
+struct SegmentRotation {
+  Eigen::Matrix3d R;     // Exp(theta)
+  Eigen::Matrix3d J_bg;  // right perturbation of R by the gyro bias
+  Eigen::Vector3d J_td;  // and by t_d
+};
+
+/// theta = (w0 + w1) dt / 2 + dt^2/12 w0 x w1 (Magnus expansion of a linear rate, second term).
+SegmentRotation rotateSegment(const ImuSegment& s) {
+  const double c = s.dt * s.dt / 12;
+  const Eigen::Vector3d mean = 0.5 * (s.w0 + s.w1);
+  const Eigen::Vector3d theta = mean * s.dt + c * s.w0.cross(s.w1);
+  const Eigen::Matrix3d Jr = rightJacobianSO3(theta);
+  SegmentRotation r;
+  r.R = expSO3(theta);
+  r.J_bg = Jr * (c * skew(s.w1 - s.w0) - s.dt * Eigen::Matrix3d::Identity());
+  r.J_td.setZero();
+  if (s.first || s.last) {
+    const double dt_td = (s.last ? 1 : 0) - (s.first ? 1 : 0);
+    Eigen::Vector3d theta_td = mean * dt_td + (s.dt * dt_td / 6) * s.w0.cross(s.w1);
+    if (s.first) theta_td += 0.5 * s.dt * s.w_slope + c * s.w_slope.cross(s.w1);
+    if (s.last) theta_td += 0.5 * s.dt * s.w_slope + c * s.w0.cross(s.w_slope);
+    r.J_td = Jr * theta_td;
+  }
+  return r;
+}
+
+/// Adds the derivatives by t_d of one segment; `o` still holds the state before it, R1 and R_td1
+/// belong to its end.
+void advanceOffsetDerivative(const ImuSegment& s, const Eigen::Matrix3d& R1,
+                             const Eigen::Vector3d& R_td1, Preintegration& o) {
+  const double dt = s.dt;
+  const double dt_td = (s.last ? 1 : 0) - (s.first ? 1 : 0);
+  const Eigen::Vector3d b0 = o.R * s.a0;
+  const Eigen::Vector3d b1 = R1 * s.a1;
+  Eigen::Vector3d a0_td = o.R_td.cross(s.a0);
+  Eigen::Vector3d a1_td = R_td1.cross(s.a1);
+  if (s.first) a0_td += s.a_slope;
+  if (s.last) a1_td += s.a_slope;
+  const Eigen::Vector3d b0_td = o.R * a0_td;
+  const Eigen::Vector3d b1_td = R1 * a1_td;
+  o.p_td += o.v_td * dt + o.v * dt_td + (2 * dt * dt_td) * (b0 / 3 + b1 / 6) +
+            (dt * dt) * (b0_td / 3 + b1_td / 6);
+  o.v_td += (0.5 * dt_td) * (b0 + b1) + (0.5 * dt) * (b0_td + b1_td);
+}
+
+/// Adds one segment (bias already taken off its samples) to the integrals and their derivatives.
+void advance(const ImuSegment& s, Preintegration& o) {
+  const double dt = s.dt;
+  const SegmentRotation step = rotateSegment(s);
+  const Eigen::Matrix3d R1 = o.R * step.R;
+  const Eigen::Matrix3d R_bg1 = step.R.transpose() * o.R_bg + step.J_bg;
+  const Eigen::Vector3d R_td1 = step.R.transpose() * o.R_td + step.J_td;
+  advanceOffsetDerivative(s, R1, R_td1, o);
+
+  const Eigen::Matrix3d X0 = o.R * (skew(s.a0) * o.R_bg);  // -d(R a0)/dbg
+  const Eigen::Matrix3d X1 = R1 * (skew(s.a1) * R_bg1);
+  o.p_bg += o.v_bg * dt - (dt * dt) * (X0 / 3 + X1 / 6);
+  o.v_bg -= (0.5 * dt) * (X0 + X1);
+  o.p_ba += o.v_ba * dt - (dt * dt) * (o.R / 3 + R1 / 6);
+  o.v_ba -= (0.5 * dt) * (o.R + R1);
+
+  const Eigen::Vector3d b0 = o.R * s.a0;
+  const Eigen::Vector3d b1 = R1 * s.a1;
+  o.p += o.v * dt + (dt * dt) * (b0 / 3 + b1 / 6);
+  o.v += (0.5 * dt) * (b0 + b1);
+  o.R = R1;
+  o.R_bg = R_bg1;
+  o.R_td = R_td1;
+}
+
+ImuSegment withoutBias(const ImuSegment& s, const ImuBias& bias) {
+  ImuSegment out = s;
+  out.w0 -= bias.gyro;
+  out.w1 -= bias.gyro;
+  out.a0 -= bias.accel;
+  out.a1 -= bias.accel;
+  return out;
+}
+
+/// P <- F P F^T + Q over one segment that starts at attitude R (in S_i). With A = -R [a]x the
+/// attitude error enters velocity as A dt and position as A dt^2/2; noise of the segment itself
+/// enters with half of that lever, and white force noise has the position variance q dt^3/3.
+void advanceCovariance(const ImuSegment& s, const Eigen::Matrix3d& R, const Eigen::Matrix3d& dR,
+                       const ImuNoise& noise, Matrix9d& P) {
+  const double dt = s.dt;
+  const Eigen::Matrix3d A = -R * skew(0.5 * (s.a0 + s.a1));
+  Matrix9d F = Matrix9d::Identity();
+  F.block<3, 3>(0, 0) = dR.transpose();
+  F.block<3, 3>(3, 0) = A * dt;
+  F.block<3, 3>(6, 0) = A * (0.5 * dt * dt);
+  F.block<3, 3>(6, 3).diagonal().setConstant(dt);
+  Eigen::Matrix<double, 9, 6> G = Eigen::Matrix<double, 9, 6>::Zero();
+  G.block<3, 3>(0, 0).setIdentity();
+  G.block<3, 3>(3, 0) = A * (dt / 2);
+  G.block<3, 3>(6, 0) = A * (dt * dt / 6);
+  G.block<3, 3>(3, 3).setIdentity();
+  G.block<3, 3>(6, 3).diagonal().setConstant(dt / 2);
+  const double gyro = noise.gyro_density * noise.gyro_density * dt;
+  const double accel = noise.accel_density * noise.accel_density * dt;
+  G.leftCols<3>() *= std::sqrt(gyro);
+  G.rightCols<3>() *= std::sqrt(accel);
+  const Matrix9d FP = F * P;
+  P.noalias() = FP * F.transpose();
+  P.noalias() += G * G.transpose();
+  P.diagonal().tail<3>().array() += accel * dt * dt / 12;
+}
+
+}  // namespace
+
+std::optional<Preintegration> preintegrate(std::span<const ImuSample> samples,
+                                           const ImuWindow& window, const ImuBias& bias) {
+  Preintegration o;
+  o.duration_s = window.duration_s();
+  const bool covered = forEachSegment(
+      samples, window, [&](const ImuSegment& s) { advance(withoutBias(s, bias), o); });
+  if (!covered) return std::nullopt;
+  return o;
+}
+
+std::optional<Matrix9d> preintegrationCovariance(std::span<const ImuSample> samples,
+                                                 const ImuWindow& window, const ImuBias& bias,
+                                                 const ImuNoise& noise) {
+  Matrix9d P = Matrix9d::Zero();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  const bool covered = forEachSegment(samples, window, [&](const ImuSegment& raw) {
+    const ImuSegment s = withoutBias(raw, bias);
+    const Eigen::Matrix3d dR = rotateSegment(s).R;
+    advanceCovariance(s, R, dR, noise, P);
+    R = R * dR;
+  });
+  if (!covered) return std::nullopt;
+  return Matrix9d(0.5 * (P + P.transpose()));
+}
+
+}  // namespace plumbline
