@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+namespace plumbline {
+
+/// Size of a block of the chain: one state of the sensor (pose, velocity, biases).
+inline constexpr int kChainBlock = 15;
+
+using ChainMatrix = Eigen::Matrix<double, kChainBlock, kChainBlock>;
+/// 15 x (m + 1) row-major: coupling of one block to the border, and the block's gradient last.
+using ChainBorderRows = Eigen::Matrix<double, kChainBlock, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Normal equations H x = -b of a chain of n states with a dense border of m parameters that touch
+/// every state:
+///
+///       | D_0  N_0            C_0 |        | b_0 |
+///   H = | N_0' D_1  N_1       C_1 |,   b = | b_1 |,   and so on; last row the border.
+///       |      N_1' D_2  ..   C_2 |        | b_2 |
+///       | C_0' C_1' C_2' ..   B   |        | b_B |
+///
+/// Units are the caller's; the upper triangles of D and B are enough, H must be positive definite.
+/// A zero N_i breaks the chain there.
+struct BorderedChain {
+  explicit BorderedChain(int blocks = 0, int border = 0);
+
+  int blocks() const { return static_cast<int>(diagonal.size()); }
+  int border() const { return static_cast<int>(border_gradient.size()); }
+  void setZero();
+
+  std::vector<ChainMatrix> diagonal;       ///< D_i, n
+  std::vector<ChainMatrix> next;           ///< N_i = H(i, i + 1), n (the last one is unused)
+  std::vector<ChainBorderRows> to_border;  ///< (C_i | b_i), n
+  Eigen::MatrixXd border_block;            ///< B, m x m
+  Eigen::VectorXd border_gradient;         ///< b_B, m
+};
+
+struct ChainOptions {
+  double damping = 0;  ///< Levenberg-Marquardt: the diagonal is multiplied by 1 + damping
+  int threads = 1;     ///< 2 or more: both sweeps run at once; the result is the same bit by bit
+};
+
+struct ChainSolution {
+  std::vector<Eigen::Matrix<double, kChainBlock, 1>> step;  ///< x of the blocks, n
+  Eigen::VectorXd border_step;                              ///< x of the border, m
+  /// Information of the border with the chain marginalised: B - C' (chain)^-1 C, m x m symmetric.
+  Eigen::MatrixXd border_information;
+  double chain_log_det = 0;   ///< log det of the chain's part of H (damped), nats
+  double border_log_det = 0;  ///< log det of border_information; log det H is their sum
+  double decrement = 0;       ///< b' H^-1 b: twice the decrease of the cost that H and b predict
+};
+
+/// Solves by a block Cholesky factorisation that starts at both ends and meets in the middle
+/// (n (15^3 + 15^2 m) operations). Empty where a pivot is not positive.
+std::optional<ChainSolution> solveChain(const BorderedChain& system,
+                                        const ChainOptions& options = {});
+
+}  // namespace plumbline
