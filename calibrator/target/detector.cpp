@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/detector.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/target/grid_search.h"
+#include "calibrator/target/grid_tags.h"
+#include "calibrator/target/quad_finder.h"
+
+namespace plumbline {
+namespace {
+
+void require(bool holds, const char* field, double value, const char* expected) {
+  if (holds) return;
+  throw InputError(fmt::format("detector option {} = {}: expected {}", field, value, expected));
+}
+
+void checkGrid(const AprilGrid& grid) {
+  if (grid.rows < 1 || grid.cols < 1 || grid.tagCount() > kFamilySize || !(grid.tag_size > 0) ||
+      !(grid.spacing > 0)) {
+    throw InputError(
+        fmt::format("AprilGrid of {} x {} tags, tag size {} m, spacing {}: expected 1 to {} tags "
+                    "and positive sizes; correct the target description",
+                    grid.rows, grid.cols, grid.tag_size, grid.spacing, kFamilySize));
+  }
+}
+
+void append(Detection& detection, const TagImage& tag) {
+  DetectedTag found{tag.id, tag.source, tag.hamming, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!tag.located[k]) continue;
+    detection.corners.push_back({4 * tag.id + static_cast<int>(k), tag.uv[k]});
+    ++found.corners;
+  }
+  detection.tags.push_back(found);
+}
+
+}  // namespace
+
+void DetectorOptions::check() const {
+  require(border_bits == 1 || border_bits == 2, "border_bits", border_bits, "1 or 2");
+  require(decimation >= 1 && decimation <= 8, "decimation", decimation, "1 to 8");
+  require(max_hamming >= 0 && max_hamming <= 2, "max_hamming", max_hamming, "0 to 2");
+  require(min_border_distance_px >= 0, "min_border_distance_px", min_border_distance_px, ">= 0");
+  require(min_edge_px >= 4, "min_edge_px", min_edge_px, ">= 4");
+  require(max_grid_error_px > 0, "max_grid_error_px", max_grid_error_px, "> 0");
+  require(min_tags >= 2, "min_tags", min_tags, ">= 2");
+}
+
+struct AprilGridDetector::Parts {
+  AprilGrid grid;
+  DetectorOptions options;
+  QuadFinder finder;
+  CornerRefiner refiner;
+
+  Parts(const AprilGrid& the_grid, const DetectorOptions& the_options)
+      : grid(the_grid),
+        options(the_options),
+        finder({grid.tagCount(), options.border_bits, options.max_hamming, options.decimation}) {}
+};
+
+AprilGridDetector::AprilGridDetector(const AprilGrid& grid, const DetectorOptions& options) {
+  checkGrid(grid);
+  options.check();
+  parts_ = std::make_unique<Parts>(grid, options);
+}
+AprilGridDetector::~AprilGridDetector() = default;
+AprilGridDetector::AprilGridDetector(AprilGridDetector&&) noexcept = default;
+AprilGridDetector& AprilGridDetector::operator=(AprilGridDetector&&) noexcept = default;
+
+Detection AprilGridDetector::detect(const GrayImageView& image) const {
+  Detection detection;
+  if (image.empty()) return detection;
+  const std::vector<TagImage> squares = parts_->finder.find(image);
+  const std::vector<TagImage> seeds = consistentTags(parts_->grid, squares);
+  detection.rejected_tags = static_cast<int>(squares.size() - seeds.size());
+  if (seeds.size() < 2 || detection.rejected_tags >= static_cast<int>(seeds.size())) {
+    return detection;
+  }
+  GridSearch search(parts_->grid, parts_->options, image, parts_->refiner);
+  search.start(seeds);
+  search.grow();
+  search.checkAgainstNeighbours();
+  search.dropAtBorder();
+  detection.rejected_corners = search.rejectedCorners();
+  detection.spacing = apparentSpacing(parts_->grid, search.tags());
+  if (static_cast<int>(search.tags().size()) < parts_->options.min_tags) return detection;
+  for (const TagImage& tag : search.tags()) append(detection, tag);
+  return detection;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/grid_search.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdlib>
+
+#include "calibrator/target/payload.h"
+
+namespace plumbline {
+namespace {
+
+/// A corner's own surroundings end with the black border inside and the small square outside; this
+/// share of them is used, since blur carries in what lies beyond.
+constexpr double kUsedShare = 0.9;
+
+/// Corner positions in the unit square that squareToQuad maps.
+constexpr std::array<std::array<int, 2>, 4> kUnitCorners = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+
+/// Images of the two edge directions at corner k, away from the tag, each of length `reach` times
+/// the tag's edge there: derivatives of the homography.
+Eigen::Matrix2d outwardAxes(const Eigen::Matrix3d& H, std::size_t k, double reach) {
+  const auto [x, y] = kUnitCorners[k];
+  const Eigen::Vector3d p = H * Eigen::Vector3d(x, y, 1);
+  const Eigen::Vector2d uv = p.head<2>() / p.z();
+  Eigen::Matrix2d axes;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double outward = (axis == 0 ? x : y) == 1 ? 1 : -1;
+    axes.col(axis) = outward * reach * (H.col(axis).head<2>() - H(2, axis) * uv) / p.z();
+  }
+  return axes;
+}
+
+}  // namespace
+
+GridSearch::GridSearch(const AprilGrid& grid, const DetectorOptions& options,
+                       const GrayImageView& image, CornerRefiner& refiner)
+    : grid_(grid), options_(options), image_(image), refiner_(refiner), map_(grid) {}
+
+bool GridSearch::has(int tag_id) const {
+  return std::any_of(tags_.begin(), tags_.end(),
+                     [&](const TagImage& tag) { return tag.id == tag_id; });
+}
+
+int GridSearch::neighboursOf(int tag_id) const {
+  return static_cast<int>(std::count_if(tags_.begin(), tags_.end(), [&](const TagImage& tag) {
+    return std::abs(tag.id % grid_.cols - tag_id % grid_.cols) <= 1 &&
+           std::abs(tag.id / grid_.cols - tag_id / grid_.cols) <= 1;
+  }));
+}
+
+void GridSearch::insert(const TagImage& tag) {
+  const auto place = std::lower_bound(tags_.begin(), tags_.end(), tag.id,
+                                      [](const TagImage& a, int id) { return a.id < id; });
+  tags_.insert(place, tag);
+}
+
+void GridSearch::refineCorners(TagImage& tag) {
+  const Eigen::Matrix3d H = squareToQuad(tag.uv);
+  const double cells = tagCells(options_.border_bits);
+  const double reach = kUsedShare * std::min(options_.border_bits / cells, grid_.spacing);
+  const double max_shift = std::clamp(0.12 * shortestEdge(tag.uv), 2.0, 8.0);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const CornerWindow window{tag.uv[k], outwardAxes(H, k, reach), max_shift};
+    const std::optional<Eigen::Vector2d> corner = refiner_.refine(image_, window);
+    tag.located[k] = corner.has_value();
+    if (corner) tag.uv[k] = *corner;
+  }
+}
+
+void GridSearch::start(const std::vector<TagImage>& tags) {
+  tags_ = tags;
+  for (TagImage& tag : tags_) refineCorners(tag);
+}
+
+std::optional<TagImage> GridSearch::lookFor(int tag_id) {
+  TagImage tag{.id = tag_id, .source = TagSource::kGrid};
+  for (int k = 0; k < 4; ++k) {
+    const std::optional<Eigen::Vector2d> uv = map_.predict(tags_, 4 * tag_id + k, -1);
+    if (!uv) return std::nullopt;
+    tag.uv[static_cast<std::size_t>(k)] = *uv;
+  }
+  if (shortestEdge(tag.uv) < options_.min_edge_px || signedDoubleArea(tag.uv) <= 0) {
+    return std::nullopt;
+  }
+  refineCorners(tag);
+  if (std::none_of(tag.located.begin(), tag.located.end(), [](bool b) { return b; })) {
+    return std::nullopt;
+  }
+  const std::optional<int> distance = payloadDistance(image_, tag, options_.border_bits);
+  if (!distance || *distance > options_.max_hamming) return std::nullopt;
+  tag.hamming = *distance;
+  return tag;
+}
+
+void GridSearch::grow() {
+  std::vector<int> tried(static_cast<std::size_t>(grid_.tagCount()), 0);
+  bool grown = true;
+  while (grown) {
+    grown = false;
+    for (int id = 0; id < grid_.tagCount(); ++id) {
+      if (has(id)) continue;
+      const int neighbours = neighboursOf(id);
+      int& tried_with = tried[static_cast<std::size_t>(id)];
+      if (neighbours <= tried_with) continue;
+      tried_with = neighbours;
+      const std::optional<TagImage> tag = lookFor(id);
+      if (!tag) continue;
+      insert(*tag);
+      grown = true;
+    }
+  }
+}
+
+void GridSearch::checkAgainstNeighbours() {
+  std::vector<TagImage> checked = tags_;
+  for (TagImage& tag : checked) {
+    const double limit = options_.max_grid_error_px + 0.03 * shortestEdge(tag.uv);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!tag.located[k]) {
+        ++rejected_corners_;
+        continue;
+      }
+      const std::optional<Eigen::Vector2d> expected =
+          map_.predict(tags_, 4 * tag.id + static_cast<int>(k), tag.id);
+      if (expected && (*expected - tag.uv[k]).norm() <= limit) continue;
+      tag.located[k] = false;
+      ++rejected_corners_;
+    }
+  }
+  tags_ = std::move(checked);
+  removeEmptyTags();
+}
+
+void GridSearch::dropAtBorder() {
+  const double d = options_.min_border_distance_px;
+  for (TagImage& tag : tags_) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d& uv = tag.uv[k];
+      const bool inside = uv.x() >= d && uv.y() >= d && uv.x() <= image_.width - 1 - d &&
+                          uv.y() <= image_.height - 1 - d;
+      tag.located[k] = tag.located[k] && inside;
+    }
+  }
+  removeEmptyTags();
+}
+
+void GridSearch::removeEmptyTags() {
+  std::erase_if(tags_, [](const TagImage& tag) {
+    return std::none_of(tag.located.begin(), tag.located.end(), [](bool b) { return b; });
+  });
+}
+
+}  // namespace plumbline

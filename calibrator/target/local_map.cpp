@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/local_map.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstdlib>
+
+namespace plumbline {
+namespace {
+
+using Vector8 = Eigen::Matrix<double, 8, 1>;
+using Matrix8 = Eigen::Matrix<double, 8, 8>;
+
+/// Tags further than this many rows or columns from the place asked for are not heard.
+constexpr int kReachTags = 3;
+
+/// Weighted normal equations of u = (h0 + h1 x + h2 y) / (1 + h6 x + h7 y), v likewise with h3, h4,
+/// h5, multiplied out; (x, y) relative to the place asked for, where the denominator is 1.
+struct HomographyFit {
+  Matrix8 normal = Matrix8::Zero();
+  Vector8 right = Vector8::Zero();
+
+  void add(const Eigen::Vector2d& xy, const Eigen::Vector2d& uv, double weight) {
+    const double x = xy.x(), y = xy.y();
+    Vector8 u_row, v_row;
+    u_row << 1, x, y, 0, 0, 0, -x * uv.x(), -y * uv.x();
+    v_row << 0, 0, 0, 1, x, y, -x * uv.y(), -y * uv.y();
+    normal.noalias() += weight * (u_row * u_row.transpose() + v_row * v_row.transpose());
+    right += weight * (u_row * uv.x() + v_row * uv.y());
+  }
+};
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> LocalMap::predict(const std::vector<TagImage>& tags, int corner_id,
+                                                 int left_out) const {
+  const Eigen::Vector2d place = grid_.corner(corner_id);
+  const int col = corner_id / 4 % grid_.cols;
+  const int row = corner_id / 4 / grid_.cols;
+  HomographyFit fit;
+  int heard = 0;
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();
+  for (const TagImage& tag : tags) {
+    if (tag.id == left_out || std::abs(tag.id % grid_.cols - col) > kReachTags ||
+        std::abs(tag.id / grid_.cols - row) > kReachTags) {
+      continue;
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!tag.located[k]) continue;
+      if (heard == 0) origin = tag.uv[k];
+      const Eigen::Vector2d xy =
+          (grid_.corner(4 * tag.id + static_cast<int>(k)) - place) / grid_.pitch();
+      const double weight = 1 / std::pow(0.1 + xy.squaredNorm(), 2);
+      fit.add(xy, (tag.uv[k] - origin) / 100, weight);
+      ++heard;
+    }
+  }
+  if (heard < 5) return std::nullopt;
+  const auto factor = fit.normal.ldlt();
+  const Vector8 h = factor.solve(fit.right);
+  if (factor.info() != Eigen::Success || !h.allFinite() || !(factor.rcond() > 1e-12)) {
+    return std::nullopt;
+  }
+  return Eigen::Vector2d(origin + 100 * Eigen::Vector2d(h[0], h[3]));
+}
+
+}  // namespace plumbline
