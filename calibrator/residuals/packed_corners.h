@@ -31,12 +31,17 @@ class PackedCorners {
 
   int viewCount() const { return static_cast<int>(count_.size()); }
   PackedView view(int index) const;
-  /// Sets the weight of one corner (position within its view): 0 rejects it.
+  /// Sets the weight of one corner (position within its view): 0 rejects it, 1 uses it; nothing
+  /// between.
   void setWeight(int view, int position, double weight);
 
  private:
-  // Owned by the implementation (see packed_corners.cpp): aligned arena and offsets per view.
-  std::vector<double> storage_;
+  // One cache line of doubles: the unit of the arena, so that every copy stays aligned.
+  struct alignas(64) Line {
+    double lane[kLanes] = {};
+  };
+  // Per view the columns x y u v w, each padded to whole lines; offsets count lines of one column.
+  std::vector<Line> storage_;
   std::vector<int> ids_;
   std::vector<int> offset_;
   std::vector<int> count_;

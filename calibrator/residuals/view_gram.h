@@ -12,15 +12,28 @@ namespace plumbline {
 /// How the corners of a view are weighted. Errors are taken in units of pixel_sigma by the caller's
 /// scaling: everything here is in pixels.
 struct GramOptions {
-  double cauchy_px =
-      0;  ///< scale c of the Cauchy loss c^2 log(1 + |e|^2 / c^2) [px]; 0: squared error
+  /// Scale c of the Cauchy loss c^2 log(1 + |e|^2 / c^2) [px]; 0: squared error. Otherwise >= 1e-3.
+  double cauchy_px = 0;
+  /// With a loss: share of the curvature along e that its second derivative may take away, in
+  /// [0, 1). 0 is iteratively re-weighted least squares (H sums rho' J^T J); above, H sums
+  ///   rho' J^T (I - beta n n^T) J,   n = e/|e|,   beta = min(2 s / (1 + s), triggs_clamp),
+  /// s = |e|^2/c^2, after Triggs et al., "Bundle adjustment: a modern synthesis", sec. 4.3. The
+  /// gradient b is exact in any case. Larger values need fewer iterations.
+  double triggs_clamp = 0.7;
 };
+
+/// Squared error [px^2] charged for a corner that cannot be projected (depth not above 1e-9 m,
+/// parameters that are not finite) or misses by more than 1e5 px; such a corner has no gradient and
+/// no loss is applied. It makes a step that puts the target behind the camera cost so much that it
+/// is rejected, where a NaN would go through comparisons. The fold of the distortion is not checked
+/// here: it moves with the parameters, and a cost that jumps there would mislead the solver.
+inline constexpr double kInvalidSquaredError = 1e10;
 
 /// Gauss-Newton terms of one view in the pose of the target in that camera.
 ///
 /// With e = projected - measured [px] and the twist x = (rho [m], phi [rad]) in the camera frame,
 /// p_C' = p_C + rho + phi x p_C, J = de/dx:  H = sum w J^T J,  b = sum w J^T e.
-/// (Chain to the tangent of a Transform with poseFromTwist in residuals/tangent.h.)
+/// (Chain to the tangents of Transforms with residuals/tangent.h.) With a loss, see GramOptions.
 struct PoseGram {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Internal to the Gram kernel: products of columns, tiled so that sums stay in registers.
+
+#include "calibrator/camera/lanes.h"
+
+namespace plumbline::gram {
+
+/// Corners handled at a time: their columns stay in the first-level cache.
+inline constexpr int kChunk = 48;
+/// Doubles from one column to the next: a corner's row u in the first half, its row v in the
+/// second.
+inline constexpr int kStride = 2 * kChunk;
+
+template <int W>
+[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
+  Lanes<W> a;
+  __builtin_memcpy(&a, from, sizeof a);
+  return a;
+}
+
+template <int W>
+[[gnu::always_inline]] inline void store(double* to, const Lanes<W>& a) {
+  __builtin_memcpy(to, &a, sizeof a);
+}
+
+template <int W>
+[[gnu::always_inline]] inline double sumOf(const Lanes<W>& a) {
+  double sum = a[0];
+  for (int i = 1; i < W; ++i) sum += a[i];
+  return sum;
+}
+
+/// sums[i][j] += left column i . right column j over n entries, for I x J columns at once.
+template <int W, int I, int J>
+[[gnu::always_inline]] inline void addTile(const double* left, const double* right, int n,
+                                           Lanes<W>* sums, int sums_stride) {
+  Lanes<W> sum[I][J];
+#pragma GCC unroll 8
+  for (int i = 0; i < I; ++i) {
+#pragma GCC unroll 8
+    for (int j = 0; j < J; ++j) sum[i][j] = sums[i * sums_stride + j];
+  }
+  for (int k = 0; k < n; k += W) {
+    Lanes<W> r[J];
+#pragma GCC unroll 8
+    for (int j = 0; j < J; ++j) r[j] = load<W>(right + j * kStride + k);
+#pragma GCC unroll 8
+    for (int i = 0; i < I; ++i) {
+      const Lanes<W> l = load<W>(left + i * kStride + k);
+#pragma GCC unroll 8
+      for (int j = 0; j < J; ++j) sum[i][j] += l * r[j];
+    }
+  }
+#pragma GCC unroll 8
+  for (int i = 0; i < I; ++i) {
+#pragma GCC unroll 8
+    for (int j = 0; j < J; ++j) sums[i * sums_stride + j] = sum[i][j];
+  }
+}
+
+/// I rows against J columns, cut into tiles of about a dozen sums (16 registers on x86-64).
+template <int W, int I, int J>
+[[gnu::always_inline]] inline void addStrip(const double* left, const double* right, int n,
+                                            Lanes<W>* sums, int sums_stride) {
+  constexpr int kTile = I >= 3 ? 3 : 5;
+  if constexpr (J > kTile) {
+    addTile<W, I, kTile>(left, right, n, sums, sums_stride);
+    addStrip<W, I, J - kTile>(left, right + kTile * kStride, n, sums + kTile, sums_stride);
+  } else {
+    addTile<W, I, J>(left, right, n, sums, sums_stride);
+  }
+}
+
+/// Rows kRow..S-1 against columns >= the first row of each strip, up to column S (the error): the
+/// upper triangle and a little of the lower one. sums is S x (S + 1).
+template <int W, int S, int kRow = 0>
+[[gnu::always_inline]] inline void addUpper(const double* left, const double* right, int n,
+                                            Lanes<W>* sums) {
+  constexpr int kRows = S - kRow < 4 ? S - kRow : 4;
+  addStrip<W, kRows, S + 1 - kRow>(left + kRow * kStride, right + kRow * kStride, n,
+                                   sums + kRow * (S + 1) + kRow, S + 1);
+  if constexpr (kRow + kRows < S) addUpper<W, S, kRow + kRows>(left, right, n, sums);
+}
+
+}  // namespace plumbline::gram

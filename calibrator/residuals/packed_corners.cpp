@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/packed_corners.h"
+
+#include <cassert>
+
+namespace plumbline {
+namespace {
+
+constexpr int kColumns = 5;  // x y u v w
+
+int lines(int count) { return (count + kLanes - 1) / kLanes; }
+
+}  // namespace
+
+PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageView>& views) {
+  for (const ImageView& view : views) {
+    offset_.push_back(static_cast<int>(total_));
+    count_.push_back(static_cast<int>(view.corners.size()));
+    total_ += lines(count_.back());
+  }
+  storage_.resize(kColumns * total_);
+  ids_.resize(kLanes * total_);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const int n = count_[i];
+    const int step = lines(n);
+    for (int j = 0; j < kLanes * step; ++j) {
+      const Corner& corner = views[i].corners[j < n ? j : n - 1];
+      const Eigen::Vector2d p_F = target.corner(corner.id);
+      const double row[kColumns] = {p_F.x(), p_F.y(), corner.uv.x(), corner.uv.y(),
+                                    j < n ? 1. : 0.};
+      Line* line = storage_.data() + kColumns * offset_[i] + j / kLanes;
+      for (int c = 0; c < kColumns; ++c) line[c * step].lane[j % kLanes] = row[c];
+      ids_[kLanes * offset_[i] + j] = corner.id;
+    }
+  }
+}
+
+PackedView PackedCorners::view(int index) const {
+  assert(index >= 0 && index < viewCount());
+  PackedView view;
+  view.count = count_[index];
+  view.padded = kLanes * lines(view.count);
+  if (view.count == 0) return view;
+  const Line* line = storage_.data() + kColumns * offset_[index];
+  const int step = lines(view.count);
+  view.x = line->lane;
+  view.y = line[step].lane;
+  view.u = line[2 * step].lane;
+  view.v = line[3 * step].lane;
+  view.w = line[4 * step].lane;
+  view.id = ids_.data() + kLanes * offset_[index];
+  return view;
+}
+
+void PackedCorners::setWeight(int view, int position, double weight) {
+  assert(view >= 0 && view < viewCount() && position >= 0 && position < count_[view]);
+  assert(weight == 0 || weight == 1);
+  Line* line = storage_.data() + kColumns * offset_[view] + 4 * lines(count_[view]);
+  line[position / kLanes].lane[position % kLanes] = weight;
+}
+
+}  // namespace plumbline

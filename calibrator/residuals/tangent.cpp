@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/tangent.h"
+
+#include "calibrator/base/lie.h"
+
+namespace plumbline {
+namespace {
+
+// x_A = Ad(T_AB) x_B for twists (rho, phi): phi_A = R phi_B, rho_A = R rho_B + t x phi_A.
+Matrix6d adjoint(const Transform& T_AB) {
+  Matrix6d Ad = Matrix6d::Zero();
+  Ad.topLeftCorner<3, 3>() = T_AB.R;
+  Ad.bottomRightCorner<3, 3>() = T_AB.R;
+  Ad.topRightCorner<3, 3>() = skew(T_AB.t) * T_AB.R;
+  return Ad;
+}
+
+// For T_CF = T_CA * T_BA^-1 * T_BF, the twist of T_CF in the tangent of T_BA: the inverse turns the
+// twist of T_BA, which acts in B, round, and T_CB = T_CA * T_BA^-1 carries it to C.
+Matrix6d throughInverse(const Transform& T_CA, const Transform& T_BA) {
+  return -adjoint(T_CA * T_BA.inverse()) * twistFromTangent(T_BA);
+}
+
+}  // namespace
+
+Matrix6d twistFromTangent(const Transform& T) {
+  Matrix6d A = Matrix6d::Identity();
+  A.topRightCorner<3, 3>() = skew(T.t);
+  return A;
+}
+
+CameraChain cameraChain(const Transform& T_FC0, const Transform& T_C0Ci) {
+  const Transform T_CiC0 = T_C0Ci.inverse();
+  CameraChain chain;
+  chain.T_CiF = T_CiC0 * T_FC0.inverse();
+  chain.A_FC0 = throughInverse(T_CiC0, T_FC0);
+  chain.A_C0Ci = throughInverse(Transform(), T_C0Ci);
+  return chain;
+}
+
+CameraImuChain cameraImuChain(const Transform& T_FS, const Transform& T_SC0,
+                              const Transform& T_C0Ci) {
+  const Transform T_CiC0 = T_C0Ci.inverse();
+  const Transform T_CiS = T_CiC0 * T_SC0.inverse();
+  CameraImuChain chain;
+  chain.T_CiF = T_CiS * T_FS.inverse();
+  chain.A_FS = throughInverse(T_CiS, T_FS);
+  chain.A_SC0 = throughInverse(T_CiC0, T_SC0);
+  chain.A_C0Ci = throughInverse(Transform(), T_C0Ci);
+  return chain;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/view_gram.h"
+
+#include <cassert>
+#include <variant>
+
+#include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/residuals/gram_kernel.h"
+#include "calibrator/residuals/instruction_set.h"
+
+#if defined(__x86_64__)
+#define PLUMBLINE_AVX2 [[gnu::target("avx2,fma")]]
+#endif
+
+namespace plumbline {
+namespace {
+
+template <int W, class Model, bool kRobust>
+[[gnu::always_inline]] inline void computePose(const gram::Input& in, PoseGram& out) {
+  gram::writePose<W>(gram::sumView<W, Model, false, kRobust>(in), out);
+}
+
+template <int W, class Model, bool kRobust>
+[[gnu::always_inline]] inline void computeView(const gram::Input& in, ViewGram& out) {
+  const auto sums = gram::sumView<W, Model, true, kRobust>(in);
+  gram::writePose<W>(sums, out);
+  gram::writeIntrinsics<W>(sums, out);
+}
+
+// One entry per version: only these functions carry the instruction set.
+template <class Model, bool kRobust>
+struct Baseline {
+  static void pose(const gram::Input& in, PoseGram& out) {
+    computePose<2, Model, kRobust>(in, out);
+  }
+  static void view(const gram::Input& in, ViewGram& out) {
+    computeView<2, Model, kRobust>(in, out);
+  }
+  static double cost(const gram::Input& in) { return gram::costOfView<2, Model, kRobust>(in); }
+};
+
+#if defined(__x86_64__)
+template <class Model, bool kRobust>
+struct Avx2 {
+  PLUMBLINE_AVX2 static void pose(const gram::Input& in, PoseGram& out) {
+    computePose<4, Model, kRobust>(in, out);
+  }
+  PLUMBLINE_AVX2 static void view(const gram::Input& in, ViewGram& out) {
+    computeView<4, Model, kRobust>(in, out);
+  }
+  PLUMBLINE_AVX2 static double cost(const gram::Input& in) {
+    return gram::costOfView<4, Model, kRobust>(in);
+  }
+};
+#else
+template <class Model, bool kRobust>
+using Avx2 = Baseline<Model, kRobust>;
+#endif
+
+gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                    const GramOptions& options) {
+  assert(options.cauchy_px == 0 || options.cauchy_px >= 1e-3);
+  assert(options.triggs_clamp >= 0 && options.triggs_clamp < 1);
+  gram::Input in;
+  in.T_CF = T_CF;
+  in.fu = camera.projection[0];
+  in.fv = camera.projection[1];
+  in.pu = camera.projection[2];
+  in.pv = camera.projection[3];
+  in.k = camera.distortion.data();
+  in.view = view;
+  if (options.cauchy_px > 0) in.inverse_c2 = 1 / (options.cauchy_px * options.cauchy_px);
+  in.triggs_clamp = options.triggs_clamp;
+  return in;
+}
+
+bool allFinite(const Intrinsics& camera, const Transform& T_CF) {
+  return camera.projection.allFinite() && camera.distortion.allFinite() && T_CF.R.allFinite() &&
+         T_CF.t.allFinite();
+}
+
+// Every used corner is charged as one that cannot be projected.
+double chargeAll(const PackedView& view) {
+  double used = 0;
+  for (int j = 0; j < view.count; ++j) used += view.w[j];
+  return used * kInvalidSquaredError;
+}
+
+// Calls job(Version<Model, kRobust>{}) for the version, model and loss at hand.
+template <class Job>
+auto dispatch(InstructionSet set, const AnyCameraModel& model, bool robust, const Job& job) {
+  assert(isAvailable(set));
+  return std::visit(
+      [&]<class Model>(Model) {
+        if (set == InstructionSet::kAvx2) {
+          return robust ? job(Avx2<Model, true>{}) : job(Avx2<Model, false>{});
+        }
+        return robust ? job(Baseline<Model, true>{}) : job(Baseline<Model, false>{});
+      },
+      model);
+}
+
+}  // namespace
+
+bool isAvailable(InstructionSet set) {
+#if defined(__x86_64__)
+  static const bool kHasAvx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  return set == InstructionSet::kBaseline || kHasAvx2;
+#else
+  return set == InstructionSet::kBaseline;
+#endif
+}
+
+InstructionSet bestInstructionSet() {
+  return isAvailable(InstructionSet::kAvx2) ? InstructionSet::kAvx2 : InstructionSet::kBaseline;
+}
+
+PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
+                      const PackedView& view, const GramOptions& options) {
+  const AnyCameraModel model = cameraModelOf(camera);
+  PoseGram out;
+  if (!allFinite(camera, T_CF)) {
+    out.squared_error = out.cost = chargeAll(view);
+    return out;
+  }
+  const gram::Input in = inputOf(camera, T_CF, view, options);
+  dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.pose(in, out); });
+  return out;
+}
+
+ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
+                      const PackedView& view, const GramOptions& options) {
+  const AnyCameraModel model = cameraModelOf(camera);
+  ViewGram out;
+  if (!allFinite(camera, T_CF)) {
+    const auto K = camera.projection.size() + camera.distortion.size();
+    out.H_pose_k.setZero(6, K);
+    out.H_k.setZero(K, K);
+    out.b_k.setZero(K);
+    out.squared_error = out.cost = chargeAll(view);
+    return out;
+  }
+  const gram::Input in = inputOf(camera, T_CF, view, options);
+  dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.view(in, out); });
+  return out;
+}
+
+double viewCostWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
+                    const PackedView& view, const GramOptions& options) {
+  const AnyCameraModel model = cameraModelOf(camera);
+  if (!allFinite(camera, T_CF)) return chargeAll(view);
+  const gram::Input in = inputOf(camera, T_CF, view, options);
+  return dispatch(set, model, options.cauchy_px > 0,
+                  [&](auto version) { return version.cost(in); });
+}
+
+PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                  const GramOptions& options) {
+  return poseGramWith(bestInstructionSet(), camera, T_CF, view, options);
+}
+
+ViewGram viewGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                  const GramOptions& options) {
+  return viewGramWith(bestInstructionSet(), camera, T_CF, view, options);
+}
+
+double viewCost(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                const GramOptions& options) {
+  return viewCostWith(bestInstructionSet(), camera, T_CF, view, options);
+}
+
+}  // namespace plumbline
