@@ -79,8 +79,8 @@ Trajectory::Trajectory(const AprilGrid& target, const SimulatedRig& rig,
   aim_y_ = make.channel(centre.y(), 0.15 * target.height(), 0.11);
   azimuth_ = make.channel(0, 0.62, 0.21);
   elevation_ = make.channel(0, 0.52, 0.27);
-  pan_ = make.channel(0, 0.45 * halfAngle(camera, 0), 0.23);
-  tilt_ = make.channel(0, 0.40 * halfAngle(camera, 1), 0.19);
+  pan_ = make.channel(0, 0.60 * halfAngle(camera, 0), 0.23);
+  tilt_ = make.channel(0, 0.55 * halfAngle(camera, 1), 0.19);
   roll_ = make.channel(0, 0.75, 0.31);
   T_BS_ = T_C0B.inverse() * T_C0S;
   if (kind_ == MotionKind::kFull) return;

@@ -24,7 +24,7 @@ struct TrajectoryOptions {
   MotionKind kind = MotionKind::kFull;
   Eigen::Vector3d axis_S = Eigen::Vector3d::UnitY();  ///< rotation axis in S, for the three kinds
   std::uint64_t seed = 1;     ///< phases, and +-10 % of every amplitude and frequency
-  double pace = 1;            ///< multiplies every frequency; 1: at most about 3 rad/s, 8 m/s^2
+  double pace = 1;            ///< multiplies every frequency; 1: at most about 3 rad/s, 5 m/s^2
   double distance_ratio = 1;  ///< multiplies the distance to the target
 };
 

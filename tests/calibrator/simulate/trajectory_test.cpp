@@ -75,8 +75,8 @@ TEST(Trajectory, FullMotionExcitesEveryAxis) {
   };
   EXPECT_GT(weakest(rate), 0.25);         // RMS about the least excited axis [rad/s]
   EXPECT_GT(weakest(acceleration), 0.2);  // RMS along the least excited axis [m/s^2]
-  EXPECT_LT(fastest, 6.0);                // what a hand does, and a gyro's range allows
-  EXPECT_LT(hardest, 15.0);
+  EXPECT_LT(fastest, 4.0);                // what a hand does, and a gyro's range allows
+  EXPECT_LT(hardest, 8.0);
 }
 
 TEST(Trajectory, SeedsGiveDifferentMotionsOfTheSameKind) {
