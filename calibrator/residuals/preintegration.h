@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "calibrator/base/imu_bias.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 
@@ -12,11 +13,6 @@ namespace plumbline {
 
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
-
-struct ImuBias {
-  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< [rad/s]
-  Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< [m/s^2]
-};
 
 /// The stretch of the IMU stream between two frames: [from + t_d, to + t_d] in the IMU's clock,
 /// with `from` < `to` stamps of the camera's clock.

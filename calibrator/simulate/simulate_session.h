@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/imu_bias.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/simulate/rig.h"
@@ -12,12 +13,6 @@
 #include "calibrator/simulate/trajectory.h"
 
 namespace plumbline {
-
-/// True biases of one IMU sample.
-struct ImuBias {
-  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< [rad/s]
-  Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< [m/s^2]
-};
 
 /// A recording whose truth is known.
 struct SimulatedSession {
