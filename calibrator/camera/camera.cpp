@@ -103,6 +103,10 @@ std::optional<Eigen::Vector3d> unprojectAs(Pinhole<Distortion>, const Intrinsics
   return Eigen::Vector3d(x->x(), x->y(), 1).normalized();
 }
 
+std::string nameOf(const Intrinsics& camera) {
+  return toString(camera.projection_model) + "-" + toString(camera.distortion_model);
+}
+
 }  // namespace
 
 bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion) {
@@ -111,17 +115,14 @@ bool isCalibrationSupported(ProjectionModel projection, DistortionModel distorti
 }
 
 AnyCameraModel cameraModelOf(const Intrinsics& camera) {
-  const std::string name =
-      toString(camera.projection_model) + "-" + toString(camera.distortion_model);
   if (!isCalibrationSupported(camera.projection_model, camera.distortion_model)) {
-    throw InputError("camera model '" + name +
+    throw InputError("camera model '" + nameOf(camera) +
                      "' is not supported; supported are pinhole-radtan and pinhole-equidistant; "
                      "recalibrate the camera with one of them");
   }
   if (camera.projection.size() != 4 || camera.distortion.size() != 4) {
-    throw InputError("camera model '" + name +
-                     "' needs 4 projection and 4 distortion parameters, "
-                     "but " +
+    throw InputError("camera model '" + nameOf(camera) +
+                     "' needs 4 projection and 4 distortion parameters, but " +
                      std::to_string(camera.projection.size()) + " and " +
                      std::to_string(camera.distortion.size()) +
                      " were given; give fu fv pu pv and the 4 coefficients");
