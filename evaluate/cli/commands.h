@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+namespace plumbline {
+
+/// Exit codes of the command line (docs/conventions.md): done; could not succeed; bad input or
+/// usage.
+enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
+
+/// One subcommand: `configure` declares its options on the given app and returns what runs when the
+/// command was chosen. The handler returns an ExitCode and throws InputError for bad input.
+struct Command {
+  std::string name;
+  std::string summary;
+  std::string example;
+  std::function<std::function<int()>(CLI::App&)> configure;
+};
+
+Command simulateCommand();
+Command detectCommand();
+Command calibrateCommand();
+Command reportCommand();
+
+}  // namespace plumbline

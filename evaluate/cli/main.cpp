@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The one binary: a table of subcommands, and the only place where errors become exit codes.
+#include <exception>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/workflow/version.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<Command> commands() {
+  return {simulateCommand(), detectCommand(), calibrateCommand(), reportCommand()};
+}
+
+int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
+  try {
+    return handlers.at(app.get_subcommands().front()->get_name())();
+  } catch (const InputError& error) {
+    fmt::print(stderr, "plumbline: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "plumbline: unexpected failure: {}\n", error.what());
+    return kFailed;
+  }
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Calibrates and judges camera-IMU rigs from recordings of an AprilGrid.",
+               "plumbline"};
+  app.set_version_flag("--version", kVersion);
+  app.require_subcommand(1);
+  std::map<std::string, std::function<int()>> handlers;
+  for (const Command& command : commands()) {
+    CLI::App* sub = app.add_subcommand(command.name, command.summary);
+    sub->footer("Example:\n  " + command.example);
+    handlers[command.name] = command.configure(*sub);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kBadInput;
+  }
+  return runChosen(app, handlers);
+}
+
+}  // namespace
+}  // namespace plumbline
+
+int main(int argc, char** argv) { return plumbline::run(argc, argv); }

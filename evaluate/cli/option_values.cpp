@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/option_values.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+std::optional<double> number(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stopped != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+[[noreturn]] void refuse(const std::string& option, const std::string& word,
+                         const std::string& expected) {
+  throw InputError(fmt::format("{} {}: expected {}", option, word, expected));
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (char c : text) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+// "prefix:NUMBER" -> NUMBER, if it is positive.
+std::optional<double> positiveAfter(const std::string& word, const std::string& prefix) {
+  if (word.rfind(prefix, 0) != 0) return std::nullopt;
+  const auto value = number(word.substr(prefix.size()));
+  return value && *value > 0 ? value : std::nullopt;
+}
+
+using ThresholdMembers = std::map<std::string, Bound VerdictThresholds::*>;
+
+const ThresholdMembers& thresholdMembers() {
+  static const ThresholdMembers kMembers{
+      {"rmse_px", &VerdictThresholds::rmse_px},
+      {"regional_error_px", &VerdictThresholds::regional_error_px},
+      {"coverage", &VerdictThresholds::coverage},
+      {"views", &VerdictThresholds::views},
+      {"tilt_deg", &VerdictThresholds::tilt_deg},
+      {"rejected", &VerdictThresholds::rejected},
+      {"focal_std", &VerdictThresholds::focal_std},
+      {"extrinsics_std_m", &VerdictThresholds::extrinsics_std_m},
+      {"lever_arm_std_m", &VerdictThresholds::lever_arm_std_m},
+      {"rotation_std_deg", &VerdictThresholds::rotation_std_deg},
+      {"offset_std_ms", &VerdictThresholds::offset_std_ms},
+      {"lever_arm_m", &VerdictThresholds::lever_arm_m},
+      {"offset_ms", &VerdictThresholds::offset_ms},
+      {"imu_noise_factor", &VerdictThresholds::imu_noise_factor}};
+  return kMembers;
+}
+
+}  // namespace
+
+double lossFrom(const std::string& word) {
+  if (word == "none") return 0;
+  if (const auto scale = positiveAfter(word, "cauchy:")) return *scale;
+  refuse("--loss", word, "none, or cauchy:SCALE with a positive scale in pixels, e.g. cauchy:1.5");
+}
+
+std::pair<OutlierRule, double> outliersFrom(const std::string& word) {
+  if (word == "none") return {OutlierRule::kNone, 0};
+  if (word == "kalibr") return {OutlierRule::kKalibr, 0};
+  if (const auto k = positiveAfter(word, "sigma:")) return {OutlierRule::kSigma, *k};
+  refuse("--outliers", word, "none, kalibr, or sigma:K with a positive K, e.g. sigma:4");
+}
+
+double selectionThresholdFrom(const std::string& word) {
+  const auto unit = [&](const std::string& suffix) {
+    if (word.size() <= suffix.size() || !word.ends_with(suffix)) return std::optional<double>();
+    return positiveAfter(word.substr(0, word.size() - suffix.size()), "mi:");
+  };
+  if (const auto bits = unit("bits")) return *bits;
+  if (const auto nats = unit("nats")) return *nats / std::numbers::ln2;
+  refuse("--select-views", word, "mi:THRESHOLDbits (or nats), e.g. mi:0.2bits");
+}
+
+std::vector<ModelPair> modelsFrom(const std::string& words) {
+  std::vector<ModelPair> models;
+  for (const std::string& word : split(words, ',')) {
+    const auto dash = word.find('-');
+    const auto projection = projectionModelFrom(word.substr(0, dash));
+    const auto distortion =
+        dash == std::string::npos ? std::nullopt : distortionModelFrom(word.substr(dash + 1));
+    if (!projection || !distortion) {
+      refuse("--models", word,
+             "pinhole-radtan or pinhole-equidistant, one for each camera, with "
+             "commas between them");
+    }
+    models.push_back({*projection, *distortion});
+  }
+  return models;
+}
+
+Resolution resolutionFrom(const std::string& word) {
+  const auto parts = split(word, 'x');
+  if (parts.size() == 2) {
+    const auto width = number(parts[0]);
+    const auto height = number(parts[1]);
+    if (width && height && *width >= 1 && *height >= 1 && *width < 1e5 && *height < 1e5) {
+      return {static_cast<int>(*width), static_cast<int>(*height)};
+    }
+  }
+  refuse("--resolution", word, "WIDTHxHEIGHT in pixels, e.g. 752x480");
+}
+
+void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) {
+  const auto equals = assignment.find('=');
+  const auto member = thresholdMembers().find(assignment.substr(0, equals));
+  const auto values = equals == std::string::npos ? std::vector<std::string>()
+                                                  : split(assignment.substr(equals + 1), ',');
+  if (member != thresholdMembers().end() && values.size() == 2) {
+    const auto doubtful = number(values[0]);
+    const auto bad = number(values[1]);
+    if (doubtful && bad) {
+      thresholds.*(member->second) = {*doubtful, *bad};
+      return;
+    }
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, unused] : thresholdMembers()) names.push_back(name);
+  refuse("--threshold", assignment,
+         fmt::format("NAME=DOUBTFUL,BAD with NAME one of {}", fmt::join(names, ", ")));
+}
+
+TimeNs nanosecondsFromMilliseconds(double milliseconds) {
+  return static_cast<TimeNs>(std::llround(milliseconds * 1e6));
+}
+
+}  // namespace plumbline

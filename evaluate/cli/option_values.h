@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "evaluate/metrics/verdict.h"
+
+namespace plumbline {
+
+/// The words of the command line as values. Each throws InputError naming the option, the word and
+/// what it may be.
+
+/// "none" or "cauchy:SCALE" -> scale of the Cauchy loss [px]; 0 for none.
+double lossFrom(const std::string& word);
+
+enum class OutlierRule { kNone, kSigma, kKalibr };
+/// "none", "sigma:K", "kalibr" -> rule and K (0 where it has none).
+std::pair<OutlierRule, double> outliersFrom(const std::string& word);
+
+/// "mi:0.2bits" (or "mi:0.139nats") -> threshold [bits].
+double selectionThresholdFrom(const std::string& word);
+
+struct ModelPair {
+  ProjectionModel projection = ProjectionModel::kPinhole;
+  DistortionModel distortion = DistortionModel::kRadtan;
+  bool operator==(const ModelPair&) const = default;
+};
+/// "pinhole-radtan,pinhole-equidistant" -> one per camera; a single one stands for all cameras.
+std::vector<ModelPair> modelsFrom(const std::string& words);
+
+/// "752x480".
+Resolution resolutionFrom(const std::string& word);
+
+/// "rmse_px=1.5,3" (doubtful, bad) changes one threshold of the verdict.
+void setThreshold(const std::string& assignment, VerdictThresholds& thresholds);
+
+/// Milliseconds as written on the command line to nanoseconds, rounded to the nearest.
+TimeNs nanosecondsFromMilliseconds(double milliseconds);
+
+}  // namespace plumbline

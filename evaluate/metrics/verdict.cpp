@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "calibrator/base/statistics.h"
+#include "evaluate/metrics/coverage.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr int kLeastCornersOfRegion = 30;
+
+VerdictLevel levelAbove(double value, const Bound& bound) {
+  if (!(value <= bound.bad)) return VerdictLevel::kBad;  // NaN is bad
+  return value > bound.doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+}
+
+VerdictLevel levelBelow(double value, const Bound& bound) {
+  if (!(value >= bound.bad)) return VerdictLevel::kBad;
+  return value < bound.doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+}
+
+// The bound that decided: the one crossed, or the nearer one if none was.
+double decisive(VerdictLevel level, const Bound& bound) {
+  return level == VerdictLevel::kBad ? bound.bad : bound.doubtful;
+}
+
+struct Rule {
+  std::string name;
+  std::string unit;
+  Bound bound;
+  std::string advice;  // shown where the level is not good
+};
+
+Finding finding(const Rule& rule, VerdictLevel level, double value, std::string evidence) {
+  Finding f;
+  f.rule = rule.name;
+  f.level = level;
+  f.evidence = std::move(evidence);
+  if (level != VerdictLevel::kGood) f.advice = rule.advice;
+  f.value = value;
+  f.threshold = decisive(level, rule.bound);
+  f.unit = rule.unit;
+  return f;
+}
+
+Finding above(const Rule& rule, double value, std::string evidence) {
+  return finding(rule, levelAbove(value, rule.bound), value, std::move(evidence));
+}
+
+Finding below(const Rule& rule, double value, std::string evidence) {
+  return finding(rule, levelBelow(value, rule.bound), value, std::move(evidence));
+}
+
+// The larger of formal and resampled standard deviation of the parameters that `wanted` selects,
+// relative to the value where asked.
+struct Spread {
+  double value = 0;
+  std::string name;
+  bool resampled = false;
+};
+
+Spread largestSpread(const std::vector<ParameterEstimate>& estimates,
+                     const std::vector<std::string>& suffixes, const std::string& prefix,
+                     bool relative) {
+  Spread worst;
+  for (const ParameterEstimate& estimate : estimates) {
+    const auto dot = estimate.name.find('.');
+    const std::string suffix = dot == std::string::npos ? "" : estimate.name.substr(dot + 1);
+    if (estimate.name.rfind(prefix, 0) != 0) continue;
+    if (std::find(suffixes.begin(), suffixes.end(), suffix) == suffixes.end()) continue;
+    const bool resampled = estimate.resample_std && *estimate.resample_std > estimate.std;
+    const double std = resampled ? *estimate.resample_std : estimate.std;
+    const double value = relative ? std / std::abs(estimate.value) : std;
+    if (worst.name.empty() || !(value <= worst.value)) worst = {value, estimate.name, resampled};
+  }
+  return worst;
+}
+
+std::string kindOf(const Spread& spread) {
+  return spread.resampled ? "spread over resampled segments" : "formal standard deviation";
+}
+
+void judgeResiduals(const std::vector<CornerResidual>& residuals, const StageSummary& summary,
+                    const std::vector<CameraCalibration>& cameras, const std::string& stage,
+                    const VerdictThresholds& t, std::vector<Finding>& findings) {
+  for (std::size_t i = 0; i < cameras.size() && i < summary.per_camera.size(); ++i) {
+    const std::string& name = cameras[i].name;
+    const double rmse = summary.per_camera[i].rmse_px;
+    findings.push_back(above(
+        {fmt::format("Reprojection error of {} ({})", name, stage), "px", t.rmse_px,
+         "Look at the per-frame errors: blurred or mis-detected frames, a bent target, a wrong "
+         "camera model, or (camera-IMU) wrong intrinsics raise it."},
+        rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
+    const RegionalErrors regions =
+        regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
+    const double worst = regions.worst(kLeastCornersOfRegion);
+    findings.push_back(above(
+        {fmt::format("Systematic error of {} ({})", name, stage), "px", t.regional_error_px,
+         "The model does not bend as the lens does there: try another distortion model, or take "
+         "that region's results with care."},
+        worst, fmt::format("largest mean error of an image region is {:.3f} px", worst)));
+  }
+}
+
+void judgeData(const CalibrationRecord& record, const VerdictThresholds& t,
+               std::vector<Finding>& findings) {
+  const CameraStageResult& stage = *record.camera;
+  for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
+    const CameraCalibration& camera = stage.cameras[i];
+    const int index = static_cast<int>(i);
+    const RegionalErrors regions =
+        regionalErrors(stage.residuals, index, camera.intrinsics.resolution);
+    const double coverage = regions.coverage();
+    findings.push_back(
+        below({fmt::format("Image coverage of {}", camera.name), "-", t.coverage,
+               "Record views in which the target reaches the corners and edges of the image."},
+              coverage, fmt::format("corners in {:.0f} % of the image regions", 100 * coverage)));
+    std::vector<char> seen(stage.frames.size(), 0);
+    for (const CornerResidual& r : stage.residuals) {
+      if (r.camera == index && r.used) seen[r.frame] = 1;
+    }
+    const auto views = std::count(seen.begin(), seen.end(), 1);
+    findings.push_back(below({fmt::format("Views of {}", camera.name), "-", t.views,
+                              "Record more views, differing in distance, tilt and position."},
+                             static_cast<double>(views), fmt::format("{} views used", views)));
+  }
+  const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);
+  findings.push_back(below(
+      {"Tilt of the views", "deg", t.tilt_deg,
+       "Tilt the rig (or the target) by 30 to 45 degrees: frontal views cannot tell focal length "
+       "from distance."},
+      tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
+}
+
+void judgeRejected(const StageSummary& summary, const std::string& stage,
+                   const VerdictThresholds& t, std::vector<Finding>& findings) {
+  if (summary.corners_offered == 0) return;
+  const double rejected = 1.0 - static_cast<double>(summary.corners_used) /
+                                    static_cast<double>(summary.corners_offered);
+  findings.push_back(
+      above({fmt::format("Corners left out ({})", stage), "-", t.rejected,
+             "That many outliers point to false detections, motion blur or a wrong target file."},
+            rejected,
+            fmt::format("{} of {} corners were left out",
+                        summary.corners_offered - summary.corners_used, summary.corners_offered)));
+}
+
+void judgeConvergence(const StageSummary& summary, const std::string& stage,
+                      std::vector<Finding>& findings) {
+  Finding f;
+  f.rule = fmt::format("Convergence ({})", stage);
+  f.level = summary.converged ? VerdictLevel::kGood : VerdictLevel::kBad;
+  f.evidence =
+      fmt::format("{} after {} iterations", summary.converged ? "converged" : "did not converge",
+                  summary.iterations);
+  if (!summary.converged) {
+    f.advice = "The numbers are those of the last iteration and not an optimum: do not use them.";
+  }
+  f.value = summary.iterations;
+  f.unit = "iterations";
+  findings.push_back(f);
+}
+
+void judgeCameraSpread(const CalibrationRecord& record, const VerdictThresholds& t,
+                       std::vector<Finding>& findings) {
+  const auto estimates = parameterEstimates(record, Stage::kCamera);
+  for (const CameraCalibration& camera : record.camera->cameras) {
+    const Spread focal = largestSpread(estimates, {"fu", "fv"}, camera.name + ".", true);
+    if (focal.name.empty()) continue;
+    findings.push_back(
+        above({fmt::format("Focal length of {}", camera.name), "-", t.focal_std,
+               "Record more tilted views and views at different distances."},
+              focal.value,
+              fmt::format("{} of {} is {:.3f} %", kindOf(focal), focal.name, 100 * focal.value)));
+  }
+  const Spread translation = largestSpread(estimates, {"tx", "ty", "tz"}, "T_C0C", false);
+  if (translation.name.empty()) return;
+  findings.push_back(above({"Translation between cameras", "m", t.extrinsics_std_m,
+                            "Record more views that both cameras see at once, also close ones."},
+                           translation.value,
+                           fmt::format("{} of {} is {:.2f} mm", kindOf(translation),
+                                       translation.name, 1e3 * translation.value)));
+}
+
+void judgeImuSpread(const CalibrationRecord& record, const VerdictThresholds& t,
+                    std::vector<Finding>& findings) {
+  const auto estimates = parameterEstimates(record, Stage::kCameraImu);
+  const Spread arm = largestSpread(estimates, {"tx", "ty", "tz"}, "T_SC0", false);
+  findings.push_back(above(
+      {"Lever arm", "m", t.lever_arm_std_m, "Record faster rotations about all three axes."},
+      arm.value, fmt::format("{} of {} is {:.2f} mm", kindOf(arm), arm.name, 1e3 * arm.value)));
+  const Spread rotation = largestSpread(estimates, {"rx", "ry", "rz"}, "T_SC0", false);
+  findings.push_back(
+      above({"Rotation of the camera to the IMU", "deg", t.rotation_std_deg,
+             "Record faster rotations about all three axes, and accelerations in all directions."},
+            kDegrees * rotation.value,
+            fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
+                        kDegrees * rotation.value)));
+  const Spread offset = largestSpread(estimates, {""}, "time_offset", false);
+  findings.push_back(above({"Time offset", "ms", t.offset_std_ms,
+                            "Record fast rotations: the offset shows only while the rig turns."},
+                           1e3 * offset.value,
+                           fmt::format("{} is {:.4f} ms", kindOf(offset), 1e3 * offset.value)));
+}
+
+void judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t,
+                       std::vector<Finding>& findings) {
+  const double arm = stage.imu.T_SC0.t.norm();
+  findings.push_back(above({"Length of the lever arm", "m", t.lever_arm_m,
+                            "Measure the distance between camera and IMU with a ruler: an "
+                            "impossible lever arm means weak excitation or wrong axes."},
+                           arm, fmt::format("camera 0 is {:.1f} mm from the IMU", 1e3 * arm)));
+  const double offset = 1e3 * std::abs(stage.imu.time_offset_s);
+  findings.push_back(above({"Size of the time offset", "ms", t.offset_ms,
+                            "Check how both sensors are stamped: offsets of this size come from "
+                            "buffering or from stamps taken at arrival."},
+                           offset,
+                           fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.time_offset_s)));
+  const auto& imu = stage.imu_summary;
+  const double worst = std::max(imu.gyro_normalised_rms, imu.accel_normalised_rms);
+  findings.push_back(
+      above({"IMU residuals against the assumed noise", "-", t.imu_noise_factor,
+             "The residuals exceed the densities in imu.yaml: raise them, or look for vibration, "
+             "saturation or wrong IMU scale."},
+            worst,
+            fmt::format("normalised RMS: gyroscope {:.2f}, accelerometer {:.2f} (1 is as assumed)",
+                        imu.gyro_normalised_rms, imu.accel_normalised_rms)));
+}
+
+}  // namespace
+
+Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t) {
+  std::vector<Finding> findings;
+  if (record.camera) {
+    const CameraStageResult& stage = *record.camera;
+    judgeConvergence(stage.summary, "cameras", findings);
+    judgeResiduals(stage.residuals, stage.summary, stage.cameras, "cameras", t, findings);
+    judgeData(record, t, findings);
+    judgeRejected(stage.summary, "cameras", t, findings);
+    judgeCameraSpread(record, t, findings);
+  }
+  if (record.camera_imu) {
+    const CameraImuStageResult& stage = *record.camera_imu;
+    judgeConvergence(stage.summary, "camera-IMU", findings);
+    judgeResiduals(stage.residuals, stage.summary, stage.cameras, "camera-IMU", t, findings);
+    judgeRejected(stage.summary, "camera-IMU", t, findings);
+    judgeImuSpread(record, t, findings);
+    judgePlausibility(stage, t, findings);
+  }
+  return makeVerdict(std::move(findings));
+}
+
+}  // namespace plumbline

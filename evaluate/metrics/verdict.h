@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// From where on a figure is doubtful, and from where on bad.
+struct Bound {
+  double doubtful = 0;
+  double bad = 0;
+};
+
+/// Thresholds of the verdict. The defaults are rules of thumb for rigs whose calibration feeds
+/// visual-inertial odometry; every one is an option of the command line.
+struct VerdictThresholds {
+  Bound rmse_px{1.0, 2.0};              ///< reprojection RMSE of a camera, above
+  Bound regional_error_px{0.7, 1.5};    ///< largest mean error of an image region, above
+  Bound coverage{0.75, 0.5};            ///< share of image regions with corners, below
+  Bound views{20, 8};                   ///< views used of a camera, below
+  Bound tilt_deg{25, 10};               ///< 90 % quantile of the views' tilt to the target, below
+  Bound rejected{0.1, 0.3};             ///< share of corners rejected as outliers, above
+  Bound focal_std{0.005, 0.02};         ///< standard deviation of a focal length, relative, above
+  Bound extrinsics_std_m{0.002, 0.01};  ///< of a translation between cameras [m], above
+  Bound lever_arm_std_m{0.005, 0.02};   ///< of a component of T_SC0's translation [m], above
+  Bound rotation_std_deg{0.2, 1.0};     ///< of a component of T_SC0's rotation [deg], above
+  Bound offset_std_ms{0.5, 5.0};        ///< of the time offset [ms], above
+  Bound lever_arm_m{0.5, 2.0};          ///< length of T_SC0's translation [m], above
+  Bound offset_ms{100, 1000};           ///< size of the time offset [ms], above
+  Bound imu_noise_factor{4, 20};  ///< IMU residuals above what the assumed noise allows, factor
+};
+
+/// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU
+/// rules where that stage ran. Where a resampled spread is known, the larger of it and the formal
+/// standard deviation is judged, since formal standard deviations are not accuracy.
+Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {});
+
+}  // namespace plumbline
