@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "report/plots/plot_data.h"
+
+namespace plumbline::internal {
+
+/// Pale yellow-green to deep blue, lightness falling steadily; 0 <= u <= 1 (clamped).
+Colour sequentialColour(double u);
+
+/// Blue over white (u = 0.5) to red; clamped.
+Colour divergingColour(double u);
+
+}  // namespace plumbline::internal

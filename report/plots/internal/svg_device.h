@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <vtkContextDevice2D.h>
+
+namespace plumbline::internal {
+
+/// A device for VTK's 2D painter that writes SVG text. It stands in for vtkSVGContextDevice2D,
+/// whose faults (VTK 9.1) spoil charts: clips in data units and unflipped, six digits, anisotropic
+/// strokes, invalid text attributes, colliding ids. Here
+///   - every coordinate goes through the painter's matrix to page pixels before it is written (y
+///     down, a tenth of a pixel), so that clips and stroke widths are plain pixels;
+///   - fonts are pixels, measured at 72 DPI, anchored with valid attributes;
+///   - long lines keep first, lowest, highest and last point of every half pixel;
+///   - a cloud of markers is one path of zero-length strokes with round caps;
+///   - ids begin with the plot's own.
+class SvgDevice : public vtkContextDevice2D {
+ public:
+  static SvgDevice* New();
+  vtkTypeMacro(SvgDevice, vtkContextDevice2D)
+
+      /// Empties the drawing; `height` is that of the page [px], `id` prefixes ids.
+      void start(const std::string& id, double height);
+  /// <defs> and shapes, without the enclosing <svg>.
+  std::string content() const;
+  /// A <title> for the shapes drawn until the next call; empty for none.
+  void setShapeTitle(const std::string& title) { shape_title_ = title; }
+
+  void DrawPoly(float* points, int n, unsigned char* colours, int components) override;
+  void DrawLines(float* points, int n, unsigned char* colours, int components) override;
+  void DrawPoints(float* points, int n, unsigned char* colours, int components) override;
+  void DrawPointSprites(vtkImageData* sprite, float* points, int n, unsigned char* colours,
+                        int components) override;
+  void DrawMarkers(int shape, bool highlight, float* points, int n, unsigned char* colours,
+                   int components) override;
+  void DrawQuad(float* points, int n) override { DrawPolygon(points, n); }
+  void DrawQuadStrip(float* points, int n) override;
+  void DrawPolygon(float* points, int n) override;
+  void DrawColoredPolygon(float* points, int n, unsigned char* colours, int components) override;
+  void DrawEllipseWedge(float x, float y, float outer_x, float outer_y, float inner_x,
+                        float inner_y, float start_angle, float stop_angle) override;
+  void DrawEllipticArc(float x, float y, float radius_x, float radius_y, float start_angle,
+                       float stop_angle) override;
+  void DrawString(float* point, const vtkStdString& text) override;
+  void DrawString(float* point, const vtkUnicodeString& text) override;
+  void ComputeStringBounds(const vtkStdString& text, float bounds[4]) override;
+  void ComputeStringBounds(const vtkUnicodeString& text, float bounds[4]) override;
+  void ComputeJustifiedStringBounds(const char* text, float bounds[4]) override;
+  void DrawMathTextString(float* point, const vtkStdString& text) override;
+  void DrawImage(float corner[2], float scale, vtkImageData* image) override;
+  void DrawImage(const vtkRectf& place, vtkImageData* image) override;
+  void SetColor4(unsigned char colour[4]) override;
+  void SetTexture(vtkImageData* image, int properties) override;
+  void SetPointSize(float size) override;
+  void SetLineWidth(float width) override;
+  void SetLineType(int type) override;
+  void SetMatrix(vtkMatrix3x3* matrix) override;
+  void GetMatrix(vtkMatrix3x3* matrix) override;
+  void MultiplyMatrix(vtkMatrix3x3* matrix) override;
+  void PushMatrix() override { stack_.push_back(matrix_); }
+  void PopMatrix() override;
+  void SetClipping(int* rectangle) override;
+  void EnableClipping(bool enable) override;
+
+ protected:
+  SvgDevice() = default;
+
+ private:
+  using Matrix = std::array<double, 9>;
+  /// Points in page pixels, x y x y.
+  std::vector<double> toPage(const float* points, int n) const;
+  void element(const std::string& shape, const std::string& attributes);
+  std::string strokeAttributes() const;
+  std::string fillAttributes() const;
+
+  std::string id_ = "plot";
+  double height_ = 0;
+  std::string defs_, body_, shape_title_;
+  Matrix matrix_{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::vector<Matrix> stack_;
+  std::array<int, 4> clip_{};
+  int clip_count_ = 0;
+  bool clip_open_ = false;
+};
+
+}  // namespace plumbline::internal

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace plumbline {
+
+/// sRGB with opacity; 0 to 255 each.
+struct Colour {
+  std::uint8_t red = 0, green = 0, blue = 0, alpha = 255;
+  bool operator==(const Colour&) const = default;
+};
+
+/// The i-th of a cycle of colours that stay apart for colour-blind readers (after Okabe and Ito).
+Colour seriesColour(std::size_t i);
+
+struct Range {
+  double min = 0;
+  double max = 1;
+  bool operator==(const Range&) const = default;
+};
+
+struct AxisTick {
+  double position = 0;
+  std::string label;
+};
+
+/// One axis: what it measures with its unit ("e_u [px]"), and what it shows.
+struct PlotAxis {
+  std::string label;
+  std::optional<Range> range;   ///< empty: from the data, with a margin
+  std::vector<AxisTick> ticks;  ///< empty: round numbers
+  bool inverted = false;        ///< values grow downwards, as image rows do (y axis only)
+  bool upright_labels = false;  ///< tick labels turned by 90 degrees (x axis only)
+};
+
+/// What all plots share.
+struct PlotFrame {
+  std::string title;
+  std::string description;  ///< for readers who do not see it; the title where empty
+  PlotAxis x, y;
+  int width = 560;  ///< of the whole figure [CSS px]
+  int height = 340;
+  bool equal_axes = false;  ///< one unit has the same length on both axes
+};
+
+/// Points of one name and colour; x and y have the same length. Points that are not finite are
+/// left out (a line breaks there).
+struct Series {
+  std::string name;  ///< shown in the legend unless empty
+  std::vector<double> x, y;
+  Colour colour;
+  double width = 1.4;   ///< of a line, or diameter of a marker [px]
+  bool dashed = false;  ///< lines only
+};
+
+struct LinePlot {
+  PlotFrame frame;
+  std::vector<Series> series;
+};
+
+/// A cloud of points; above `max_points` in all it is drawn as a density of `bins` x `bins` cells
+/// coloured by log10(1 + count). Points outside the axes are not drawn.
+struct ScatterPlot {
+  PlotFrame frame;
+  std::vector<Series> series;
+  std::size_t max_points = 50'000;
+  int bins = 120;
+  std::string count_label = "points";  ///< what the density counts
+};
+
+/// Counts over equal bins; bin i covers [first + i w, first + (i + 1) w].
+struct HistogramSeries {
+  std::string name;
+  std::vector<double> counts;
+  Colour colour;
+};
+
+struct Histogram {
+  PlotFrame frame;
+  double first = 0;
+  double bin_width = 1;
+  std::vector<HistogramSeries> series;  ///< drawn over each other, later ones on top
+  std::vector<Series> curves;           ///< e.g. the normal density that was assumed
+};
+
+enum class ColourMap {
+  kSequential,  ///< pale to dark, for counts and magnitudes
+  kDiverging,   ///< blue, white, red; for signed values, symmetric about 0
+};
+
+/// A matrix of cells, row-major from the top row down; NaN: nothing there, left blank.
+struct HeatMap {
+  PlotFrame frame;  ///< axis ranges are those of the cells' outer edges and must be given
+  int columns = 0;
+  int rows = 0;
+  std::vector<double> values;
+  std::string value_label;  ///< of the colour bar, with unit
+  std::optional<Range> value_range;
+  ColourMap colours = ColourMap::kSequential;
+  std::vector<std::string> cell_labels;  ///< as `values`; empty: none
+};
+
+struct FieldArrow {
+  double x = 0, y = 0;    ///< foot, in the axes' units
+  double dx = 0, dy = 0;  ///< vector, in its own unit
+  std::string note;       ///< shown when pointed at
+};
+
+struct VectorField {
+  PlotFrame frame;
+  std::vector<FieldArrow> arrows;
+  double magnification = 1;     ///< length on the axes per unit of a vector
+  double reference = 0;         ///< length of the arrow in the key, in vectors' unit; 0: no key
+  std::string reference_label;  ///< "0.5 px"
+  Colour colour;
+};
+
+/// Groups of bars side by side: values[series][category].
+struct BarPlot {
+  PlotFrame frame;  ///< the x axis' ticks are made from the categories
+  std::vector<std::string> categories;
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;
+};
+
+/// Minimum, quartiles, maximum.
+struct BoxSummary {
+  std::string name;
+  std::array<double, 5> quantiles{};  ///< 0, 25, 50, 75, 100 % (or the whiskers' own)
+};
+
+struct BoxPlot {
+  PlotFrame frame;  ///< the x axis' ticks are made from the names
+  std::vector<BoxSummary> boxes;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "report/plots/plot_data.h"
+
+namespace plumbline {
+
+/// Each function draws one plot with VTK's charts on the CPU (no display, no OpenGL) and returns an
+/// inline <svg> element. `id` becomes the element's id and prefixes every other id within; it must
+/// be unique in the page and made of letters, digits, '-' and '_'. Equal data give equal bytes.
+///
+/// The element carries data-ax="x0 x1 y0 y1 px0 px1 py0 py1": the values at the ends of the axes
+/// and the pixels (of the viewBox) on which VTK put them; hoverScript() reads it. No text contains
+/// NaN: points that are not finite are left out.
+///
+/// VTK's text measuring is not thread-safe: call these from one thread at a time.
+std::string toSvg(const LinePlot& plot, const std::string& id);
+std::string toSvg(const ScatterPlot& plot, const std::string& id);
+std::string toSvg(const Histogram& plot, const std::string& id);
+std::string toSvg(const HeatMap& plot, const std::string& id);
+std::string toSvg(const VectorField& plot, const std::string& id);
+std::string toSvg(const BarPlot& plot, const std::string& id);
+std::string toSvg(const BoxPlot& plot, const std::string& id);
+
+/// Script that shows the value of the nearest point while the pointer moves over a plot; goes into
+/// the page once, after the plots.
+const std::string& hoverScript();
+
+}  // namespace plumbline
