@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/imu_alignment.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+struct Moments {
+  Eigen::Vector3d mean_gyro = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_camera = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d gyro = Eigen::Matrix3d::Zero();   // centred second moments
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();  // gyro camera^T
+  double camera = 0;                                // trace of the camera's
+};
+
+Moments momentsOf(std::span<const RatePair> pairs) {
+  Moments m;
+  const double n = static_cast<double>(pairs.size());
+  for (const RatePair& p : pairs) {
+    m.mean_gyro += p.gyro_S / n;
+    m.mean_camera += p.camera_C / n;
+  }
+  for (const RatePair& p : pairs) {
+    const Eigen::Vector3d g = p.gyro_S - m.mean_gyro;
+    const Eigen::Vector3d c = p.camera_C - m.mean_camera;
+    m.gyro += g * g.transpose() / n;
+    m.cross += g * c.transpose() / n;
+    m.camera += c.squaredNorm() / n;
+  }
+  return m;
+}
+
+double scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, double offset_s,
+               std::size_t min_pairs) {
+  const auto pairs = pairRates(camera, gyro, offset_s);
+  if (pairs.size() < min_pairs) return -1;
+  const Moments m = momentsOf(pairs);
+  const double scale = std::sqrt(m.gyro.trace() * m.camera);
+  if (!(scale > 0)) return -1;
+  return Eigen::JacobiSVD<Eigen::Matrix3d>(m.cross).singularValues().sum() / scale;
+}
+
+/// Vertex of the parabola through three points at x - h, x, x + h, at most h away.
+double parabolaVertex(double x, double h, double below, double at, double above) {
+  const double curvature = below - 2 * at + above;
+  if (!(curvature < 0)) return x;
+  return x + std::clamp(0.5 * h * (below - above) / curvature, -h, h);
+}
+
+struct Candidate {
+  double offset_s = 0;
+  double score = -1;
+};
+
+/// The grid's local maxima, best first, at most `count`.
+std::vector<Candidate> coarseMaxima(std::span<const CameraRate> camera, const GyroIntegral& gyro,
+                                    const TimeOffsetOptions& options, std::size_t min_pairs,
+                                    std::size_t count) {
+  std::vector<Candidate> grid;
+  const int steps = static_cast<int>(std::ceil(options.max_offset_s / options.coarse_step_s));
+  for (int k = -steps - 1; k <= steps + 1; ++k) {
+    const double offset = k * options.coarse_step_s;
+    grid.push_back({offset, scoreAt(camera, gyro, offset, min_pairs)});
+  }
+  std::vector<Candidate> maxima;
+  for (std::size_t k = 1; k + 1 < grid.size(); ++k) {
+    if (grid[k].score < 0) continue;
+    if (grid[k].score >= grid[k - 1].score && grid[k].score > grid[k + 1].score) {
+      maxima.push_back(grid[k]);
+    }
+  }
+  std::sort(maxima.begin(), maxima.end(), [](const Candidate& a, const Candidate& b) {
+    return a.score != b.score ? a.score > b.score : a.offset_s < b.offset_s;
+  });
+  if (maxima.size() > count) maxima.resize(count);
+  return maxima;
+}
+
+Candidate refine(std::span<const CameraRate> camera, const GyroIntegral& gyro, Candidate c,
+                 double step_s, std::size_t min_pairs) {
+  double h = step_s;
+  for (int round = 0; round < 4; ++round, h *= 0.3) {
+    const double below = scoreAt(camera, gyro, c.offset_s - h, min_pairs);
+    const double above = scoreAt(camera, gyro, c.offset_s + h, min_pairs);
+    if (below < 0 || above < 0) break;
+    const double x = parabolaVertex(c.offset_s, h, below, c.score, above);
+    const double score = scoreAt(camera, gyro, x, min_pairs);
+    if (score > c.score) c = {x, score};
+  }
+  return c;
+}
+
+}  // namespace
+
+RateAlignment alignRates(std::span<const RatePair> pairs) {
+  RateAlignment out;
+  out.pairs = static_cast<int>(pairs.size());
+  if (pairs.size() < 3) return out;
+  const Moments m = momentsOf(pairs);
+  const double scale = std::sqrt(m.gyro.trace() * m.camera);
+  if (!(scale > 0)) return out;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d s = svd.singularValues();
+  const double hand = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  const double same = s.sum() / scale;
+  const double other = (s(0) + s(1) - s(2)) / scale;
+  out.R_SC0 = svd.matrixU() * Eigen::Vector3d(1, 1, hand).asDiagonal() * svd.matrixV().transpose();
+  out.correlation = hand > 0 ? same : other;
+  out.mirrored_correlation = hand > 0 ? other : same;
+  out.gyro_bias = m.mean_gyro - out.R_SC0 * m.mean_camera;
+  out.gyro_to_camera = std::sqrt(m.gyro.trace() / m.camera);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(m.gyro);
+  out.excitation = eigen.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
+  out.excitation_axes = eigen.eigenvectors().rowwise().reverse();
+  return out;
+}
+
+Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera,
+                                              const GyroIntegral& gyro,
+                                              const TimeOffsetOptions& options) {
+  const auto needed = static_cast<std::size_t>(std::max<double>(
+      options.min_pairs, options.min_overlap * static_cast<double>(camera.size())));
+  Candidate best;
+  for (const Candidate& c : coarseMaxima(camera, gyro, options, needed, 5)) {
+    const Candidate refined = refine(camera, gyro, c, options.coarse_step_s, needed);
+    if (refined.score > best.score) best = refined;
+  }
+  if (best.score < 0) {
+    return Failure{
+        FailureReason::kNoOverlap,
+        fmt::format("IMU samples cover fewer than {} of the {} frame intervals under any time "
+                    "offset within +-{} s",
+                    needed, camera.size(), options.max_offset_s),
+        "check that camera and IMU stamps are of one clock and one recording"};
+  }
+  TimeOffsetEstimate out;
+  out.offset_s = best.offset_s;
+  out.alignment = alignRates(pairRates(camera, gyro, best.offset_s));
+  return out;
+}
+
+}  // namespace plumbline

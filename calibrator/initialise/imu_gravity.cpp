@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/imu_gravity.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "calibrator/residuals/preintegration.h"
+
+namespace plumbline {
+namespace {
+
+// Unknowns: scale, t_SC0 (3), gravity (3), accelerometer bias (3).
+constexpr int kUnknowns = 10;
+using Rows = Eigen::Matrix<double, 3, kUnknowns>;
+using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+
+struct Triple {
+  std::size_t a = 0, b = 0, c = 0;
+};
+
+/// Triples of frames about span_s apart, evenly spread.
+std::vector<Triple> chooseTriples(std::span<const StampedPose> poses,
+                                  const InertialAlignmentOptions& options) {
+  std::vector<Triple> all;
+  const auto reach = [&](std::size_t from) {
+    std::size_t to = from + 1;
+    while (to < poses.size() && secondsBetween(poses[from].t, poses[to].t) < options.span_s) ++to;
+    return to;
+  };
+  const auto near = [&](std::size_t from, std::size_t to) {
+    return to < poses.size() && secondsBetween(poses[from].t, poses[to].t) < 2 * options.span_s;
+  };
+  for (std::size_t a = 0; a < poses.size(); ++a) {
+    const std::size_t b = reach(a);
+    if (!near(a, b)) continue;
+    const std::size_t c = reach(b);
+    if (near(b, c)) all.push_back({a, b, c});
+  }
+  const auto limit = static_cast<std::size_t>(options.max_triples);
+  if (all.size() <= limit) return all;
+  std::vector<Triple> chosen;
+  for (std::size_t k = 0; k < limit; ++k) chosen.push_back(all[k * all.size() / limit]);
+  return chosen;
+}
+
+struct Equation {
+  Rows A;
+  Eigen::Vector3d rhs;
+};
+
+/// One triple's equation A x = rhs in units of acceleration.
+std::optional<Equation> equationOf(const Triple& triple, std::span<const StampedPose> poses,
+                                   std::span<const ImuSample> samples, const Eigen::Matrix3d& R_SC0,
+                                   const ImuBias& bias, double offset_s) {
+  const StampedPose& a = poses[triple.a];
+  const StampedPose& b = poses[triple.b];
+  const StampedPose& c = poses[triple.c];
+  const auto ab = preintegrate(samples, {a.t, b.t, offset_s}, bias);
+  const auto bc = preintegrate(samples, {b.t, c.t, offset_s}, bias);
+  if (!ab || !bc) return std::nullopt;
+  const double T1 = ab->duration_s;
+  const double T2 = bc->duration_s;
+  const double mean = 0.5 * (T1 + T2);
+  const Eigen::Matrix3d R_a = a.T_FC0.R * R_SC0.transpose();
+  const Eigen::Matrix3d R_b = b.T_FC0.R * R_SC0.transpose();
+  const Eigen::Matrix3d R_c = c.T_FC0.R * R_SC0.transpose();
+  Equation e;
+  e.A.col(0) = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
+  e.A.middleCols<3>(1) = -((R_c - R_b) / T2 - (R_b - R_a) / T1);
+  e.A.middleCols<3>(4) = -mean * Eigen::Matrix3d::Identity();
+  e.A.middleCols<3>(7) = -(R_b * bc->p_ba / T2 - R_a * ab->p_ba / T1 + R_a * ab->v_ba);
+  e.rhs = R_b * bc->p / T2 - R_a * ab->p / T1 + R_a * ab->v;
+  e.A /= mean;
+  e.rhs /= mean;
+  return e;
+}
+
+InertialAlignment solve(const std::vector<Equation>& equations,
+                        const InertialAlignmentOptions& options) {
+  Normal H = Normal::Zero();
+  Unknowns b = Unknowns::Zero();
+  for (const Equation& e : equations) {
+    H += e.A.transpose() * e.A;
+    b += e.A.transpose() * e.rhs;
+  }
+  // Priors are weighted for residuals of about 0.1 m/s^2, what PnP noise makes of 0.2 s.
+  const double weight = 0.1 * 0.1;
+  H.diagonal().segment<3>(1).array() += weight / std::pow(options.t_SC0_prior_m, 2);
+  H.diagonal().tail<3>().array() += weight / std::pow(options.accel_bias_prior, 2);
+  H(0, 0) += weight * 1e-6;  // no translation at all: scale stays finite, its std says the rest
+  const Eigen::LDLT<Normal> ldlt(H);
+  const Unknowns x = ldlt.solve(b);
+  double squared = 0;
+  for (const Equation& e : equations) squared += (e.A * x - e.rhs).squaredNorm();
+  InertialAlignment out;
+  out.equations = static_cast<int>(equations.size());
+  out.residual_rms = std::sqrt(squared / (3 * static_cast<double>(equations.size())));
+  out.scale = x(0);
+  out.scale_std = out.residual_rms * std::sqrt(ldlt.solve(Unknowns::Unit(0))(0));
+  out.t_SC0 = x.segment<3>(1);
+  out.gravity_F = x.segment<3>(4);
+  out.accel_bias = x.tail<3>();
+  return out;
+}
+
+}  // namespace
+
+std::optional<InertialAlignment> alignInertially(std::span<const StampedPose> poses,
+                                                 std::span<const ImuSample> samples,
+                                                 const Eigen::Matrix3d& R_SC0,
+                                                 const Eigen::Vector3d& gyro_bias,
+                                                 double time_offset_s,
+                                                 const InertialAlignmentOptions& options) {
+  const ImuBias bias{gyro_bias, Eigen::Vector3d::Zero()};
+  std::vector<Equation> equations;
+  for (const Triple& triple : chooseTriples(poses, options)) {
+    const auto e = equationOf(triple, poses, samples, R_SC0, bias, time_offset_s);
+    if (e) equations.push_back(*e);
+  }
+  if (equations.size() < 10) return std::nullopt;
+  return solve(equations, options);
+}
+
+}  // namespace plumbline

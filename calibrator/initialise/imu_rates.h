@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
+
+namespace plumbline {
+
+/// Pose of camera 0 at a frame's stamp (camera clock).
+struct StampedPose {
+  TimeNs t = 0;
+  Transform T_FC0;
+};
+
+/// Mean angular rate of camera 0 between two neighbouring frames, in its own frame:
+/// Log(R_FC0(from)^T R_FC0(to)) / (to - from) [rad/s].
+struct CameraRate {
+  TimeNs from = 0;
+  TimeNs to = 0;
+  Eigen::Vector3d rate_C = Eigen::Vector3d::Zero();
+};
+
+/// Rates of all neighbours at most `max_gap_s` apart; `poses` ascend in time.
+std::vector<CameraRate> cameraRates(std::span<const StampedPose> poses, double max_gap_s);
+
+/// Integral of the measured gyro rate (trapezoids), with which mean rates over any window cost two
+/// look-ups. Keeps a view of `samples`, which must outlive it.
+class GyroIntegral {
+ public:
+  explicit GyroIntegral(std::span<const ImuSample> samples);
+
+  /// Mean measured rate [rad/s] over [from + offset_s, to + offset_s]; empty where not covered.
+  std::optional<Eigen::Vector3d> meanRate(TimeNs from, TimeNs to, double offset_s) const;
+
+ private:
+  /// Integral from the first sample to `t` + offset_s.
+  Eigen::Vector3d at(TimeNs t, double offset_s) const;
+
+  std::span<const ImuSample> samples_;
+  std::vector<Eigen::Vector3d> integral_;
+  double mean_interval_s_ = 0;
+};
+
+/// A pair of rates over the same stretch of time.
+struct RatePair {
+  Eigen::Vector3d gyro_S = Eigen::Vector3d::Zero();
+  Eigen::Vector3d camera_C = Eigen::Vector3d::Zero();
+};
+
+/// Pairs camera rates with the gyro's mean rate under a time offset; uncovered ones are left out.
+std::vector<RatePair> pairRates(std::span<const CameraRate> camera, const GyroIntegral& gyro,
+                                double offset_s);
+
+}  // namespace plumbline

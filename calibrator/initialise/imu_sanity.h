@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/error.h"
+#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/imu_gravity.h"
+
+namespace plumbline {
+
+// Checks of an IMU recording against its stated units, axes and target. Each returns what is wrong
+// with its likely cause and cure, or nothing. They run in this order, each trusting those before.
+
+struct SanityOptions {
+  double gravity_m_s2 = 9.80655;
+  double min_correlation = 0.8;        ///< of gyro and camera rates; EuRoC's is 0.999
+  double min_excitation_rad_s = 0.02;  ///< RMS rate below which an axis counts as not turned about
+  double scale_tolerance = 0.05;       ///< of the target's size, relative
+  double significance = 5;             ///< and in standard deviations
+  double gravity_tolerance = 0.1;      ///< of |g| as estimated, relative
+  double max_residual_m_s2 = 1.5;      ///< RMS of the inertial alignment
+};
+
+/// Swapped gyro and accelerometer columns, accelerometer in g or milli-g or otherwise scaled: by
+/// the median norms of both.
+std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
+                                        const SanityOptions& options = {});
+
+/// Rotation too small or about one axis only: kNotObservable, naming what stays unknown.
+std::optional<Failure> checkExcitation(const RateAlignment& alignment,
+                                       const SanityOptions& options = {});
+
+/// No correlation of gyro and camera rates, axes of the wrong hand, gyro in degrees per second.
+std::optional<Failure> checkRates(const RateAlignment& alignment,
+                                  const SanityOptions& options = {});
+
+/// Accelerometer axes that do not fit the gyroscope's, gravity of the wrong size, target of the
+/// wrong size.
+std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
+                                     const SanityOptions& options = {});
+
+/// "x", "y", "z", or the components of an axis that lies along none of them.
+std::string axisName(const Eigen::Vector3d& axis);
+
+}  // namespace plumbline
