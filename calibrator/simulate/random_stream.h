@@ -31,6 +31,8 @@ class RandomStream {
   RandomStream(std::uint64_t seed, RandomPurpose purpose,
                std::initializer_list<std::uint64_t> indices = {});
 
+  /// 64 random bits: one output.
+  std::uint64_t bits() { return engine_(); }
   /// Uniform in [0, 1): the upper 53 bits of one output.
   double uniform();
   /// Uniform in [low, high).
