@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <concepts>
 
 namespace plumbline {
@@ -11,9 +10,9 @@ namespace plumbline {
 /// T is the arithmetic: double, ceres::Jet, or a vector of SIMD lanes (GCC vector extension).
 template <class T, int kShape>
 struct PlanePoint {
-  T x, y;                                    ///< m [-]
-  std::array<std::array<T, 3>, 2> J_point;   ///< d m / d p_C [1/m]
-  std::array<std::array<T, kShape>, 2> J_k;  ///< d m / d shape coefficients
+  T x, y;            ///< m [-]
+  T J_point[2][3];   ///< d m / d p_C [1/m]
+  T J_k[2][kShape];  ///< d m / d shape coefficients
 };
 
 /// What a camera model is to this project: one type without state, in one file of its own.

@@ -46,8 +46,14 @@ struct Equidistant {
     const T power2 = power1 * t2;
     const T power3 = power2 * t2;
     const T power4 = power3 * t2;
-    d.J_k[0] = {power1 * x, power2 * x, power3 * x, power4 * x};
-    d.J_k[1] = {power1 * y, power2 * y, power3 * y, power4 * y};
+    d.J_k[0][0] = power1 * x;
+    d.J_k[0][1] = power2 * x;
+    d.J_k[0][2] = power3 * x;
+    d.J_k[0][3] = power4 * x;
+    d.J_k[1][0] = power1 * y;
+    d.J_k[1][1] = power2 * y;
+    d.J_k[1][2] = power3 * y;
+    d.J_k[1][3] = power4 * y;
     return d;
   }
 

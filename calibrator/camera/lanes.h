@@ -4,6 +4,10 @@
 #include <cmath>
 #include <type_traits>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace plumbline {
 
 template <int kWidth>
@@ -25,7 +29,18 @@ template <class T>
   if constexpr (kIsLanes<T>) {
     constexpr int kWidth = sizeof(T) / sizeof(double);
     T root;
+#if defined(__SSE2__)
+    // Pairs, which every x86-64 has: wider instructions may not be named in portable code.
+    static_assert(kWidth % 2 == 0);
+#pragma GCC unroll 4
+    for (int i = 0; i < kWidth; i += 2) {
+      const __m128d pair = _mm_sqrt_pd(_mm_set_pd(a[i + 1], a[i]));
+      root[i] = pair[0];
+      root[i + 1] = pair[1];
+    }
+#else
     for (int i = 0; i < kWidth; ++i) root[i] = __builtin_sqrt(a[i]);
+#endif
     return root;
   } else {
     using std::sqrt;

@@ -8,9 +8,9 @@ namespace plumbline {
 /// Distorted normalised coordinates with derivatives.
 template <class T, int kCoefficients>
 struct Distorted {
-  T x, y;                                           ///< [-]
-  T J_xx, J_xy, J_yx, J_yy;                         ///< J_ab = d distorted a / d undistorted b
-  std::array<std::array<T, kCoefficients>, 2> J_k;  ///< d (x, y) / d coefficients
+  T x, y;                    ///< [-]
+  T J_xx, J_xy, J_yx, J_yy;  ///< J_ab = d distorted a / d undistorted b
+  T J_k[2][kCoefficients];   ///< d (x, y) / d coefficients
 };
 
 /// Pinhole projection followed by a distortion of the normalised coordinates (x, y) = (X, Y) / Z.
@@ -28,12 +28,21 @@ struct Pinhole {
     const T x = X * inverse_Z;
     const T y = Y * inverse_Z;
     const Distorted<T, kShape> d = Distortion::distort(k, x, y);
+    // Entry by entry: copies of whole arrays would go through memory.
     PlanePoint<T, kShape> m;
     m.x = d.x;
     m.y = d.y;
-    m.J_point[0] = {d.J_xx * inverse_Z, d.J_xy * inverse_Z, -(d.J_xx * x + d.J_xy * y) * inverse_Z};
-    m.J_point[1] = {d.J_yx * inverse_Z, d.J_yy * inverse_Z, -(d.J_yx * x + d.J_yy * y) * inverse_Z};
-    m.J_k = d.J_k;
+    m.J_point[0][0] = d.J_xx * inverse_Z;
+    m.J_point[0][1] = d.J_xy * inverse_Z;
+    m.J_point[0][2] = -(d.J_xx * x + d.J_xy * y) * inverse_Z;
+    m.J_point[1][0] = d.J_yx * inverse_Z;
+    m.J_point[1][1] = d.J_yy * inverse_Z;
+    m.J_point[1][2] = -(d.J_yx * x + d.J_yy * y) * inverse_Z;
+#pragma GCC unroll 8
+    for (int i = 0; i < kShape; ++i) {
+      m.J_k[0][i] = d.J_k[0][i];
+      m.J_k[1][i] = d.J_k[1][i];
+    }
     return m;
   }
 

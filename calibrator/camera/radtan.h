@@ -31,8 +31,14 @@ struct Radtan {
     d.J_xy = slope * x * y + 2.0 * k[2] * x + 2.0 * k[3] * y;
     d.J_yx = d.J_xy;
     d.J_yy = g + slope * yy + 6.0 * k[2] * y + 2.0 * k[3] * x;
-    d.J_k[0] = {x * r2, x * r4, xy2, r2 + 2.0 * xx};
-    d.J_k[1] = {y * r2, y * r4, r2 + 2.0 * yy, xy2};
+    d.J_k[0][0] = x * r2;
+    d.J_k[0][1] = x * r4;
+    d.J_k[0][2] = xy2;
+    d.J_k[0][3] = r2 + 2.0 * xx;
+    d.J_k[1][0] = y * r2;
+    d.J_k[1][1] = y * r4;
+    d.J_k[1][2] = r2 + 2.0 * yy;
+    d.J_k[1][3] = xy2;
     return d;
   }
 
