@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/option_values.h"
+
+#include <functional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+std::string complaint(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+TEST(LossOption, IsNoneOrAPositiveScale) {
+  EXPECT_EQ(lossFrom("none"), 0);
+  EXPECT_EQ(lossFrom("cauchy:1.5"), 1.5);
+  for (const char* word :
+       {"cauchy", "cauchy:", "cauchy:-1", "cauchy:nan", "cauchy:1x", "huber:1"}) {
+    EXPECT_THAT(complaint([&] { (void)lossFrom(word); }), HasSubstr("--loss")) << word;
+  }
+}
+
+TEST(OutlierOption, KnowsItsThreeRules) {
+  EXPECT_EQ(outliersFrom("none").first, OutlierRule::kNone);
+  EXPECT_EQ(outliersFrom("kalibr").first, OutlierRule::kKalibr);
+  EXPECT_EQ(outliersFrom("sigma:4"), std::make_pair(OutlierRule::kSigma, 4.0));
+  EXPECT_THAT(complaint([] { (void)outliersFrom("sigma:0"); }), HasSubstr("sigma:4"));
+}
+
+TEST(SelectionOption, IsInBitsWhicheverUnitWasGiven) {
+  EXPECT_DOUBLE_EQ(selectionThresholdFrom("mi:0.2bits"), 0.2);
+  EXPECT_NEAR(selectionThresholdFrom("mi:0.1386294361119891nats"), 0.2, 1e-15);
+  EXPECT_THAT(complaint([] { (void)selectionThresholdFrom("mi:0.2"); }), HasSubstr("bits"));
+}
+
+TEST(ModelsOption, TakesKalibrsWordsAndAliases) {
+  const auto models = modelsFrom("pinhole-radtan,pinhole-equi");
+  ASSERT_EQ(models.size(), 2u);
+  EXPECT_EQ(models[0].distortion, DistortionModel::kRadtan);
+  EXPECT_EQ(models[1].distortion, DistortionModel::kEquidistant);
+  EXPECT_THAT(complaint([] { (void)modelsFrom("fisheye"); }), HasSubstr("pinhole-radtan"));
+}
+
+TEST(ResolutionOption, IsWidthByHeight) {
+  EXPECT_EQ(resolutionFrom("752x480"), (Resolution{752, 480}));
+  for (const char* word : {"752", "752x", "x480", "752x480x3", "0x480", "-1x480"}) {
+    EXPECT_THAT(complaint([&] { (void)resolutionFrom(word); }), HasSubstr("--resolution")) << word;
+  }
+}
+
+TEST(ThresholdOption, ChangesOneRuleAndNamesThemAll) {
+  VerdictThresholds thresholds;
+  setThreshold("rmse_px=1.5,3", thresholds);
+  EXPECT_EQ(thresholds.rmse_px.doubtful, 1.5);
+  EXPECT_EQ(thresholds.rmse_px.bad, 3);
+  EXPECT_THAT(complaint([&] { setThreshold("rmse=1,2", thresholds); }), HasSubstr("lever_arm_m"));
+  EXPECT_THAT(complaint([&] { setThreshold("rmse_px=1", thresholds); }), HasSubstr("DOUBTFUL,BAD"));
+}
+
+TEST(ShiftOption, IsExactInNanoseconds) {
+  EXPECT_EQ(nanosecondsFromMilliseconds(37.3), 37'300'000);
+  EXPECT_EQ(nanosecondsFromMilliseconds(-3.21), -3'210'000);
+  EXPECT_EQ(nanosecondsFromMilliseconds(1e-6), 1);
+}
+
+}  // namespace
+}  // namespace plumbline

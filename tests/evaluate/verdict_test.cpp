@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The verdict on results made up to sit on either side of each rule.
+#include "evaluate/metrics/verdict.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "evaluate/metrics/coverage.h"
+
+namespace plumbline {
+namespace {
+
+// One camera, corners spread evenly over the image with the given error, views tilted as given.
+CalibrationRecord cameraRecord(double error_px, double tilt_rad, int frames = 40) {
+  CameraStageResult stage;
+  CameraCalibration camera;
+  camera.name = "cam0";
+  camera.intrinsics.resolution = {800, 600};
+  camera.intrinsics.projection = Eigen::Vector4d(450, 450, 400, 300);
+  camera.intrinsics.distortion = Eigen::Vector4d::Zero();
+  stage.cameras = {camera};
+  for (int f = 0; f < frames; ++f) {
+    stage.frames.push_back({f * 1'000'000'000LL, {f}});
+    const Eigen::Matrix3d frontal = expSO3(Eigen::Vector3d(std::numbers::pi, 0, 0));
+    stage.T_FC0.emplace_back(frontal * expSO3(Eigen::Vector3d(tilt_rad, 0, 0)),
+                             Eigen::Vector3d(0, 0, 1));
+    for (int k = 0; k < 48; ++k) {
+      const float sign = (f + k) % 2 == 0 ? 1.0F : -1.0F;  // no systematic part
+      stage.residuals.push_back(
+          {0,
+           f,
+           k,
+           {100.0F * static_cast<float>(k % 8) + 50, 100.0F * static_cast<float>(k / 8) + 50},
+           {sign * static_cast<float>(error_px), 0},
+           true});
+    }
+  }
+  ErrorStatistics statistics;
+  statistics.rmse_px = error_px;
+  statistics.count = 1920;
+  stage.summary.per_camera.push_back(statistics);
+  stage.summary.corners_used = stage.summary.corners_offered = 1920;
+  stage.summary.converged = true;
+  CalibrationRecord record;
+  record.camera = stage;
+  return record;
+}
+
+VerdictLevel levelOf(const Verdict& verdict, const std::string& rule) {
+  for (const Finding& finding : verdict.findings) {
+    if (finding.rule.find(rule) != std::string::npos) return finding.level;
+  }
+  ADD_FAILURE() << "no finding " << rule;
+  return VerdictLevel::kBad;
+}
+
+TEST(Verdict, IsGoodForAGoodRecording) {
+  const Verdict verdict = judge(cameraRecord(0.3, 0.8));
+  EXPECT_EQ(verdict.level, VerdictLevel::kGood);
+  for (const Finding& finding : verdict.findings) {
+    EXPECT_FALSE(finding.evidence.empty()) << finding.rule;
+    EXPECT_TRUE(finding.advice.empty()) << finding.rule;
+  }
+}
+
+TEST(Verdict, WorstFindingDecides) {
+  const Verdict verdict = judge(cameraRecord(3.0, 0.3));
+  EXPECT_EQ(levelOf(verdict, "Reprojection"), VerdictLevel::kBad);
+  EXPECT_EQ(levelOf(verdict, "Tilt"), VerdictLevel::kDoubtful);
+  EXPECT_EQ(verdict.level, VerdictLevel::kBad);
+  for (const Finding& finding : verdict.findings) {
+    EXPECT_EQ(finding.advice.empty(), finding.level == VerdictLevel::kGood) << finding.rule;
+  }
+}
+
+TEST(Verdict, FewFrontalViewsAreBad) {
+  const Verdict verdict = judge(cameraRecord(0.3, 0.0, 5));
+  EXPECT_EQ(levelOf(verdict, "Views of cam0"), VerdictLevel::kBad);
+  EXPECT_EQ(levelOf(verdict, "Tilt"), VerdictLevel::kBad);
+}
+
+TEST(Verdict, SystematicErrorIsSeenThroughASmallRmse) {
+  CalibrationRecord record = cameraRecord(0.1, 0.8);
+  for (CornerResidual& residual : record.camera->residuals) {
+    if (residual.corner_id == 0) residual.error = {0.9F, 0.0F};  // one image region is off
+  }
+  EXPECT_EQ(levelOf(judge(record), "Systematic"), VerdictLevel::kDoubtful);
+}
+
+TEST(Verdict, NotANumberIsBad) {
+  EXPECT_EQ(judge(cameraRecord(std::nan(""), 0.8)).level, VerdictLevel::kBad);
+}
+
+TEST(Verdict, DidNotConvergeIsBadWhateverTheFigures) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera->summary.converged = false;
+  EXPECT_EQ(judge(record).level, VerdictLevel::kBad);
+}
+
+TEST(Verdict, ResampledSpreadOverrulesAFormalDeviation) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  auto& covariance = record.camera->summary.covariance;
+  covariance.names = {"cam0.fu"};
+  covariance.units = {"px"};
+  covariance.matrix = Eigen::MatrixXd::Constant(1, 1, 0.01);
+  EXPECT_EQ(levelOf(judge(record), "Focal length"), VerdictLevel::kGood);
+  record.camera_resample = ResampleSpread{20, 0, {"cam0.fu"}, Eigen::VectorXd::Constant(1, 4.5)};
+  const Verdict verdict = judge(record);
+  EXPECT_EQ(levelOf(verdict, "Focal length"), VerdictLevel::kDoubtful);
+}
+
+TEST(Verdict, ThresholdsAreOptions) {
+  VerdictThresholds thresholds;
+  thresholds.rmse_px = {0.1, 0.2};
+  EXPECT_EQ(judge(cameraRecord(0.3, 0.8), thresholds).level, VerdictLevel::kBad);
+}
+
+TEST(RegionalErrors, CountsRegionsWithCorners) {
+  const CalibrationRecord record = cameraRecord(0.3, 0.8, 2);
+  const RegionalErrors all = regionalErrors(record.camera->residuals, 0, {800, 600});
+  EXPECT_DOUBLE_EQ(all.coverage(), 1.0);
+  EXPECT_DOUBLE_EQ(all.coverage(3), 0.0);
+  // Twice the width: the same corners reach the left half only.
+  EXPECT_DOUBLE_EQ(regionalErrors(record.camera->residuals, 0, {1600, 600}).coverage(), 0.5);
+}
+
+}  // namespace
+}  // namespace plumbline
