@@ -101,8 +101,7 @@ TargetRenderer::TargetRenderer(const Intrinsics& camera, const AprilGrid& target
       rays_(cornerRays(camera)),
       gain_(vignettingGain(camera.resolution, options.vignetting)) {}
 
-TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f& ray_C) const {
-  const Eigen::Vector3f n = view.R_FC * ray_C;
+TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f& n) const {
   if (!(n.z() < 0)) return {};  // away from the plane, or no ray: the wall far out
   const float range = -view.c_F.z() / n.z();
   if (!(range < kFarAway)) return {};
@@ -116,7 +115,7 @@ TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f
 std::vector<TargetRenderer::Hit> TargetRenderer::castRow(const View& view, int lattice_row) const {
   std::vector<Hit> row(static_cast<std::size_t>(width_ + 1));
   for (int x = 0; x <= width_; ++x) {
-    row[static_cast<std::size_t>(x)] = cast(view, ray(x, lattice_row));
+    row[static_cast<std::size_t>(x)] = cast(view, view.R_FC * ray(x, lattice_row));
   }
   return row;
 }
@@ -141,13 +140,13 @@ float TargetRenderer::pixelLight(const View& view, int x, int y, const Hit* abov
 
 float TargetRenderer::mixedLight(const View& view, int x, int y, float light) const {
   static const std::array<SamplePoint, kSamples> points = hammersley();
-  const Eigen::Vector3f& r00 = ray(x, y);
-  const Eigen::Vector3f right = ray(x + 1, y) - r00;
-  const Eigen::Vector3f down = ray(x, y + 1) - r00;
-  const Eigen::Vector3f twist = ray(x + 1, y + 1) - ray(x + 1, y) - down;
+  const Eigen::Vector3f n = view.R_FC * ray(x, y);
+  const Eigen::Vector3f right = view.R_FC * ray(x + 1, y) - n;
+  const Eigen::Vector3f down = view.R_FC * ray(x, y + 1) - n;
+  const Eigen::Vector3f twist = view.R_FC * ray(x + 1, y + 1) - n - right - down;
   std::array<int, 3> count{};
   for (const SamplePoint& s : points) {
-    const Hit hit = cast(view, r00 + s.u * right + s.v * (down + s.u * twist));
+    const Hit hit = cast(view, n + s.u * right + s.v * (down + s.u * twist));
     ++count[static_cast<std::size_t>(pattern_.surface(hit.cell))];
   }
   const double sum = count[0] * options_.wall_level + count[1] * options_.white_level +

@@ -50,7 +50,7 @@ class TargetRenderer {
   };
   struct View;  // a camera's pose, prepared for casting rays
 
-  Hit cast(const View& view, const Eigen::Vector3f& ray_C) const;
+  Hit cast(const View& view, const Eigen::Vector3f& n) const;  // n: a ray in F
   std::vector<Hit> castRow(const View& view, int lattice_row) const;
   float pixelLight(const View& view, int x, int y, const Hit* above, const Hit* below) const;
   float mixedLight(const View& view, int x, int y, float light) const;

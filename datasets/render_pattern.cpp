@@ -2,7 +2,6 @@
 #include "datasets/render_pattern.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "calibrator/target/tag_family.h"
 
@@ -36,10 +35,10 @@ GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
 int GridPattern::indexOf(double x_m, int tags) const {
   const double end = pitch_ * tags;
   if (x_m < -gap_) return x_m < -gap_ - margin_ ? 0 : 1;
+  if (x_m < 0) return 2;
   if (x_m >= end) return (x_m < end + margin_ ? 3 : 4) + kSteps * tags;
-  const double tag = std::floor(x_m * tags_per_m_);
-  const int cell = std::min(static_cast<int>((x_m - tag * pitch_) * cells_per_m_), kCells);
-  return std::max(2, 3 + kSteps * static_cast<int>(tag) + cell);
+  const int tag = static_cast<int>(x_m * tags_per_m_);
+  return 3 + kSteps * tag + std::min(static_cast<int>((x_m - tag * pitch_) * cells_per_m_), kCells);
 }
 
 double GridPattern::middleOf(int index, int tags) const {
