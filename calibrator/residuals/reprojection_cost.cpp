@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/reprojection_cost.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <variant>
+
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/manifold.h>
+#include <ceres/product_manifold.h>
+
+#include "calibrator/camera/camera_dispatch.h"
+
+namespace plumbline {
+namespace {
+
+template <class T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+// T^-1 * p for a pose block.
+template <class T>
+Vector3<T> throughInverse(const T* block, const Vector3<T>& p) {
+  const Eigen::Map<const Vector3<T>> t(block);
+  const Eigen::Map<const Eigen::Quaternion<T>> q(block + 3);
+  return q.conjugate() * Vector3<T>(p - t);
+}
+
+template <CameraModel Model>
+struct Reprojection {
+  Eigen::Vector2d p_F;
+  Eigen::Vector2d uv;
+
+  template <class T>
+  bool operator()(const T* intrinsics, const T* T_C0Ci, const T* T_FC0, T* e) const {
+    const Vector3<T> p_F3(T(p_F.x()), T(p_F.y()), T(0));
+    const Vector3<T> p_C = throughInverse<T>(T_C0Ci, throughInverse<T>(T_FC0, p_F3));
+    if (!(p_C.z() > T(0))) return false;
+    const auto m = Model::image(intrinsics + 4, p_C.x(), p_C.y(), p_C.z());
+    e[0] = intrinsics[0] * m.x + intrinsics[2] - uv.x();
+    e[1] = intrinsics[1] * m.y + intrinsics[3] - uv.y();
+    return true;
+  }
+};
+
+}  // namespace
+
+PoseBlock poseBlockFrom(const Transform& T) {
+  PoseBlock block;
+  Eigen::Map<Eigen::Vector3d>(block.data()) = T.t;
+  Eigen::Map<Eigen::Quaterniond>(block.data() + 3) = T.quaternion();
+  return block;
+}
+
+Transform transformFrom(const PoseBlock& block) {
+  return {Eigen::Quaterniond(Eigen::Map<const Eigen::Quaterniond>(block.data() + 3)),
+          Eigen::Map<const Eigen::Vector3d>(block.data())};
+}
+
+std::unique_ptr<ceres::Manifold> makePoseManifold() {
+  return std::make_unique<
+      ceres::ProductManifold<ceres::EuclideanManifold<3>, ceres::EigenQuaternionManifold>>();
+}
+
+std::unique_ptr<ceres::CostFunction> makeReprojectionCost(const Intrinsics& camera,
+                                                          const Eigen::Vector2d& p_F,
+                                                          const Eigen::Vector2d& uv) {
+  return std::visit(
+      [&]<class Model>(Model) -> std::unique_ptr<ceres::CostFunction> {
+        using Functor = Reprojection<Model>;
+        constexpr int kIntrinsics = 4 + Model::kShape;
+        return std::make_unique<ceres::AutoDiffCostFunction<Functor, 2, kIntrinsics, 7, 7>>(
+            new Functor{p_F, uv});
+      },
+      cameraModelOf(camera));
+}
+
+}  // namespace plumbline
