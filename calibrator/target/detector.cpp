@@ -28,6 +28,22 @@ void checkGrid(const AprilGrid& grid) {
   }
 }
 
+/// The library needs some room; no tag is that small.
+constexpr int kMinSide_px = 16;
+/// Sets of squares from which the grid is tried to grow.
+constexpr std::size_t kSetsTried = 3;
+
+/// Squares the library read as a tag that is not there in the grid found.
+int countContradicting(const std::vector<TagImage>& squares, const std::vector<TagImage>& tags) {
+  return static_cast<int>(
+      std::count_if(squares.begin(), squares.end(), [&](const TagImage& square) {
+        return std::none_of(tags.begin(), tags.end(), [&](const TagImage& tag) {
+          return tag.id == square.id &&
+                 (tag.uv[0] - square.uv[0]).norm() < 0.5 * shortestEdge(tag.uv);
+        });
+      }));
+}
+
 void append(Detection& detection, const TagImage& tag) {
   DetectedTag found{tag.id, tag.source, tag.hamming, 0};
   for (std::size_t k = 0; k < 4; ++k) {
@@ -60,7 +76,36 @@ struct AprilGridDetector::Parts {
       : grid(the_grid),
         options(the_options),
         finder({grid.tagCount(), options.border_bits, options.max_hamming, options.decimation}) {}
+
+  /// Grows the grid from the largest consistent set of squares that leads anywhere.
+  Detection searchFrom(std::vector<TagImage> squares, const GrayImageView& image);
 };
+
+Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
+                                               const GrayImageView& image) {
+  GridSearch search(grid, options, image, refiner);
+  for (TagImage& square : squares) search.refineCorners(square);
+  std::vector<std::vector<TagImage>> sets = consistentSets(grid, squares);
+  if (sets.size() > kSetsTried) sets.resize(kSetsTried);
+  Detection detection;
+  for (const std::vector<TagImage>& set : sets) {
+    search.start(set);
+    search.grow();
+    search.completeCorners();
+    search.checkAgainstNeighbours();
+    const int contradicting = countContradicting(squares, search.tags());
+    search.dropAtBorder();
+    detection = {};
+    detection.rejected_tags = contradicting;
+    detection.rejected_corners = search.rejectedCorners();
+    detection.spacing = apparentSpacing(grid, search.tags());
+    const auto found = static_cast<int>(search.tags().size());
+    if (found < options.min_tags || found <= contradicting) continue;
+    for (const TagImage& tag : search.tags()) append(detection, tag);
+    return detection;
+  }
+  return detection;
+}
 
 AprilGridDetector::AprilGridDetector(const AprilGrid& grid, const DetectorOptions& options) {
   checkGrid(grid);
@@ -72,24 +117,12 @@ AprilGridDetector::AprilGridDetector(AprilGridDetector&&) noexcept = default;
 AprilGridDetector& AprilGridDetector::operator=(AprilGridDetector&&) noexcept = default;
 
 Detection AprilGridDetector::detect(const GrayImageView& image) const {
-  Detection detection;
-  if (image.empty()) return detection;
-  const std::vector<TagImage> squares = parts_->finder.find(image);
-  const std::vector<TagImage> seeds = consistentTags(parts_->grid, squares);
-  detection.rejected_tags = static_cast<int>(squares.size() - seeds.size());
-  if (seeds.size() < 2 || detection.rejected_tags >= static_cast<int>(seeds.size())) {
-    return detection;
-  }
-  GridSearch search(parts_->grid, parts_->options, image, parts_->refiner);
-  search.start(seeds);
-  search.grow();
-  search.checkAgainstNeighbours();
-  search.dropAtBorder();
-  detection.rejected_corners = search.rejectedCorners();
-  detection.spacing = apparentSpacing(parts_->grid, search.tags());
-  if (static_cast<int>(search.tags().size()) < parts_->options.min_tags) return detection;
-  for (const TagImage& tag : search.tags()) append(detection, tag);
-  return detection;
+  if (image.width < kMinSide_px || image.height < kMinSide_px) return {};
+  std::vector<TagImage> squares = parts_->finder.find(image, 2);
+  Detection detection = parts_->searchFrom(squares, image);
+  if (!detection.tags.empty() || squares.empty()) return detection;
+  for (const TagImage& square : parts_->finder.find(image, 3)) squares.push_back(square);
+  return parts_->searchFrom(squares, image);
 }
 
 }  // namespace plumbline

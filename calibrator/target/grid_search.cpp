@@ -35,7 +35,7 @@ Eigen::Matrix2d outwardAxes(const Eigen::Matrix3d& H, std::size_t k, double reac
 
 GridSearch::GridSearch(const AprilGrid& grid, const DetectorOptions& options,
                        const GrayImageView& image, CornerRefiner& refiner)
-    : grid_(grid), options_(options), image_(image), refiner_(refiner), map_(grid) {}
+    : grid_(grid), options_(options), image_(image), refiner_(refiner) {}
 
 bool GridSearch::has(int tag_id) const {
   return std::any_of(tags_.begin(), tags_.end(),
@@ -55,12 +55,13 @@ void GridSearch::insert(const TagImage& tag) {
   tags_.insert(place, tag);
 }
 
-void GridSearch::refineCorners(TagImage& tag) {
+void GridSearch::refineCorners(TagImage& tag) const {
   const Eigen::Matrix3d H = squareToQuad(tag.uv);
   const double cells = tagCells(options_.border_bits);
   const double reach = kUsedShare * std::min(options_.border_bits / cells, grid_.spacing);
   const double max_shift = std::clamp(0.12 * shortestEdge(tag.uv), 2.0, 8.0);
   for (std::size_t k = 0; k < 4; ++k) {
+    if (tag.located[k]) continue;
     const CornerWindow window{tag.uv[k], outwardAxes(H, k, reach), max_shift};
     const std::optional<Eigen::Vector2d> corner = refiner_.refine(image_, window);
     tag.located[k] = corner.has_value();
@@ -70,13 +71,13 @@ void GridSearch::refineCorners(TagImage& tag) {
 
 void GridSearch::start(const std::vector<TagImage>& tags) {
   tags_ = tags;
-  for (TagImage& tag : tags_) refineCorners(tag);
+  rejected_corners_ = 0;
 }
 
-std::optional<TagImage> GridSearch::lookFor(int tag_id) {
+std::optional<TagImage> GridSearch::lookFor(int tag_id, const LocalMap& map) const {
   TagImage tag{.id = tag_id, .source = TagSource::kGrid};
   for (int k = 0; k < 4; ++k) {
-    const std::optional<Eigen::Vector2d> uv = map_.predict(tags_, 4 * tag_id + k, -1);
+    const std::optional<Eigen::Vector2d> uv = map.predict(4 * tag_id + k, -1);
     if (!uv) return std::nullopt;
     tag.uv[static_cast<std::size_t>(k)] = *uv;
   }
@@ -94,27 +95,40 @@ std::optional<TagImage> GridSearch::lookFor(int tag_id) {
 }
 
 void GridSearch::grow() {
-  std::vector<int> tried(static_cast<std::size_t>(grid_.tagCount()), 0);
+  std::vector<int> tried_with(static_cast<std::size_t>(grid_.tagCount()), 0);
   bool grown = true;
   while (grown) {
     grown = false;
+    const LocalMap known = map();
     for (int id = 0; id < grid_.tagCount(); ++id) {
       if (has(id)) continue;
       const int neighbours = neighboursOf(id);
-      int& tried_with = tried[static_cast<std::size_t>(id)];
-      if (neighbours <= tried_with) continue;
-      tried_with = neighbours;
-      const std::optional<TagImage> tag = lookFor(id);
-      if (!tag) continue;
-      insert(*tag);
-      grown = true;
+      if (neighbours <= tried_with[static_cast<std::size_t>(id)]) continue;
+      tried_with[static_cast<std::size_t>(id)] = neighbours;
+      if (const std::optional<TagImage> tag = lookFor(id, known)) {
+        insert(*tag);
+        grown = true;
+      }
     }
   }
 }
 
+void GridSearch::completeCorners() {
+  const LocalMap known = map();
+  for (TagImage& tag : tags_) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (tag.located[k]) continue;
+      const std::optional<Eigen::Vector2d> expected =
+          known.predict(4 * tag.id + static_cast<int>(k), -1);
+      if (expected) tag.uv[k] = *expected;
+    }
+    refineCorners(tag);
+  }
+}
+
 void GridSearch::checkAgainstNeighbours() {
-  std::vector<TagImage> checked = tags_;
-  for (TagImage& tag : checked) {
+  const LocalMap known = map();
+  for (TagImage& tag : tags_) {
     const double limit = options_.max_grid_error_px + 0.03 * shortestEdge(tag.uv);
     for (std::size_t k = 0; k < 4; ++k) {
       if (!tag.located[k]) {
@@ -122,13 +136,12 @@ void GridSearch::checkAgainstNeighbours() {
         continue;
       }
       const std::optional<Eigen::Vector2d> expected =
-          map_.predict(tags_, 4 * tag.id + static_cast<int>(k), tag.id);
+          known.predict(4 * tag.id + static_cast<int>(k), tag.id);
       if (expected && (*expected - tag.uv[k]).norm() <= limit) continue;
       tag.located[k] = false;
       ++rejected_corners_;
     }
   }
-  tags_ = std::move(checked);
   removeEmptyTags();
 }
 

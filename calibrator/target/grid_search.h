@@ -19,10 +19,16 @@ class GridSearch {
   GridSearch(const AprilGrid& grid, const DetectorOptions& options, const GrayImageView& image,
              CornerRefiner& refiner);
 
-  /// Starts from tags that agree with each other (consistentTags) and refines their corners.
+  /// Moves the corners of a tag that are not located yet from about a pixel beside the true ones
+  /// onto them; `located` says which of them could be.
+  void refineCorners(TagImage& tag) const;
+  /// Starts from tags with refined corners that agree with each other, ascending in id.
   void start(const std::vector<TagImage>& tags);
+
   /// Looks for missing tags beside known ones until no more are found.
   void grow();
+  /// Looks again for the corners that known tags lack, where their neighbours predict them.
+  void completeCorners();
   /// Takes back the corners that their neighbours contradict, and tags without corners.
   void checkAgainstNeighbours();
   /// Takes back the corners too close to the edge of the image, and tags without corners.
@@ -34,8 +40,8 @@ class GridSearch {
  private:
   bool has(int tag_id) const;
   int neighboursOf(int tag_id) const;
-  void refineCorners(TagImage& tag);
-  std::optional<TagImage> lookFor(int tag_id);
+  std::optional<TagImage> lookFor(int tag_id, const LocalMap& map) const;
+  LocalMap map() const { return {grid_, tags_, {image_.width, image_.height}}; }
   void insert(const TagImage& tag);
   void removeEmptyTags();
 
@@ -43,7 +49,6 @@ class GridSearch {
   DetectorOptions options_;
   GrayImageView image_;
   CornerRefiner& refiner_;
-  LocalMap map_;
   std::vector<TagImage> tags_;
   int rejected_corners_ = 0;
 };

@@ -71,7 +71,8 @@ void addGaps(const TagImage& low, const TagImage& high, std::array<std::size_t, 
 
 }  // namespace
 
-std::vector<TagImage> consistentTags(const AprilGrid& grid, const std::vector<TagImage>& tags) {
+std::vector<std::vector<TagImage>> consistentSets(const AprilGrid& grid,
+                                                  const std::vector<TagImage>& tags) {
   std::vector<TagImage> upright;
   std::copy_if(tags.begin(), tags.end(), std::back_inserter(upright), [&](const TagImage& tag) {
     return tag.id < grid.tagCount() && signedDoubleArea(tag.uv) > 0;
@@ -80,16 +81,18 @@ std::vector<TagImage> consistentTags(const AprilGrid& grid, const std::vector<Ta
     return a.id != b.id ? a.id < b.id : a.hamming < b.hamming;
   });
   const std::vector<std::size_t> label = components(grid, upright);
-  std::vector<TagImage> best;
+  std::vector<std::vector<TagImage>> sets;
   for (std::size_t group = 0; group < upright.size(); ++group) {
     std::vector<TagImage> members;
     for (std::size_t i = 0; i < upright.size(); ++i) {
       if (label[i] != group) continue;
       if (members.empty() || members.back().id != upright[i].id) members.push_back(upright[i]);
     }
-    if (members.size() > best.size()) best = std::move(members);
+    if (!members.empty()) sets.push_back(std::move(members));
   }
-  return best;
+  std::stable_sort(sets.begin(), sets.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return sets;
 }
 
 std::optional<double> apparentSpacing(const AprilGrid& grid, const std::vector<TagImage>& tags) {

@@ -9,10 +9,12 @@
 
 namespace plumbline {
 
-/// The largest set of tags that agree with each other on the grid: any two of them up to two tags
-/// apart predict each other's corners, through the homography of their own four, to a fraction of
-/// a tag. Mirrored squares are never in it, nor is an id twice. Ascending in id.
-std::vector<TagImage> consistentTags(const AprilGrid& grid, const std::vector<TagImage>& tags);
+/// Sets of tags that agree with each other on the grid, largest first (then by their first id): in
+/// a set, each tag and some other at most two tags away predict each other's corners, through the
+/// homography of their own four, to a fraction of a tag. Lone tags are sets of one. Mirrored
+/// squares are in none, and no id is in a set twice. Ascending in id.
+std::vector<std::vector<TagImage>> consistentSets(const AprilGrid& grid,
+                                                  const std::vector<TagImage>& tags);
 
 /// Gap over tag size as the image shows it: of four points in line, the two edges of a tag and of
 /// its neighbour along a row or column, the cross ratio does not change under perspective and gives

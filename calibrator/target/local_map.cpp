@@ -12,7 +12,7 @@ using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 
 /// Tags further than this many rows or columns from the place asked for are not heard.
-constexpr int kReachTags = 3;
+constexpr int kReachTags = 2;
 
 /// Weighted normal equations of u = (h0 + h1 x + h2 y) / (1 + h6 x + h7 y), v likewise with h3, h4,
 /// h5, multiplied out; (x, y) relative to the place asked for, where the denominator is 1.
@@ -32,36 +32,46 @@ struct HomographyFit {
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> LocalMap::predict(const std::vector<TagImage>& tags, int corner_id,
-                                                 int left_out) const {
-  const Eigen::Vector2d place = grid_.corner(corner_id);
+LocalMap::LocalMap(const AprilGrid& grid, const std::vector<TagImage>& tags,
+                   const Resolution& resolution)
+    : grid_(grid), distortion_(estimateDistortion(grid, tags, resolution)) {
+  for (const TagImage& tag : tags) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!tag.located[k]) continue;
+      points_.push_back(
+          {tag.id, tag.id / grid.cols, tag.id % grid.cols,
+           grid.corner(4 * tag.id + static_cast<int>(k)) / grid.pitch(),
+           (distortion_.straighten(tag.uv[k]) - distortion_.centre) / distortion_.radius});
+    }
+  }
+}
+
+std::optional<Eigen::Vector2d> LocalMap::predict(int corner_id, int left_out) const {
+  const Eigen::Vector2d place = grid_.corner(corner_id) / grid_.pitch();
   const int col = corner_id / 4 % grid_.cols;
   const int row = corner_id / 4 / grid_.cols;
   HomographyFit fit;
   int heard = 0;
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
-  for (const TagImage& tag : tags) {
-    if (tag.id == left_out || std::abs(tag.id % grid_.cols - col) > kReachTags ||
-        std::abs(tag.id / grid_.cols - row) > kReachTags) {
+  for (const Point& point : points_) {
+    if (point.tag_id == left_out || std::abs(point.col - col) > kReachTags ||
+        std::abs(point.row - row) > kReachTags) {
       continue;
     }
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (!tag.located[k]) continue;
-      if (heard == 0) origin = tag.uv[k];
-      const Eigen::Vector2d xy =
-          (grid_.corner(4 * tag.id + static_cast<int>(k)) - place) / grid_.pitch();
-      const double weight = 1 / std::pow(0.1 + xy.squaredNorm(), 2);
-      fit.add(xy, (tag.uv[k] - origin) / 100, weight);
-      ++heard;
-    }
+    if (heard == 0) origin = point.straight;
+    const Eigen::Vector2d xy = point.on_grid - place;
+    const double near = 0.1 + xy.squaredNorm();
+    fit.add(xy, point.straight - origin, 1 / (near * near));
+    ++heard;
   }
-  if (heard < 5) return std::nullopt;
+  if (heard < 4) return std::nullopt;
   const auto factor = fit.normal.ldlt();
   const Vector8 h = factor.solve(fit.right);
   if (factor.info() != Eigen::Success || !h.allFinite() || !(factor.rcond() > 1e-12)) {
     return std::nullopt;
   }
-  return Eigen::Vector2d(origin + 100 * Eigen::Vector2d(h[0], h[3]));
+  const Eigen::Vector2d straight = origin + Eigen::Vector2d(h[0], h[3]);
+  return distortion_.distort(distortion_.centre + distortion_.radius * straight);
 }
 
 }  // namespace plumbline

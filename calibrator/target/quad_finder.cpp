@@ -39,34 +39,44 @@ struct QuadFinder::Library {
 QuadFinder::QuadFinder(const Options& options) : library_(std::make_unique<Library>(options)) {}
 QuadFinder::~QuadFinder() = default;
 
-void dilate2x2(const GrayImageView& image, GrayImage& out) {
+void dilate(const GrayImageView& image, int size, GrayImage& out) {
+  assert(size == 2 || size == 3);
   if (out.width() != image.width || out.height() != image.height) {
     out = GrayImage(image.width, image.height);
   }
+  std::vector<std::uint8_t> column_max(static_cast<std::size_t>(image.width));
+  const int before = (size - 1) / 2;
+  const int last = image.width - 1;
   for (int y = 0; y < image.height; ++y) {
-    const std::uint8_t* upper = image.row(y);
-    const std::uint8_t* lower = image.row(std::min(y + 1, image.height - 1));
+    const std::uint8_t* above = image.row(std::max(y - before, 0));
+    const std::uint8_t* here = image.row(y);
+    const std::uint8_t* below = image.row(std::min(y + 1, image.height - 1));
+    std::uint8_t* column = column_max.data();
+    for (int x = 0; x <= last; ++x) column[x] = std::max(std::max(above[x], here[x]), below[x]);
     std::uint8_t* to = out.row(y);
-    const int last = image.width - 1;
-    for (int x = 0; x < last; ++x) {
-      to[x] = std::max(std::max(upper[x], upper[x + 1]), std::max(lower[x], lower[x + 1]));
+    to[0] = std::max(column[0], column[std::min(1, last)]);
+    for (int x = 1; x < last; ++x) {
+      to[x] = std::max(std::max(column[x - before], column[x]), column[x + 1]);
     }
-    to[last] = std::max(upper[last], lower[last]);
+    to[last] = std::max(column[std::max(last - before, 0)], column[last]);
   }
 }
 
-std::vector<TagImage> QuadFinder::find(const GrayImageView& image) {
-  dilate2x2(image, dilated_);
+std::vector<TagImage> QuadFinder::find(const GrayImageView& image, int dilation) {
+  dilate(image, dilation, dilated_);
   image_u8_t wrapped{dilated_.width(), dilated_.height(), dilated_.width(), dilated_.data()};
   zarray_t* found = apriltag_detector_detect(library_->detector, &wrapped);
+  // The library counts from the outer edge of the first pixel (-0.5 in our pixels); the dilation by
+  // 2 shortens dark squares to the right and below (+0.5 on average), by 3 on all sides alike.
+  const double shift = dilation == 2 ? 0 : -0.5;
   std::vector<TagImage> tags;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* each = nullptr;
     zarray_get(found, i, &each);
     TagImage tag{.id = each->id, .source = TagSource::kLibrary, .hamming = each->hamming};
-    // The library counts from the outer edge of the first pixel (-0.5 in our pixels), and the
-    // dilation shortens dark squares on two sides (+0.5 on average): the two cancel.
-    for (std::size_t k = 0; k < 4; ++k) tag.uv[k] = {each->p[k][0], each->p[k][1]};
+    for (std::size_t k = 0; k < 4; ++k) {
+      tag.uv[k] = Eigen::Vector2d(each->p[k][0] + shift, each->p[k][1] + shift);
+    }
     tags.push_back(tag);
   }
   apriltag_detections_destroy(found);

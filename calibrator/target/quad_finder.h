@@ -25,8 +25,9 @@ class QuadFinder {
   QuadFinder(const QuadFinder&) = delete;
   QuadFinder& operator=(const QuadFinder&) = delete;
 
-  /// Decoded squares, corners to about a pixel; an id may occur more than once.
-  std::vector<TagImage> find(const GrayImageView& image);
+  /// Decoded squares, corners to about a pixel; an id may occur more than once. `dilation` is 2, or
+  /// 3 for images whose blur bridges the gap that 2 opens (but it costs small tags).
+  std::vector<TagImage> find(const GrayImageView& image, int dilation);
 
  private:
   struct Library;
@@ -34,8 +35,9 @@ class QuadFinder {
   GrayImage dilated_;
 };
 
-/// Each pixel becomes the brightest of itself, its right, lower and lower right neighbour: dark
-/// shapes lose one pixel of width and height, so that touching corners come apart.
-void dilate2x2(const GrayImageView& image, GrayImage& out);
+/// Each pixel becomes the brightest of the size x size pixels (2 or 3) around it, those to the
+/// right and below if size is 2: dark shapes lose size - 1 pixels of width and height, so that
+/// touching corners come apart. `out` is resized as needed.
+void dilate(const GrayImageView& image, int size, GrayImage& out);
 
 }  // namespace plumbline
