@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/camera/camera.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "tests/calibrator/camera/example_cameras.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Intrinsics simpleCamera(DistortionModel model, const Eigen::Vector4d& distortion) {
+  Intrinsics camera;
+  camera.distortion_model = model;
+  camera.projection = Eigen::Vector4d(100, 200, 10, 20);
+  camera.distortion = distortion;
+  return camera;
+}
+
+void expectPixel(const std::optional<Eigen::Vector2d>& uv, double u, double v) {
+  ASSERT_TRUE(uv.has_value());
+  EXPECT_NEAR(uv->x(), u, 1e-12 * std::abs(u));
+  EXPECT_NEAR(uv->y(), v, 1e-12 * std::abs(v));
+}
+
+TEST(Project, RadtanByHand) {
+  // x = 0.5, y = -1, r^2 = 1.25: g = 1 + 0.1 * 1.25 + 0.02 * 1.5625 = 1.15625;
+  // x' = 0.5 g + 2 * 0.01 * (-0.5) + 0.03 * (1.25 + 0.5) = 0.620625
+  // y' = -g + 0.01 * (1.25 + 2) + 2 * 0.03 * (-0.5) = -1.15375.
+  const Intrinsics camera = simpleCamera(DistortionModel::kRadtan, {0.1, 0.02, 0.01, 0.03});
+  expectPixel(project(camera, {1, -2, 2}), 100 * 0.620625 + 10, 200 * -1.15375 + 20);
+}
+
+TEST(Project, EquidistantByHand) {
+  // On the 45 degree cone theta = pi/4 and the direction (3, 4) / 5.
+  const double theta = std::numbers::pi / 4;
+  const double theta_d = theta * (1 + 0.1 * std::pow(theta, 2) + 0.02 * std::pow(theta, 4) +
+                                  0.003 * std::pow(theta, 6) + 0.0004 * std::pow(theta, 8));
+  const Intrinsics camera = simpleCamera(DistortionModel::kEquidistant, {0.1, 0.02, 0.003, 0.0004});
+  expectPixel(project(camera, {3, 4, 5}), 100 * 0.6 * theta_d + 10, 200 * 0.8 * theta_d + 20);
+}
+
+TEST(Project, WithoutDistortionAPinholeIsAPinhole) {
+  const Intrinsics camera = simpleCamera(DistortionModel::kRadtan, Eigen::Vector4d::Zero());
+  expectPixel(project(camera, {1, 2, 4}), 100 * 0.25 + 10, 200 * 0.5 + 20);
+}
+
+TEST(Project, TheAxisMeetsThePrincipalPoint) {
+  for (const Intrinsics& camera : testing::allCameras()) {
+    expectPixel(project(camera, {0, 0, 2}), camera.projection[2], camera.projection[3]);
+    const Projection projection = projectWithJacobians(camera, {0, 0, 2}).value();
+    EXPECT_NEAR(projection.J_point(0, 0), camera.projection[0] / 2, 1e-12);
+    EXPECT_NEAR(projection.J_point(1, 1), camera.projection[1] / 2, 1e-12);
+    EXPECT_TRUE(projection.J_intrinsics.allFinite());
+  }
+}
+
+TEST(Project, EmptyBehindTheCameraAndForNaN) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Intrinsics& camera : testing::allCameras()) {
+    EXPECT_FALSE(project(camera, {0.1, 0.1, -1}).has_value());
+    EXPECT_FALSE(project(camera, {0.1, 0.1, 0}).has_value());
+    EXPECT_FALSE(project(camera, {nan, 0.1, 1}).has_value());
+    EXPECT_FALSE(projectWithJacobians(camera, {0.1, 0.1, -1}).has_value());
+  }
+}
+
+TEST(Project, RadtanEndsWhereTheRadiusStopsGrowing) {
+  // k1 = -1/3 alone: d(r - r^3 / 3)/dr = 1 - r^2 is zero at r = 1.
+  const Intrinsics camera = simpleCamera(DistortionModel::kRadtan, {-1.0 / 3, 0, 0, 0});
+  EXPECT_TRUE(project(camera, {0.999999, 0, 1}).has_value());
+  EXPECT_FALSE(project(camera, {1.000001, 0, 1}).has_value());
+  EXPECT_FALSE(project(camera, {3, 0, 1}).has_value());
+  // With k2 the radius may grow again further out: that is still beyond the fold.
+  const Intrinsics folded = simpleCamera(DistortionModel::kRadtan, {-1, 0.25, 0, 0});
+  EXPECT_TRUE(project(folded, {0.5, 0, 1}).has_value());
+  EXPECT_FALSE(project(folded, {5, 0, 1}).has_value());
+  // Pincushion grows for ever.
+  const Intrinsics pincushion = simpleCamera(DistortionModel::kRadtan, {0.1, 0.01, 0, 0});
+  EXPECT_TRUE(project(pincushion, {50, 0, 1}).has_value());
+}
+
+TEST(Project, EquidistantEndsWhereTheAngleStopsGrowing) {
+  // k1 = -1/3 alone: 1 - theta^2 is zero at theta = 1 rad.
+  const Intrinsics camera = simpleCamera(DistortionModel::kEquidistant, {-1.0 / 3, 0, 0, 0});
+  EXPECT_TRUE(project(camera, {std::tan(0.999999), 0, 1}).has_value());
+  EXPECT_FALSE(project(camera, {std::tan(1.000001), 0, 1}).has_value());
+  // Without a fold it reaches to the side, though never behind.
+  EXPECT_TRUE(project(testing::equidistantCamera(), {100, 0, 1}).has_value());
+}
+
+bool isBeyondNinetyDegrees(const Intrinsics& camera, double u, double v) {
+  return camera.distortion_model == DistortionModel::kEquidistant &&
+         (Eigen::Vector2d(u, v) - camera.projection.tail<2>()).norm() > 295;
+}
+
+TEST(Unproject, InvertsProjectOverTheImage) {
+  for (const Intrinsics& camera : testing::allCameras()) {
+    for (int u = 0; u < camera.resolution.width; u += 37) {
+      for (int v = 0; v < camera.resolution.height; v += 29) {
+        // TUM-VI's corners lie beyond 90 degrees, 296 px from the centre.
+        if (isBeyondNinetyDegrees(camera, u, v)) continue;
+        const auto ray = unproject(camera, Eigen::Vector2d(u, v));
+        ASSERT_TRUE(ray.has_value()) << u << ", " << v;
+        EXPECT_NEAR(ray->norm(), 1, 1e-15);
+        const auto uv = project(camera, 3.7 * *ray);
+        ASSERT_TRUE(uv.has_value());
+        EXPECT_LT((*uv - Eigen::Vector2d(u, v)).norm(), 1e-12 * camera.projection[0]);
+      }
+    }
+  }
+}
+
+TEST(Unproject, RecoversTheRayUpToTheEdgeOfTheDomain) {
+  const Intrinsics radtan = simpleCamera(DistortionModel::kRadtan, {-1.0 / 3, 0, 0, 0});
+  const Intrinsics equidistant = simpleCamera(DistortionModel::kEquidistant, {-1.0 / 3, 0, 0, 0});
+  for (const Intrinsics& camera : {radtan, equidistant}) {
+    for (double x : {0.0, 1e-9, 1e-5, 0.3, 0.9, 0.99}) {
+      const Eigen::Vector3d ray = Eigen::Vector3d(0.6 * x, -0.8 * x, 1).normalized();
+      const auto back = unproject(camera, project(camera, ray).value());
+      ASSERT_TRUE(back.has_value()) << x;
+      EXPECT_LT((*back - ray).norm(), 1e-12) << x;  // 1 / slope is 50 at 0.99
+    }
+    // The largest distorted radius is 2/3: no ray has this pixel.
+    EXPECT_FALSE(unproject(camera, Eigen::Vector2d(100 * 0.7 + 10, 20)).has_value());
+    EXPECT_FALSE(unproject(camera, Eigen::Vector2d(1e9, 0)).has_value());
+    EXPECT_FALSE(
+        unproject(camera, Eigen::Vector2d(std::numeric_limits<double>::infinity(), 0)).has_value());
+  }
+}
+
+TEST(Unproject, EmptyBeyondNinetyDegrees) {
+  EXPECT_FALSE(unproject(testing::equidistantCamera(), {0, 0}).has_value());
+}
+
+TEST(Models, RefusalNamesWhatIsSupported) {
+  Intrinsics camera = testing::radtanCamera();
+  camera.projection_model = ProjectionModel::kOmni;
+  EXPECT_FALSE(isCalibrationSupported(camera.projection_model, camera.distortion_model));
+  try {
+    (void)project(camera, {0, 0, 1});
+    FAIL() << "an omni camera was projected";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("omni-radtan"), HasSubstr("pinhole-radtan"),
+                                    HasSubstr("pinhole-equidistant"), HasSubstr("recalibrate")));
+  }
+  camera = testing::radtanCamera();
+  camera.distortion_model = DistortionModel::kFov;
+  EXPECT_THROW((void)projectWithJacobians(camera, {0, 0, 1}), InputError);
+  EXPECT_THROW((void)unproject(camera, {0, 0}), InputError);
+}
+
+TEST(Models, RefuseAWrongNumberOfParameters) {
+  Intrinsics camera = testing::radtanCamera();
+  camera.distortion = Eigen::Vector2d(0.1, 0.2);
+  try {
+    (void)project(camera, {0, 0, 1});
+    FAIL() << "two coefficients were accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("4 distortion"), HasSubstr("2")));
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
