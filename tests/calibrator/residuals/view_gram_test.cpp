@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/residuals/view_gram.h"
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -110,6 +111,105 @@ TEST(ViewGram, PoseOnlyAndCostOnlyAreItsParts) {
         EXPECT_NEAR(cost, whole.cost, 1e-13 * whole.cost);
       }
     }
+  }
+}
+
+// A view of which every corner is charged, and no derivative remains.
+void expectCharged(const ViewGram& gram, double corners) {
+  EXPECT_EQ(gram.cost, corners * kInvalidSquaredError);
+  EXPECT_EQ(gram.squared_error, corners * kInvalidSquaredError);
+  EXPECT_TRUE(gram.H.isZero(0) && gram.b.isZero(0) && gram.H_pose_k.isZero(0) &&
+              gram.H_k.isZero(0) && gram.b_k.isZero(0));
+}
+
+TEST(ViewGram, ATargetBehindTheCameraCostsMuchAndHasNoGradient) {
+  Transform behind = testing::examplePose();
+  behind.t.z() = -1.1;
+  for (const Intrinsics& camera : testing::allCameras()) {
+    const ImageView view = testing::noisyView(kTarget, camera, testing::examplePose(), 21, 1.0, 3);
+    const PackedCorners corners(kTarget, {view});
+    for (const GramOptions& options : allOptions()) {
+      for (InstructionSet set : availableSets()) {
+        expectCharged(viewGramWith(set, camera, behind, corners.view(0), options), 21);
+        EXPECT_EQ(viewCostWith(set, camera, behind, corners.view(0), options),
+                  21 * kInvalidSquaredError);
+      }
+    }
+  }
+}
+
+TEST(ViewGram, ParametersThatAreNotFiniteAreChargedToo) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Intrinsics good = testing::radtanCamera();
+  const ImageView view = testing::noisyView(kTarget, good, testing::examplePose(), 21, 1.0, 3);
+  PackedCorners corners(kTarget, {view});
+  corners.setWeight(0, 4, 0);
+  Intrinsics camera = good;
+  camera.distortion[1] = nan;
+  Transform T_CF = testing::examplePose();
+  T_CF.t.x() = nan;
+  for (const GramOptions& options : allOptions()) {
+    expectCharged(viewGram(camera, testing::examplePose(), corners.view(0), options), 20);
+    expectCharged(viewGram(good, T_CF, corners.view(0), options), 20);
+    EXPECT_EQ(viewCost(good, T_CF, corners.view(0), options), 20 * kInvalidSquaredError);
+    EXPECT_EQ(poseGram(camera, T_CF, corners.view(0), options).cost, 20 * kInvalidSquaredError);
+  }
+}
+
+TEST(ViewGram, OneCornerBehindTheCameraLeavesTheOthersAsTheyAre) {
+  // The target stands across the camera's plane: its far columns lie behind.
+  const Transform T_CF(expSO3({0, 1.4, 0}), Eigen::Vector3d(0.3, -0.4, 0.6));
+  for (const Intrinsics& camera : testing::allCameras()) {
+    ImageView view;
+    int behind = 0;
+    for (int id = 0; id < kTarget.cornerCount(); ++id) {
+      const Eigen::Vector2d p_F = kTarget.corner(id);
+      const Eigen::Vector3d p_C = T_CF * Eigen::Vector3d(p_F.x(), p_F.y(), 0);
+      const auto uv = project(camera, p_C);
+      if (p_C.z() > 0 && !uv) continue;  // beyond the fold: neither here nor there
+      behind += uv ? 0 : 1;
+      view.corners.push_back({id, uv ? *uv : Eigen::Vector2d(1, 1)});
+    }
+    ASSERT_GT(behind, 5);
+    ASSERT_GT(static_cast<int>(view.corners.size()) - behind, 20);
+    PackedCorners corners(kTarget, {view});
+    const ViewGram all = viewGram(camera, T_CF, corners.view(0));
+    for (std::size_t i = 0; i < view.corners.size(); ++i) {
+      if (view.corners[i].uv == Eigen::Vector2d(1, 1)) {
+        corners.setWeight(0, static_cast<int>(i), 0);
+      }
+    }
+    const ViewGram rest = viewGram(camera, T_CF, corners.view(0));
+    EXPECT_EQ(assembled(all), assembled(rest));
+    EXPECT_EQ(all.cost, rest.cost + behind * kInvalidSquaredError);
+  }
+}
+
+TEST(ViewGram, CauchyWeighsAnErrorOfOneScaleByHalf) {
+  // All corners are off by exactly c along u: slope 1/2, cost c^2 log 2 each.
+  const double c = 1.5;
+  const Intrinsics camera = testing::radtanCamera();
+  const Transform T_CF = testing::examplePose();
+  ImageView view = testing::noisyView(kTarget, camera, T_CF, 30, 0, 1);
+  const PackedCorners exact(kTarget, {view});
+  for (Corner& corner : view.corners) corner.uv.x() -= c;
+  const PackedCorners shifted(kTarget, {view});
+  const GramOptions reweighted{.cauchy_px = c, .triggs_clamp = 0};
+  const ViewGram gram = viewGram(camera, T_CF, shifted.view(0), reweighted);
+  EXPECT_NEAR(gram.cost, 30 * c * c * std::log(2.0), 1e-10);
+  EXPECT_NEAR(gram.squared_error, 30 * c * c, 1e-10);
+  EXPECT_NEAR(gram.b_k[2], 30 * c / 2, 1e-10);  // principal point: the sum of the errors
+  EXPECT_TRUE(gram.H.isApprox(viewGram(camera, T_CF, exact.view(0)).H / 2, 1e-12));
+  // At one scale the second derivative of the loss vanishes along e: only the clamp remains.
+  const GramOptions clamped{.cauchy_px = c, .triggs_clamp = 0.7};
+  EXPECT_NEAR(viewGram(camera, T_CF, shifted.view(0), clamped).H_k(2, 2), 30 * 0.3 / 2, 1e-10);
+}
+
+TEST(ViewGram, AnEmptyViewIsZero) {
+  const PackedCorners corners(kTarget, {ImageView{}});
+  for (const GramOptions& options : allOptions()) {
+    expectCharged(
+        viewGram(testing::radtanCamera(), testing::examplePose(), corners.view(0), options), 0);
   }
 }
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/packed_corners.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+const AprilGrid kTarget;
+
+std::vector<ImageView> viewsOf(const std::vector<int>& counts) {
+  std::vector<ImageView> views;
+  for (int count : counts) {
+    ImageView view;
+    for (int i = 0; i < count; ++i) view.corners.push_back({i + 1, {10.5 + i, 20.25 - i}});
+    views.push_back(view);
+  }
+  return views;
+}
+
+void expectHolds(const PackedView& packed, const ImageView& view) {
+  ASSERT_EQ(packed.count, static_cast<int>(view.corners.size()));
+  EXPECT_EQ(packed.padded % kLanes, 0);
+  EXPECT_GE(packed.padded, packed.count);
+  EXPECT_LT(packed.padded, packed.count + kLanes);
+  for (int i = 0; i < packed.count; ++i) {
+    const Corner& corner = view.corners[i];
+    EXPECT_EQ(packed.id[i], corner.id);
+    EXPECT_EQ(packed.x[i], kTarget.corner(corner.id).x());
+    EXPECT_EQ(packed.y[i], kTarget.corner(corner.id).y());
+    EXPECT_EQ(packed.u[i], corner.uv.x());
+    EXPECT_EQ(packed.v[i], corner.uv.y());
+    EXPECT_EQ(packed.w[i], 1);
+  }
+  for (int i = packed.count; i < packed.padded; ++i) {
+    EXPECT_EQ(packed.w[i], 0);
+    EXPECT_EQ(packed.u[i], packed.u[packed.count - 1]);
+  }
+}
+
+TEST(PackedCorners, HoldsEveryViewPaddedWithItsLastCorner) {
+  const std::vector<ImageView> views = viewsOf({1, 8, 0, 9, 143});
+  const PackedCorners corners(kTarget, views);
+  ASSERT_EQ(corners.viewCount(), 5);
+  for (int i = 0; i < 5; ++i) expectHolds(corners.view(i), views[i]);
+}
+
+TEST(PackedCorners, ColumnsAreAlignedInTheOriginalAndInCopies) {
+  const std::vector<ImageView> views = viewsOf({3, 17, 8});
+  const PackedCorners original(kTarget, views);
+  const PackedCorners copy = original;
+  for (const PackedCorners* corners : {&original, &copy}) {
+    for (int i = 0; i < 3; ++i) {
+      const PackedView view = corners->view(i);
+      for (const double* column : {view.x, view.y, view.u, view.v, view.w}) {
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(column) % 64, 0U);
+      }
+      expectHolds(view, views[i]);
+    }
+  }
+}
+
+TEST(PackedCorners, AWeightBelongsToOneCornerOfOneView) {
+  PackedCorners corners(kTarget, viewsOf({10, 12}));
+  corners.setWeight(1, 9, 0);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(corners.view(0).w[i], 1);
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(corners.view(1).w[i], i == 9 ? 0 : 1);
+  corners.setWeight(1, 9, 1);
+  EXPECT_EQ(corners.view(1).w[9], 1);
+}
+
+TEST(PackedCorners, MayBeEmpty) {
+  EXPECT_EQ(PackedCorners().viewCount(), 0);
+  const PackedCorners none(kTarget, viewsOf({0}));
+  EXPECT_EQ(none.view(0).count, 0);
+  EXPECT_EQ(none.view(0).padded, 0);
+}
+
+}  // namespace
+}  // namespace plumbline
