@@ -61,7 +61,7 @@ Eigen::Matrix3d inverseLeftJacobianSO3(const Eigen::Vector3d& w) {
   double c = 1.0 / 12 + t2 / 720 + t2 * t2 / 30240;
   if (t2 > 1e-2) {
     const double t = std::sqrt(t2);
-    c = 1 / t2 - (1 + std::cos(t)) / (2 * t * std::sin(t));
+    c = 1 / t2 - std::cos(t / 2) / (2 * t * std::sin(t / 2));  // exact up to and beyond t = pi
   }
   const Eigen::Matrix3d W = skew(w);
   return Eigen::Matrix3d::Identity() - 0.5 * W + c * W * W;
