@@ -40,6 +40,7 @@ vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range
     colours->SetTableValue(i, c.red / 255.0, c.green / 255.0, c.blue / 255.0, 1);
   }
   colours->SetNanColor(1, 1, 1, 0);
+  colours->BuildSpecialColors();
   vtkNew<vtkImageData> image;
   image->SetDimensions(map.columns, map.rows, 1);
   image->SetSpacing(1.0 / map.columns, 1.0 / map.rows, 1);

@@ -7,7 +7,7 @@ namespace plumbline::internal {
 namespace {
 
 bool paint(const Drawing& drawing, vtkContext2D* painter) {
-  auto* device = SvgDevice::SafeDownCast(painter->GetDevice());
+  auto* device = dynamic_cast<SvgDevice*>(painter->GetDevice());
   if (!drawing || !device) return false;
   drawing(*painter, *device);
   device->setShapeTitle("");

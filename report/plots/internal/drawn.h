@@ -20,8 +20,6 @@ class DrawnPlot : public vtkPlot {
  public:
   Drawing drawing;  ///< nothing is painted while it is empty
   static DrawnPlot* New();
-  vtkTypeMacro(DrawnPlot, vtkPlot)
-
   bool Paint(vtkContext2D* painter) override;
   void GetBounds(double bounds[4]) override;
 
@@ -34,8 +32,6 @@ class DrawnItem : public vtkContextItem {
  public:
   Drawing drawing;  ///< nothing is painted while it is empty
   static DrawnItem* New();
-  vtkTypeMacro(DrawnItem, vtkContextItem)
-
   bool Paint(vtkContext2D* painter) override;
 
  protected:

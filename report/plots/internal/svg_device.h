@@ -21,10 +21,8 @@ namespace plumbline::internal {
 class SvgDevice : public vtkContextDevice2D {
  public:
   static SvgDevice* New();
-  vtkTypeMacro(SvgDevice, vtkContextDevice2D)
-
-      /// Empties the drawing; `height` is that of the page [px], `id` prefixes ids.
-      void start(const std::string& id, double height);
+  /// Empties the drawing; `height` is that of the page [px], `id` prefixes ids.
+  void start(const std::string& id, double height);
   /// <defs> and shapes, without the enclosing <svg>.
   std::string content() const;
   /// A <title> for the shapes drawn until the next call; empty for none.

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/store/documents.h"
+
+#include "report/store/json_archive.h"
+
+namespace plumbline {
+
+// One list of fields per struct, for writing and reading; found by argument-dependent lookup.
+
+template <class Archive>
+void fields(Archive& a, Transform& T) {
+  a("R", T.R);
+  a("t", T.t);
+}
+
+template <class Archive>
+void fields(Archive& a, Resolution& r) {
+  a("width", r.width);
+  a("height", r.height);
+}
+
+template <class Archive>
+void fields(Archive& a, Intrinsics& i) {
+  a("projection_model", i.projection_model);
+  a("distortion_model", i.distortion_model);
+  a("resolution", i.resolution);
+  a("projection", i.projection);
+  a("distortion", i.distortion);
+}
+
+template <class Archive>
+void fields(Archive& a, CameraCalibration& c) {
+  a("name", c.name);
+  a("rostopic", c.rostopic);
+  a("intrinsics", c.intrinsics);
+  a("T_C0Ci", c.T_C0Ci);
+  a("intrinsics_std", c.intrinsics_std);
+  a("T_C0Ci_std", c.T_C0Ci_std);
+}
+
+template <class Archive>
+void fields(Archive& a, ImuNoise& n) {
+  a("gyro_density", n.gyro_density);
+  a("gyro_random_walk", n.gyro_random_walk);
+  a("accel_density", n.accel_density);
+  a("accel_random_walk", n.accel_random_walk);
+  a("rate_hz", n.rate_hz);
+}
+
+template <class Archive>
+void fields(Archive& a, ImuCalibration& i) {
+  a("T_SC0", i.T_SC0);
+  a("time_offset_s", i.time_offset_s);
+  a("gravity_m_s2", i.gravity_m_s2);
+  a("noise", i.noise);
+  a("rostopic", i.rostopic);
+  a("T_SC0_std", i.T_SC0_std);
+  a("time_offset_std_s", i.time_offset_std_s);
+}
+
+template <class Archive>
+void fields(Archive& a, ErrorStatistics& s) {
+  a("rmse_px", s.rmse_px);
+  a("mean_px", s.mean_px);
+  a("median_px", s.median_px);
+  a("std_px", s.std_px);
+  a("axis_mean_px", s.axis_mean_px);
+  a("axis_std_px", s.axis_std_px);
+  a("count", s.count);
+}
+
+template <class Archive>
+void fields(Archive& a, ParameterCovariance& c) {
+  a("names", c.names);
+  a("units", c.units);
+  a("matrix", c.matrix);
+}
+
+template <class Archive>
+void fields(Archive& a, StageSeconds& s) {
+  a("load", s.load);
+  a("detect", s.detect);
+  a("initialise", s.initialise);
+  a("solve", s.solve);
+  a("covariance", s.covariance);
+  a("total", s.total);
+}
+
+template <class Archive>
+void fields(Archive& a, StageSummary& s) {
+  a("reprojection", s.reprojection);
+  a("per_camera", s.per_camera);
+  a("corners_used", s.corners_used);
+  a("corners_offered", s.corners_offered);
+  a("views_used", s.views_used);
+  a("views_offered", s.views_offered);
+  a("converged", s.converged);
+  a("iterations", s.iterations);
+  a("cost", s.cost);
+  a("covariance", s.covariance);
+  a("entropy_nats", s.entropy_nats);
+  a("seconds", s.seconds);
+}
+
+template <class Archive>
+void fields(Archive& a, ImuResidualSummary& s) {
+  a("gyro_rms_rad_s", s.gyro_rms_rad_s);
+  a("accel_rms_m_s2", s.accel_rms_m_s2);
+  a("gyro_normalised_rms", s.gyro_normalised_rms);
+  a("accel_normalised_rms", s.accel_normalised_rms);
+  a("gyro_bias_normalised_rms", s.gyro_bias_normalised_rms);
+  a("accel_bias_normalised_rms", s.accel_bias_normalised_rms);
+  a("chi2", s.chi2);
+  a("dof", s.dof);
+}
+
+template <class Archive>
+void fields(Archive& a, CameraStageResult& s) {
+  a("cameras", s.cameras);
+  a("summary", s.summary);
+}
+
+template <class Archive>
+void fields(Archive& a, CameraImuStageResult& s) {
+  a("imu", s.imu);
+  a("cameras", s.cameras);
+  a("gravity_F", s.gravity_F);
+  a("imu_summary", s.imu_summary);
+  a("summary", s.summary);
+}
+
+template <class Archive>
+void fields(Archive& a, AprilGrid& g) {
+  a("rows", g.rows);
+  a("cols", g.cols);
+  a("tag_size", g.tag_size);
+  a("spacing", g.spacing);
+}
+
+template <class Archive>
+void fields(Archive& a, Assumptions& s) {
+  a("pixel_sigma_px", s.pixel_sigma_px);
+  a("loss", s.loss);
+  a("gravity_m_s2", s.gravity_m_s2);
+  a("imu_noise", s.imu_noise);
+}
+
+template <class Archive>
+void fields(Archive& a, CameraCounts& c) {
+  a("views_offered", c.views_offered);
+  a("views_with_corners", c.views_with_corners);
+  a("corners", c.corners);
+  a("tags", c.tags);
+}
+
+template <class Archive>
+void fields(Archive& a, ResampleSpread& s) {
+  a("resamples", s.resamples);
+  a("failed", s.failed);
+  a("names", s.names);
+  a("std", s.std);
+}
+
+/// What stands in the document "head".
+template <class Archive>
+void fields(Archive& a, CalibrationRecord& r) {
+  a("assumptions", r.assumptions);
+  a("target", r.target);
+  a("counts", r.counts);
+  a("camera_resample", r.camera_resample);
+  a("camera_imu_resample", r.camera_imu_resample);
+}
+
+namespace store_internal {
+namespace {
+
+template <class T>
+T parse(const std::string& text) {
+  T value;
+  JsonReader::fromJson(Json::parse(text), value);
+  return value;
+}
+
+}  // namespace
+
+std::string headDocument(const CalibrationRecord& record) {
+  return JsonWriter::toJson(record).dump();
+}
+
+void readHeadDocument(const std::string& json, CalibrationRecord& record) {
+  JsonReader::fromJson(Json::parse(json), record);
+}
+
+std::string cameraDocument(const CameraStageResult& stage) {
+  return JsonWriter::toJson(stage).dump();
+}
+
+CameraStageResult readCameraDocument(const std::string& json) {
+  return parse<CameraStageResult>(json);
+}
+
+std::string cameraImuDocument(const CameraImuStageResult& stage) {
+  return JsonWriter::toJson(stage).dump();
+}
+
+CameraImuStageResult readCameraImuDocument(const std::string& json) {
+  return parse<CameraImuStageResult>(json);
+}
+
+}  // namespace store_internal
+}  // namespace plumbline

@@ -1,0 +1,2 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+INSERT INTO documents (run_id, name, json) VALUES (?, ?, ?);

@@ -1,0 +1,2 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+INSERT INTO metrics (run_id, stage, name, unit, value) VALUES (?, ?, ?, ?, ?);
