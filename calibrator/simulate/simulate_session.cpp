@@ -98,14 +98,16 @@ SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOption
   check(o);
   Calibration truth = trueCalibration(rig, o);
   const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();
-  SimulatedSession s{{},
-                     std::move(truth),
-                     Trajectory(o.target, rig, o.trajectory),
-                     o.start_ns,
-                     gravity_F,
-                     {},
-                     nominalStamps(o.camera_rate_hz.value_or(rig.camera_rate_hz), o),
-                     {}};
+  const double camera_rate_hz = o.camera_rate_hz.value_or(rig.camera_rate_hz);
+  SimulatedSession s{.session = {},
+                     .truth = std::move(truth),
+                     .trajectory = Trajectory(o.target, rig, o.trajectory),
+                     .start_ns = o.start_ns,
+                     .gravity_F = gravity_F,
+                     .biases = {},
+                     .camera_rate_hz = camera_rate_hz,
+                     .frame_stamps = nominalStamps(camera_rate_hz, o),
+                     .states = {}};
   s.session.name = "simulated-" + rig.name;
   s.session.target = o.target;
 
