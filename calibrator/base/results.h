@@ -98,6 +98,9 @@ struct CameraImuStageResult {
   std::vector<CornerResidual> residuals;
   std::vector<ImuIntervalResidual> imu_residuals;
   ImuResidualSummary imu_summary;
+  int frames_without_imu = 0;  ///< left out: not covered by IMU samples, or alone between gaps
+  int frames_without_pose = 0;  ///< left out: no pose from the frame's own corners
+  int imu_gaps = 0;             ///< pauses of the IMU that broke the chain
   StageSummary summary;
 };
 

@@ -44,7 +44,7 @@ double scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, dou
   if (pairs.size() < min_pairs) return -1;
   const Moments m = momentsOf(pairs);
   const double scale = std::sqrt(m.gyro.trace() * m.camera);
-  if (!(scale > 0)) return -1;
+  if (!(scale > 0)) return 0;
   return Eigen::JacobiSVD<Eigen::Matrix3d>(m.cross).singularValues().sum() / scale;
 }
 
@@ -80,6 +80,12 @@ std::vector<Candidate> coarseMaxima(std::span<const CameraRate> camera, const Gy
   std::sort(maxima.begin(), maxima.end(), [](const Candidate& a, const Candidate& b) {
     return a.score != b.score ? a.score > b.score : a.offset_s < b.offset_s;
   });
+  if (maxima.empty()) {  // no motion: every offset is as good
+    const auto best =
+        std::max_element(grid.begin(), grid.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    if (best->score >= 0) maxima.push_back(*best);
+  }
   if (maxima.size() > count) maxima.resize(count);
   return maxima;
 }

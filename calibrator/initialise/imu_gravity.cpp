@@ -11,7 +11,9 @@
 namespace plumbline {
 namespace {
 
-// Unknowns: scale, t_SC0 (3), gravity (3), accelerometer bias (3).
+// Unknowns: k = 1 / scale, k t_SC0 (3), k gravity (3), k accelerometer bias (3). Divided by the
+// scale, the equation has the camera's noise on its right-hand side alone: the pre-integrated force
+// is a nearly exact regressor, so that the scale is not attenuated.
 constexpr int kUnknowns = 10;
 using Rows = Eigen::Matrix<double, 3, kUnknowns>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -68,11 +70,11 @@ std::optional<Equation> equationOf(const Triple& triple, std::span<const Stamped
   const Eigen::Matrix3d R_b = b.T_FC0.R * R_SC0.transpose();
   const Eigen::Matrix3d R_c = c.T_FC0.R * R_SC0.transpose();
   Equation e;
-  e.A.col(0) = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
-  e.A.middleCols<3>(1) = -((R_c - R_b) / T2 - (R_b - R_a) / T1);
-  e.A.middleCols<3>(4) = -mean * Eigen::Matrix3d::Identity();
-  e.A.middleCols<3>(7) = -(R_b * bc->p_ba / T2 - R_a * ab->p_ba / T1 + R_a * ab->v_ba);
-  e.rhs = R_b * bc->p / T2 - R_a * ab->p / T1 + R_a * ab->v;
+  e.A.col(0) = R_b * bc->p / T2 - R_a * ab->p / T1 + R_a * ab->v;
+  e.A.middleCols<3>(1) = (R_c - R_b) / T2 - (R_b - R_a) / T1;
+  e.A.middleCols<3>(4) = mean * Eigen::Matrix3d::Identity();
+  e.A.middleCols<3>(7) = R_b * bc->p_ba / T2 - R_a * ab->p_ba / T1 + R_a * ab->v_ba;
+  e.rhs = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
   e.A /= mean;
   e.rhs /= mean;
   return e;
@@ -90,7 +92,6 @@ InertialAlignment solve(const std::vector<Equation>& equations,
   const double weight = 0.1 * 0.1;
   H.diagonal().segment<3>(1).array() += weight / std::pow(options.t_SC0_prior_m, 2);
   H.diagonal().tail<3>().array() += weight / std::pow(options.accel_bias_prior, 2);
-  H(0, 0) += weight * 1e-6;  // no translation at all: scale stays finite, its std says the rest
   const Eigen::LDLT<Normal> ldlt(H);
   const Unknowns x = ldlt.solve(b);
   double squared = 0;
@@ -98,11 +99,13 @@ InertialAlignment solve(const std::vector<Equation>& equations,
   InertialAlignment out;
   out.equations = static_cast<int>(equations.size());
   out.residual_rms = std::sqrt(squared / (3 * static_cast<double>(equations.size())));
-  out.scale = x(0);
-  out.scale_std = out.residual_rms * std::sqrt(ldlt.solve(Unknowns::Unit(0))(0));
-  out.t_SC0 = x.segment<3>(1);
-  out.gravity_F = x.segment<3>(4);
-  out.accel_bias = x.tail<3>();
+  out.scale = 1 / x(0);
+  out.scale_std =
+      out.residual_rms * std::sqrt(ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
+  out.residual_rms *= std::abs(out.scale);
+  out.t_SC0 = out.scale * x.segment<3>(1);
+  out.gravity_F = out.scale * x.segment<3>(4);
+  out.accel_bias = out.scale * x.tail<3>();
   return out;
 }
 

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/imu_sanity.h"
+
+namespace plumbline {
+
+/// Which corners are left out of the camera-IMU batch.
+enum class CornerFilter {
+  kNone,
+  /// After a first solution: |e| above `sigmas` times the camera's RMS per axis; then solved again.
+  kSigma,
+  /// Before it, as Kalibr does: |e| above mean + 2 std of its view, with only that view's pose
+  /// free, and above 0.2 px.
+  kKalibr,
+};
+
+struct CameraImuOptions {
+  double pixel_sigma = 1;         ///< standard deviation of a corner, per axis [px]
+  double gravity_m_s2 = 9.80655;  ///< magnitude of gravity; its direction is estimated
+  double cauchy_px = 1.5;         ///< scale of the Cauchy loss on |e| [px]; 0: squared error
+  std::optional<ImuNoise> noise;  ///< in place of the session's densities
+  TimeNs imu_shift_ns = 0;        ///< added to every IMU stamp before anything else
+  bool free_cameras = false;      ///< refine intrinsics and extrinsics jointly (then the given
+                                  ///< cameras are the start)
+  CornerFilter filter = CornerFilter::kNone;
+  double filter_sigmas = 4;  ///< of CornerFilter::kSigma
+
+  /// Frames are used that IMU samples cover, after the time offset, by this much on both sides [s].
+  double margin_s = 0.005;
+  /// A pause between IMU samples longer than this many times their median interval breaks the
+  /// chain: only the walk of the biases is carried across.
+  double max_gap_intervals = 5;
+  double max_interval_s = 10;  ///< frames further apart are joined by the biases' walk alone [s]
+  /// If given, only frames with one of these stamps (ascending) are used.
+  std::optional<std::vector<TimeNs>> frame_stamps;
+  FrameOptions frames;           ///< how views are paired
+  double max_start_rms_px = 30;  ///< frames whose own pose leaves more are left out [px]
+
+  TimeOffsetOptions offset_search;  ///< first guess of the time offset
+  SanityOptions sanity;             ///< plausibility of the recording; gravity is taken from above
+  double max_translation_std_m = 0.05;  ///< less certain: not observable
+  double max_rotation_std_rad = 0.05;   ///< likewise
+  double max_offset_std_s = 0.005;      ///< likewise
+
+  int threads = 1;  ///< results do not depend on it
+  int max_iterations = 50;
+  /// The last step is shorter than this, in standard deviations of all parameters together
+  /// (sqrt(b' H^-1 b)).
+  double tolerance = 1e-4;
+};
+
+/// Calibrates cameras to IMU in one batch: per frame pose, velocity and biases of the sensor in the
+/// target's frame; T_SC0, the time offset and the direction of gravity (and the cameras, if freed).
+/// Cost: 0.5 sum rho(|e|^2) / pixel_sigma^2 over corners + 0.5 |normalised inertial residual|^2,
+/// with the pre-integration redone at every step (paper, section VI, in the target's frame, so that
+/// no gauge freedom remains). Deterministic, whatever the number of threads.
+///
+/// `cameras` in the session's order. The covariance lists T_SC0 (6), time_offset and, if freed, the
+/// cameras; everything else is marginalised.
+/// Fails with kNoOverlap, kImplausible, kNotObservable, kTooFewViews or kNotConverged.
+Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
+                                                const std::vector<CameraCalibration>& cameras,
+                                                const CameraImuOptions& options = {});
+
+/// A stretch of consecutive frames of an earlier result and how often it counts.
+struct FrameStretch {
+  int first = 0;
+  int count = 0;
+  double weight = 1;  ///< > 0; residuals of its corners and of its IMU intervals count that often
+};
+
+/// Solves again, from an earlier result, with only the given stretches of its frames (ascending,
+/// not overlapping), each cut loose from its neighbours: one draw of a bootstrap over time
+/// segments. No corner residuals are listed in the result. Corners that the earlier result rejected
+/// stay out.
+Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
+                                                  const CameraImuStageResult& earlier,
+                                                  const std::vector<FrameStretch>& stretches,
+                                                  const CameraImuOptions& options = {});
+
+}  // namespace plumbline

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu_problem.h"
+
+#include <atomic>
+
+#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/residuals/tangent.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kChunk = 64;  // frames
+
+/// What a chunk of frames adds outside its own blocks.
+struct Partial {
+  explicit Partial(int border)
+      : block(Eigen::MatrixXd::Zero(border, border)),
+        gradient(Eigen::VectorXd::Zero(border)),
+        next_rows(ChainBorderRows::Zero(kChainBlock, border + 1)) {}
+  Eigen::MatrixXd block;
+  Eigen::VectorXd gradient;
+  ChainMatrix next_diagonal = ChainMatrix::Zero();  // for the first frame after the chunk
+  ChainBorderRows next_rows;
+  double camera_cost = 0;
+  double inertial_cost = 0;
+  double squared_px = 0;
+};
+
+class Linearisation {
+ public:
+  Linearisation(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                const ImuWeights& weights, const GramOptions& gram)
+      : problem_(problem),
+        gram_(gram),
+        estimate_(estimate),
+        weights_(weights),
+        layout_(estimate.cameras, problem.free_cameras),
+        gravity_{estimate.gravity_direction, problem.gravity_m_s2} {
+    normals_.chain = BorderedChain(problem.frameCount(), layout_.size);
+  }
+
+  std::optional<CameraImuNormals> run() {
+    const int n = problem_.frameCount();
+    std::vector<Partial> partials(static_cast<std::size_t>(chunkCount(n, kChunk)),
+                                  Partial(layout_.size));
+    std::atomic<bool> covered{true};
+    forChunks(n, kChunk, problem_.threads, [&](const Chunk& chunk) {
+      Partial& partial = partials[static_cast<std::size_t>(chunk.index)];
+      for (int i = chunk.begin; i < chunk.end; ++i) {
+        addCameras(i, partial);
+        if (i + 1 < n && !addLink(i, i + 1 == chunk.end, partial)) covered = false;
+      }
+    });
+    if (!covered) return std::nullopt;
+    collect(partials);
+    return std::move(normals_);
+  }
+
+ private:
+  void collect(const std::vector<Partial>& partials) {
+    double cost = 0;
+    double inertial = 0;
+    BorderedChain& chain = normals_.chain;
+    for (std::size_t k = 0; k < partials.size(); ++k) {
+      const Partial& p = partials[k];
+      chain.border_block += p.block;
+      chain.border_gradient += p.gradient;
+      cost += p.camera_cost;
+      inertial += p.inertial_cost;
+      normals_.squared_px += p.squared_px;
+      const std::size_t next = (k + 1) * kChunk;
+      if (next >= chain.diagonal.size()) continue;
+      chain.diagonal[next] += p.next_diagonal;
+      chain.to_border[next] += p.next_rows;
+    }
+    normals_.inertial = 0.5 * inertial;
+    normals_.cost = 0.5 * cost + normals_.inertial;
+  }
+
+  void addCameras(int i, Partial& partial) {
+    const Frame& frame = problem_.frames[static_cast<std::size_t>(i)];
+    for (std::size_t c = 0; c < estimate_.cameras.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      if (problem_.free_cameras) {
+        addFreeView(i, c, partial);
+      } else {
+        addFixedView(i, c, partial);
+      }
+    }
+  }
+
+  double viewScale(int i) const {
+    return problem_.weights[static_cast<std::size_t>(i)] /
+           (problem_.pixel_sigma * problem_.pixel_sigma);
+  }
+
+  CameraImuChain chainOf(int i, std::size_t c) const {
+    return cameraImuChain(estimate_.states[static_cast<std::size_t>(i)].T_FS, estimate_.T_SC0,
+                          estimate_.cameras[c].T_C0Ci);
+  }
+
+  PackedView viewOf(int i, std::size_t c) const {
+    return problem_.corners[c].view(problem_.frames[static_cast<std::size_t>(i)].view[c]);
+  }
+
+  void addFixedView(int i, std::size_t c, Partial& partial) {
+    const CameraImuChain chain = chainOf(i, c);
+    const PoseGram g = poseGram(estimate_.cameras[c].intrinsics, chain.T_CiF, viewOf(i, c), gram_);
+    const double scale = viewScale(i);
+    const auto at = static_cast<std::size_t>(i);
+    const Matrix6d AtH = scale * (chain.A_FS.transpose() * g.H);
+    const Vector6d b = scale * g.b;
+    normals_.chain.diagonal[at].topLeftCorner<6, 6>() += AtH * chain.A_FS;
+    ChainBorderRows& rows = normals_.chain.to_border[at];
+    rows.topLeftCorner<6, 6>() += AtH * chain.A_SC0;
+    rows.col(layout_.size).head<6>() += chain.A_FS.transpose() * b;
+    const Matrix6d HA = scale * (g.H * chain.A_SC0);
+    partial.block.topLeftCorner<6, 6>() += chain.A_SC0.transpose() * HA;
+    partial.gradient.head<6>() += chain.A_SC0.transpose() * b;
+    partial.camera_cost += scale * g.cost;
+    partial.squared_px += g.squared_error;
+  }
+
+  /// The same with the camera's own parameters: local columns T_FS, T_SC0, T_C0Ci, intrinsics.
+  void addFreeView(int i, std::size_t c, Partial& partial) {
+    const CameraImuChain chain = chainOf(i, c);
+    const ViewGram g = viewGram(estimate_.cameras[c].intrinsics, chain.T_CiF, viewOf(i, c), gram_);
+    const double scale = viewScale(i);
+    const auto k = static_cast<int>(g.b_k.size());
+    Eigen::Matrix<double, 6, 18> A;
+    A << chain.A_FS, chain.A_SC0, chain.A_C0Ci;
+    Eigen::MatrixXd H(18 + k, 18 + k);
+    H.topLeftCorner<18, 18>() = A.transpose() * g.H * A;
+    H.topRightCorner(18, k) = A.transpose() * g.H_pose_k;
+    H.bottomLeftCorner(k, 18) = H.topRightCorner(18, k).transpose();
+    H.bottomRightCorner(k, k) = g.H_k;
+    Eigen::VectorXd b(18 + k);
+    b << A.transpose() * g.b, g.b_k;
+    H *= scale;
+    b *= scale;
+    scatterFreeView(i, c, H, b, partial);
+    partial.camera_cost += scale * g.cost;
+    partial.squared_px += g.squared_error;
+  }
+
+  void scatterFreeView(int i, std::size_t c, const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
+                       Partial& partial) {
+    struct Part {
+      int local, border, size;
+    };
+    const int k = static_cast<int>(b.size()) - 18;
+    std::vector<Part> parts = {{6, BorderLayout::kExtrinsics, 6}, {18, layout_.intrinsics[c], k}};
+    if (layout_.T_C0Ci[c] >= 0) parts.push_back({12, layout_.T_C0Ci[c], 6});
+    const auto at = static_cast<std::size_t>(i);
+    normals_.chain.diagonal[at].topLeftCorner<6, 6>() += H.topLeftCorner<6, 6>();
+    ChainBorderRows& rows = normals_.chain.to_border[at];
+    rows.col(layout_.size).head<6>() += b.head<6>();
+    for (const Part& p : parts) {
+      rows.block(0, p.border, 6, p.size) += H.block(0, p.local, 6, p.size);
+      partial.gradient.segment(p.border, p.size) += b.segment(p.local, p.size);
+      for (const Part& q : parts) {
+        partial.block.block(p.border, q.border, p.size, q.size) +=
+            H.block(p.local, q.local, p.size, q.size);
+      }
+    }
+  }
+
+  /// Adds the link between frames i and i + 1; false where the samples do not cover it.
+  bool addLink(int i, bool last_of_chunk, Partial& partial) {
+    const auto at = static_cast<std::size_t>(i);
+    const FrameLink link = problem_.links[at];
+    if (link == FrameLink::kBroken) return true;
+    ChainMatrix& D = last_of_chunk ? partial.next_diagonal : normals_.chain.diagonal[at + 1];
+    ChainBorderRows& rows = last_of_chunk ? partial.next_rows : normals_.chain.to_border[at + 1];
+    addBiasWalk(at, D, rows, partial);
+    return link != FrameLink::kInertial || addMotion(at, D, rows, partial);
+  }
+
+  void addBiasWalk(std::size_t at, ChainMatrix& D, ChainBorderRows& rows, Partial& partial) {
+    const ImuWeight& weight = weights_[at];
+    const Vector6d r = biasWalkResidual(estimate_.states[at], estimate_.states[at + 1]);
+    Vector6d information;
+    information << Eigen::Vector3d::Constant(weight.gyro_walk * weight.gyro_walk),
+        Eigen::Vector3d::Constant(weight.accel_walk * weight.accel_walk);
+    information *= problem_.weights[at];
+    const Vector6d b = information.cwiseProduct(r);
+    BorderedChain& chain = normals_.chain;
+    chain.diagonal[at].diagonal().tail<6>() += information;
+    chain.next[at].diagonal().tail<6>() -= information;
+    D.diagonal().tail<6>() += information;
+    chain.to_border[at].col(layout_.size).tail<6>() -= b;
+    rows.col(layout_.size).tail<6>() += b;
+    partial.inertial_cost += r.dot(b);
+  }
+
+  bool addMotion(std::size_t at, ChainMatrix& D, ChainBorderRows& rows, Partial& partial) {
+    const ImuState& i = estimate_.states[at];
+    const ImuState& j = estimate_.states[at + 1];
+    const auto motion =
+        preintegrate(problem_.samples,
+                     {problem_.frames[at].t, problem_.frames[at + 1].t, estimate_.time_offset_s},
+                     {i.gyro_bias, i.accel_bias});
+    if (!motion) return false;
+    const ImuResidual r = imuResidual(*motion, i, j, gravity_);
+    // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
+    Eigen::Matrix<double, 9, 28> J;
+    J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
+    const Eigen::Matrix<double, 9, 28> WJ =
+        std::sqrt(problem_.weights[at]) * weights_[at].sqrt_information.lazyProduct(J);
+    const Eigen::Matrix<double, 28, 28> G = WJ.transpose().lazyProduct(WJ);
+    BorderedChain& chain = normals_.chain;
+    constexpr int kGravity = BorderLayout::kGravity;
+    chain.diagonal[at] += G.topLeftCorner<15, 15>();
+    chain.next[at].leftCols<9>() += G.block<15, 9>(0, 15);
+    D.topLeftCorner<9, 9>() += G.block<9, 9>(15, 15);
+    chain.to_border[at].middleCols<3>(kGravity) += G.block<15, 3>(0, 24);
+    chain.to_border[at].col(layout_.size) += G.block<15, 1>(0, 27);
+    rows.block<9, 3>(0, kGravity) += G.block<9, 3>(15, 24);
+    rows.col(layout_.size).head<9>() += G.block<9, 1>(15, 27);
+    partial.block.block<3, 3>(kGravity, kGravity) += G.block<3, 3>(24, 24);
+    partial.gradient.segment<3>(kGravity) += G.block<3, 1>(24, 27);
+    partial.inertial_cost += G(27, 27);
+    return true;
+  }
+
+  const CameraImuProblem& problem_;
+  const GramOptions gram_;
+  const CameraImuEstimate& estimate_;
+  const ImuWeights& weights_;
+  const BorderLayout layout_;
+  const Gravity gravity_;
+  CameraImuNormals normals_;
+};
+
+}  // namespace
+
+BorderLayout::BorderLayout(const std::vector<CameraCalibration>& cameras, bool free_cameras) {
+  if (!free_cameras) return;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    intrinsics.push_back(size);
+    size += static_cast<int>(cameras[c].intrinsics.stacked().size());
+    T_C0Ci.push_back(c == 0 ? -1 : size);
+    if (c > 0) size += 6;
+  }
+}
+
+std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
+                                     const CameraImuEstimate& estimate) {
+  ImuWeights weights(problem.links.size());
+  std::atomic<bool> covered{true};
+  const int count = static_cast<int>(problem.links.size());
+  forChunks(count, kChunk, problem.threads, [&](const Chunk& chunk) {
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      if (problem.links[i] == FrameLink::kBroken) continue;
+      const ImuWindow window{problem.frames[i].t, problem.frames[i + 1].t, estimate.time_offset_s};
+      weights[i] = biasWalkWeight(problem.noise, window.duration_s());
+      if (problem.links[i] == FrameLink::kBiasWalk) continue;
+      const ImuBias bias{estimate.states[i].gyro_bias, estimate.states[i].accel_bias};
+      const auto P = preintegrationCovariance(problem.samples, window, bias, problem.noise);
+      if (P) {
+        weights[i] = imuWeight(*P, problem.noise, window.duration_s());
+      } else {
+        covered = false;
+      }
+    }
+  });
+  if (!covered) return std::nullopt;
+  return weights;
+}
+
+std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
+                                          const CameraImuEstimate& estimate,
+                                          const ImuWeights& weights) {
+  return normalsAt(problem, estimate, weights, problem.gram);
+}
+
+std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
+                                          const CameraImuEstimate& estimate,
+                                          const ImuWeights& weights, const GramOptions& gram) {
+  return Linearisation(problem, estimate, weights, gram).run();
+}
+
+CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,
+                        bool free_cameras) {
+  CameraImuEstimate out = estimate;
+  for (std::size_t i = 0; i < out.states.size(); ++i) {
+    out.states[i] = boxplus(estimate.states[i], step.step[i]);
+  }
+  const Eigen::VectorXd& border = step.border_step;
+  out.T_SC0 = boxplus(estimate.T_SC0, Vector6d(border.segment<6>(BorderLayout::kExtrinsics)));
+  out.gravity_direction = boxplusDirection(
+      estimate.gravity_direction, Eigen::Vector2d(border.segment<2>(BorderLayout::kGravity)));
+  out.time_offset_s += border(BorderLayout::kOffset);
+  if (!free_cameras) return out;
+  const BorderLayout layout(estimate.cameras, true);
+  for (std::size_t c = 0; c < out.cameras.size(); ++c) {
+    Intrinsics& k = out.cameras[c].intrinsics;
+    const Eigen::VectorXd stacked = k.stacked();
+    k.setStacked(stacked + border.segment(layout.intrinsics[c], stacked.size()));
+    if (layout.T_C0Ci[c] < 0) continue;
+    out.cameras[c].T_C0Ci =
+        boxplus(estimate.cameras[c].T_C0Ci, Vector6d(border.segment<6>(layout.T_C0Ci[c])));
+  }
+  return out;
+}
+
+}  // namespace plumbline

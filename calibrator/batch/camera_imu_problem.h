@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/frames.h"
+#include "calibrator/base/results.h"
+#include "calibrator/linear/bordered_chain.h"
+#include "calibrator/residuals/imu_residual.h"
+#include "calibrator/residuals/packed_corners.h"
+#include "calibrator/residuals/view_gram.h"
+
+namespace plumbline {
+
+/// What joins a frame to the next one.
+enum class FrameLink {
+  kBroken,    ///< nothing: stretches cut loose from each other
+  kBiasWalk,  ///< the biases' walk alone: IMU samples are missing in between
+  kInertial,  ///< pre-integrated motion and the biases' walk
+};
+
+/// All measurements of the camera-IMU batch.
+struct CameraImuProblem {
+  std::vector<PackedCorners> corners;  ///< per camera, all views of the session
+  std::vector<ImuSample> samples;      ///< stamps shifted by the option
+  std::vector<Frame> frames;           ///< n, ascending in time
+  std::vector<FrameLink> links;        ///< n - 1, between frame i and i + 1
+  std::vector<double> weights;         ///< n, how often a frame (and the link after it) counts
+  ImuNoise noise;
+  double gravity_m_s2 = 9.80655;
+  double pixel_sigma = 1;
+  GramOptions gram;
+  bool free_cameras = false;
+  int threads = 1;
+
+  int frameCount() const { return static_cast<int>(frames.size()); }
+};
+
+/// All unknowns.
+struct CameraImuEstimate {
+  std::vector<ImuState> states;  ///< n
+  Transform T_SC0;
+  Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();  ///< in F, pointing down
+  double time_offset_s = 0;
+  std::vector<CameraCalibration> cameras;
+};
+
+/// Where each parameter stands in the border.
+struct BorderLayout {
+  static constexpr int kExtrinsics = 0;  ///< T_SC0, 6
+  static constexpr int kGravity = 6;     ///< 2
+  static constexpr int kOffset = 8;      ///< 1
+  static constexpr int kFixed = 9;
+
+  std::vector<int> intrinsics;  ///< per camera, first of stacked(); empty unless cameras are free
+  std::vector<int> T_C0Ci;      ///< per camera, 6; -1 for camera 0
+  int size = kFixed;
+
+  BorderLayout(const std::vector<CameraCalibration>& cameras, bool free_cameras);
+};
+
+/// Whitening of every interval; all zero where a link is broken.
+using ImuWeights = std::vector<ImuWeight>;
+/// From the noise densities at the estimate. Empty where samples do not cover an inertial link.
+std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
+                                     const CameraImuEstimate& estimate);
+
+/// Normal equations and cost at an estimate.
+struct CameraImuNormals {
+  BorderedChain chain;
+  double cost = 0;        ///< 0.5 * (robust reprojection + inertial), normalised
+  double inertial = 0;    ///< the inertial part of it
+  double squared_px = 0;  ///< sum |e|^2 over used corners [px^2], unweighted by the frames' weights
+};
+/// Empty where the time offset has moved a window off the IMU samples.
+std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
+                                          const CameraImuEstimate& estimate,
+                                          const ImuWeights& weights);
+/// The same with another weighting of the corners.
+std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
+                                          const CameraImuEstimate& estimate,
+                                          const ImuWeights& weights, const GramOptions& gram);
+
+/// The estimate after a step of the chain's solution (tangents as in boxplus()).
+CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,
+                        bool free_cameras);
+
+}  // namespace plumbline

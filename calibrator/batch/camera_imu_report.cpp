@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu_report.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/initialise/imu_sanity.h"
+#include "calibrator/residuals/tangent.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<CornerResidual> frameResiduals(const CameraImuProblem& problem,
+                                           const CameraImuEstimate& estimate, int frame) {
+  const auto at = static_cast<std::size_t>(frame);
+  const Frame& f = problem.frames[at];
+  std::vector<CornerResidual> out;
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    if (f.view[c] < 0) continue;
+    const CameraCalibration& camera = estimate.cameras[c];
+    const Transform T_CF = (estimate.states[at].T_FS * estimate.T_SC0 * camera.T_C0Ci).inverse();
+    const PackedView view = problem.corners[c].view(f.view[c]);
+    for (int k = 0; k < view.count; ++k) {
+      CornerResidual r;
+      r.camera = static_cast<int>(c);
+      r.frame = frame;
+      r.corner_id = view.id[k];
+      const Eigen::Vector2d uv(view.u[k], view.v[k]);
+      const auto p = project(camera.intrinsics, T_CF * Eigen::Vector3d(view.x[k], view.y[k], 0));
+      r.uv = uv.cast<float>();
+      r.used = view.w[k] > 0 && p.has_value();
+      if (p) r.error = (uv - *p).cast<float>();
+      out.push_back(r);
+    }
+  }
+  return out;
+}
+
+/// Rows of the border that are calibration parameters, with their names and units.
+struct ParameterList {
+  std::vector<int> rows;
+  std::vector<std::string> names;
+  std::vector<std::string> units;
+
+  void add(int row, std::string name, std::string unit) {
+    rows.push_back(row);
+    names.push_back(std::move(name));
+    units.push_back(std::move(unit));
+  }
+  void addTransform(int row, const std::string& name) {
+    const char* parts[] = {"tx", "ty", "tz", "rx", "ry", "rz"};
+    for (int k = 0; k < 6; ++k) add(row + k, name + "." + parts[k], k < 3 ? "m" : "rad");
+  }
+};
+
+std::vector<std::string> distortionNames(DistortionModel model, int count) {
+  std::vector<std::string> names = {"k1", "k2", "k3", "k4"};
+  if (model == DistortionModel::kRadtan) names = {"k1", "k2", "p1", "p2"};
+  names.resize(static_cast<std::size_t>(count));
+  return names;
+}
+
+void addCamera(ParameterList& list, const CameraCalibration& camera, std::size_t index,
+               const BorderLayout& layout) {
+  const std::string name = camera.name.empty() ? fmt::format("cam{}", index) : camera.name;
+  int row = layout.intrinsics[index];
+  for (const char* parameter : {"fu", "fv", "pu", "pv"}) {
+    list.add(row++, name + "." + parameter, "px");
+  }
+  const auto count = static_cast<int>(camera.intrinsics.distortion.size());
+  for (const std::string& parameter : distortionNames(camera.intrinsics.distortion_model, count)) {
+    list.add(row++, name + "." + parameter, "-");
+  }
+  if (index > 0) list.addTransform(layout.T_C0Ci[index], fmt::format("T_C0C{}", index));
+}
+
+ParameterList parameterList(const std::vector<CameraCalibration>& cameras, bool free_cameras) {
+  ParameterList list;
+  list.addTransform(BorderLayout::kExtrinsics, "T_SC0");
+  list.add(BorderLayout::kOffset, "time_offset", "s");
+  if (!free_cameras) return list;
+  const BorderLayout layout(cameras, true);
+  for (std::size_t c = 0; c < cameras.size(); ++c) addCamera(list, cameras[c], c, layout);
+  return list;
+}
+
+/// Inverse of an information matrix whose rows differ in unit: scaled to a unit diagonal first, and
+/// kept finite by a prior far weaker than any useful measurement.
+Eigen::MatrixXd invert(const Eigen::MatrixXd& information) {
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-13;
+  const Eigen::MatrixXd inverse =
+      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
+  return 0.5 * (out + out.transpose());
+}
+
+/// Names the worst direction of a 3 x 3 covariance if its deviation exceeds the limit.
+std::string looseDirection(const Eigen::Matrix3d& covariance, double limit, const char* what,
+                           const char* unit) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  const double deviation = std::sqrt(std::max(0.0, eigen.eigenvalues()(2)));
+  if (deviation <= limit && covariance.allFinite()) return {};
+  return fmt::format("{} {} of T_SC0 (standard deviation {:.2g} {})", what,
+                     axisName(eigen.eigenvectors().col(2)), deviation, unit);
+}
+
+std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
+                                    const CameraImuOptions& options) {
+  std::vector<std::string> loose;
+  const auto note = [&](std::string text) {
+    if (!text.empty()) loose.push_back(std::move(text));
+  };
+  note(looseDirection(covariance.topLeftCorner<3, 3>(), options.max_translation_std_m,
+                      "translation along", "m"));
+  note(looseDirection(covariance.block<3, 3>(3, 3), options.max_rotation_std_rad, "rotation about",
+                      "rad"));
+  const double offset = std::sqrt(std::max(0.0, covariance(6, 6)));
+  if (!(offset <= options.max_offset_std_s)) {
+    note(fmt::format("the time offset (standard deviation {:.2g} s)", offset));
+  }
+  if (loose.empty()) return std::nullopt;
+  return Failure{FailureReason::kNotObservable,
+                 fmt::format("not observable from this motion: {}", fmt::join(loose, ", ")),
+                 "turn the sensor briskly about at least two of its axes and move it to and fro "
+                 "while the target stays in view"};
+}
+
+}  // namespace
+
+std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
+                                            const CameraImuEstimate& estimate) {
+  std::vector<std::vector<CornerResidual>> parts(problem.frames.size());
+  forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
+    parts[static_cast<std::size_t>(chunk.begin)] = frameResiduals(problem, estimate, chunk.begin);
+  });
+  std::size_t total = 0;
+  for (const auto& part : parts) total += part.size();
+  std::vector<CornerResidual> out;
+  out.reserve(total);
+  for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
+  return out;
+}
+
+std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& problem,
+                                                      const CameraImuEstimate& estimate,
+                                                      const ImuWeights& weights) {
+  std::vector<ImuIntervalResidual> out;
+  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
+  for (std::size_t k = 0; k < problem.links.size(); ++k) {
+    if (problem.links[k] != FrameLink::kInertial) continue;
+    const ImuState& i = estimate.states[k];
+    const ImuState& j = estimate.states[k + 1];
+    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.time_offset_s};
+    const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
+    if (!motion) continue;
+    const Vector9d r = imuResidual(*motion, i, j, gravity).r;
+    const Vector6d walk = biasWalkResidual(i, j);
+    ImuIntervalResidual interval;
+    interval.t = window.from;
+    interval.dt_s = window.duration_s();
+    interval.rotation_rad = r.head<3>();
+    interval.velocity_m_s = r.segment<3>(3);
+    interval.position_m = r.tail<3>();
+    interval.normalised << weights[k].sqrt_information * r, walk.head<3>() * weights[k].gyro_walk,
+        walk.tail<3>() * weights[k].accel_walk;
+    out.push_back(interval);
+  }
+  return out;
+}
+
+ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals) {
+  ImuResidualSummary s;
+  if (residuals.empty()) return s;
+  double gyro = 0, accel = 0, rotation = 0, motion = 0, gyro_walk = 0, accel_walk = 0;
+  for (const ImuIntervalResidual& r : residuals) {
+    gyro += r.rotation_rad.squaredNorm() / (r.dt_s * r.dt_s);
+    accel += r.velocity_m_s.squaredNorm() / (r.dt_s * r.dt_s);
+    rotation += r.normalised.head<3>().squaredNorm();
+    motion += r.normalised.segment<6>(3).squaredNorm();
+    gyro_walk += r.normalised.segment<3>(9).squaredNorm();
+    accel_walk += r.normalised.tail<3>().squaredNorm();
+  }
+  const auto n = static_cast<double>(residuals.size());
+  s.gyro_rms_rad_s = std::sqrt(gyro / n);
+  s.accel_rms_m_s2 = std::sqrt(accel / n);
+  s.gyro_normalised_rms = std::sqrt(rotation / (3 * n));
+  s.accel_normalised_rms = std::sqrt(motion / (6 * n));
+  s.gyro_bias_normalised_rms = std::sqrt(gyro_walk / (3 * n));
+  s.accel_bias_normalised_rms = std::sqrt(accel_walk / (3 * n));
+  s.chi2 = rotation + motion + gyro_walk + accel_walk;
+  s.dof = static_cast<int>(15 * residuals.size());
+  return s;
+}
+
+double gaussianEntropy(const Eigen::MatrixXd& covariance) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+  const double half_log_det = llt.matrixLLT().diagonal().array().log().sum();
+  const auto n = static_cast<double>(covariance.rows());
+  return 0.5 * n * std::log(2 * std::numbers::pi * std::numbers::e) + half_log_det;
+}
+
+Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
+                                                const CameraImuSolution& solution,
+                                                const CameraImuOptions& options) {
+  const CameraImuEstimate& estimate = solution.estimate;
+  const ParameterList list = parameterList(estimate.cameras, problem.free_cameras);
+  std::optional<ChainSolution> chain;
+  if (problem.gram.cauchy_px > 0) {  // information without the solver's curvature correction
+    GramOptions gram = problem.gram;
+    gram.triggs_clamp = 0;
+    const auto normals = normalsAt(problem, estimate, solution.weights, gram);
+    if (normals) chain = solveChain(normals->chain, {0, problem.threads});
+  } else {
+    chain = solveChain(solution.normals.chain, {0, problem.threads});
+  }
+  if (!chain) {
+    return Failure{FailureReason::kNotObservable,
+                   "T_SC0 and the time offset are not observable from this motion",
+                   "turn the sensor about all its axes while the target stays in view"};
+  }
+  const Eigen::MatrixXd full = invert(chain->border_information);
+  ParameterCovariance out{list.names, list.units, {}};
+  out.matrix = full(list.rows, list.rows);
+  if (const auto failure = unobservable(out.matrix, options)) return *failure;
+  return out;
+}
+
+}  // namespace plumbline

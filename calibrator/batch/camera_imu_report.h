@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
+#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera_imu_solver.h"
+
+namespace plumbline {
+
+/// Residual of every corner of the problem's frames (rejected ones too, used == false).
+std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
+                                            const CameraImuEstimate& estimate);
+
+/// Residual of every inertial link, raw and normalised.
+std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& problem,
+                                                      const CameraImuEstimate& estimate,
+                                                      const ImuWeights& weights);
+
+/// RMS values and chi-square of the inertial residuals.
+ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals);
+
+/// Covariance of T_SC0, time_offset and, if freed, the cameras, all else marginalised. Fails with
+/// kNotObservable, naming directions, where a standard deviation exceeds the options' limits.
+Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
+                                                const CameraImuSolution& solution,
+                                                const CameraImuOptions& options);
+
+/// 0.5 log((2 pi e)^n |Sigma|) [nats] of a positive definite covariance.
+double gaussianEntropy(const Eigen::MatrixXd& covariance);
+
+}  // namespace plumbline
