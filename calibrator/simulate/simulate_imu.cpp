@@ -9,7 +9,8 @@
 namespace plumbline {
 namespace {
 
-/// Indices of the samples: sample j is stamped start + j / rate; j runs from -before to after.
+/// Indices of the samples: sample j is stamped start + j / rate; j runs from -before to after
+/// (`before` is negative where the samples begin after the first exposure).
 struct SampleRange {
   std::int64_t before = 0;
   std::int64_t after = 0;
@@ -52,10 +53,10 @@ TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const S
     for (std::int64_t j = 0; j <= last; ++j) {
       if (j > 0) bias += noise.walk_sigma * normalVector(walk);
       const Eigen::Vector3d n = noise.white_sigma * normalVector(white);
-      if (j == 0 && direction < 0) continue;  // sample 0 belongs to the forward pass
-      const auto index = static_cast<std::size_t>(range.before + direction * j);
-      s.white[index] = n;
-      s.bias[index] = bias;
+      const std::int64_t position = range.before + direction * j;
+      if (position < 0 || (j == 0 && direction < 0)) continue;  // 0 belongs to the forward pass
+      s.white[static_cast<std::size_t>(position)] = n;
+      s.bias[static_cast<std::size_t>(position)] = bias;
     }
   }
   return s;

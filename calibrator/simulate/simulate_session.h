@@ -19,9 +19,9 @@ struct SimulatedSession {
   Session session;
   Calibration truth;  ///< of the rig, with the rates and time offset that were simulated
   Trajectory trajectory;
-  TimeNs start_ns = 0;               ///< IMU-clock stamp at which trajectory.at(0) holds
-  Eigen::Vector3d gravity_F;         ///< [m/s^2], pointing down
-  std::vector<ImuBias> biases;       ///< one per session.imu->samples
+  TimeNs start_ns = 0;          ///< IMU-clock stamp at which trajectory.at(0) holds
+  Eigen::Vector3d gravity_F;    ///< [m/s^2], pointing down
+  std::vector<ImuBias> biases;  ///< one per session.imu->samples
   double camera_rate_hz = 0;
   std::vector<TimeNs> frame_stamps;  ///< nominal stamps, camera clock, dropped frames included
   std::vector<ImuState> states;      ///< the truth at frame_stamps

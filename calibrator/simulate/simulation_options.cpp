@@ -33,7 +33,7 @@ void check(const SimulationOptions& o) {
   requireWithin("camera_rate_hz", o.camera_rate_hz.value_or(1), 1e-3, 1e5);
   requireWithin("imu_rate_hz", o.imu_rate_hz.value_or(1), 1e-3, 1e5);
   requireWithin("time_offset_s", o.time_offset_s.value_or(0), -1e3, 1e3);
-  requireWithin("imu_margin_s", o.imu_margin_s, -1e3, 1e3);
+  requireWithin("imu_margin_s", o.imu_margin_s, -0.4 * o.duration_s, 1e3);
   requireWithin("corner_sigma_px", o.corner_sigma_px, 0, 1e3);
   requireWithin("outlier_fraction", o.outlier_fraction, 0, 1);
   requireWithin("outlier_px", o.outlier_px, 0, 1e4);

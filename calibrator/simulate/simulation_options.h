@@ -21,7 +21,8 @@ struct SimulationOptions {
   std::optional<double> imu_rate_hz;            ///< the rig's unless given
   std::optional<double> time_offset_s;          ///< t_imu = t_cam + t_d; the rig's unless given
   TimeNs start_ns = 1'400'000'000'123'456'789;  ///< stamp of the first frame
-  double imu_margin_s = 0.5;  ///< IMU samples before the first and after the last exposure
+  double imu_margin_s = 0.5;  ///< IMU samples before the first and after the last exposure;
+                              ///< negative: the first and last exposures are not covered
 
   double corner_sigma_px = 0.2;  ///< standard deviation of u and of v; 0: exact
   double outlier_fraction = 0;   ///< probability that a corner is displaced grossly, [0, 1]

@@ -152,5 +152,20 @@ TEST(SimulateImu, SamplesCoverEveryExposureByTheMargin) {
   }
 }
 
+TEST(SimulateImu, NegativeMarginLeavesExposuresUncovered) {
+  SimulationOptions o;
+  o.duration_s = 2;
+  o.time_offset_s = 0;
+  const SimulatedSession full = simulateSession(simulatedRig("euroc"), o);
+  o.imu_margin_s = -0.3;
+  const SimulatedSession cut = simulateSession(simulatedRig("euroc"), o);
+  const auto& samples = cut.session.imu->samples;
+  EXPECT_EQ(samples.front().t, o.start_ns + 300'000'000);
+  EXPECT_EQ(samples.back().t, o.start_ns + 1'700'000'000);
+  EXPECT_EQ(samples.size(), cut.biases.size());
+  const std::size_t shift = 160;  // 0.8 s at 200 Hz
+  EXPECT_EQ(samples[5].gyro, full.session.imu->samples[5 + shift].gyro);
+}
+
 }  // namespace
 }  // namespace plumbline
