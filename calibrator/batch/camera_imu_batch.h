@@ -7,20 +7,12 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
+#include "calibrator/batch/corner_filter.h"
+#include "calibrator/batch/frame_stretch.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
 
 namespace plumbline {
-
-/// Which corners are left out of the camera-IMU batch.
-enum class CornerFilter {
-  kNone,
-  /// After a first solution: |e| above `sigmas` times the camera's RMS per axis; then solved again.
-  kSigma,
-  /// Before it, as Kalibr does: |e| above mean + 2 std of its view, with only that view's pose
-  /// free, and above 0.2 px.
-  kKalibr,
-};
 
 struct CameraImuOptions {
   double pixel_sigma = 1;         ///< standard deviation of a corner, per axis [px]
@@ -69,13 +61,6 @@ struct CameraImuOptions {
 Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
                                                 const std::vector<CameraCalibration>& cameras,
                                                 const CameraImuOptions& options = {});
-
-/// A stretch of consecutive frames of an earlier result and how often it counts.
-struct FrameStretch {
-  int first = 0;
-  int count = 0;
-  double weight = 1;  ///< > 0; residuals of its corners and of its IMU intervals count that often
-};
 
 /// Solves again, from an earlier result, with only the given stretches of its frames (ascending,
 /// not overlapping), each cut loose from its neighbours: one draw of a bootstrap over time

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/error.h"
+#include "calibrator/base/frames.h"
+#include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/corner_filter.h"
+#include "calibrator/batch/frame_stretch.h"
+
+namespace plumbline {
+
+/// What a camera is to be calibrated as.
+struct CameraModelPair {
+  ProjectionModel projection = ProjectionModel::kPinhole;
+  DistortionModel distortion = DistortionModel::kRadtan;
+};
+
+/// Keeps a frame if it tells enough: its mutual information with the cameras' parameters, given the
+/// frames kept before it, in bits (Kalibr's rule and unit).
+struct ViewSelectionOptions {
+  double threshold_bits = 0.2;
+  std::uint64_t seed = 1;  ///< of the order in which frames are offered
+};
+
+struct CameraStageOptions {
+  /// One per camera of the session. Empty: the words of the session's cameras, pinhole-radtan where
+  /// they have none.
+  std::vector<CameraModelPair> models;
+  /// Start, one per camera of the session. Empty: from the views alone.
+  std::vector<CameraCalibration> start;
+
+  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
+  double cauchy_px = 1.5;  ///< scale of the Cauchy loss on |e| [px]; 0: squared error
+  CornerFilter filter = CornerFilter::kNone;
+  double filter_sigmas = 4;                          ///< of CornerFilter::kSigma
+  std::optional<ViewSelectionOptions> select_views;  ///< none: all frames are used
+
+  FrameOptions frames;        ///< how views are paired
+  int min_start_corners = 4;  ///< views with fewer corners give no first guess of their pose
+  int start_views = 30;       ///< views per camera on which its first solution stands
+  /// Frames whose own pose leaves more than this share of the image's width as RMS are left out.
+  double max_start_rms = 0.05;
+
+  int threads = 1;  ///< results do not depend on it
+  int max_iterations = 100;
+  /// Converged where the remaining step is shorter than this, in standard deviations of all
+  /// parameters together (sqrt(b' H^-1 b)).
+  double tolerance = 1e-7;
+};
+
+/// Calibrates all cameras of a session from its corners: intrinsics, extrinsics T_C0Ci, and the
+/// pose of camera 0 in every frame, minimising
+///   0.5 sum rho(|measured - projected|^2) / pixel_sigma^2,   rho(s) = c^2 log(1 + s / c^2) or s.
+/// From scratch unless options.start is given. The result does not depend on the number of threads.
+///
+/// The covariance lists every camera's stacked intrinsics ("cam0.fu" ...), then the tangent of
+/// every T_C0Ci ("T_C0C1.tx" ... "T_C0C1.rz"); poses are marginalised.
+/// views_offered counts all views of the session, whatever they saw; corners_offered their corners.
+/// Fails with kTooFewViews, kNoOverlap, kNotObservable or kNotConverged; throws InputError for
+/// models that cannot be calibrated, or lists whose length does not match the session.
+Result<CameraStageResult> calibrateCameras(const Session& session,
+                                           const CameraStageOptions& options = {});
+
+/// Scores a given calibration on a session: the cameras stay as they are, only the poses T_FC0 move
+/// (each frame for itself). No covariance. options.start, models and select_views do not matter.
+/// Fails with kTooFewViews if no frame has a pose.
+Result<CameraStageResult> scoreCameras(const Session& session,
+                                       const std::vector<CameraCalibration>& cameras,
+                                       const CameraStageOptions& options = {});
+
+/// Solves again, from an earlier result of the same session, with only the given stretches of its
+/// frames (ascending, not overlapping): one draw of a bootstrap over time segments. Corners that
+/// the earlier result rejected stay out; no corner residuals are listed in the result.
+Result<CameraStageResult> recalibrateCameras(const Session& session,
+                                             const CameraStageResult& earlier,
+                                             const std::vector<FrameStretch>& stretches,
+                                             const CameraStageOptions& options = {});
+
+}  // namespace plumbline

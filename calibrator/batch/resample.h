@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
+#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/frame_stretch.h"
+
+namespace plumbline {
+
+/// A bootstrap over time: neighbouring frames share their errors, so whole segments are drawn.
+struct ResampleOptions {
+  int draws = 50;          ///< solutions
+  int segments = 20;       ///< contiguous parts of about equal number of frames; as many are drawn
+  std::uint64_t seed = 1;  ///< of the draws
+  int threads = 1;         ///< results do not depend on it
+};
+
+/// Spread of the parameters over the draws.
+struct ResampleSummary {
+  std::vector<std::string> names;  ///< as in the covariance
+  std::vector<std::string> units;
+  Eigen::VectorXd std;    ///< standard deviation over the draws (divisor n - 1)
+  Eigen::MatrixXd draws;  ///< one column a draw: its parameters minus the full solution's
+  int failed = 0;         ///< draws without a solution, left out
+};
+
+/// Draw number `draw`: as many of the segments as there are, with replacement; a segment drawn k
+/// times is one stretch of weight k. Ascending, not overlapping. Each draw has random numbers of
+/// its own. The number of segments is reduced to `frame_count` where that is smaller.
+std::vector<FrameStretch> drawStretches(int frame_count, const ResampleOptions& options, int draw);
+
+/// Standard deviations over the columns of `draws`; `failed` counts those left out before.
+ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eigen::MatrixXd& draws,
+                               int failed);
+
+/// Solves the camera batch again on every draw, each started from `earlier`.
+/// Fails with kTooFewViews if fewer than two draws have a solution.
+Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
+                                        const ResampleOptions& resample,
+                                        const CameraStageOptions& options = {});
+
+}  // namespace plumbline
