@@ -56,11 +56,15 @@ void check(const AprilGrid& target, const RenderOptions& o) {
   within("margin_ratio", o.margin_ratio, 0, 100);
 }
 
+std::size_t area(int width, int height) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
 /// Rays through the corners of all pixels; zero where the camera's model has none.
 std::vector<Eigen::Vector3f> cornerRays(const Intrinsics& camera) {
   std::vector<Eigen::Vector3f> rays;
   const Resolution& size = camera.resolution;
-  rays.reserve(static_cast<std::size_t>((size.width + 1) * (size.height + 1)));
+  rays.reserve(area(size.width + 1, size.height + 1));
   for (int y = 0; y <= size.height; ++y) {
     for (int x = 0; x <= size.width; ++x) {
       const auto ray = unproject(camera, Eigen::Vector2d(x - 0.5, y - 0.5));
@@ -73,7 +77,7 @@ std::vector<Eigen::Vector3f> cornerRays(const Intrinsics& camera) {
 /// 1 - vignetting * (r / r_corner)^2, r from the image's centre.
 std::vector<float> vignettingGain(const Resolution& size, double vignetting) {
   std::vector<float> gain;
-  gain.reserve(static_cast<std::size_t>(size.width * size.height));
+  gain.reserve(area(size.width, size.height));
   const Eigen::Vector2d centre(0.5 * (size.width - 1), 0.5 * (size.height - 1));
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {

@@ -21,7 +21,8 @@ GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
       rows_(grid.rows) {
   static_assert(kCells == tagCells(kKalibrBorderBits));
   const int row_count = 5 + kSteps * rows_;
-  surfaces_.assign(static_cast<std::size_t>(colCount() * row_count), Surface::kWall);
+  surfaces_.assign(static_cast<std::size_t>(colCount()) * static_cast<std::size_t>(row_count),
+                   Surface::kWall);
   auto surface = surfaces_.begin();
   for (int row = 0; row < row_count; ++row) {
     for (int col = 0; col < colCount(); ++col, ++surface) {

@@ -32,9 +32,9 @@ struct TrajectoryOptions {
 /// rotation angles and coordinates, so every derivative is analytic and no integrator is involved.
 ///
 /// kFull: the rig (orientation of camera 0, origin between the cameras) orbits an aim point that
-/// wanders about the target's centre: azimuth +-35 deg and elevation +-30 deg around the target,
-/// distance 0.9 to 1.9 times the one that fills the image's height; pan and tilt move the target
-/// across the image, roll of +-43 deg about the optical axis.
+/// wanders about the target's centre: azimuth up to 39 deg and elevation up to 33 deg around the
+/// target, distance 0.9 to 1.9 times the one that fills the image's height; pan and tilt move the
+/// target across the image, roll of up to 47 deg about the optical axis.
 class Trajectory {
  public:
   Trajectory(const AprilGrid& target, const SimulatedRig& rig,
