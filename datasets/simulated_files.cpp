@@ -35,9 +35,11 @@ std::string cameraYaml(const CameraStream& camera, double rate_hz) {
       "rate_hz: {}\n"
       "resolution: [{}, {}]\n"
       "camera_model: {}\n"
-      "distortion_model: {}\n",
+      "distortion_model: {}\n"
+      "rostopic: {}\n",
       rate_hz, camera.resolution.width, camera.resolution.height, camera.camera_model,
-      camera.distortion_model);
+      camera.distortion_model,
+      camera.rostopic.empty() ? "/" + camera.name + "/image_raw" : camera.rostopic);
 }
 
 std::string sampleList(const ImuStream& imu) {

@@ -91,6 +91,7 @@ void disturbCorners(std::vector<Corner>& corners, const Resolution& resolution, 
     }
     ++corner;
   }
+  std::erase_if(corners, [&](const Corner& c) { return !isInside(c.uv, resolution, 0); });
 }
 
 }  // namespace plumbline

@@ -21,7 +21,8 @@ struct FrameStamp {
 std::vector<FrameStamp> simulateStamps(const std::vector<TimeNs>& nominal, int index,
                                        const SimulationOptions& options);
 
-/// Adds noise and outliers to the corners of one camera's frame; outliers stay in the image.
+/// Adds noise and outliers to the corners of one camera's frame. Outliers are kept in the image;
+/// corners that noise takes out of it are lost.
 void disturbCorners(std::vector<Corner>& corners, const Resolution& resolution, int camera,
                     std::uint64_t frame, const SimulationOptions& options);
 

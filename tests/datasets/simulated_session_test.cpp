@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session_reader.h"
 #include "datasets/simulated_truth.h"
 
 namespace plumbline {
@@ -132,6 +133,38 @@ TEST_F(SimulatedSessionFiles, CornersAndSamplesAreThoseOfTheSession) {
   EXPECT_NEAR(fieldsOf(samples[1])[6], first.accel.z(), 1e-10);
 }
 
+TEST_F(SimulatedSessionFiles, ReadBackItIsTheSameRecording) {
+  const SimulatedSession s = simulateSession(smallRig(), briefOptions());
+  writeSimulatedSession(s, briefOptions(), root_ / "session");
+  const Session read = readSession((root_ / "session").string());
+  EXPECT_EQ(read.target.tag_size, s.session.target.tag_size);
+  ASSERT_EQ(read.cameras.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const CameraStream& camera = read.cameras[i];
+    const CameraStream& original = s.session.cameras[i];
+    EXPECT_EQ(camera.resolution, original.resolution);
+    EXPECT_EQ(camera.distortion_model, "radtan");
+    EXPECT_EQ(camera.rostopic, original.rostopic);
+    ASSERT_EQ(camera.views.size(), original.views.size());
+    for (std::size_t k = 0; k < camera.views.size(); ++k) {
+      const auto& corners = camera.views[k].corners;
+      EXPECT_EQ(camera.views[k].t, original.views[k].t);
+      ASSERT_EQ(corners.size(), original.views[k].corners.size());
+      for (std::size_t c = 0; c < corners.size(); ++c) {
+        ASSERT_EQ(corners[c].id, original.views[k].corners[c].id);
+        ASSERT_LE((corners[c].uv - original.views[k].corners[c].uv).norm(), 1e-9);
+      }
+    }
+  }
+  ASSERT_TRUE(read.imu.has_value());
+  ASSERT_EQ(read.imu->samples.size(), s.session.imu->samples.size());
+  EXPECT_EQ(read.imu->noise.accel_density, s.session.imu->noise.accel_density);
+  for (std::size_t k = 0; k < read.imu->samples.size(); ++k) {
+    ASSERT_EQ(read.imu->samples[k].t, s.session.imu->samples[k].t);
+    ASSERT_LE((read.imu->samples[k].accel - s.session.imu->samples[k].accel).norm(), 1e-9);
+  }
+}
+
 TEST_F(SimulatedSessionFiles, ImagesTakeThePlaceOfCorners) {
   const SimulatedSession s = simulateSession(smallRig(), briefOptions());
   SimulatedSessionFormat format;
@@ -140,6 +173,10 @@ TEST_F(SimulatedSessionFiles, ImagesTakeThePlaceOfCorners) {
   format.progress = [&](std::size_t, std::size_t all) { reported += all == 10; };
   writeSimulatedSession(s, briefOptions(), root_ / "session", format);
   EXPECT_EQ(reported, 10U);  // 5 frames of 2 cameras
+  const Recording recording = readRecording((root_ / "session").string());
+  EXPECT_TRUE(recording.needsDetection());
+  ASSERT_EQ(recording.images.size(), 2U);
+  EXPECT_EQ(recording.images[1].size(), 5U);
   const fs::path camera = root_ / "session" / "mav0" / "cam1";
   EXPECT_FALSE(fs::exists(camera / "corners.csv"));
   const TimeNs t = s.session.cameras[1].views[3].t;

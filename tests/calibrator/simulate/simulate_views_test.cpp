@@ -140,5 +140,16 @@ TEST(SimulateViews, OutliersAreAsManyAndAsFarAsStated) {
   EXPECT_NEAR(outliers, 0.05 * n, 4 * std::sqrt(n * 0.05 * 0.95));
 }
 
+TEST(SimulateViews, NoCornerLiesOutsideTheImage) {
+  SimulationOptions o = exactOptions();
+  o.corner_sigma_px = 3;
+  o.border_px = 0;
+  o.outlier_fraction = 0.2;
+  o.outlier_px = 60;
+  for (const auto& [key, uv] : cornersOf(simulateSession(simulatedRig("euroc"), o))) {
+    ASSERT_TRUE(uv.x() >= 0 && uv.y() >= 0 && uv.x() <= 751 && uv.y() <= 479) << uv.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
