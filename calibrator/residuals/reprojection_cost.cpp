@@ -27,20 +27,49 @@ Vector3<T> throughInverse(const T* block, const Vector3<T>& p) {
 
 template <CameraModel Model>
 struct Reprojection {
-  Eigen::Vector2d p_F;
-  Eigen::Vector2d uv;
+  CornerMeasurement corner;
 
   template <class T>
   bool operator()(const T* intrinsics, const T* T_C0Ci, const T* T_FC0, T* e) const {
-    const Vector3<T> p_F3(T(p_F.x()), T(p_F.y()), T(0));
-    const Vector3<T> p_C = throughInverse<T>(T_C0Ci, throughInverse<T>(T_FC0, p_F3));
+    return projectInto<T>(intrinsics, T_C0Ci, throughInverse<T>(T_FC0, p_F<T>()), e);
+  }
+
+  template <class T>
+  bool operator()(const T* intrinsics, const T* T_C0Ci, const T* T_SC0, const T* T_FS, T* e) const {
+    const Vector3<T> p_S = throughInverse<T>(T_FS, p_F<T>());
+    return projectInto<T>(intrinsics, T_C0Ci, throughInverse<T>(T_SC0, p_S), e);
+  }
+
+ private:
+  template <class T>
+  Vector3<T> p_F() const {
+    return {T(corner.p_F.x()), T(corner.p_F.y()), T(0)};
+  }
+
+  template <class T>
+  bool projectInto(const T* intrinsics, const T* T_C0Ci, const Vector3<T>& p_C0, T* e) const {
+    const Vector3<T> p_C = throughInverse<T>(T_C0Ci, p_C0);
     if (!(p_C.z() > T(0))) return false;
     const auto m = Model::image(intrinsics + 4, p_C.x(), p_C.y(), p_C.z());
-    e[0] = intrinsics[0] * m.x + intrinsics[2] - uv.x();
-    e[1] = intrinsics[1] * m.y + intrinsics[3] - uv.y();
+    e[0] = intrinsics[0] * m.x + intrinsics[2] - corner.uv.x();
+    e[1] = intrinsics[1] * m.y + intrinsics[3] - corner.uv.y();
     return true;
   }
 };
+
+// The functor of the camera's model as a cost function; kPoses: sizes of the pose blocks.
+template <int... kPoses>
+std::unique_ptr<ceres::CostFunction> makeCost(const Intrinsics& camera,
+                                              const CornerMeasurement& corner) {
+  return std::visit(
+      [&]<class Model>(Model) -> std::unique_ptr<ceres::CostFunction> {
+        using Functor = Reprojection<Model>;
+        constexpr int kIntrinsics = 4 + Model::kShape;
+        return std::make_unique<ceres::AutoDiffCostFunction<Functor, 2, kIntrinsics, kPoses...>>(
+            new Functor{corner});
+      },
+      cameraModelOf(camera));
+}
 
 }  // namespace
 
@@ -62,16 +91,13 @@ std::unique_ptr<ceres::Manifold> makePoseManifold() {
 }
 
 std::unique_ptr<ceres::CostFunction> makeReprojectionCost(const Intrinsics& camera,
-                                                          const Eigen::Vector2d& p_F,
-                                                          const Eigen::Vector2d& uv) {
-  return std::visit(
-      [&]<class Model>(Model) -> std::unique_ptr<ceres::CostFunction> {
-        using Functor = Reprojection<Model>;
-        constexpr int kIntrinsics = 4 + Model::kShape;
-        return std::make_unique<ceres::AutoDiffCostFunction<Functor, 2, kIntrinsics, 7, 7>>(
-            new Functor{p_F, uv});
-      },
-      cameraModelOf(camera));
+                                                          const CornerMeasurement& corner) {
+  return makeCost<7, 7>(camera, corner);
+}
+
+std::unique_ptr<ceres::CostFunction> makeImuReprojectionCost(const Intrinsics& camera,
+                                                             const CornerMeasurement& corner) {
+  return makeCost<7, 7, 7>(camera, corner);
 }
 
 }  // namespace plumbline

@@ -23,14 +23,24 @@ Transform transformFrom(const PoseBlock& block);
 /// caller owns it.
 std::unique_ptr<ceres::Manifold> makePoseManifold();
 
+/// One measured corner: p_F = (x, y, 0) [m] in the target's frame, uv [px].
+struct CornerMeasurement {
+  Eigen::Vector2d p_F;
+  Eigen::Vector2d uv;
+};
+
 /// Reprojection of one corner for free-form problems in Ceres, differentiated automatically:
 ///   e = h(T_C0Ci^-1 T_FC0^-1 p_F; k) - uv [px],
 /// with the camera model's own function h and the parameter blocks
 ///   0: intrinsics, Intrinsics::stacked() of `camera`'s model (8);  1: T_C0Ci;  2: T_FC0 (7 each).
 /// Evaluation fails, and Ceres rejects the step, where the corner is not in front of the camera.
-/// p_F = (x, y, 0) [m]. For whole recordings use viewGram: this costs about 30 times as much.
+/// For whole recordings use viewGram: this costs about 30 times as much.
 std::unique_ptr<ceres::CostFunction> makeReprojectionCost(const Intrinsics& camera,
-                                                          const Eigen::Vector2d& p_F,
-                                                          const Eigen::Vector2d& uv);
+                                                          const CornerMeasurement& corner);
+
+/// The same through the IMU: e = h(T_C0Ci^-1 T_SC0^-1 T_FS^-1 p_F; k) - uv, parameter blocks
+///   0: intrinsics;  1: T_C0Ci;  2: T_SC0;  3: T_FS.
+std::unique_ptr<ceres::CostFunction> makeImuReprojectionCost(const Intrinsics& camera,
+                                                             const CornerMeasurement& corner);
 
 }  // namespace plumbline

@@ -51,11 +51,10 @@ void addView(const Session& session, const CameraState& start, int camera, const
              PoseBlock& T_FC0, const CameraOptions& options, Blocks& blocks,
              ceres::Problem& problem) {
   for (const Corner& corner : view.corners) {
-    problem.AddResidualBlock(makeReprojectionCost(start.cameras[camera].intrinsics,
-                                                  session.target.corner(corner.id), corner.uv)
-                                 .release(),
-                             lossOf(options), blocks.intrinsics[camera].data(),
-                             blocks.T_C0Ci[camera].data(), T_FC0.data());
+    const CornerMeasurement measured{session.target.corner(corner.id), corner.uv};
+    problem.AddResidualBlock(
+        makeReprojectionCost(start.cameras[camera].intrinsics, measured).release(), lossOf(options),
+        blocks.intrinsics[camera].data(), blocks.T_C0Ci[camera].data(), T_FC0.data());
   }
 }
 
