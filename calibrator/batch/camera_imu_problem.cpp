@@ -29,13 +29,15 @@ struct Partial {
 class Linearisation {
  public:
   Linearisation(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
-                const ImuWeights& weights, const GramOptions& gram)
+                const ImuWeights& weights, bool for_information)
       : problem_(problem),
-        gram_(gram),
+        gram_(problem.gram),
+        for_information_(for_information),
         estimate_(estimate),
         weights_(weights),
         layout_(estimate.cameras, problem.free_cameras),
         gravity_{estimate.gravity_direction, problem.gravity_m_s2} {
+    if (for_information) gram_.triggs_clamp = 0;
     normals_.chain = BorderedChain(problem.frameCount(), layout_.size);
   }
 
@@ -196,11 +198,17 @@ class Linearisation {
   bool addMotion(std::size_t at, ChainMatrix& D, ChainBorderRows& rows, Partial& partial) {
     const ImuState& i = estimate_.states[at];
     const ImuState& j = estimate_.states[at + 1];
-    const auto motion =
-        preintegrate(problem_.samples,
-                     {problem_.frames[at].t, problem_.frames[at + 1].t, estimate_.time_offset_s},
-                     {i.gyro_bias, i.accel_bias});
+    const ImuWindow window{problem_.frames[at].t, problem_.frames[at + 1].t,
+                           estimate_.time_offset_s};
+    const ImuBias bias{i.gyro_bias, i.accel_bias};
+    auto motion = preintegrate(problem_.samples, window, bias);
     if (!motion) return false;
+    if (for_information_) {
+      const Vector9d d = smoothOffsetDerivative(problem_.samples, window, bias, *motion);
+      motion->R_td = d.head<3>();
+      motion->v_td = d.segment<3>(3);
+      motion->p_td = d.tail<3>();
+    }
     const ImuResidual r = imuResidual(*motion, i, j, gravity_);
     // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
     Eigen::Matrix<double, 9, 28> J;
@@ -224,7 +232,8 @@ class Linearisation {
   }
 
   const CameraImuProblem& problem_;
-  const GramOptions gram_;
+  GramOptions gram_;
+  const bool for_information_;
   const CameraImuEstimate& estimate_;
   const ImuWeights& weights_;
   const BorderLayout layout_;
@@ -272,13 +281,13 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
 std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
                                           const CameraImuEstimate& estimate,
                                           const ImuWeights& weights) {
-  return normalsAt(problem, estimate, weights, problem.gram);
+  return Linearisation(problem, estimate, weights, false).run();
 }
 
-std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
-                                          const CameraImuEstimate& estimate,
-                                          const ImuWeights& weights, const GramOptions& gram) {
-  return Linearisation(problem, estimate, weights, gram).run();
+std::optional<CameraImuNormals> informationAt(const CameraImuProblem& problem,
+                                              const CameraImuEstimate& estimate,
+                                              const ImuWeights& weights) {
+  return Linearisation(problem, estimate, weights, true).run();
 }
 
 CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,

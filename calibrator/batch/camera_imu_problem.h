@@ -79,10 +79,11 @@ struct CameraImuNormals {
 std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
                                           const CameraImuEstimate& estimate,
                                           const ImuWeights& weights);
-/// The same with another weighting of the corners.
-std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
-                                          const CameraImuEstimate& estimate,
-                                          const ImuWeights& weights, const GramOptions& gram);
+/// The same for information: without the robust loss' curvature correction (triggs_clamp 0) and
+/// with smoothOffsetDerivative().
+std::optional<CameraImuNormals> informationAt(const CameraImuProblem& problem,
+                                              const CameraImuEstimate& estimate,
+                                              const ImuWeights& weights);
 
 /// The estimate after a step of the chain's solution (tangents as in boxplus()).
 CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,

@@ -212,15 +212,9 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuOptions& options) {
   const CameraImuEstimate& estimate = solution.estimate;
   const ParameterList list = parameterList(estimate.cameras, problem.free_cameras);
+  const auto normals = informationAt(problem, estimate, solution.weights);
   std::optional<ChainSolution> chain;
-  if (problem.gram.cauchy_px > 0) {  // information without the solver's curvature correction
-    GramOptions gram = problem.gram;
-    gram.triggs_clamp = 0;
-    const auto normals = normalsAt(problem, estimate, solution.weights, gram);
-    if (normals) chain = solveChain(normals->chain, {0, problem.threads});
-  } else {
-    chain = solveChain(solution.normals.chain, {0, problem.threads});
-  }
+  if (normals) chain = solveChain(normals->chain, {0, problem.threads});
   if (!chain) {
     return Failure{FailureReason::kNotObservable,
                    "T_SC0 and the time offset are not observable from this motion",

@@ -2,6 +2,8 @@
 #include "calibrator/residuals/preintegration.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "calibrator/base/lie.h"
 #include "calibrator/residuals/imu_segments.h"
@@ -117,7 +119,41 @@ void advanceCovariance(const ImuSegment& s, const Eigen::Matrix3d& R, const Eige
   P.diagonal().tail<3>().array() += accel * dt * dt / 12;
 }
 
+/// Mean of the samples within +- half_width_s of an instant of the IMU's clock, bias taken off; at
+/// least the nearest sample.
+ImuBias meanAround(std::span<const ImuSample> samples, TimeNs centre, double half_width_s,
+                   const ImuBias& bias) {
+  const TimeNs reach = toNanoseconds(half_width_s);
+  const auto at = [](const ImuSample& s, TimeNs t) { return s.t < t; };
+  auto first = std::lower_bound(samples.begin(), samples.end(), centre - reach, at);
+  auto last = std::lower_bound(first, samples.end(), centre + reach + 1, at);
+  if (first == last) {
+    if (first == samples.end()) --first;
+    last = first + 1;
+  }
+  ImuBias mean;
+  for (auto s = first; s != last; ++s) {
+    mean.gyro += s->gyro;
+    mean.accel += s->accel;
+  }
+  const auto n = static_cast<double>(last - first);
+  return {mean.gyro / n - bias.gyro, mean.accel / n - bias.accel};
+}
+
 }  // namespace
+
+Vector9d smoothOffsetDerivative(std::span<const ImuSample> samples, const ImuWindow& window,
+                                const ImuBias& bias, const Preintegration& motion) {
+  const TimeNs offset = toNanoseconds(window.time_offset_s);
+  const double half_width = 0.25 * motion.duration_s;
+  const ImuBias i = meanAround(samples, window.from + offset, half_width, bias);
+  const ImuBias j = meanAround(samples, window.to + offset, half_width, bias);
+  Vector9d d;
+  d << j.gyro - motion.R.transpose() * i.gyro,
+      motion.R * j.accel - i.accel - i.gyro.cross(motion.v),
+      motion.v - i.accel * motion.duration_s - i.gyro.cross(motion.p);
+  return d;
+}
 
 std::optional<Preintegration> preintegrate(std::span<const ImuSample> samples,
                                            const ImuWindow& window, const ImuBias& bias) {
