@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/render_pattern.h"
 
-#include <algorithm>
-
 #include "calibrator/target/tag_family.h"
 
 namespace plumbline {
-
-// Along one axis with n tags the indices are: 0 wall, 1 paper, 2 the gap before tag 0, then for
-// every tag its cells and the gap after it, and at the end paper and wall again.
 
 GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
     : tag_size_(grid.tag_size),
@@ -31,15 +26,6 @@ GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
       *surface = gridIsBlack(grid, p) ? Surface::kBlack : Surface::kWhite;
     }
   }
-}
-
-int GridPattern::indexOf(double x_m, int tags) const {
-  const double end = pitch_ * tags;
-  if (x_m < -gap_) return x_m < -gap_ - margin_ ? 0 : 1;
-  if (x_m < 0) return 2;
-  if (x_m >= end) return (x_m < end + margin_ ? 3 : 4) + kSteps * tags;
-  const int tag = static_cast<int>(x_m * tags_per_m_);
-  return 3 + kSteps * tag + std::min(static_cast<int>((x_m - tag * pitch_) * cells_per_m_), kCells);
 }
 
 double GridPattern::middleOf(int index, int tags) const {

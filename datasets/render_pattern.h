@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -36,7 +37,19 @@ class GridPattern {
 
  private:
   int colCount() const { return 5 + kSteps * cols_; }
-  int indexOf(double x_m, int tags) const;
+
+  // Along one axis with n tags the indices are: 0 wall, 1 paper, 2 the gap before tag 0, then for
+  // every tag its cells and the gap after it, and at the end paper and wall again. Defined here
+  // so that it is inlined: rendering calls it for every ray.
+  int indexOf(double x_m, int tags) const {
+    const double end = pitch_ * tags;
+    if (x_m < -gap_) return x_m < -gap_ - margin_ ? 0 : 1;
+    if (x_m < 0) return 2;
+    if (x_m >= end) return (x_m < end + margin_ ? 3 : 4) + kSteps * tags;
+    const int tag = static_cast<int>(x_m * tags_per_m_);
+    const int cell = static_cast<int>((x_m - tag * pitch_) * cells_per_m_);
+    return 3 + kSteps * tag + std::min(cell, kCells);
+  }
   double middleOf(int index, int tags) const;
 
   static constexpr int kCells = 10;          // along a tag, border included
