@@ -26,7 +26,8 @@ struct AprilGrid {
     assert(corner_id >= 0 && corner_id < cornerCount());
     const int tag = corner_id / 4;
     const int k = corner_id % 4;
-    Eigen::Vector2d p(pitch() * (tag % cols), pitch() * (tag / cols));
+    const int row = tag / cols;
+    Eigen::Vector2d p(pitch() * (tag % cols), pitch() * row);
     if (k == 1 || k == 2) p.x() += tag_size;
     if (k == 2 || k == 3) p.y() += tag_size;
     return p;

@@ -12,7 +12,7 @@ namespace plumbline {
 
 template <int kWidth>
 struct LanesOf {
-  typedef double type [[gnu::vector_size(8 * kWidth)]];
+  using type [[gnu::vector_size(8 * kWidth)]] = double;
 };
 
 /// kWidth doubles handled at once (GCC vector extension: + - * / < and ?: work per lane). The same
