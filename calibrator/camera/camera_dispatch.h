@@ -9,8 +9,7 @@
 
 namespace plumbline {
 
-/// The models that can be calibrated. A new one is a type in a file of its own, a member here, and
-/// a case of cameraModelOf.
+/// The models that can be calibrated: a new one is a type in a file of its own and a member here.
 using AnyCameraModel = std::variant<PinholeRadtan, PinholeEquidistant>;
 
 /// The model of a camera's intrinsics, to be visited. Throws InputError, naming what is supported,

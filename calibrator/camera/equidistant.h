@@ -16,6 +16,7 @@ namespace plumbline {
 ///   (x', y') = (theta_d / r) (x, y)
 /// Being written on (X, Y) / Z, as in Kalibr, it ends at Z = 0: a field of view below 180 degrees.
 struct Equidistant {
+  static constexpr DistortionModel kModel = DistortionModel::kEquidistant;
   static constexpr int kCoefficients = 4;
 
   template <class T, class S>

@@ -13,6 +13,7 @@ namespace plumbline {
 ///   x' = x g + 2 p1 x y + p2 (r^2 + 2 x^2)
 ///   y' = y g + p1 (r^2 + 2 y^2) + 2 p2 x y
 struct Radtan {
+  static constexpr DistortionModel kModel = DistortionModel::kRadtan;
   static constexpr int kCoefficients = 4;
 
   template <class T, class S>

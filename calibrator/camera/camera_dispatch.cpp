@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/camera/camera_dispatch.h"
+
+#include <optional>
+#include <string>
+
+#include "calibrator/base/error.h"
+#include "calibrator/camera/camera.h"
+
+namespace plumbline {
+namespace {
+
+template <class Visit, CameraModel... Models>
+void visitMembers(const std::variant<Models...>*, const Visit& visit) {
+  (visit(Models{}), ...);
+}
+
+// Calls visit(Model{}) for every model that can be calibrated.
+template <class Visit>
+void forEachModel(const Visit& visit) {
+  visitMembers(static_cast<const AnyCameraModel*>(nullptr), visit);
+}
+
+std::optional<AnyCameraModel> find(ProjectionModel projection, DistortionModel distortion) {
+  std::optional<AnyCameraModel> found;
+  forEachModel([&]<class Model>(Model model) {
+    if (Model::kProjection == projection && Model::kDistortion == distortion) found = model;
+  });
+  return found;
+}
+
+std::string nameOf(ProjectionModel projection, DistortionModel distortion) {
+  return toString(projection) + "-" + toString(distortion);
+}
+
+std::string supportedNames() {
+  std::string names;
+  forEachModel([&]<class Model>(Model) {
+    names += (names.empty() ? "" : ", ") + nameOf(Model::kProjection, Model::kDistortion);
+  });
+  return names;
+}
+
+int shapeOf(const AnyCameraModel& model) {
+  return std::visit([]<class Model>(Model) { return Model::kShape; }, model);
+}
+
+}  // namespace
+
+bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion) {
+  return find(projection, distortion).has_value();
+}
+
+AnyCameraModel cameraModelOf(const Intrinsics& camera) {
+  const auto model = find(camera.projection_model, camera.distortion_model);
+  if (!model) {
+    throw InputError("camera model '" + nameOf(camera.projection_model, camera.distortion_model) +
+                     "' is not supported; supported are: " + supportedNames() +
+                     "; recalibrate the camera with one of them");
+  }
+  if (camera.projection.size() != 4 || camera.distortion.size() != shapeOf(*model)) {
+    throw InputError("camera model '" + nameOf(camera.projection_model, camera.distortion_model) +
+                     "' needs 4 projection and " + std::to_string(shapeOf(*model)) +
+                     " distortion parameters, but " + std::to_string(camera.projection.size()) +
+                     " and " + std::to_string(camera.distortion.size()) +
+                     " were given; give fu fv pu pv and the model's coefficients");
+  }
+  return *model;
+}
+
+}  // namespace plumbline
