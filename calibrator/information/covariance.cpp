@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/information/covariance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal
+
+/// information = D L L^T D, D diagonal.
+struct ScaledFactor {
+  Eigen::VectorXd D;
+  Eigen::LLT<Eigen::MatrixXd> llt;
+};
+
+std::optional<ScaledFactor> factor(const Eigen::MatrixXd& information) {
+  assert(information.rows() == information.cols());
+  if (!information.allFinite() || !(information.diagonal().array() > 0).all()) return std::nullopt;
+  ScaledFactor f;
+  f.D = information.diagonal().cwiseSqrt();
+  const Eigen::VectorXd inverse = f.D.cwiseInverse();
+  f.llt.compute(inverse.asDiagonal() * information * inverse.asDiagonal());
+  if (f.llt.info() != Eigen::Success) return std::nullopt;
+  const auto pivots = f.llt.matrixLLT().diagonal().array().square();
+  if (information.rows() > 0 && pivots.minCoeff() < kLeastPivot) return std::nullopt;
+  return f;
+}
+
+double logDeterminantOf(const ScaledFactor& f) {
+  return 2 * (f.llt.matrixLLT().diagonal().array().log().sum() + f.D.array().log().sum());
+}
+
+std::vector<int> leadingOf(const Eigen::VectorXd& weights) {
+  const double least = 0.3 * weights.cwiseAbs().maxCoeff();
+  std::vector<int> leading;
+  for (int i = 0; i < weights.size(); ++i) {
+    if (std::abs(weights(i)) > least) leading.push_back(i);
+  }
+  std::stable_sort(leading.begin(), leading.end(), [&weights](int a, int b) {
+    return std::abs(weights(a)) > std::abs(weights(b));
+  });
+  return leading;
+}
+
+}  // namespace
+
+std::optional<double> logDeterminant(const Eigen::MatrixXd& information) {
+  const auto f = factor(information);
+  if (!f) return std::nullopt;
+  return logDeterminantOf(*f);
+}
+
+std::optional<Eigen::MatrixXd> covarianceOf(const Eigen::MatrixXd& information) {
+  const auto f = factor(information);
+  if (!f) return std::nullopt;
+  const Eigen::Index n = information.rows();
+  const Eigen::VectorXd inverse = f->D.cwiseInverse();
+  // L^-1 first: its product with its transpose is symmetric to the last bit.
+  Eigen::MatrixXd L_inverse = Eigen::MatrixXd::Identity(n, n);
+  f->llt.matrixL().solveInPlace(L_inverse);
+  const Eigen::MatrixXd scaled = L_inverse * inverse.asDiagonal();
+  Eigen::MatrixXd covariance = scaled.transpose() * scaled;
+  covariance = (0.5 * (covariance + covariance.transpose())).eval();
+  return covariance;
+}
+
+std::optional<double> entropyNats(const Eigen::MatrixXd& information) {
+  const auto log_determinant = logDeterminant(information);
+  if (!log_determinant) return std::nullopt;
+  const double log_2_pi_e = std::log(2 * std::numbers::pi * std::numbers::e);
+  return 0.5 * (static_cast<double>(information.rows()) * log_2_pi_e - *log_determinant);
+}
+
+std::optional<double> mutualInformationNats(const Eigen::MatrixXd& before,
+                                            const Eigen::MatrixXd& after) {
+  const auto log_before = logDeterminant(before);
+  const auto log_after = logDeterminant(after);
+  if (!log_before || !log_after) return std::nullopt;
+  return 0.5 * (*log_after - *log_before);
+}
+
+double bitsFromNats(double nats) { return nats / std::numbers::ln2; }
+
+std::vector<FreeDirection> freeDirections(const Eigen::MatrixXd& information,
+                                          const Eigen::VectorXd& sizes) {
+  assert(information.rows() == sizes.size());
+  const Eigen::MatrixXd scaled = sizes.asDiagonal() * information * sizes.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  std::vector<FreeDirection> free;
+  for (Eigen::Index i = 0; i < sizes.size() && !(eigen.eigenvalues()(i) >= 1); ++i) {
+    FreeDirection direction;
+    const double eigenvalue = eigen.eigenvalues()(i);
+    direction.std =
+        eigenvalue > 0 ? 1 / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
+    direction.weights = eigen.eigenvectors().col(i);
+    direction.leading = leadingOf(direction.weights);
+    free.push_back(std::move(direction));
+  }
+  return free;
+}
+
+}  // namespace plumbline
