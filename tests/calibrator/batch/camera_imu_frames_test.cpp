@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which frames take part, and how the IMU joins them.
+#include "calibrator/batch/camera_imu_frames.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+constexpr TimeNs kMs = 1'000'000;
+
+ImuSample restingAt(TimeNs t) {
+  ImuSample sample;
+  sample.t = t;
+  return sample;
+}
+
+/// Samples every 5 ms over [0, 1] s without those in (from, to).
+std::vector<ImuSample> samplesWithGap(TimeNs from, TimeNs to) {
+  std::vector<ImuSample> samples;
+  for (TimeNs t = 0; t <= 1000 * kMs; t += 5 * kMs) {
+    if (t <= from || t >= to) samples.push_back(restingAt(t));
+  }
+  return samples;
+}
+
+std::vector<TimeNs> everyFifty(TimeNs first, TimeNs last) {
+  std::vector<TimeNs> stamps;
+  for (TimeNs t = first; t <= last; t += 50 * kMs) stamps.push_back(t);
+  return stamps;
+}
+
+TEST(ShiftedSamples, AreExactAtTheEpoch) {
+  const TimeNs epoch = 1'404'733'405'747'800'064;
+  const auto moved = shiftedSamples({restingAt(epoch)}, -3'210'001);
+  EXPECT_EQ(moved[0].t, epoch - 3'210'001);
+}
+
+TEST(ImuGaps, AreThoseLongerThanSomeMedianIntervals) {
+  const auto samples = samplesWithGap(500 * kMs, 530 * kMs);
+  const auto gaps = imuGaps(samples, 5);
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_EQ(gaps[0].from, 500 * kMs);
+  EXPECT_EQ(gaps[0].to, 530 * kMs);
+  EXPECT_TRUE(imuGaps(samples, 7).empty());
+  EXPECT_TRUE(imuGaps({}, 5).empty());
+}
+
+TEST(SelectFrames, TakesThoseThatSamplesCoverAfterTheOffset) {
+  const auto samples = samplesWithGap(0, 0);
+  const auto stamps = everyFifty(-200 * kMs, 1200 * kMs);
+  FrameSelectionOptions options;
+  options.time_offset_s = 0.1;  // IMU [0, 1] s is [-0.1, 0.9] s of the camera's clock
+  options.margin_s = 0.005;
+  const FrameSelection s = selectFrames(stamps, samples, {}, options);
+  ASSERT_FALSE(s.chosen.empty());
+  EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen.front())], -50 * kMs);
+  EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen.back())], 850 * kMs);
+  EXPECT_EQ(s.links.size(), s.chosen.size() - 1);
+  EXPECT_EQ(s.gaps_used, 0);
+}
+
+TEST(SelectFrames, AGapBreaksOneLinkAndDropsTheFramesInside) {
+  const auto samples = samplesWithGap(410 * kMs, 540 * kMs);
+  const auto stamps = everyFifty(50 * kMs, 950 * kMs);
+  const auto gaps = imuGaps(samples, 5);
+  const FrameSelection s = selectFrames(stamps, samples, gaps, {});
+  // 450 and 500 ms lie in the gap; 400 and 550 ms are joined across it by the biases alone.
+  EXPECT_EQ(s.chosen.size(), stamps.size() - 2);
+  EXPECT_EQ(s.gaps_used, 1);
+  int walks = 0;
+  for (std::size_t k = 0; k < s.links.size(); ++k) {
+    if (s.links[k] != FrameLink::kBiasWalk) continue;
+    ++walks;
+    EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen[k])], 400 * kMs);
+    EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen[k + 1])], 550 * kMs);
+  }
+  EXPECT_EQ(walks, 1);
+}
+
+TEST(SelectFrames, FramesFarApartAreJoinedByTheBiasWalkOnly) {
+  const auto samples = samplesWithGap(0, 0);
+  const std::vector<TimeNs> stamps = {50 * kMs, 100 * kMs, 700 * kMs, 750 * kMs};
+  FrameSelectionOptions options;
+  options.max_interval_s = 0.5;
+  const FrameSelection s = selectFrames(stamps, samples, {}, options);
+  ASSERT_EQ(s.links.size(), 3u);
+  EXPECT_EQ(s.links[0], FrameLink::kInertial);
+  EXPECT_EQ(s.links[1], FrameLink::kBiasWalk);
+  EXPECT_EQ(s.links[2], FrameLink::kInertial);
+}
+
+TEST(SelectFrames, WithoutSamplesThereAreNone) {
+  const std::vector<TimeNs> stamps = {0, kMs};
+  EXPECT_TRUE(selectFrames(stamps, {}, {}, {}).chosen.empty());
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The camera-IMU batch on EuRoC's imu_april with the published cameras: the optimum, Kalibr's run
+// on the same corners, and IMU stamps moved by known amounts.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/camera_imu_batch.h"
+#include "tests/calibrator/batch/euroc_recording.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+const testing::EurocRecording& recording() {
+  static const testing::EurocRecording r = testing::readEurocRecording(PLUMBLINE_SHARED_DATA);
+  return r;
+}
+
+CameraImuOptions squaredError() {
+  CameraImuOptions options;  // pixel sigma 1, |g| = 9.80655, EuRoC's densities
+  options.cauchy_px = 0;
+  return options;
+}
+
+CameraImuStageResult solved(const CameraImuOptions& options) {
+  auto result = calibrateCameraImu(recording().session, recording().published, options);
+  if (!result) throw std::runtime_error(result.failure().message);
+  return std::move(result).value();
+}
+
+/// T_cam_imu of cam0 in kalibr_runs/camera_imu/euroc-camchain-imucam.yaml, inverted.
+Transform kalibrsT_SC0() {
+  Eigen::Matrix4d T_C0S;
+  T_C0S << 0.015016839778360769, 0.9996372351963206, -0.02235827659115831, 0.06821364110292438,
+      -0.9998822699452553, 0.015083519709933157, 0.002816679300769988, -0.016057697480107245,
+      0.0031528990142992916, 0.02231334672826455, 0.999746054648674, -0.002431259366521511, 0, 0, 0,
+      1;
+  return Transform::fromMatrix(T_C0S).inverse();
+}
+
+TEST(CameraImuEuroc, ReachesTheOptimumOverAllFrames) {
+  const CameraImuStageResult r = solved(squaredError());
+  EXPECT_TRUE(r.summary.converged);
+  EXPECT_EQ(r.frames.size(), 1415u);
+  EXPECT_NEAR(r.summary.reprojection.rmse_px, 0.5837, 0.0002);
+  EXPECT_LT(std::abs(r.imu.time_offset_s), 10e-6);
+  const Vector6d d = boxminus(r.imu.T_SC0, kalibrsT_SC0());
+  EXPECT_LT(d.tail<3>().norm() * kDegrees, 0.05);
+  EXPECT_LT(d.head<3>().norm(), 0.6e-3);
+  EXPECT_NEAR(r.imu_summary.chi2, 8580, 20);  // the densities are pessimistic: 21210 residuals
+}
+
+TEST(CameraImuEuroc, IsNearerToKalibrsRunWithItsCornerFilter) {
+  CameraImuOptions options = squaredError();
+  options.filter = CornerFilter::kKalibr;
+  const CameraImuStageResult r = solved(options);
+  const Vector6d d = boxminus(r.imu.T_SC0, kalibrsT_SC0());
+  EXPECT_LT(d.tail<3>().norm() * kDegrees, 0.02);
+  EXPECT_LT(d.head<3>().norm(), 0.3e-3);
+  const double rejected =
+      1 - static_cast<double>(r.summary.corners_used) / static_cast<double>(r.residuals.size());
+  EXPECT_NEAR(rejected, 0.038, 0.002);  // Kalibr's share
+  EXPECT_NEAR(r.summary.per_camera[0].rmse_px, 0.5261, 0.003);
+}
+
+TEST(CameraImuEuroc, MovedImuStampsAreRecovered) {
+  const CameraImuStageResult base = solved(squaredError());
+  for (const double shift_ms :
+       {100.0, 10.0, 1.0, 37.3, -3.21, 250.0, -250.0, 500.0, -500.0, 1000.0, -1000.0}) {
+    CameraImuOptions options = squaredError();
+    options.imu_shift_ns = toNanoseconds(shift_ms * 1e-3);
+    const CameraImuStageResult moved = solved(options);
+    ASSERT_EQ(moved.frames.size(), base.frames.size()) << shift_ms;
+    const double recovered = moved.imu.time_offset_s - base.imu.time_offset_s;
+    EXPECT_LT(std::abs(recovered - shift_ms * 1e-3), 0.1e-6) << shift_ms;
+    const Vector6d change = boxminus(moved.imu.T_SC0, base.imu.T_SC0);
+    EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).cwiseAbs().maxCoeff(), 0.01) << shift_ms;
+    EXPECT_LT((moved.gravity_F - base.gravity_F).norm(), 1e-5) << shift_ms;
+    for (std::size_t i = 0; i < base.states.size(); i += 100) {
+      EXPECT_LT((moved.states[i].T_FS.t - base.states[i].T_FS.t).norm(), 1e-6) << shift_ms;
+    }
+  }
+}
+
+TEST(CameraImuEuroc, TheCauchyLossConvergesNearby) {
+  CameraImuOptions options;  // Cauchy 1.5 px is the default
+  const CameraImuStageResult r = solved(options);
+  EXPECT_TRUE(r.summary.converged);
+  EXPECT_LE(r.summary.iterations, 18);
+  EXPECT_LT(std::abs(r.imu.time_offset_s), 20e-6);
+  EXPECT_LT(boxminus(r.imu.T_SC0, kalibrsT_SC0()).head<3>().norm(), 0.6e-3);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The camera-IMU batch on simulated recordings: accuracy without noise, its order in the IMU's
+// rate, and what must not change the result. Statistics of noisy runs are in
+// camera_imu_statistics_test.
+#include <gtest/gtest.h>
+
+#include "tests/calibrator/batch/camera_imu_examples.h"
+
+namespace plumbline {
+namespace {
+
+using testing::calibrationError;
+using testing::exactRecording;
+using testing::matchedOptions;
+using testing::noisyRecording;
+using testing::simulate;
+
+CameraImuStageResult solved(const SimulatedSession& s, const CameraImuOptions& options) {
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
+  if (!result) throw std::runtime_error(result.failure().message);
+  return *result;
+}
+
+struct Errors {
+  double translation, rotation, offset, gravity, velocity;
+};
+
+Errors errorsAt(double imu_rate_hz) {
+  const SimulatedSession s = simulate(exactRecording(imu_rate_hz));
+  CameraImuOptions options = matchedOptions(s, 1);
+  options.tolerance = 1e-8;
+  const CameraImuStageResult r = solved(s, options);
+  EXPECT_TRUE(r.summary.converged);
+  const auto e = calibrationError(s, r);
+  const std::size_t middle = r.frames.size() / 2;
+  const ImuState truth = s.stateAt(r.frames[middle].t);
+  return {e.head<3>().norm(), e.segment<3>(3).norm(), std::abs(e(6)),
+          (r.gravity_F - s.gravity_F).norm() / s.gravity_F.norm(),
+          (r.states[middle].v_F - truth.v_F).norm()};
+}
+
+TEST(CameraImuWithoutNoise, IsExactAtAHighRate) {
+  const Errors e = errorsAt(6400);
+  EXPECT_LT(e.translation, 1e-6 * 0.07);  // |t_SC0| of the rig
+  EXPECT_LT(e.rotation, 1e-6);            // rad
+  EXPECT_LT(e.offset, 1e-6 * 2.1e-3);     // the rig's offset
+  EXPECT_LT(e.gravity, 1e-6);
+  EXPECT_LT(e.velocity, 1e-6 * 1.0);  // m/s
+}
+
+TEST(CameraImuWithoutNoise, ErrorFallsWithTheSquareOfTheRate) {
+  Errors last = errorsAt(200);
+  for (const double rate : {400.0, 800.0}) {
+    const Errors e = errorsAt(rate);
+    EXPECT_NEAR(last.translation / e.translation, 4, 0.6) << rate;
+    EXPECT_NEAR(last.rotation / e.rotation, 4, 0.6) << rate;
+    EXPECT_NEAR(last.gravity / e.gravity, 4, 0.6) << rate;
+    last = e;
+  }
+}
+
+TEST(CameraImuWithoutNoise, FreeCamerasReturnToTheTruth) {
+  const SimulatedSession s = simulate(exactRecording(3200));
+  CameraImuOptions options = matchedOptions(s, 1);
+  options.free_cameras = true;
+  std::vector<CameraCalibration> start = s.truth.cameras;
+  start[0].intrinsics.projection += Eigen::Vector4d(1, -1, 0.5, -0.5);
+  start[1].intrinsics.distortion(0) += 1e-3;
+  start[1].T_C0Ci.t.x() += 1e-3;
+  const auto r = calibrateCameraImu(s.session, start, options);
+  ASSERT_TRUE(r) << r.failure().message;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Eigen::VectorXd error =
+        r->cameras[c].intrinsics.stacked() - s.truth.cameras[c].intrinsics.stacked();
+    EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-3) << c;
+    ASSERT_TRUE(r->cameras[c].intrinsics_std);
+  }
+  EXPECT_LT(boxminus(r->cameras[1].T_C0Ci, s.truth.cameras[1].T_C0Ci).norm(), 1e-5);
+  ASSERT_EQ(r->summary.covariance.names.size(), 7u + 8 + 8 + 6);
+  EXPECT_EQ(r->summary.covariance.names[7], "cam0.fu");
+  EXPECT_EQ(r->summary.covariance.names.back(), "T_C0C1.rz");
+}
+
+TEST(CameraImu, ReportsWhatItUsed) {
+  const SimulatedSession s = simulate(noisyRecording(1));
+  const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));
+  const StageSummary& summary = r.summary;
+  EXPECT_TRUE(summary.converged);
+  EXPECT_EQ(r.states.size(), r.frames.size());
+  EXPECT_EQ(r.imu_residuals.size(), r.frames.size() - 1);
+  EXPECT_EQ(summary.corners_used, r.residuals.size());
+  EXPECT_NEAR(summary.reprojection.rmse_px, 0.2 * std::sqrt(2), 0.01);
+  EXPECT_EQ(summary.covariance.names.front(), "T_SC0.tx");
+  EXPECT_EQ(summary.covariance.names.back(), "time_offset");
+  EXPECT_EQ(summary.covariance.matrix.rows(), 7);
+  ASSERT_TRUE(r.imu.T_SC0_std && r.imu.time_offset_std_s);
+  EXPECT_EQ(*r.imu.time_offset_std_s, std::sqrt(summary.covariance.matrix(6, 6)));
+  EXPECT_GT(r.imu_summary.chi2, 0);
+  EXPECT_EQ(r.imu_summary.dof, static_cast<int>(15 * r.imu_residuals.size()));
+}
+
+TEST(CameraImu, DoesNotDependOnTheNumberOfThreads) {
+  const SimulatedSession s = simulate(noisyRecording(2, 8));
+  CameraImuOptions options = matchedOptions(s, 0.2);
+  options.cauchy_px = 1;
+  const CameraImuStageResult one = solved(s, options);
+  options.threads = 3;
+  const CameraImuStageResult three = solved(s, options);
+  EXPECT_EQ(one.imu.T_SC0.matrix(), three.imu.T_SC0.matrix());
+  EXPECT_EQ(one.imu.time_offset_s, three.imu.time_offset_s);
+  EXPECT_EQ(one.summary.covariance.matrix, three.summary.covariance.matrix);
+  EXPECT_EQ(one.summary.cost, three.summary.cost);
+}
+
+TEST(CameraImu, ShiftedImuStampsShiftTheOffsetAndNothingElse) {
+  const SimulatedSession s = simulate(noisyRecording(3, 8));
+  CameraImuOptions options = matchedOptions(s, 0.2);
+  options.tolerance = 1e-6;
+  const CameraImuStageResult base = solved(s, options);
+  for (const double shift_ms : {100.0, -3.21, 37.3, 1000.0, -1000.0}) {
+    options.imu_shift_ns = toNanoseconds(shift_ms * 1e-3);
+    options.offset_search.max_offset_s = 1.1;
+    const CameraImuStageResult moved = solved(s, options);
+    ASSERT_EQ(moved.frames.size(), base.frames.size()) << shift_ms;
+    EXPECT_NEAR(moved.imu.time_offset_s - base.imu.time_offset_s, shift_ms * 1e-3, 1e-8);
+    const Vector6d change = boxminus(moved.imu.T_SC0, base.imu.T_SC0);
+    EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).cwiseAbs().maxCoeff(), 1e-3) << shift_ms;
+  }
+}
+
+TEST(CameraImu, GapsBreakTheChainAndAreCounted) {
+  SimulatedSession s = simulate(noisyRecording(4, 10));
+  auto& samples = s.session.imu->samples;
+  const TimeNs gap = samples[samples.size() / 2].t;
+  std::erase_if(samples, [&](const ImuSample& x) {
+    return x.t > gap && x.t < gap + 300'000'000;  // six frames
+  });
+  const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));
+  EXPECT_EQ(r.imu_gaps, 1);
+  EXPECT_GE(r.frames_without_imu, 5);
+  EXPECT_EQ(r.imu_residuals.size(), r.frames.size() - 2);
+  const auto e = calibrationError(s, r);
+  EXPECT_LT((e.head<6>().cwiseQuotient(*r.imu.T_SC0_std)).cwiseAbs().maxCoeff(), 4);
+}
+
+TEST(CameraImu, FramesOutsideTheImuRecordingAreLeftOut) {
+  SimulatedSession s = simulate(noisyRecording(5, 8));
+  auto& samples = s.session.imu->samples;
+  samples.erase(samples.begin(), samples.begin() + 400);  // 0.5 s of margin and 1.5 s of frames
+  const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));
+  EXPECT_NEAR(r.frames_without_imu, 30, 2);
+}
+
+TEST(CameraImu, OutliersAreRejectedAndCounted) {
+  SimulationOptions simulation = noisyRecording(6);
+  simulation.outlier_fraction = 0.01;
+  const SimulatedSession s = simulate(simulation);
+  CameraImuOptions options = matchedOptions(s, 0.2);
+  for (const CornerFilter filter : {CornerFilter::kSigma, CornerFilter::kKalibr}) {
+    options.filter = filter;
+    options.cauchy_px = 1;
+    const CameraImuStageResult r = solved(s, options);
+    const double rejected =
+        1 - static_cast<double>(r.summary.corners_used) / static_cast<double>(r.residuals.size());
+    EXPECT_GT(rejected, 0.005);
+    EXPECT_LT(rejected, 0.08);
+    EXPECT_LT(r.summary.reprojection.rmse_px, 0.5);
+  }
+}
+
+TEST(CameraImu, OnlyListedFramesAreUsed) {
+  const SimulatedSession s = simulate(noisyRecording(7));
+  CameraImuOptions options = matchedOptions(s, 0.2);
+  const CameraImuStageResult all = solved(s, options);
+  std::vector<TimeNs> stamps;
+  for (std::size_t i = 10; i < 70; ++i) stamps.push_back(all.frames[i].t);
+  options.frame_stamps = stamps;
+  const CameraImuStageResult some = solved(s, options);
+  EXPECT_EQ(some.frames.size(), 60u);
+  EXPECT_EQ(some.frames.front().t, stamps.front());
+}
+
+TEST(CameraImuAgain, WholeRecordingGivesTheSameSolution) {
+  const SimulatedSession s = simulate(noisyRecording(8, 8));
+  CameraImuOptions options = matchedOptions(s, 0.2);
+  options.tolerance = 1e-7;
+  const CameraImuStageResult base = solved(s, options);
+  const int n = static_cast<int>(base.frames.size());
+  const auto again = recalibrateCameraImu(s.session, base, {{0, n, 1}}, options);
+  ASSERT_TRUE(again) << again.failure().message;
+  EXPECT_NEAR(again->summary.cost, base.summary.cost, 1e-6 * base.summary.cost);
+  const Vector6d change = boxminus(again->imu.T_SC0, base.imu.T_SC0);
+  EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).norm(), 1e-3);
+}
+
+TEST(CameraImuAgain, AStretchThatCountsTwiceHalvesTheVariance) {
+  const SimulatedSession s = simulate(noisyRecording(9, 8));
+  CameraImuOptions options = matchedOptions(s, 0.2);
+  options.tolerance = 1e-7;
+  const CameraImuStageResult base = solved(s, options);
+  const auto once = recalibrateCameraImu(s.session, base, {{0, 60, 1}, {80, 60, 1}}, options);
+  const auto twice = recalibrateCameraImu(s.session, base, {{0, 60, 2}, {80, 60, 2}}, options);
+  ASSERT_TRUE(once && twice);
+  EXPECT_EQ(once->frames.size(), 120u);
+  EXPECT_EQ(once->imu_residuals.size(), 118u);
+  EXPECT_TRUE(
+      (2 * twice->summary.covariance.matrix).isApprox(once->summary.covariance.matrix, 1e-4));
+  EXPECT_LT(boxminus(twice->imu.T_SC0, once->imu.T_SC0).norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace plumbline
