@@ -147,6 +147,32 @@ TEST_P(PreintegrationJacobian, EqualsCentralDifferences) {
   EXPECT_LT((analyticJacobian(*base) - numeric).cwiseAbs().maxCoeff(), 1e-8);
 }
 
+TEST(SmoothOffsetDerivative, AgreesWithTheSchemesOwnForSmoothMotion) {
+  const auto samples = wavySamples(0, 1600, 0.5);
+  const ImuWindow window{200'000'000, 250'000'000, 0.0023};
+  const auto m = preintegrate(samples, window, kBias);
+  const Vector9d smooth = smoothOffsetDerivative(samples, window, kBias, *m);
+  Vector9d exact;
+  exact << m->R_td, m->v_td, m->p_td;
+  EXPECT_LT((smooth - exact).norm(), 0.02 * exact.norm());
+}
+
+TEST(SmoothOffsetDerivative, FeelsLessOfTheNoiseOfSingleSamples) {
+  const ImuWindow window{200'000'000, 250'000'000, 0.0023};
+  auto samples = wavySamples(0, 1600, 0.5);
+  const auto clean = preintegrate(samples, window, {});
+  const Vector9d reference = smoothOffsetDerivative(samples, window, {}, *clean);
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> normal;
+  for (ImuSample& s : samples) {
+    for (int k = 0; k < 3; ++k) s.accel(k) += normal(engine);
+  }
+  const auto noisy = preintegrate(samples, window, {});
+  const Vector9d smooth = smoothOffsetDerivative(samples, window, {}, *noisy);
+  const double smooth_error = (smooth - reference).segment<3>(3).norm();
+  EXPECT_LT(smooth_error, 0.4 * (noisy->v_td - clean->v_td).norm());
+}
+
 TEST(PreintegrationCovariance, OfPureForceNoiseIsTheIntegratedWhiteNoise) {
   std::vector<ImuSample> samples;
   for (int k = 0; k < 21; ++k) samples.push_back({k * 5'000'000, {0, 0, 0}, {0, 0, 0}});
