@@ -10,6 +10,8 @@
 namespace plumbline {
 namespace {
 
+/// Pixels around a patch that its derivatives look at.
+constexpr int kMargin_px = 2;
 constexpr int kMaxIterations = 15;
 constexpr double kConverged_px = 0.003;
 /// The window is never thinner than this, so that it holds gradients at all [px].
@@ -33,21 +35,30 @@ bool looksLikeCorner(const GrayImageView& image, const Eigen::Matrix2d& axes,
 }  // namespace
 
 void CornerRefiner::fillGradients(const GrayImageView& image, const Patch& patch) {
-  const std::size_t count =
-      static_cast<std::size_t>(patch.width) * static_cast<std::size_t>(patch.height);
+  // Smoothing (1, 4, 6, 4, 1) across and difference (-1, -2, 0, 2, 1) along, separated: the
+  // vertical part of both first, for each column of the patch and two beside it.
+  const std::size_t width = static_cast<std::size_t>(patch.width);
+  const std::size_t count = width * static_cast<std::size_t>(patch.height);
   gx_.resize(count);
   gy_.resize(count);
-  std::size_t i = 0;
-  for (int y = patch.y0; y < patch.y0 + patch.height; ++y) {
-    const std::uint8_t* above = image.row(y - 1);
-    const std::uint8_t* here = image.row(y);
-    const std::uint8_t* below = image.row(y + 1);
-    for (int x = patch.x0; x < patch.x0 + patch.width; ++x, ++i) {
-      // Scharr's 3 x 3 derivative: direction right to a fraction of a degree.
-      const int diagonal_a = below[x + 1] - above[x - 1];
-      const int diagonal_b = above[x + 1] - below[x - 1];
-      gx_[i] = static_cast<float>(3 * (diagonal_a + diagonal_b) + 10 * (here[x + 1] - here[x - 1]));
-      gy_[i] = static_cast<float>(3 * (diagonal_a - diagonal_b) + 10 * (below[x] - above[x]));
+  smooth_.resize(width + 2 * kMargin_px);
+  slope_.resize(width + 2 * kMargin_px);
+  for (int y = 0; y < patch.height; ++y) {
+    const int v = patch.y0 + y;
+    const std::uint8_t* row[5];
+    for (int i = 0; i < 5; ++i) row[i] = image.row(v + i - 2) + patch.x0 - kMargin_px;
+    for (std::size_t x = 0; x < smooth_.size(); ++x) {
+      smooth_[x] =
+          static_cast<float>(row[0][x] + row[4][x] + 4 * (row[1][x] + row[3][x]) + 6 * row[2][x]);
+      slope_[x] = static_cast<float>(row[4][x] - row[0][x] + 2 * (row[3][x] - row[1][x]));
+    }
+    float* gx = gx_.data() + static_cast<std::size_t>(y) * width;
+    float* gy = gy_.data() + static_cast<std::size_t>(y) * width;
+    const float* s = smooth_.data();
+    const float* d = slope_.data();
+    for (std::size_t x = 0; x < width; ++x) {
+      gx[x] = s[x + 4] - s[x] + 2 * (s[x + 3] - s[x + 1]);
+      gy[x] = d[x] + d[x + 4] + 4 * (d[x + 1] + d[x + 3]) + 6 * d[x + 2];
     }
   }
 }
@@ -85,17 +96,22 @@ std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch,
 
 std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
                                                      const CornerWindow& window) {
+  const bool inside = window.start.x() >= 0 && window.start.y() >= 0 &&
+                      window.start.x() <= image.width - 1 && window.start.y() <= image.height - 1;
+  if (!inside) return std::nullopt;
   const Eigen::Matrix2d shape = window.axes * window.axes.transpose() +
                                 kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
   const double reach_x = std::sqrt(shape(0, 0)) + window.max_shift_px;
   const double reach_y = std::sqrt(shape(1, 1)) + window.max_shift_px;
   Patch patch;
-  patch.x0 = std::max(1, static_cast<int>(std::ceil(window.start.x() - reach_x)));
-  patch.y0 = std::max(1, static_cast<int>(std::ceil(window.start.y() - reach_y)));
+  patch.x0 = std::max(kMargin_px, static_cast<int>(std::ceil(window.start.x() - reach_x)));
+  patch.y0 = std::max(kMargin_px, static_cast<int>(std::ceil(window.start.y() - reach_y)));
   patch.width =
-      std::min(image.width - 2, static_cast<int>(window.start.x() + reach_x)) - patch.x0 + 1;
+      std::min(image.width - 1 - kMargin_px, static_cast<int>(window.start.x() + reach_x)) -
+      patch.x0 + 1;
   patch.height =
-      std::min(image.height - 2, static_cast<int>(window.start.y() + reach_y)) - patch.y0 + 1;
+      std::min(image.height - 1 - kMargin_px, static_cast<int>(window.start.y() + reach_y)) -
+      patch.y0 + 1;
   if (patch.empty()) return std::nullopt;
   fillGradients(image, patch);
   const Eigen::Matrix2d inverse_shape = shape.inverse();

@@ -39,7 +39,7 @@ class CornerRefiner {
   std::optional<Eigen::Vector2d> step(const Patch& patch, const Eigen::Matrix2d& inverse_shape,
                                       const Eigen::Vector2d& p) const;
 
-  std::vector<float> gx_, gy_;
+  std::vector<float> gx_, gy_, smooth_, slope_;
 };
 
 }  // namespace plumbline

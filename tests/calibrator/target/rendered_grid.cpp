@@ -101,6 +101,11 @@ GrayImage develop(Canvas canvas, const RenderOptions& options) {
   return image;
 }
 
+/// Rays through a pixel: a Fibonacci lattice, so that edges of any direction, rows and columns too,
+/// sweep over the rays one after the other.
+constexpr int kRays = 21;
+double rayOffset(int i) { return (i % kRays + 0.5) / kRays - 0.5; }
+
 /// Target plane to normalised image coordinates and back.
 Eigen::Matrix3d planeHomography(const TestCamera& camera) {
   Eigen::Matrix3d H;
@@ -130,7 +135,7 @@ Eigen::Vector2d TestCamera::undistort(const Eigen::Vector2d& uv) const {
   const Eigen::Vector2d d = (uv - Eigen::Vector2d(0.5 * (width - 1), 0.5 * (height - 1))) / focal;
   const double wanted = d.norm();
   double r = wanted;
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 0; i < 6; ++i) {
     const double r2 = r * r;
     r -= (r * (1 + k1 * r2 + k2 * r2 * r2) - wanted) / (1 + 3 * k1 * r2 + 5 * k2 * r2 * r2);
   }
@@ -154,7 +159,6 @@ GrayImage renderGrid(const AprilGrid& grid, const TestCamera& camera,
                      const RenderOptions& options) {
   const Eigen::Matrix3d plane_from_ray = planeHomography(camera).inverse();
   Canvas canvas = rectangles(camera.width, camera.height, options);
-  const int n = options.supersampling;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const double background = canvas.at(x, y);
@@ -163,9 +167,8 @@ GrayImage renderGrid(const AprilGrid& grid, const TestCamera& camera,
           camera.undistort({x + 0.5, y}) - camera.undistort({x - 0.5, y});
       const Eigen::Vector2d down = camera.undistort({x, y + 0.5}) - camera.undistort({x, y - 0.5});
       double sum = 0;
-      for (int i = 0; i < n * n; ++i) {
-        const Eigen::Vector2d ray =
-            centre + ((i % n + 0.5) / n - 0.5) * across + ((i / n + 0.5) / n - 0.5) * down;
+      for (int i = 0; i < kRays; ++i) {
+        const Eigen::Vector2d ray = centre + rayOffset(i) * across + rayOffset(13 * i) * down;
         const Eigen::Vector3d p = plane_from_ray * Eigen::Vector3d(ray.x(), ray.y(), 1);
         const Eigen::Vector2d p_F = p.head<2>() / p.z();
         const bool seen = p.z() > 0 && onPaper(grid, p_F);
@@ -173,7 +176,7 @@ GrayImage renderGrid(const AprilGrid& grid, const TestCamera& camera,
             seen && gridIsBlack(grid, p_F, options.border_bits) ? options.black : options.white;
         sum += seen ? paper : background;
       }
-      canvas.at(x, y) = sum / (n * n);
+      canvas.at(x, y) = sum / kRays;
     }
   }
   return develop(std::move(canvas), options);

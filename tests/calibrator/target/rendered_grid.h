@@ -37,7 +37,6 @@ struct RenderOptions {
   double noise_gray = 4;  ///< standard deviation of white noise
   double white = 200;
   double black = 40;
-  int supersampling = 3;  ///< rays along each side of a pixel
   int border_bits = 2;
   std::uint32_t seed = 1;  ///< of noise and background
 };
