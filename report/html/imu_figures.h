@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/html/figure.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline::html_internal {
+
+/// Gyroscope and accelerometer residuals over time, raw and normalised, with histograms beside the
+/// unit normal.
+std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage);
+
+/// Both biases over time, each axis about its mean.
+FigureGroup biasFigures(const CameraImuStageResult& stage);
+
+/// What a normalised RMS says of a noise density that was assumed, in a sentence: consistent within
+/// 20 %, or by how much the density is too small or too large.
+std::string judgeDensity(const std::string& sensor, double normalised_rms);
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/page_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/html/text.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+std::string share(std::size_t used, std::size_t offered) {
+  if (offered == 0) return "";
+  return fmt::format("{:.1f} % of {}",
+                     100.0 * static_cast<double>(used) / static_cast<double>(offered),
+                     grouped(offered));
+}
+
+void addStageCards(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,
+                   const std::vector<CameraCalibration>& cameras) {
+  std::string each;
+  for (std::size_t i = 0; i < s.per_camera.size() && i < cameras.size(); ++i) {
+    each +=
+        fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", cameras[i].name, s.per_camera[i].rmse_px);
+  }
+  cards.push_back({"RMSE, " + stage, fmt::format("{:.4f}", s.reprojection.rmse_px), "px", each});
+  cards.push_back(
+      {"Error median, " + stage, fmt::format("{:.3f}", s.reprojection.median_px), "px",
+       fmt::format("mean {:.3f}, std {:.3f}", s.reprojection.mean_px, s.reprojection.std_px)});
+  cards.push_back({"Corners used, " + stage, grouped(s.corners_used), "",
+                   share(s.corners_used, s.corners_offered)});
+  cards.push_back(
+      {"Views used, " + stage, grouped(static_cast<std::size_t>(s.views_used)), "",
+       share(static_cast<std::size_t>(s.views_used), static_cast<std::size_t>(s.views_offered))});
+  cards.push_back({"Entropy, " + stage, fmt::format("{:.2f}", s.entropy_nats), "nats",
+                   fmt::format("of {} parameters", s.covariance.names.size())});
+}
+
+std::string groupOf(const std::string& parameter) {
+  const std::string prefix = parameter.substr(0, parameter.find('.'));
+  if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
+  if (prefix.rfind("T_C0C", 0) == 0)
+    return "Camera " + prefix.substr(5) + " in camera 0 (" + prefix + ")";
+  return "Camera 0 in the IMU (T_SC0) and time offset";
+}
+
+void addParameters(std::vector<ParameterGroup>& groups,
+                   const std::vector<ParameterEstimate>& parameters) {
+  for (const ParameterEstimate& p : parameters) {
+    const std::string heading = groupOf(p.name);
+    if (groups.empty() || groups.back().heading != heading) groups.push_back({heading, false, {}});
+    const auto [unit, factor] = readable(p.unit);
+    ParameterRow row{p.name,
+                     withPrecisionOf(factor * p.value, factor * p.std),
+                     twoDigits(factor * p.std),
+                     unit,
+                     "",
+                     ""};
+    if (p.resample_std) {
+      groups.back().has_spread = true;
+      row.spread = twoDigits(factor * *p.resample_std);
+      row.ratio = p.std > 0 ? fmt::format("{:.1f}", *p.resample_std / p.std) : "";
+    }
+    groups.back().rows.push_back(std::move(row));
+  }
+}
+
+void addNoise(std::vector<Pair>& rows, const ImuNoise& n) {
+  rows.push_back(
+      {"Gyroscope noise", fmt::format("{:.5g} rad/s/\u221aHz, walk {:.5g} rad/s\u00b2/\u221aHz",
+                                      n.gyro_density, n.gyro_random_walk)});
+  rows.push_back({"Accelerometer noise",
+                  fmt::format("{:.5g} m/s\u00b2/\u221aHz, walk {:.5g} m/s\u00b3/\u221aHz",
+                              n.accel_density, n.accel_random_walk)});
+}
+
+}  // namespace
+
+std::vector<Card> keyFigures(const CalibrationRecord& record) {
+  std::vector<Card> cards;
+  if (const auto& s = record.camera) addStageCards(cards, "cameras", s->summary, s->cameras);
+  const auto& s = record.camera_imu;
+  if (!s) return cards;
+  addStageCards(cards, "camera-IMU", s->summary, s->cameras);
+  const double offset_std = 1e3 * s->imu.time_offset_std_s.value_or(0);
+  cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.time_offset_s, offset_std), "ms",
+                   offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});
+  const Eigen::Vector3d t = 1e3 * s->imu.T_SC0.t;
+  cards.push_back({"Camera 0 from the IMU", fmt::format("{:.2f}", t.norm()), "mm",
+                   fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", t.x(), t.y(), t.z())});
+  cards.push_back({"Rotation of T_SC0",
+                   fmt::format("{:.3f}", readable("rad").factor * rotationAngle(s->imu.T_SC0.R)),
+                   "\u00b0", ""});
+  cards.push_back({"Gyroscope residual", fmt::format("{:.2f}", 1e3 * s->imu_summary.gyro_rms_rad_s),
+                   "mrad/s", fmt::format("normalised {:.2f}", s->imu_summary.gyro_normalised_rms)});
+  cards.push_back({"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2),
+                   "m/s\u00b2",
+                   fmt::format("normalised {:.2f}", s->imu_summary.accel_normalised_rms)});
+  return cards;
+}
+
+std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
+  std::vector<ParameterGroup> groups;
+  addParameters(groups, parameterEstimates(record, Stage::kCamera));
+  addParameters(groups, parameterEstimates(record, Stage::kCameraImu));
+  return groups;
+}
+
+std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
+  const double std = std_s.value_or(0);
+  const std::string same = withPrecisionOf(offset, std) + " s";
+  const auto nanoseconds = static_cast<long long>(std::llround(1e9 * offset));
+  return {
+      {"Plumbline", "time_offset_s", same, std > 0 ? "std " + twoDigits(std) + " s" : ""},
+      {"Kalibr", "timeshift_cam_imu", same, "one per camera"},
+      {"OpenVINS", "timeshift_cam_imu", same, "one scalar is used"},
+      {"VINS-Fusion", "td", same, ""},
+      {"Basalt", "cam_time_offset_ns", fmt::format("{} ns", nanoseconds), "integer nanoseconds"},
+      {"OKVIS2", "image_delay", withPrecisionOf(-offset, std) + " s", "opposite sign"},
+      {"ORB-SLAM3", "none", withPrecisionOf(offset, std) + " s",
+       "no field: add this to every image timestamp"}};
+}
+
+std::vector<Pair> provenanceRows(const CalibrationRecord& record) {
+  const Provenance& p = record.provenance;
+  const Assumptions& a = record.assumptions;
+  const AprilGrid& g = record.target;
+  std::vector<Pair> rows = {{"Plumbline", p.version},
+                            {"Command", p.command},
+                            {"Input", p.input},
+                            {"Input hash", p.input_hash},
+                            {"Date (UTC)", p.date}};
+  std::string options;
+  for (const auto& [name, value] : p.options) {
+    options += (options.empty() ? "" : ", ") + name + " = " + value;
+  }
+  rows.push_back({"Options", options});
+  rows.push_back({"Target", fmt::format("AprilGrid {} \u00d7 {} tags of {:g} mm, spacing {:g}",
+                                        g.rows, g.cols, 1e3 * g.tag_size, g.spacing)});
+  rows.push_back({"Corner noise", fmt::format("{:g} px per coordinate", a.pixel_sigma_px)});
+  rows.push_back({"Loss", a.loss});
+  if (record.camera_imu) rows.push_back({"Gravity", fmt::format("{:g} m/s\u00b2", a.gravity_m_s2)});
+  if (a.imu_noise) addNoise(rows, *a.imu_noise);
+  for (std::size_t i = 0; i < record.counts.size(); ++i) {
+    const CameraCounts& c = record.counts[i];
+    rows.push_back(
+        {"Detections of camera " + std::to_string(i),
+         fmt::format("target in {} of {} views, {} tags, {} corners", c.views_with_corners,
+                     c.views_offered, grouped(c.tags), grouped(c.corners))});
+  }
+  std::erase_if(rows, [](const Pair& row) { return row.value.empty(); });
+  return rows;
+}
+
+std::string verdictSentence(const Verdict& verdict) {
+  const auto beyond =
+      std::count_if(verdict.findings.begin(), verdict.findings.end(),
+                    [](const Finding& f) { return f.level != VerdictLevel::kGood; });
+  const std::string count = fmt::format("{} of {} rules", beyond, verdict.findings.size());
+  switch (verdict.level) {
+    case VerdictLevel::kGood:
+      return fmt::format("All {} rules hold: this calibration can be used.",
+                         verdict.findings.size());
+    case VerdictLevel::kDoubtful:
+      return count + " deserve attention; read the evidence below before relying on the result.";
+    case VerdictLevel::kBad:
+      return count +
+             " are violated; do not use this calibration before following the advice below.";
+  }
+  return "";
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/records/calibration_record.h"
+
+namespace plumbline::html_internal {
+
+/// A number at the top of the page.
+struct Card {
+  std::string label, value, unit, note;
+};
+std::vector<Card> keyFigures(const CalibrationRecord& record);
+
+struct ParameterRow {
+  std::string name, value, std, unit, spread, ratio;
+};
+struct ParameterGroup {
+  std::string heading;
+  bool has_spread = false;
+  std::vector<ParameterRow> rows;
+};
+/// One group per camera, per extrinsic transform, and for the IMU.
+std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record);
+
+/// The time offset as each tool writes it.
+struct OffsetRow {
+  std::string tool, field, value, note;
+};
+std::vector<OffsetRow> offsetRows(double time_offset_s, std::optional<double> std_s);
+
+struct Pair {
+  std::string label, value;
+};
+std::vector<Pair> provenanceRows(const CalibrationRecord& record);
+
+/// One sentence under the badge.
+std::string verdictSentence(const Verdict& verdict);
+
+}  // namespace plumbline::html_internal

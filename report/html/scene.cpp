@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/scene.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "report/html/stage_view.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr std::size_t kMostFrusta = 120;  // per camera
+constexpr std::size_t kMostPath = 1500;   // points of the path
+
+Colour rmseColour(double unit) {  // green over amber to red
+  const double u = std::clamp(unit, 0.0, 1.0);
+  const auto mix = [u](double a, double b, double c) {
+    return static_cast<std::uint8_t>(
+        std::lround(u < 0.5 ? a + 2 * u * (b - a) : b + (2 * u - 1) * (c - b)));
+  };
+  return {mix(20, 226, 192), mix(140, 160, 32), mix(110, 30, 40), 255};
+}
+
+Colour timeColour(double unit) {  // pale blue to deep violet
+  const double u = std::clamp(unit, 0.0, 1.0);
+  const auto mix = [u](double a, double b) {
+    return static_cast<std::uint8_t>(std::lround(a + u * (b - a)));
+  };
+  return {mix(90, 92), mix(185, 20), mix(225, 120), 255};
+}
+
+SceneObject targetTags(const AprilGrid& grid) {
+  SceneObject object;
+  object.layer = "target";
+  object.colour = {36, 40, 46, 255};
+  for (int tag = 0; tag < grid.tagCount(); ++tag) {
+    const int base = static_cast<int>(object.points.size());
+    for (int k = 0; k < 4; ++k) {
+      const Eigen::Vector2d p = grid.corner(4 * tag + k);
+      object.points.emplace_back(p.x(), p.y(), 0);
+    }
+    object.polygons.push_back({base, base + 1, base + 2, base + 3});
+  }
+  return object;
+}
+
+SceneObject targetBoard(const AprilGrid& grid) {
+  const double m = grid.tag_size * grid.spacing;
+  const double w = grid.width() + m, h = grid.height() + m, z = -0.004 * grid.width();
+  SceneObject object;
+  object.layer = "target";
+  object.colour = {255, 255, 255, 255};
+  object.points = {{-m, -m, z}, {w, -m, z}, {w, h, z}, {-m, h, z}};
+  object.polygons = {{0, 1, 2, 3}};
+  return object;
+}
+
+SceneObject outline(const SceneObject& board) {
+  SceneObject object;
+  object.layer = board.layer;
+  object.points = board.points;
+  object.lines = {{0, 1, 2, 3, 0}};
+  object.colour = {150, 156, 166, 255};
+  return object;
+}
+
+SceneObject arrow(const std::string& layer, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                  const Colour& colour) {
+  SceneObject object;
+  object.layer = layer;
+  object.colour = colour;
+  object.width = 3;
+  const Eigen::Vector3d d = to - from;
+  const Eigen::Vector3d other =
+      std::abs(d.normalized().z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d side = 0.08 * d.norm() * d.cross(other).normalized();
+  object.points = {from, to, to - 0.18 * d + side, to - 0.18 * d - side};
+  object.lines = {{0, 1}, {2, 1, 3}};
+  return object;
+}
+
+void addAxes(Scene& scene, const std::string& layer, const Transform& T_FA, double length) {
+  const Colour colours[] = {{200, 30, 40, 255}, {20, 140, 60, 255}, {30, 80, 200, 255}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d tip = T_FA.t + length * T_FA.R.col(axis);
+    scene.objects.push_back(arrow(layer, T_FA.t, tip, colours[axis]));
+  }
+}
+
+/// Apex and the four corners of the image at `depth` [m], in F. Wide lenses are cut at 60 degrees.
+std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transform& T_FC,
+                                     double depth) {
+  const auto& p = intrinsics.projection;
+  const auto n = p.size();
+  std::vector<Eigen::Vector3d> points = {T_FC.t};
+  const double w = intrinsics.resolution.width, h = intrinsics.resolution.height;
+  const double us[] = {0, w, w, 0}, vs[] = {0, 0, h, h};
+  for (int k = 0; k < 4; ++k) {
+    Eigen::Vector3d ray(0, 0, 1);
+    if (n >= 4) {
+      ray.x() = std::clamp((us[k] - p[n - 2]) / p[n - 4], -1.7, 1.7);
+      ray.y() = std::clamp((vs[k] - p[n - 1]) / p[n - 3], -1.7, 1.7);
+    }
+    points.push_back(T_FC * Eigen::Vector3d(depth * ray));
+  }
+  return points;
+}
+
+void appendFrustum(SceneObject& object, const std::vector<Eigen::Vector3d>& corners) {
+  const int b = static_cast<int>(object.points.size());
+  object.points.insert(object.points.end(), corners.begin(), corners.end());
+  object.lines.push_back({b + 1, b + 2, b + 3, b + 4, b + 1});
+  object.lines.push_back({b + 1, b, b + 3});
+  object.lines.push_back({b + 2, b, b + 4});
+}
+
+struct Rig {
+  StageView stage;
+  std::vector<Transform> T_FC0;
+};
+
+Rig rigOf(const CalibrationRecord& record) {
+  if (!record.camera_imu) return {viewOf(*record.camera), record.camera->T_FC0};
+  std::vector<Transform> poses;
+  for (const ImuState& state : record.camera_imu->states) {
+    poses.push_back(state.T_FS * record.camera_imu->imu.T_SC0);
+  }
+  return {viewOf(*record.camera_imu), std::move(poses)};
+}
+
+SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, double depth,
+                   const std::vector<double>& rmse, const std::vector<double>& seconds) {
+  SceneObject object;
+  object.layer = "cam" + std::to_string(camera);
+  object.colour = seriesColour(camera);
+  object.width = 1;
+  const CameraCalibration& calibration = rig.stage.cameras[camera];
+  const std::size_t n = std::min(rig.T_FC0.size(), rmse.size());
+  const std::size_t stride = std::max<std::size_t>(1, (n + kMostFrusta - 1) / kMostFrusta);
+  for (std::size_t i = 0; i < n; i += stride) {
+    if (!std::isfinite(rmse[i])) continue;
+    appendFrustum(object,
+                  frustum(calibration.intrinsics, rig.T_FC0[i] * calibration.T_C0Ci, depth));
+    const double unit = (rmse[i] - scene.rmse.min) / (scene.rmse.max - scene.rmse.min);
+    const double when = scene.seconds > 0 ? seconds[i] / scene.seconds : 0;
+    object.colours["rmse"].insert(object.colours["rmse"].end(), 5, rmseColour(unit));
+    object.colours["time"].insert(object.colours["time"].end(), 5, timeColour(when));
+  }
+  return object;
+}
+
+SceneObject path(const std::vector<Transform>& poses) {
+  SceneObject object;
+  object.layer = "path";
+  object.colour = {120, 126, 136, 255};
+  object.width = 1;
+  const std::size_t stride = std::max<std::size_t>(1, (poses.size() + kMostPath - 1) / kMostPath);
+  object.lines.emplace_back();
+  for (std::size_t i = 0; i < poses.size(); i += stride) {
+    object.lines[0].push_back(static_cast<int>(object.points.size()));
+    object.points.push_back(poses[i].t);
+  }
+  return object;
+}
+
+Range rmseRange(const std::vector<std::vector<double>>& rmse) {
+  std::vector<double> known;
+  for (const auto& values : rmse) {
+    std::copy_if(values.begin(), values.end(), std::back_inserter(known),
+                 [](double v) { return std::isfinite(v); });
+  }
+  if (known.empty()) return {0, 1};
+  const Range range{quantile(known, 0.02), quantile(known, 0.98)};
+  return range.max > range.min ? range : Range{range.min, range.min + 1e-6};
+}
+
+void placeEye(Scene& scene, const AprilGrid& target, const std::vector<Transform>& poses) {
+  Eigen::Vector3d low(0, 0, 0), high(target.width(), target.height(), 0);
+  for (const Transform& pose : poses) {
+    low = low.cwiseMin(pose.t);
+    high = high.cwiseMax(pose.t);
+  }
+  scene.focus = 0.5 * (low + high);
+  const double radius = 0.5 * (high - low).norm();
+  scene.eye = scene.focus + 2.6 * radius * Eigen::Vector3d(0.75, 0.42, 0.85).normalized();
+}
+
+void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGrid& target,
+                 double depth) {
+  const double length = 0.5 * std::max(target.width(), target.height());
+  if (stage.gravity_F.norm() > 0) {
+    const Eigen::Vector3d from(-0.35 * target.width(), target.height(), 0);
+    scene.objects.push_back(
+        arrow("gravity", from, from + length * stage.gravity_F.normalized(), {110, 60, 160, 255}));
+    const Eigen::Vector3d up = -stage.gravity_F.normalized();
+    const Eigen::Vector3d view = (scene.focus - scene.eye).normalized();
+    if (std::abs(up.dot(view)) < 0.9) scene.up = up;
+  }
+  if (stage.states.empty()) return;
+  addAxes(scene, "rig", stage.states[stage.states.size() / 2].T_FS, 1.2 * depth);
+}
+
+}  // namespace
+
+Scene buildScene(const CalibrationRecord& record) {
+  Scene scene;
+  const SceneObject board = targetBoard(record.target);
+  scene.objects = {board, outline(board), targetTags(record.target)};
+  addAxes(scene, "target", Transform(), 0.25 * record.target.width());
+  if (!record.camera && !record.camera_imu) return scene;
+  const Rig rig = rigOf(record);
+  placeEye(scene, record.target, rig.T_FC0);
+  const auto rmse = frameRmse(rig.stage);
+  const auto seconds = frameSeconds(rig.stage.frames);
+  scene.rmse = rmseRange(rmse);
+  scene.seconds = seconds.empty() ? 0 : seconds.back();
+  const double depth = 0.1 * std::max(record.target.width(), record.target.height());
+  scene.objects.push_back(path(rig.T_FC0));
+  for (std::size_t camera = 0; camera < rig.stage.cameras.size(); ++camera) {
+    scene.objects.push_back(frusta(rig, camera, scene, depth, rmse[camera], seconds));
+  }
+  if (record.camera_imu) addInertial(scene, *record.camera_imu, record.target, depth);
+  return scene;
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "report/plots/plot_data.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline::html_internal {
+
+/// Points with lines or polygons between them, in the target's frame F [m].
+struct SceneObject {
+  std::string layer;  ///< shown and hidden together: "target", "cam0", "path", "rig", "gravity"
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::vector<int>> lines;     ///< indices of points
+  std::vector<std::vector<int>> polygons;  ///< indices of points
+  Colour colour;
+  double width = 1.5;  ///< of lines [px]
+  /// Colours of the points by what they show ("rmse", "time"); empty: all have `colour`.
+  std::map<std::string, std::vector<Colour>> colours;
+};
+
+struct Scene {
+  std::vector<SceneObject> objects;
+  Eigen::Vector3d focus = Eigen::Vector3d::Zero();
+  Eigen::Vector3d eye = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitY();
+  Range rmse{0, 1};    ///< that the colours span [px]
+  double seconds = 0;  ///< length of the recording
+};
+
+/// Target, path of camera 0, the cameras' frusta at up to 120 frames, and, with an IMU, the rig's
+/// axes and gravity.
+Scene buildScene(const CalibrationRecord& record);
+
+/// As scene_viewer.js reads it.
+std::string toJson(const Scene& scene);
+
+/// A still picture from the same point of view, for browsers without WebGL and for print.
+std::string toStillSvg(const Scene& scene, const std::string& id);
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace plumbline::html_internal {
+
+std::string withPrecisionOf(double value, double std) {
+  if (!(std > 0) || !std::isfinite(std) || !std::isfinite(value)) {
+    return fmt::format("{:.6g}", value);
+  }
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 15);
+  return fmt::format("{:.{}f}", value, decimals);
+}
+
+std::string twoDigits(double value) {
+  if (!(value > 0) || !std::isfinite(value)) return "\u2013";
+  if (value < 1e-4 || value >= 1e4) return fmt::format("{:.1e}", value);
+  return withPrecisionOf(value, value);
+}
+
+std::string grouped(std::size_t count) {
+  const std::string digits = std::to_string(count);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += "\u2009";
+    text += digits[i];
+  }
+  return text;
+}
+
+ReadableUnit readable(const std::string& unit) {
+  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  if (unit == "m") return {"mm", 1e3};
+  if (unit == "rad") return {"\u00b0", kDegrees};
+  if (unit == "s") return {"ms", 1e3};
+  return {unit, 1};
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writes the page of a synthetic record: write_page FILE [frames] [camera-only]. The browser test
+// opens what it writes; with the frames of a long recording it is also the timing of a page.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "report/html/calibration_page.h"
+#include "tests/report/synthetic_record.h"
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: write_page FILE [frames] [camera-only]\n");
+    return 2;
+  }
+  plumbline::test::SyntheticRecordOptions options;
+  if (argc > 2) options.frames = std::atoi(argv[2]);
+  options.camera_imu = argc < 4;
+  options.tags_seen = options.frames > 1000 ? 32 : 20;
+  const auto record = plumbline::test::syntheticRecord(options);
+  const auto start = std::chrono::steady_clock::now();
+  const std::string page = plumbline::renderCalibrationPage(record);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  std::ofstream(argv[1]) << page;
+  std::printf("%zu corners a stage, %zu bytes, rendered in %.2f s\n",
+              record.camera->residuals.size(), page.size(), seconds.count());
+  return 0;
+}
