@@ -4,18 +4,13 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <system_error>
-#include <thread>
 #include <utility>
 
-#include <fmt/core.h>
-#include <unistd.h>
+#include <fmt/format.h>
 
-#include "calibrator/base/error.h"
+#include "datasets/atomic_file.h"
 #include "datasets/content_hash.h"
+#include "datasets/internal/bad_input.h"
 #include "datasets/internal/mapped_file.h"
 
 namespace plumbline {
@@ -23,89 +18,86 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDetectorRevision = 1;  // raise it whenever the detector's results change
-constexpr char kMagic[8] = {'P', 'L', 'C', 'O', 'R', 'N', '1', '\n'};
+// Raise it when the detector finds other corners than before, or the files change their form.
+constexpr int kRevision = 1;
+constexpr std::string_view kMagic = "plumbline corners 1\n";
 
-struct Entry {
+// A corner as it lies in a file.
+struct StoredCorner {
   std::int64_t id;
   double u, v;
 };
+static_assert(sizeof(StoredCorner) == 24);
 
-std::string settingsText(const AprilGrid& target, const DetectorOptions& o) {
-  return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}", kDetectorRevision, target.rows,
-                     target.cols, target.tag_size, target.spacing, o.border_bits, o.decimation,
-                     o.max_hamming, o.min_border_distance_px, o.min_edge_px, o.max_grid_error_px,
-                     o.min_tags);
+std::string encode(const std::vector<Corner>& corners) {
+  std::string body;
+  for (const Corner& corner : corners) {
+    const StoredCorner stored{corner.id, corner.uv.x(), corner.uv.y()};
+    body.append(reinterpret_cast<const char*>(&stored), sizeof stored);
+  }
+  return std::string(kMagic) + toHex(contentHash(body)) + "\n" + body;
 }
 
-fs::path entryPath(const std::string& folder, const std::string& key) {
-  return fs::path(folder) / key.substr(0, 2) / (key.substr(2) + ".corners");
+std::optional<std::vector<Corner>> decode(std::string_view text) {
+  const std::size_t head = kMagic.size() + 17;  // magic, hash, newline
+  if (text.size() < head || text.substr(0, kMagic.size()) != kMagic) return std::nullopt;
+  const std::string_view body = text.substr(head);
+  if (text.substr(kMagic.size(), 16) != toHex(contentHash(body))) return std::nullopt;
+  if (body.size() % sizeof(StoredCorner) != 0) return std::nullopt;
+  std::vector<Corner> corners;
+  for (std::size_t at = 0; at < body.size(); at += sizeof(StoredCorner)) {
+    StoredCorner stored{};
+    std::memcpy(&stored, body.data() + at, sizeof stored);
+    corners.push_back({static_cast<int>(stored.id), {stored.u, stored.v}});
+  }
+  return corners;
 }
 
 }  // namespace
 
 CornerCache::CornerCache(std::string folder, const AprilGrid& target,
                          const DetectorOptions& options)
-    : folder_(std::move(folder)), settings_(settingsText(target, options)) {
+    : folder_(std::move(folder)),
+      settings_(fmt::format("revision {} grid {}x{} {} {} detector {} {} {} {} {} {} {}", kRevision,
+                            target.rows, target.cols, target.tag_size, target.spacing,
+                            options.border_bits, options.decimation, options.max_hamming,
+                            options.min_border_distance_px, options.min_edge_px,
+                            options.max_grid_error_px, options.min_tags)) {
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) {
-    throw InputError(folder_, 0,
-                     "cannot be made: " + error.message() + "; give --cache another folder");
+  if (error || !fs::is_directory(folder_)) {
+    throw badInput(folder_, 0,
+                   {"the cache folder cannot be made (" + error.message() + ")",
+                    "a writable folder", "give another (--cache) or none (--no-cache)"});
   }
 }
 
 std::string CornerCache::keyOf(const std::string& image_path) const {
   const MappedFile image(image_path);
-  ContentHash hash;
-  hash.add(settings_);
-  hash.add(image.text());
-  return hash.hex();
+  const std::uint64_t bytes = contentHash(image.text());
+  const std::uint64_t seed = contentHash(settings_);
+  return toHex(contentHash(image.text(), seed)) + toHex(bytes ^ (seed * 31));
+}
+
+std::string CornerCache::fileOf(const std::string& key) const {
+  return folder_ + "/" + key + ".corners";
 }
 
 std::optional<std::vector<Corner>> CornerCache::find(const std::string& key) const {
-  std::ifstream file(entryPath(folder_, key), std::ios::binary);
-  if (!file) return std::nullopt;
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  std::uint64_t count = 0;
-  constexpr std::size_t kHead = sizeof kMagic + sizeof count;
-  if (bytes.size() < kHead || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0) {
+  const std::string path = fileOf(key);
+  if (!fs::is_regular_file(path)) return std::nullopt;
+  try {
+    const MappedFile file(path);
+    return decode(file.text());
+  } catch (const InputError&) {  // gone or unreadable meanwhile: as if it had never been there
     return std::nullopt;
   }
-  std::memcpy(&count, bytes.data() + sizeof kMagic, sizeof count);
-  if ((bytes.size() - kHead) / sizeof(Entry) != count ||
-      (bytes.size() - kHead) % sizeof(Entry) != 0) {
-    return std::nullopt;
-  }
-  std::vector<Corner> corners(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    Entry entry;
-    std::memcpy(&entry, bytes.data() + kHead + i * sizeof entry, sizeof entry);
-    corners[i] = {static_cast<int>(entry.id), {entry.u, entry.v}};
-  }
-  return corners;
 }
 
 void CornerCache::store(const std::string& key, const std::vector<Corner>& corners) const {
-  const fs::path path = entryPath(folder_, key);
-  const fs::path temporary =
-      path.string() +
-      fmt::format(".{}.{}.tmp", getpid(), std::hash<std::thread::id>()(std::this_thread::get_id()));
-  std::error_code ignored;
-  fs::create_directories(path.parent_path(), ignored);
-  std::ofstream file(temporary, std::ios::binary);
-  const std::uint64_t count = corners.size();
-  file.write(kMagic, sizeof kMagic);
-  file.write(reinterpret_cast<const char*>(&count), sizeof count);
-  for (const Corner& corner : corners) {
-    const Entry entry{corner.id, corner.uv.x(), corner.uv.y()};
-    file.write(reinterpret_cast<const char*>(&entry), sizeof entry);
-  }
-  file.close();
-  if (file) {
-    fs::rename(temporary, path, ignored);
-  } else {
-    fs::remove(temporary, ignored);
+  try {
+    writeFileAtomically(fileOf(key), encode(corners));
+  } catch (const InputError&) {  // see the header: the work goes on without
   }
 }
 

@@ -11,25 +11,30 @@
 
 namespace plumbline {
 
-/// Corners that were found before, one small file for each image, named by a hash of the image's
-/// bytes, the target, the detector's options and the detector's revision: whatever changes a result
-/// changes the name. A damaged or cut entry counts as absent. Safe to use from several threads and
-/// processes: entries are written under a temporary name and renamed.
+/// Corners found before, so that a second run skips detection. One small file for each image, in a
+/// folder of its own (never inside the recording), named by a hash of the image's bytes, the target
+/// and the detector's options: a changed image or option is another name, never a wrong answer.
+/// Files that are damaged are ignored and written again. Safe from several threads and processes.
 class CornerCache {
  public:
-  /// Makes the folder if it is missing; throws InputError where it cannot.
+  /// Makes the folder if it is missing; throws InputError where it cannot be made.
   CornerCache(std::string folder, const AprilGrid& target, const DetectorOptions& options);
 
-  /// Throws InputError where the image cannot be read.
+  /// The key of an image file: 32 hexadecimal digits. Throws InputError where it cannot be read.
   std::string keyOf(const std::string& image_path) const;
+
+  /// The corners stored under the key (which may be none); empty if unknown or damaged.
   std::optional<std::vector<Corner>> find(const std::string& key) const;
-  /// A cache that cannot be written (a full disk, say) is not an error: the work is done again
-  /// then.
+
+  /// Stores what was found. A cache that cannot be written (disk full) is no fault of the work: the
+  /// next run detects again.
   void store(const std::string& key, const std::vector<Corner>& corners) const;
 
  private:
+  std::string fileOf(const std::string& key) const;
+
   std::string folder_;
-  std::string settings_;
+  std::string settings_;  // target and options as text, part of every key
 };
 
 }  // namespace plumbline

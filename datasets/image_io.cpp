@@ -1,122 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/image_io.h"
 
-#include <csetjmp>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <string_view>
-
-#include <jpeglib.h>
 #include <png.h>
 
-#include "calibrator/base/error.h"
+#include "datasets/atomic_file.h"
+#include "datasets/internal/bad_input.h"
+#include "datasets/internal/image_codecs.h"
 #include "datasets/internal/mapped_file.h"
 
 namespace plumbline {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& why) {
-  throw InputError(path, 0, "cannot be read as an image: " + why + "; copy the file again");
+bool startsWith(std::string_view text, std::string_view start) {
+  return text.substr(0, start.size()) == start;
 }
 
-GrayImage readPng(const std::string& path, std::string_view bytes) {
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()) == 0) {
-    refuse(path, header.message);
-  }
-  header.format = PNG_FORMAT_GRAY;
-  GrayImage image(static_cast<int>(header.width), static_cast<int>(header.height));
-  if (png_image_finish_read(&header, nullptr, image.data(), 0, nullptr) == 0) {
-    png_image_free(&header);
-    refuse(path, header.message);
-  }
-  // A warning (bit 0) is what libpng says of a damaged file that it could still fill.
-  if ((header.warning_or_error & PNG_IMAGE_ERROR) != 0) refuse(path, header.message);
-  return image;
-}
-
-// libjpeg reports by longjmp; nothing with a destructor may live in the frame that it leaves.
-struct JpegErrors {
-  jpeg_error_mgr manager;
-  std::jmp_buf escape;
-  char message[JMSG_LENGTH_MAX] = "";
-};
-
-void leaveJpeg(j_common_ptr info) {
-  auto* errors = reinterpret_cast<JpegErrors*>(info->err);
-  (*info->err->format_message)(info, errors->message);
-  std::longjmp(errors->escape, 1);  // NOLINT(cert-err52-cpp): the library's way
-}
-
-// A truncated file is only a warning to libjpeg, which fills the rest with grey; to us it is an
-// error.
-void warnJpeg(j_common_ptr info, int level) {
-  if (level < 0) leaveJpeg(info);
-}
-
-struct JpegSource {
-  std::string_view bytes;
-  GrayImage* image;
-};
-
-// Decodes all rows; false with errors.message set where the file is damaged.
-bool decodeJpeg(const JpegSource& source, jpeg_decompress_struct& info, JpegErrors& errors) {
-  if (setjmp(errors.escape) != 0) return false;  // NOLINT(cert-err52-cpp)
-  jpeg_create_decompress(&info);
-  jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(source.bytes.data()),
-               source.bytes.size());
-  jpeg_read_header(&info, TRUE);
-  info.out_color_space = JCS_GRAYSCALE;
-  jpeg_start_decompress(&info);
-  *source.image =
-      GrayImage(static_cast<int>(info.output_width), static_cast<int>(info.output_height));
-  while (info.output_scanline < info.output_height) {
-    JSAMPROW row = source.image->row(static_cast<int>(info.output_scanline));
-    jpeg_read_scanlines(&info, &row, 1);
-  }
-  jpeg_finish_decompress(&info);
-  return true;
-}
-
-GrayImage readJpeg(const std::string& path, std::string_view bytes) {
-  GrayImage image;
-  jpeg_decompress_struct info{};
-  JpegErrors errors{};
-  info.err = jpeg_std_error(&errors.manager);
-  errors.manager.error_exit = leaveJpeg;
-  errors.manager.emit_message = warnJpeg;
-  const bool good = decodeJpeg({bytes, &image}, info, errors);
-  jpeg_destroy_decompress(&info);
-  if (!good) refuse(path, errors.message);
-  return image;
+GrayImage decode(const std::string& path, std::string_view bytes) {
+  if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return decodePng(bytes);
+  if (startsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes);
+  throw badInput(path, 0,
+                 {bytes.empty() ? "is empty" : "is neither PNG nor JPEG", "an image",
+                  "copy it again or convert it to PNG"});
 }
 
 }  // namespace
 
 GrayImage readGrayImage(const std::string& path) {
   const MappedFile file(path);
-  const std::string_view bytes = file.text();
-  if (bytes.substr(0, 8) == std::string_view("\x89PNG\r\n\x1a\n", 8)) return readPng(path, bytes);
-  if (bytes.substr(0, 2) == "\xff\xd8") return readJpeg(path, bytes);
-  refuse(path, bytes.empty() ? "it is empty" : "it is neither PNG nor JPEG");
+  try {
+    return decode(path, file.text());
+  } catch (const DecodeError& error) {
+    throw badInput(path, 0,
+                   {"the image is damaged or cut short (" + error.message + ")",
+                    "a whole PNG or JPEG", "copy it again or delete it from the recording"});
+  }
 }
 
 void writePng(const std::string& path, const GrayImage& image) {
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  header.format = PNG_FORMAT_GRAY;
-  header.width = static_cast<png_uint_32>(image.width());
-  header.height = static_cast<png_uint_32>(image.height());
-  header.flags = PNG_IMAGE_FLAG_FAST;
-  const std::string temporary = path + ".tmp";
-  if (png_image_write_to_file(&header, temporary.c_str(), 0, image.data(), image.width(),
-                              nullptr) == 0) {
-    std::remove(temporary.c_str());
-    throw InputError(path, 0, std::string("cannot be written: ") + header.message);
+  if (image.empty()) {
+    throw badInput(path, 0, {"an empty image cannot be written", "at least one pixel", ""});
   }
-  std::filesystem::rename(temporary, path);
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width());
+  png.height = static_cast<png_uint_32>(image.height());
+  png.format = PNG_FORMAT_GRAY;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.data(), 0, nullptr) == 0) {
+    throw badInput(path, 0, {"cannot be encoded (" + std::string(png.message) + ")", "", ""});
+  }
+  writeFileAtomically(path, std::string_view(bytes).substr(0, size));
 }
 
 }  // namespace plumbline

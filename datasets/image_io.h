@@ -7,15 +7,17 @@
 
 namespace plumbline {
 
-/// Reads a PNG or JPEG file (told by its content, not its name) as 8-bit grey; colour becomes luma,
-/// 16 bits become 8 as libpng maps them, transparency is laid on black. Throws InputError for
-/// another format or a file that is cut or damaged. libpng and libjpeg-turbo directly: linking
-/// OpenCV's imgcodecs, which brings GDAL and some hundred libraries, was measured to cost 70 ms and
-/// 45 MB at every start.
+/// Reads a PNG (grey or colour, 8 or 16 bits, alpha ignored) or JPEG as grey levels of 0 to 255;
+/// colours become luma, 0.299 R + 0.587 G + 0.114 B; of 16 bits the upper 8 remain, rounded. The
+/// kind is told by the content, not by the name. Throws InputError naming the file where it is
+/// missing, of another kind, damaged or cut short.
+///
+/// libpng and libjpeg-turbo themselves, not OpenCV's imgcodecs: loading that library alone costs
+/// 70 ms and 45 MB (measured), as much as a whole calibration.
 GrayImage readGrayImage(const std::string& path);
 
-/// Writes an 8-bit grey PNG under a temporary name and renames it. Throws InputError where it
-/// cannot.
+/// Writes an 8-bit grey PNG, whole or not at all. Throws InputError where it cannot be written or
+/// the image is empty.
 void writePng(const std::string& path, const GrayImage& image);
 
 }  // namespace plumbline

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <string>
-#include <vector>
+
+#include "datasets/session_reader.h"
 
 namespace plumbline {
 
-/// "xxh3-128:HEX" of a recording's folder, for provenance: the names and contents of all its text
-/// files (.csv, .yaml, .yml) and the names and sizes of everything else (images: reading gigabytes
-/// again would cost more than the calibration), in the order of their names; then the contents of
-/// `further` files, such as a target.yaml from elsewhere. Does not depend on where the folder lies.
-/// Throws InputError for a file that cannot be read.
-std::string inputHash(const std::string& folder, const std::vector<std::string>& further = {});
+/// "xxh64:<16 digits>" over the files that readRecording() reads: name (below the session) and
+/// bytes of every CSV and YAML file; of images the name and the size, because reading them all
+/// would cost more than the calibration. Does not depend on where the session lies, nor on the
+/// order in which files are listed. `options` say which target and IMU files are read.
+std::string inputHash(const std::string& session, const SessionReadOptions& options = {});
 
 }  // namespace plumbline

@@ -32,6 +32,8 @@ CameraDescription descriptionOf(const std::string& camera, const SessionReadOpti
   CameraDescription description;
   if (fs::exists(path)) description = readCameraDescription(path, options.supported_models_only);
   if (!description.resolution) description.resolution = options.resolution;
+  const bool images = !fs::exists(camera + "/corners.csv");  // these tell their size themselves
+  if (!description.resolution && images) description.resolution = Resolution{};
   if (description.resolution) return description;
   throw badInput(path, 0,
                  {"the camera's resolution is not known", "resolution: [width, height]",

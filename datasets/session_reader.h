@@ -29,7 +29,8 @@ struct SessionReadOptions {
 struct Recording {
   Session session;
   /// Of each camera that comes as images, parallel to its views, which have no corners yet; empty
-  /// for a camera that comes as corners.
+  /// for a camera that comes as corners. Its resolution is 0x0 where neither sensor.yaml nor the
+  /// options say: the images do.
   std::vector<std::vector<ImageFile>> images;
 
   bool needsDetection() const;

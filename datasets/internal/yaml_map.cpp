@@ -131,6 +131,17 @@ YamlMap YamlMap::map(const std::string& key, const std::string& expected) const 
   return {path_, found};
 }
 
+std::vector<YamlMap> YamlMap::maps(const std::string& key, const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
+  std::vector<YamlMap> maps;
+  for (const YAML::Node& entry : found) {
+    if (!entry.IsMap()) throw wrongKind(path_, entry, key, expected);
+    maps.push_back(YamlMap(path_, entry));
+  }
+  return maps;
+}
+
 double YamlMap::numberOr(const std::string& key, double otherwise) const {
   return has(key) ? number(key, "a finite number") : otherwise;
 }

@@ -34,6 +34,8 @@ class YamlMap {
   /// A list of rows of numbers.
   std::vector<std::vector<double>> rows(const std::string& key, const std::string& expected) const;
   YamlMap map(const std::string& key, const std::string& expected) const;
+  /// A list of mappings.
+  std::vector<YamlMap> maps(const std::string& key, const std::string& expected) const;
 
   double numberOr(const std::string& key, double otherwise) const;
   std::string textOr(const std::string& key, const std::string& otherwise) const;
