@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/frames.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/residuals/packed_corners.h"
+#include "calibrator/residuals/view_gram.h"
+
+namespace plumbline {
+
+/// All measurements of the camera batch. The corners are shared between problems (a first solution
+/// on some views, then all of them); who makes the problem keeps them alive.
+struct CameraProblem {
+  std::span<const PackedCorners> corners;  ///< per camera, all views of the session
+  std::vector<Frame> frames;
+  std::vector<double> weights;  ///< how often a frame counts; empty: each once
+  double pixel_sigma = 1;       ///< [px]
+  GramOptions gram;
+  int threads = 1;
+
+  int frameCount() const { return static_cast<int>(frames.size()); }
+  double weight(int frame) const {
+    return weights.empty() ? 1.0 : weights[static_cast<std::size_t>(frame)];
+  }
+};
+
+/// All unknowns. Poses are kept as T_C0F, so that camera 0's derivatives need no chain.
+struct CameraEstimate {
+  std::vector<Intrinsics> intrinsics;
+  std::vector<Transform> T_C0Ci;  ///< identity for camera 0
+  std::vector<Transform> T_C0F;   ///< one per frame
+
+  int cameraCount() const { return static_cast<int>(intrinsics.size()); }
+};
+
+/// Where each parameter of the cameras stands: intrinsics of all cameras, then all extrinsics.
+struct CameraLayout {
+  std::vector<int> intrinsics;       ///< per camera, first of stacked()
+  std::vector<int> intrinsics_size;  ///< per camera
+  std::vector<int> T_C0Ci;           ///< per camera, first of 6; -1 for camera 0
+  int size = 0;
+
+  explicit CameraLayout(const std::vector<Intrinsics>& cameras);
+};
+
+/// "cam0.fu", "cam0.k1", ..., "T_C0C1.tx", ... and their units, in the layout's order.
+ParameterCovariance cameraParameters(const std::vector<Intrinsics>& cameras);
+
+/// Normal equations at an estimate, in units of pixel_sigma: with d_f the left twist (rho, phi) of
+/// T_C0F in frame f and g the cameras' parameters (tangents of Transform),
+///   [H_f  P_f; P_f^T  G] [d_f; g] = -[b_f; b].
+struct CameraNormals {
+  std::vector<Matrix6d> H;  ///< per frame
+  Eigen::MatrixXd P;        ///< 6 rows per frame
+  Eigen::VectorXd b_pose;   ///< 6 per frame
+  Eigen::MatrixXd G;
+  Eigen::VectorXd b;
+  double cost = 0;  ///< 0.5 sum rho(|e|^2) / pixel_sigma^2, weighted by the frames' weights
+};
+CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate);
+
+/// What all frames together say of the cameras, their poses eliminated:
+/// S = G - sum_f P_f^T H_f^-1 P_f. A frame whose pose is free adds nothing.
+Eigen::MatrixXd reducedInformation(const CameraNormals& normals);
+
+/// The share of every frame in it, which add up to S.
+std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
+                                              const CameraEstimate& estimate);
+
+}  // namespace plumbline

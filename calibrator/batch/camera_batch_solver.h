@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "calibrator/batch/camera_batch_problem.h"
+
+namespace plumbline {
+
+struct CameraSolverOptions {
+  int max_iterations = 100;
+  /// Converged where the step that remains is shorter than this, in standard deviations of all
+  /// parameters together: sqrt(b^T H^-1 b).
+  double tolerance = 1e-7;
+  /// The cost may also settle: converged where a full step promises less than this share of it,
+  /// which is as far as rounding lets it be compared.
+  double cost_tolerance = 1e-15;
+};
+
+struct CameraSolution {
+  CameraEstimate estimate;
+  CameraNormals normals;  ///< at the estimate
+  bool converged = false;
+  int iterations = 0;  ///< steps tried
+};
+
+/// Levenberg-Marquardt on the structured normal equations: every frame's pose is eliminated where
+/// the frame stands, and the cameras' parameters are a small dense system.
+CameraSolution solveCameraProblem(const CameraProblem& problem, const CameraEstimate& start,
+                                  const CameraSolverOptions& options = {});
+
+/// The same with the cameras held: every frame's pose is refined for itself, whatever the others
+/// do. `converged` where all are; normals hold H, b_pose, and cost.
+CameraSolution solvePoses(const CameraProblem& problem, const CameraEstimate& start,
+                          const CameraSolverOptions& options = {});
+
+}  // namespace plumbline

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/resample.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include "calibrator/batch/parallel_chunks.h"
+
+namespace plumbline {
+namespace {
+
+/// All parameters of the cameras minus those of `from`, in the order of the stage's covariance.
+Eigen::VectorXd difference(const std::vector<CameraCalibration>& to,
+                           const std::vector<CameraCalibration>& from) {
+  std::vector<double> d;
+  for (std::size_t c = 0; c < to.size(); ++c) {
+    const Eigen::VectorXd k = to[c].intrinsics.stacked() - from[c].intrinsics.stacked();
+    d.insert(d.end(), k.begin(), k.end());
+  }
+  for (std::size_t c = 1; c < to.size(); ++c) {
+    const Vector6d x = boxminus(to[c].T_C0Ci, from[c].T_C0Ci);
+    d.insert(d.end(), x.begin(), x.end());
+  }
+  return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
+}
+
+/// Random numbers of one draw, unlike those of any other seed or draw.
+std::mt19937_64 randomOf(std::uint64_t seed, int draw) {
+  std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
+                      static_cast<std::uint32_t>(draw)};
+  return std::mt19937_64(words);
+}
+
+}  // namespace
+
+std::vector<FrameStretch> drawStretches(int frame_count, const ResampleOptions& options, int draw) {
+  const int segments = std::min(options.segments, frame_count);
+  std::vector<FrameStretch> stretches;
+  if (segments <= 0) return stretches;
+  std::vector<int> drawn(static_cast<std::size_t>(segments), 0);
+  std::mt19937_64 random = randomOf(options.seed, draw);
+  for (int i = 0; i < segments; ++i) ++drawn[random() % drawn.size()];
+  const auto first = [&](int s) {
+    return static_cast<int>(static_cast<std::int64_t>(frame_count) * s / segments);
+  };
+  for (int s = 0; s < segments; ++s) {
+    const int times = drawn[static_cast<std::size_t>(s)];
+    if (times == 0) continue;
+    stretches.push_back({first(s), first(s + 1) - first(s), static_cast<double>(times)});
+  }
+  return stretches;
+}
+
+ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eigen::MatrixXd& draws,
+                               int failed) {
+  assert(static_cast<std::size_t>(draws.rows()) == parameters.names.size());
+  ResampleSummary summary;
+  summary.names = parameters.names;
+  summary.units = parameters.units;
+  summary.draws = draws;
+  summary.failed = failed;
+  summary.std.setZero(draws.rows());
+  if (draws.cols() < 2) return summary;
+  const Eigen::MatrixXd centred = draws.colwise() - draws.rowwise().mean();
+  summary.std =
+      (centred.rowwise().squaredNorm() / static_cast<double>(draws.cols() - 1)).cwiseSqrt();
+  return summary;
+}
+
+Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
+                                        const ResampleOptions& resample,
+                                        const CameraStageOptions& options) {
+  CameraStageOptions one_thread = options;
+  one_thread.threads = 1;
+  std::vector<std::optional<Eigen::VectorXd>> solved(
+      static_cast<std::size_t>(std::max(0, resample.draws)));
+  const int frames = static_cast<int>(earlier.frames.size());
+  forChunks(static_cast<int>(solved.size()), 1, resample.threads, [&](const Chunk& chunk) {
+    const auto stretches = drawStretches(frames, resample, chunk.index);
+    const auto again = recalibrateCameras(session, earlier, stretches, one_thread);
+    if (!again || !again->summary.converged) return;
+    solved[static_cast<std::size_t>(chunk.index)] = difference(again->cameras, earlier.cameras);
+  });
+  const ParameterCovariance& parameters = earlier.summary.covariance;
+  Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()), resample.draws);
+  int count = 0;
+  for (const auto& draw : solved) {
+    if (draw) draws.col(count++) = *draw;
+  }
+  if (count < 2) {
+    return Failure{FailureReason::kTooFewViews,
+                   "fewer than two of the resampled camera problems have a solution",
+                   "record longer, or leave out --resample"};
+  }
+  return summariseDraws(parameters, draws.leftCols(count), resample.draws - count);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/camera_focal.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibrator/initialise/camera_poses.h"
+
+namespace plumbline {
+namespace {
+
+// Of the image's width: 0.15 is a fisheye of 380 degrees over its width, 6 a field of 10 degrees.
+constexpr double kShortest = 0.2;
+constexpr double kLongest = 6;
+constexpr double kRung = 1.15;
+constexpr double kDefault = 0.7;    // about 70 degrees
+constexpr std::size_t kViews = 16;  // as many decide
+constexpr double kFlat = 1.02;      // errors closer than this ratio are alike
+constexpr double kNoiseFloorPx = 1e-3;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Median over views of the RMS error of the view's best pose; a view without pose counts as bad.
+double chargeOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
+  PoseRefinementOptions options;
+  options.max_iterations = 3;
+  std::vector<double> errors;
+  for (const PackedView& view : views) {
+    const auto pose = homographyPose(camera, view);
+    if (!pose) {
+      errors.push_back(1e5);
+      continue;
+    }
+    errors.push_back(refinePose({{&camera, view, Transform()}}, *pose, options).rmsPx());
+  }
+  return median(errors);
+}
+
+std::vector<PackedView> spread(const std::vector<PackedView>& views) {
+  if (views.size() <= kViews) return views;
+  std::vector<PackedView> some;
+  for (std::size_t i = 0; i < kViews; ++i) some.push_back(views[i * views.size() / kViews]);
+  return some;
+}
+
+struct Rung {
+  double focal, charge;
+};
+
+/// Of the rungs that are as good as the best one that closest to `likely`; then the other local
+/// minima, the lowest first.
+std::vector<double> bestOf(const std::vector<Rung>& rungs, double likely, int count) {
+  double least = rungs.front().charge;
+  for (const Rung& r : rungs) least = std::min(least, r.charge);
+  double first = 0;
+  for (const Rung& r : rungs) {
+    const bool closer = std::abs(std::log(r.focal / likely)) < std::abs(std::log(first / likely));
+    if (r.charge <= kFlat * least && (first == 0 || closer)) first = r.focal;
+  }
+  std::vector<Rung> minima;
+  for (std::size_t i = 0; i < rungs.size(); ++i) {
+    const bool below_left = i == 0 || rungs[i].charge <= rungs[i - 1].charge;
+    const bool below_right = i + 1 == rungs.size() || rungs[i].charge <= rungs[i + 1].charge;
+    if (below_left && below_right && rungs[i].focal != first) minima.push_back(rungs[i]);
+  }
+  std::stable_sort(minima.begin(), minima.end(),
+                   [](const Rung& a, const Rung& b) { return a.charge < b.charge; });
+  std::vector<double> candidates = {first};
+  for (const Rung& m : minima) {
+    if (static_cast<int>(candidates.size()) < count) candidates.push_back(m.focal);
+  }
+  return candidates;
+}
+
+}  // namespace
+
+Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
+                       const Resolution& resolution, double focal_px) {
+  Intrinsics camera;
+  camera.projection_model = projection;
+  camera.distortion_model = distortion;
+  camera.resolution = resolution;
+  camera.projection = Eigen::Vector4d(focal_px, focal_px, 0.5 * (resolution.width - 1),
+                                      0.5 * (resolution.height - 1));
+  camera.distortion = Eigen::Vector4d::Zero();
+  return camera;
+}
+
+std::vector<double> focalCandidates(DistortionModel distortion, const Resolution& resolution,
+                                    const std::vector<PackedView>& views, int count) {
+  const std::vector<PackedView> some = spread(views);
+  std::vector<Rung> rungs;
+  const double likely = kDefault * resolution.width;
+  if (some.empty()) return {likely};
+  for (double f = kShortest; f < kLongest; f *= kRung) {
+    const double focal = f * resolution.width;
+    const Intrinsics camera = plainCamera(ProjectionModel::kPinhole, distortion, resolution, focal);
+    rungs.push_back({focal, chargeOf(camera, some) + kNoiseFloorPx});
+  }
+  return bestOf(rungs, likely, count);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/camera_poses.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/camera/camera.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kCornersOfStart = 32;  // evenly spread, they are enough for a start
+constexpr int kFewCorners = 16;      // up to here the mirrored pose is tried
+constexpr double kLeastRcond = 1e-12;
+
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+
+struct RayPoint {
+  Eigen::Vector2d target;
+  Eigen::Vector3d ray;
+};
+
+std::vector<RayPoint> rayPoints(const Intrinsics& camera, const PackedView& view) {
+  std::vector<int> used;
+  for (int i = 0; i < view.count; ++i) {
+    if (view.w[i] > 0) used.push_back(i);
+  }
+  const auto count = static_cast<int>(used.size());
+  const int taken = std::min(count, kCornersOfStart);
+  std::vector<RayPoint> points;
+  for (int k = 0; k < taken; ++k) {
+    const int i = used[static_cast<std::size_t>(k * count / taken)];
+    const auto ray = unproject(camera, {view.u[i], view.v[i]});
+    if (ray) points.push_back({{view.x[i], view.y[i]}, *ray});
+  }
+  return points;
+}
+
+struct Homography {
+  Eigen::Matrix3d H;  // ray ~ H (target - centre) / scale
+  Eigen::Vector2d centre;
+  double scale = 1;
+};
+
+/// In a frame whose z axis is the mean ray, where H(2, 2), the depth of the target's centre, is
+/// positive: scaled to 1.
+std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
+                                          const Eigen::Matrix3d& R_ZC) {
+  Homography out;
+  const auto n = static_cast<double>(points.size());
+  out.centre.setZero();
+  for (const RayPoint& p : points) out.centre += p.target / n;
+  double spread = 0;
+  for (const RayPoint& p : points) spread += (p.target - out.centre).squaredNorm() / n;
+  if (!(spread > 0)) return std::nullopt;
+  out.scale = std::sqrt(spread);
+  Matrix8d A = Matrix8d::Zero();
+  Vector8d b = Vector8d::Zero();
+  for (const RayPoint& p : points) {
+    const Eigen::Vector2d q = (p.target - out.centre) / out.scale;
+    const Eigen::Vector3d X(q.x(), q.y(), 1);
+    const Eigen::Vector3d r = R_ZC * p.ray;
+    for (int axis = 0; axis < 2; ++axis) {
+      Vector8d row = Vector8d::Zero();
+      row.segment<3>(3 * axis) = r.z() * X;
+      row.tail<2>() = -r(axis) * q;
+      A.selfadjointView<Eigen::Lower>().rankUpdate(row);
+      b += row * r(axis);
+    }
+  }
+  const Eigen::LDLT<Matrix8d> ldlt(A);
+  if (ldlt.info() != Eigen::Success || !(ldlt.rcond() > kLeastRcond)) return std::nullopt;
+  const Vector8d h = ldlt.solve(b);
+  if (!h.allFinite()) return std::nullopt;
+  out.H << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), 1;
+  return out;
+}
+
+/// Sums of all views in the left twist of T_C0F.
+PoseGram frameGram(const std::vector<FrameView>& views, const Transform& T_C0F,
+                   const GramOptions& options) {
+  PoseGram sum;
+  for (const FrameView& v : views) {
+    const PoseGram g = poseGram(*v.camera, v.T_CiC0 * T_C0F, v.view, options);
+    const Eigen::Matrix3d& R = v.T_CiC0.R;
+    Matrix6d A;
+    A << R, skew(v.T_CiC0.t) * R, Eigen::Matrix3d::Zero(), R;
+    const Matrix6d AtH = A.transpose().lazyProduct(g.H);
+    sum.H.noalias() += AtH.lazyProduct(A);
+    sum.b.noalias() += A.transpose().lazyProduct(g.b);
+    sum.squared_error += g.squared_error;
+    sum.cost += g.cost;
+  }
+  return sum;
+}
+
+double usedCorners(const std::vector<FrameView>& views) {
+  double count = 0;
+  for (const FrameView& v : views) {
+    for (int i = 0; i < v.view.count; ++i) count += v.view.w[i] > 0 ? 1 : 0;
+  }
+  return count;
+}
+
+Transform twisted(const Transform& T, const Vector6d& x) {
+  const Eigen::Matrix3d turn = expSO3(x.tail<3>());
+  return {Eigen::Quaterniond(turn * T.R), turn * T.t + x.head<3>()};
+}
+
+/// The rotation about a x b that turns the direction of a into that of b; not for opposite ones.
+Eigen::Matrix3d shortestTurn(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d from = a.normalized();
+  const Eigen::Vector3d to = b.normalized();
+  const Eigen::Vector3d v = from.cross(to);
+  return Eigen::Quaterniond(1 + from.dot(to), v.x(), v.y(), v.z()).normalized().toRotationMatrix();
+}
+
+Eigen::Vector2d centreOf(const PackedView& view) {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (int i = 0; i < view.count; ++i) centre += Eigen::Vector2d(view.x[i], view.y[i]);
+  return centre / std::max(1, view.count);
+}
+
+}  // namespace
+
+double PoseRefinement::rmsPx() const {
+  return corners > 0 ? std::sqrt(squared_error / corners) : 0;
+}
+
+std::optional<Transform> homographyPose(const Intrinsics& camera, const PackedView& view) {
+  const std::vector<RayPoint> points = rayPoints(camera, view);
+  if (points.size() < 4) return std::nullopt;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (const RayPoint& p : points) axis += p.ray;
+  const Eigen::Matrix3d R_ZC = shortestTurn(axis, Eigen::Vector3d::UnitZ());
+  const auto h = solveHomography(points, R_ZC);
+  if (!h) return std::nullopt;
+  const Eigen::Vector3d x = h->H.col(0) / h->scale;
+  const Eigen::Vector3d y = h->H.col(1) / h->scale;
+  const double scale = 2 / (x.norm() + y.norm());
+  Eigen::Matrix3d R_ZF;
+  R_ZF << scale * x, scale * y, scale * scale * x.cross(y);
+  Transform T_CF;
+  T_CF.R = R_ZC.transpose() * nearestRotation(R_ZF);
+  T_CF.t = R_ZC.transpose() * (scale * h->H.col(2)) -
+           T_CF.R * Eigen::Vector3d(h->centre.x(), h->centre.y(), 0);
+  if (!T_CF.R.allFinite() || !T_CF.t.allFinite()) return std::nullopt;
+  return T_CF;
+}
+
+Transform mirroredPose(const Transform& T_CF, const Eigen::Vector2d& centre) {
+  const Eigen::Vector3d C(centre.x(), centre.y(), 0);
+  const Eigen::Vector3d p = T_CF * C;
+  const Eigen::Vector3d sight = p.normalized();
+  const Eigen::Vector3d normal = T_CF.R.col(2);
+  // Half a turn about the line of sight moves the normal to its mirror image; so does the shortest
+  // turn, which leaves the picture of the target nearly as it was.
+  const Eigen::Vector3d mirrored = 2 * sight.dot(normal) * sight - normal;
+  Transform other;
+  other.R = shortestTurn(normal, mirrored) * T_CF.R;
+  other.t = p - other.R * C;
+  return other;
+}
+
+PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
+                          const PoseRefinementOptions& options) {
+  PoseRefinement out;
+  out.T_C0F = T_C0F;
+  out.corners = usedCorners(views);
+  PoseGram now = frameGram(views, T_C0F, options.gram);
+  double damping = 1e-6;
+  for (int i = 0; i < options.max_iterations && damping < 1e6; ++i) {
+    Matrix6d A = now.H;
+    A.diagonal() *= 1 + damping;
+    const Eigen::LLT<Matrix6d> llt(A);
+    if (llt.info() != Eigen::Success) break;
+    const Vector6d x = -llt.solve(now.b);
+    const double decrement = -x.dot(now.b);
+    if (decrement <= std::max(options.tolerance * options.tolerance, 1e-15 * now.cost)) {
+      out.converged = true;
+      break;
+    }
+    const Transform next = twisted(out.T_C0F, x);
+    const PoseGram gram = frameGram(views, next, options.gram);
+    if (gram.cost <= now.cost * (1 + 1e-14)) {
+      out.T_C0F = next;
+      now = gram;
+      damping = std::max(0.03 * damping, 1e-12);
+    } else {
+      damping = std::max(10 * damping, 1e-3);
+    }
+  }
+  out.cost = now.cost;
+  out.squared_error = now.squared_error;
+  return out;
+}
+
+std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views,
+                                       const PoseRefinementOptions& options) {
+  if (views.empty()) return std::nullopt;
+  const auto most = std::max_element(
+      views.begin(), views.end(),
+      [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
+  const auto start = homographyPose(*most->camera, most->view);
+  if (!start) return std::nullopt;
+  const Transform T_C0Ci = most->T_CiC0.inverse();
+  PoseRefinement best = refinePose(views, T_C0Ci * *start, options);
+  if (most->view.count <= kFewCorners) {
+    const Transform other = mirroredPose(*start, centreOf(most->view));
+    const PoseRefinement mirrored = refinePose(views, T_C0Ci * other, options);
+    if (mirrored.cost < best.cost) best = mirrored;
+  }
+  return best;
+}
+
+}  // namespace plumbline
