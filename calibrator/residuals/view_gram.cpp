@@ -60,7 +60,7 @@ using Avx2 = Baseline<Model, kRobust>;
 gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                     const GramOptions& options) {
   assert(options.cauchy_px == 0 || options.cauchy_px >= 1e-3);
-  assert(options.triggs_clamp >= 0 && options.triggs_clamp < 1);
+  assert(options.triggs_clamp >= 0 && options.triggs_clamp <= 2);
   gram::Input in;
   in.T_CF = T_CF;
   in.fu = camera.projection[0];

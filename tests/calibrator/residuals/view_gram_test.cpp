@@ -25,7 +25,8 @@ std::vector<GramOptions> allOptions() {
   return {{.cauchy_px = 0},
           {.cauchy_px = 1.5, .triggs_clamp = 0},
           {.cauchy_px = 1.5, .triggs_clamp = 0.7},
-          {.cauchy_px = 0.2, .triggs_clamp = 0.95}};
+          {.cauchy_px = 0.2, .triggs_clamp = 0.95},
+          {.cauchy_px = 1.5, .triggs_clamp = 2}};
 }
 
 std::vector<InstructionSet> availableSets() {
