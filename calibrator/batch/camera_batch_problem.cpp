@@ -74,6 +74,7 @@ struct Evaluation {
   const CameraEstimate& estimate;
   const CameraLayout& layout;
   const std::vector<CameraDerivatives>& derivatives;
+  const GramOptions& gram;
 };
 
 /// Adds one frame: its own rows in `out`, its cameras' terms in `sums`.
@@ -88,7 +89,7 @@ void addFrame(const Evaluation& at, int f, CameraNormals& out, std::vector<Camer
     const CameraDerivatives& d = at.derivatives[c];
     const Transform T_CiF = c == 0 ? at.estimate.T_C0F[index] : d.T_CiC0 * at.estimate.T_C0F[index];
     const ViewGram g = viewGram(at.estimate.intrinsics[c], T_CiF,
-                                at.problem.corners[c].view(frame.view[c]), at.problem.gram);
+                                at.problem.corners[c].view(frame.view[c]), at.gram);
     sums[c].add(g, weight);
     auto P_k = out.P.block(6 * f, at.layout.intrinsics[c], 6, at.layout.intrinsics_size[c]);
     if (c == 0) {
@@ -182,10 +183,15 @@ ParameterCovariance cameraParameters(const std::vector<Intrinsics>& cameras) {
 }
 
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate) {
+  return normalsAt(problem, estimate, problem.gram);
+}
+
+CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate,
+                        const GramOptions& gram) {
   assert(static_cast<int>(estimate.T_C0F.size()) == problem.frameCount());
   const CameraLayout layout(estimate.intrinsics);
   const auto derivatives = derivativesOf(estimate);
-  const Evaluation at{problem, estimate, layout, derivatives};
+  const Evaluation at{problem, estimate, layout, derivatives, gram};
   CameraNormals out = emptyNormals(problem.frameCount(), layout.size);
   std::vector<std::vector<CameraSums>> sums(
       static_cast<std::size_t>(chunkCount(problem.frameCount(), kChunk)), emptySums(layout));

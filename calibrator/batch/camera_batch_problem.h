@@ -64,6 +64,9 @@ struct CameraNormals {
   double cost = 0;  ///< 0.5 sum rho(|e|^2) / pixel_sigma^2, weighted by the frames' weights
 };
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate);
+/// The same with another weighting of the corners.
+CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate,
+                        const GramOptions& gram);
 
 /// What all frames together say of the cameras, their poses eliminated:
 /// S = G - sum_f P_f^T H_f^-1 P_f. A frame whose pose is free adds nothing.

@@ -16,6 +16,7 @@ constexpr int kChunk = 32;  // frames
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLeastDamping = 1e-12;
 constexpr double kMostDamping = 1e10;
+constexpr double kNear = 1e-2;  // share of the cost that a step takes away near the minimum
 
 struct Step {
   Eigen::VectorXd cameras;
@@ -127,34 +128,85 @@ bool settled(double decrement, double cost, const CameraSolverOptions& options) 
          decrement <= options.cost_tolerance * cost;
 }
 
+/// Levenberg and Marquardt's loop: damping, and with a loss how much of its curvature is used.
+class Minimiser {
+ public:
+  Minimiser(const CameraProblem& problem, const CameraEstimate& start,
+            const CameraSolverOptions& options)
+      : problem_(problem), options_(options), gram_(problem.gram) {
+    now_.estimate = start;
+    now_.normals = normalsAt(problem_, start, gram_);
+  }
+
+  CameraSolution run() {
+    while (now_.iterations < options_.max_iterations && damping_ < kMostDamping) {
+      ++now_.iterations;
+      if (!iterate()) break;
+    }
+    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
+      now_.normals = normalsAt(problem_, now_.estimate);
+    }
+    return std::move(now_);
+  }
+
+ private:
+  /// One step; false where none remains.
+  bool iterate() {
+    const auto step = StepSolver(now_.normals, damping_, problem_.threads).solve();
+    if (!step) {
+      refuse();
+      return true;
+    }
+    if (settled(step->decrement, now_.normals.cost, options_)) {
+      now_.converged = damping_ < 0.1;
+      return false;
+    }
+    CameraEstimate next = moved(now_.estimate, *step);
+    const bool near = step->decrement < kNear * now_.normals.cost;
+    const GramOptions gram = near ? newton() : gram_;
+    CameraNormals normals = normalsAt(problem_, next, gram);
+    if (normals.cost <= now_.normals.cost * (1 + 1e-14)) {
+      gram_ = gram;
+      now_.estimate = std::move(next);
+      now_.normals = std::move(normals);
+      damping_ = std::max(0.03 * damping_, kLeastDamping);
+    } else {
+      refuse();
+    }
+    return true;
+  }
+
+  /// The whole second derivative of the loss.
+  GramOptions newton() const {
+    GramOptions gram = problem_.gram;
+    if (gram.cauchy_px > 0 && may_use_curvature_) gram.triggs_clamp = 2;
+    return gram;
+  }
+
+  /// After a step that did not help: more damping, or back to re-weighting for good.
+  void refuse() {
+    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
+      may_use_curvature_ = false;
+      gram_ = problem_.gram;
+      now_.normals = normalsAt(problem_, now_.estimate, gram_);
+      return;
+    }
+    damping_ = std::max(10 * damping_, 1e-6);
+  }
+
+  const CameraProblem& problem_;
+  const CameraSolverOptions& options_;
+  GramOptions gram_;
+  CameraSolution now_;
+  double damping_ = kFirstDamping;
+  bool may_use_curvature_ = true;
+};
+
 }  // namespace
 
 CameraSolution solveCameraProblem(const CameraProblem& problem, const CameraEstimate& start,
                                   const CameraSolverOptions& options) {
-  CameraSolution now{start, normalsAt(problem, start), false, 0};
-  double damping = kFirstDamping;
-  while (now.iterations < options.max_iterations && damping < kMostDamping) {
-    ++now.iterations;
-    const auto step = StepSolver(now.normals, damping, problem.threads).solve();
-    if (!step) {
-      damping = std::max(10 * damping, 1e-6);
-      continue;
-    }
-    if (settled(step->decrement, now.normals.cost, options)) {
-      now.converged = damping < 0.1;
-      break;
-    }
-    CameraEstimate next = moved(now.estimate, *step);
-    CameraNormals normals = normalsAt(problem, next);
-    if (normals.cost <= now.normals.cost * (1 + 1e-14)) {
-      now.estimate = std::move(next);
-      now.normals = std::move(normals);
-      damping = std::max(0.03 * damping, kLeastDamping);
-    } else {
-      damping = std::max(10 * damping, 1e-6);
-    }
-  }
-  return now;
+  return Minimiser(problem, start, options).run();
 }
 
 }  // namespace plumbline

@@ -17,19 +17,17 @@ struct CameraSolverOptions {
 
 struct CameraSolution {
   CameraEstimate estimate;
-  CameraNormals normals;  ///< at the estimate
+  CameraNormals normals;  ///< at the estimate, weighted as problem.gram says
   bool converged = false;
   int iterations = 0;  ///< steps tried
 };
 
 /// Levenberg-Marquardt on the structured normal equations: every frame's pose is eliminated where
 /// the frame stands, and the cameras' parameters are a small dense system.
+///
+/// With a loss the first steps re-weight (GramOptions::triggs_clamp as given); near the minimum the
+/// loss' whole second derivative takes part, without which convergence is slow.
 CameraSolution solveCameraProblem(const CameraProblem& problem, const CameraEstimate& start,
                                   const CameraSolverOptions& options = {});
-
-/// The same with the cameras held: every frame's pose is refined for itself, whatever the others
-/// do. `converged` where all are; normals hold H, b_pose, and cost.
-CameraSolution solvePoses(const CameraProblem& problem, const CameraEstimate& start,
-                          const CameraSolverOptions& options = {});
 
 }  // namespace plumbline
