@@ -24,6 +24,7 @@ struct Partial {
   double camera_cost = 0;
   double inertial_cost = 0;
   double squared_px = 0;
+  double offset_noise = 0;
 };
 
 class Linearisation {
@@ -70,6 +71,7 @@ class Linearisation {
       cost += p.camera_cost;
       inertial += p.inertial_cost;
       normals_.squared_px += p.squared_px;
+      normals_.offset_noise += p.offset_noise;
       const std::size_t next = (k + 1) * kChunk;
       if (next >= chain.diagonal.size()) continue;
       chain.diagonal[next] += p.next_diagonal;
@@ -195,21 +197,34 @@ class Linearisation {
     partial.inertial_cost += r.dot(b);
   }
 
+  /// Puts the smooth derivative by t_d in place of the exact one, and notes what the difference,
+  /// which is noise of single samples, adds to the variance of the gradient.
+  void smoothOffset(const ImuWindow& window, const ImuBias& bias, const Preintegration& motion,
+                    std::size_t at, ImuResidual& r, Partial& partial) const {
+    const Vector9d d = smoothOffsetDerivative(problem_.samples, window, bias, motion);
+    Preintegration smooth = motion;
+    smooth.R_td = d.head<3>();
+    smooth.v_td = d.segment<3>(3);
+    smooth.p_td = d.tail<3>();
+    const ImuState& i = estimate_.states[at];
+    const ImuState& j = estimate_.states[at + 1];
+    const Vector9d J = imuResidual(smooth, i, j, gravity_).J_offset;
+    const Matrix9d& W = weights_[at].sqrt_information;
+    const double gradient = (W * (r.J_offset - J)).dot(W * r.r);
+    partial.offset_noise += problem_.weights[at] * gradient * gradient;
+    r.J_offset = J;
+  }
+
   bool addMotion(std::size_t at, ChainMatrix& D, ChainBorderRows& rows, Partial& partial) {
     const ImuState& i = estimate_.states[at];
     const ImuState& j = estimate_.states[at + 1];
     const ImuWindow window{problem_.frames[at].t, problem_.frames[at + 1].t,
                            estimate_.time_offset_s};
     const ImuBias bias{i.gyro_bias, i.accel_bias};
-    auto motion = preintegrate(problem_.samples, window, bias);
+    const auto motion = preintegrate(problem_.samples, window, bias);
     if (!motion) return false;
-    if (for_information_) {
-      const Vector9d d = smoothOffsetDerivative(problem_.samples, window, bias, *motion);
-      motion->R_td = d.head<3>();
-      motion->v_td = d.segment<3>(3);
-      motion->p_td = d.tail<3>();
-    }
-    const ImuResidual r = imuResidual(*motion, i, j, gravity_);
+    ImuResidual r = imuResidual(*motion, i, j, gravity_);
+    if (for_information_) smoothOffset(window, bias, *motion, at, r, partial);
     // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
     Eigen::Matrix<double, 9, 28> J;
     J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;

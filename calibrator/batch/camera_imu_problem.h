@@ -71,8 +71,11 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
 /// Normal equations and cost at an estimate.
 struct CameraImuNormals {
   BorderedChain chain;
-  double cost = 0;        ///< 0.5 * (robust reprojection + inertial), normalised
-  double inertial = 0;    ///< the inertial part of it
+  double cost = 0;      ///< 0.5 * (robust reprojection + inertial), normalised
+  double inertial = 0;  ///< the inertial part of it
+  /// informationAt() only: variance that the noise of single samples at the windows' ends adds to
+  /// the gradient by t_d, sum ((J_exact - J_smooth)' Omega r)^2 over intervals.
+  double offset_noise = 0;
   double squared_px = 0;  ///< sum |e|^2 over used corners [px^2], unweighted by the frames' weights
 };
 /// Empty where the time offset has moved a window off the IMU samples.

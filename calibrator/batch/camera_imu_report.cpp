@@ -220,7 +220,10 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                    "T_SC0 and the time offset are not observable from this motion",
                    "turn the sensor about all its axes while the target stays in view"};
   }
-  const Eigen::MatrixXd full = invert(chain->border_information);
+  Eigen::MatrixXd full = invert(chain->border_information);
+  // Sandwich: the gradient by t_d varies by more than the information says.
+  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
+  full += normals->offset_noise * offset * offset.transpose();
   ParameterCovariance out{list.names, list.units, {}};
   out.matrix = full(list.rows, list.rows);
   if (const auto failure = unobservable(out.matrix, options)) return *failure;

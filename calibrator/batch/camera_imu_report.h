@@ -24,7 +24,9 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
 /// RMS values and chi-square of the inertial residuals.
 ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals);
 
-/// Covariance of T_SC0, time_offset and, if freed, the cameras, all else marginalised. Fails with
+/// Covariance of T_SC0, time_offset and, if freed, the cameras, all else marginalised: the inverse
+/// information, plus (sandwich) what the noise of single IMU samples at the frames adds to the
+/// gradient by the time offset; it matters for noisy IMUs at high rates. Fails with
 /// kNotObservable, naming directions, where a standard deviation exceeds the options' limits.
 Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,

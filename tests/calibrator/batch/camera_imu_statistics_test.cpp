@@ -23,14 +23,17 @@ double squaredNorm(const Eigen::VectorXd& error, const Eigen::MatrixXd& covarian
   return error.dot(covariance.llt().solve(error));
 }
 
-TEST(CameraImuStatistics, NormalisedErrorsOfEachBlockAreWithinTheirBounds) {
+class CameraImuStatistics : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Rigs, CameraImuStatistics, ::testing::Values("euroc", "d435i"));
+
+TEST_P(CameraImuStatistics, NormalisedErrorsOfEachBlockAreWithinTheirBounds) {
   double translation = 0;
   double rotation = 0;
   double offset = 0;
   for (int seed = 1; seed <= kRuns; ++seed) {
     SimulationOptions simulation = testing::noisyRecording(static_cast<std::uint64_t>(seed), 6);
     simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
-    const SimulatedSession s = testing::simulate(simulation);
+    const SimulatedSession s = testing::simulate(simulation, GetParam());
     const auto result = calibrateCameraImu(s.session, s.truth.cameras,
                                            testing::matchedOptions(s, simulation.corner_sigma_px));
     ASSERT_TRUE(result) << "seed " << seed << ": " << result.failure().message;
