@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Camera calibration of simulated recordings whose truth is known.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/resample.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "tests/calibrator/oracle/camera_oracle.h"
+
+namespace plumbline {
+namespace {
+
+SimulationOptions shortRecording(double sigma_px) {
+  SimulationOptions options;
+  options.duration_s = 12;
+  options.camera_rate_hz = 5;
+  options.corner_sigma_px = sigma_px;
+  return options;
+}
+
+SimulatedSession simulated(const std::string& rig, const SimulationOptions& options) {
+  return simulateSession(simulatedRig(rig), options);
+}
+
+CameraStageOptions squared(double pixel_sigma = 1) {
+  CameraStageOptions options;
+  options.cauchy_px = 0;
+  options.pixel_sigma = pixel_sigma;
+  return options;
+}
+
+/// All parameters, in the order of the covariance, of `result` minus the truth.
+Eigen::VectorXd errorOf(const CameraStageResult& result, const Calibration& truth) {
+  return oracle::difference({result.cameras, {}}, {truth.cameras, {}});
+}
+
+TEST(CameraBatch, RecoversTheTruthWithoutNoiseForEveryModel) {
+  for (const char* rig : {"euroc", "tumvi", "d435i"}) {
+    const SimulatedSession s = simulated(rig, shortRecording(0));
+    const auto result = calibrateCameras(s.session);
+    ASSERT_TRUE(result.ok()) << rig << ": " << result.failure().message;
+    EXPECT_TRUE(result->summary.converged);
+    const Eigen::VectorXd std = result->summary.covariance.standardDeviations();
+    const Eigen::VectorXd error = errorOf(*result, s.truth);
+    EXPECT_LT(error.cwiseQuotient(std).cwiseAbs().maxCoeff(), 1e-6) << rig;  // sigma: 1 px
+    EXPECT_LT(result->summary.reprojection.rmse_px, 1e-8) << rig;
+  }
+}
+
+TEST(CameraBatch, DoesNotDependOnTheNumberOfThreads) {
+  const SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  CameraStageOptions options;
+  const auto one = calibrateCameras(s.session, options);
+  options.threads = 3;
+  const auto three = calibrateCameras(s.session, options);
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_EQ(one->summary.cost, three->summary.cost);
+  EXPECT_EQ(one->summary.covariance.matrix, three->summary.covariance.matrix);
+  EXPECT_EQ(errorOf(*one, s.truth), errorOf(*three, s.truth));
+}
+
+TEST(CameraBatch, TheOrderOfTheCamerasOnlyTurnsTheExtrinsicsRound) {
+  const SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  Session swapped = s.session;
+  std::swap(swapped.cameras[0], swapped.cameras[1]);
+  const auto a = calibrateCameras(s.session);
+  const auto b = calibrateCameras(swapped);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_NEAR(a->summary.cost, b->summary.cost, 1e-11 * a->summary.cost);
+  EXPECT_LT(boxminus(a->cameras[1].T_C0Ci, b->cameras[1].T_C0Ci.inverse()).norm(), 1e-9);
+}
+
+TEST(CameraBatch, EqualsCeresWithAndWithoutLoss) {
+  SimulationOptions recording = shortRecording(0.3);
+  recording.duration_s = 4;
+  const SimulatedSession s = simulated("euroc", recording);
+  for (const double cauchy_px : {0.0, 1.5}) {
+    CameraStageOptions options;
+    options.cauchy_px = cauchy_px;
+    const auto ours = calibrateCameras(s.session, options);
+    ASSERT_TRUE(ours.ok()) << ours.failure().message;
+    const oracle::CameraState state{ours->cameras, ours->T_FC0};
+    const auto ceres = oracle::solveCameras(s.session, ours->frames, state,
+                                            {.cauchy_px = cauchy_px, .covariance = false});
+    EXPECT_NEAR(ours->summary.cost, ceres.cost, 1e-12 * ceres.cost);
+    const Eigen::VectorXd std = ours->summary.covariance.standardDeviations();
+    const Eigen::VectorXd d = oracle::difference(state, ceres.state).head(std.size());
+    EXPECT_LT(d.cwiseQuotient(std).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+TEST(CameraBatch, OutliersAreRejectedAndCounted) {
+  SimulationOptions recording = shortRecording(0.2);
+  recording.outlier_fraction = 0.02;
+  const SimulatedSession s = simulated("euroc", recording);
+  CameraStageOptions options;
+  options.filter = CornerFilter::kSigma;
+  options.filter_sigmas = 5;
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_TRUE(result.ok()) << result.failure().message;
+  const auto& summary = result->summary;
+  const double rejected = static_cast<double>(summary.corners_offered - summary.corners_used);
+  EXPECT_NEAR(rejected / static_cast<double>(summary.corners_offered), 0.02, 0.004);
+  EXPECT_NEAR(summary.reprojection.rmse_px, 0.2 * std::sqrt(2), 0.01);
+  const auto marked = std::count_if(result->residuals.begin(), result->residuals.end(),
+                                    [](const CornerResidual& r) { return !r.used; });
+  EXPECT_EQ(static_cast<double>(marked), rejected);
+}
+
+TEST(CameraBatch, SurvivesViewsOfASingleTag) {
+  SimulatedSession s = simulated("euroc", shortRecording(0.1));
+  for (CameraStream& camera : s.session.cameras) {
+    for (std::size_t i = 0; i < camera.views.size(); i += 3) {
+      auto& corners = camera.views[i].corners;
+      if (corners.size() > 4) corners.resize(4);
+    }
+  }
+  const auto result = calibrateCameras(s.session, squared(0.1));
+  ASSERT_TRUE(result.ok()) << result.failure().message;
+  EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.1 * std::sqrt(2), 0.01);
+}
+
+TEST(CameraBatch, SelectedViewsAreFewerAndNearlyAsGood) {
+  const SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  CameraStageOptions options = squared(0.2);
+  const auto all = calibrateCameras(s.session, options);
+  options.select_views = ViewSelectionOptions{};
+  const auto some = calibrateCameras(s.session, options);
+  ASSERT_TRUE(all.ok() && some.ok());
+  EXPECT_LT(some->frames.size(), all->frames.size());
+  EXPECT_GT(some->summary.entropy_nats, all->summary.entropy_nats);
+}
+
+TEST(CameraBatch, CamerasWithoutCommonViewsAreNamed) {
+  SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  for (ImageView& view : s.session.cameras[1].views) view.t += 100'000'000'000;
+  const auto result = calibrateCameras(s.session);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().reason, FailureReason::kNoOverlap);
+  EXPECT_NE(result.failure().message.find("cam1"), std::string::npos) << result.failure().message;
+}
+
+TEST(CameraBatch, ACameraWithoutViewsIsNamed) {
+  SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  for (ImageView& view : s.session.cameras[1].views) view.corners.clear();
+  const auto result = calibrateCameras(s.session);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().reason, FailureReason::kTooFewViews);
+  EXPECT_NE(result.failure().message.find("cam1"), std::string::npos) << result.failure().message;
+}
+
+TEST(CameraBatch, FrontoParallelViewsLeaveTheFocalLengthFree) {
+  SimulationOptions recording = shortRecording(0.2);
+  recording.trajectory.kind = MotionKind::kFrontoParallel;
+  const SimulatedSession s = simulated("euroc", recording);
+  Session mono = s.session;
+  mono.cameras.resize(1);
+  const auto result = calibrateCameras(mono, squared());
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().reason, FailureReason::kNotObservable);
+  EXPECT_NE(result.failure().message.find("focal length"), std::string::npos)
+      << result.failure().message;
+}
+
+TEST(DrawStretches, CoverTheFramesOnAverageAndRepeatWithTheSeed) {
+  const ResampleOptions options{.draws = 2, .segments = 7, .seed = 3};
+  const auto a = drawStretches(100, options, 0);
+  double drawn = 0;
+  int last = 0;
+  for (const FrameStretch& s : a) {
+    EXPECT_GE(s.first, last);
+    last = s.first + s.count;
+    drawn += s.weight;
+  }
+  EXPECT_LE(last, 100);
+  EXPECT_EQ(drawn, 7);
+  const auto b = drawStretches(100, options, 0);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].first, b[i].first);
+}
+
+}  // namespace
+}  // namespace plumbline
