@@ -6,7 +6,7 @@
 
 #include "calibrator/batch/parallel_chunks.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/imu_frame_poses.h"
+#include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
 namespace {
@@ -28,10 +28,11 @@ std::vector<double> errorNorms(const Intrinsics& camera, const Transform& T_CF,
 
 /// Positions of one view's corners that Kalibr's rule rejects.
 std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view) {
-  const auto start = planarPose(camera, view);
-  if (!start) return {};
-  const Transform T_CF = refineViewPose(camera, view, *start, kViewIterations).pose;
-  const std::vector<double> errors = errorNorms(camera, T_CF, view);
+  PoseRefinementOptions options;
+  options.max_iterations = kViewIterations;
+  const auto found = findPose({{&camera, view, Transform()}}, options);
+  if (!found) return {};
+  const std::vector<double> errors = errorNorms(camera, found->T_C0F, view);
   const auto n = static_cast<double>(errors.size());
   const double mean = std::accumulate(errors.begin(), errors.end(), 0.0) / n;
   double variance = 0;

@@ -5,12 +5,13 @@
 
 #include "calibrator/base/statistics.h"
 #include "calibrator/batch/parallel_chunks.h"
-#include "calibrator/initialise/imu_frame_poses.h"
+#include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/imu_gravity.h"
 
 namespace plumbline {
 namespace {
 
+constexpr int kPoseIterations = 4;          // a start needs no more
 constexpr double kLongestDifference = 0.3;  // [s] over which positions still give a velocity
 
 double medianInterval(std::span<const StampedPose> poses) {
@@ -33,6 +34,23 @@ Eigen::Vector3d downFromMeanForce(std::span<const StampedPose> poses,
     sum += pose.T_FC0.R * (start.T_SC0.R.transpose() * next->accel);
   }
   return sum.norm() > 0 ? Eigen::Vector3d(-sum.normalized()) : start.gravity_direction;
+}
+
+/// Pose of camera 0 from a frame's corners; empty where there is none that fits.
+std::optional<Transform> framePose(const std::vector<CameraCalibration>& cameras,
+                                   const std::vector<PackedCorners>& corners, const Frame& frame,
+                                   double max_rms_px) {
+  std::vector<FrameView> views;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    views.push_back(
+        {&cameras[c].intrinsics, corners[c].view(frame.view[c]), cameras[c].T_C0Ci.inverse()});
+  }
+  PoseRefinementOptions options;
+  options.max_iterations = kPoseIterations;
+  const auto found = findPose(views, options);
+  if (!found || !(found->rmsPx() < max_rms_px)) return std::nullopt;
+  return found->T_C0F.inverse();
 }
 
 }  // namespace

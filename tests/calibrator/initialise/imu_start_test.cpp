@@ -4,7 +4,6 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/imu_frame_poses.h"
 #include "calibrator/initialise/imu_gravity.h"
 #include "calibrator/simulate/simulate_session.h"
 
@@ -127,30 +126,6 @@ TEST(InertialAlignment, IsEmptyForTooFewFrames) {
   Recording r = exactRecording(0);
   r.poses.resize(8);
   EXPECT_FALSE(alignInertially(r.poses, r.samples(), r.truth().T_SC0.R, {0, 0, 0}, 0));
-}
-
-TEST(FramePose, FindsTheTruthFromExactCorners) {
-  SimulationOptions options;
-  options.duration_s = 3;
-  options.corner_sigma_px = 0;
-  const SimulatedSession s = simulateSession(simulatedRig("euroc"), options);
-  std::vector<PackedCorners> corners;
-  for (const CameraStream& c : s.session.cameras) corners.emplace_back(s.session.target, c.views);
-  const auto frames = pairFrames(s.session.cameras);
-  ASSERT_GT(frames.size(), 50u);
-  for (const Frame& frame : frames) {
-    const auto pose = framePose(s.truth.cameras, corners, frame, 30);
-    ASSERT_TRUE(pose);
-    EXPECT_LT(boxminus(*pose, s.cameraPose(0, frame.t)).norm(), 1e-6);
-  }
-}
-
-TEST(FramePose, IsEmptyForCornersOnALine) {
-  ImageView view;
-  for (int k = 0; k < 4; ++k) view.corners.push_back({4 * k, {100.0 + 50 * k, 200}});
-  const SimulatedRig rig = simulatedRig("euroc");
-  const std::vector<PackedCorners> corners = {PackedCorners(AprilGrid{}, {view})};
-  EXPECT_FALSE(framePose({rig.calibration.cameras[0]}, corners, {0, {0}}, 30));
 }
 
 }  // namespace
