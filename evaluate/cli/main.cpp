@@ -11,7 +11,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/workflow/version.h"
+#include "generated/evaluate/workflow/version.h"
 
 namespace plumbline {
 namespace {

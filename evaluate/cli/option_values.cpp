@@ -76,10 +76,10 @@ double lossFrom(const std::string& word) {
   refuse("--loss", word, "none, or cauchy:SCALE with a positive scale in pixels, e.g. cauchy:1.5");
 }
 
-std::pair<OutlierRule, double> outliersFrom(const std::string& word) {
-  if (word == "none") return {OutlierRule::kNone, 0};
-  if (word == "kalibr") return {OutlierRule::kKalibr, 0};
-  if (const auto k = positiveAfter(word, "sigma:")) return {OutlierRule::kSigma, *k};
+std::pair<CornerFilter, double> outliersFrom(const std::string& word) {
+  if (word == "none") return {CornerFilter::kNone, 0};
+  if (word == "kalibr") return {CornerFilter::kKalibr, 0};
+  if (const auto k = positiveAfter(word, "sigma:")) return {CornerFilter::kSigma, *k};
   refuse("--outliers", word, "none, kalibr, or sigma:K with a positive K, e.g. sigma:4");
 }
 
@@ -93,8 +93,8 @@ double selectionThresholdFrom(const std::string& word) {
   refuse("--select-views", word, "mi:THRESHOLDbits (or nats), e.g. mi:0.2bits");
 }
 
-std::vector<ModelPair> modelsFrom(const std::string& words) {
-  std::vector<ModelPair> models;
+std::vector<CameraModelPair> modelsFrom(const std::string& words) {
+  std::vector<CameraModelPair> models;
   for (const std::string& word : split(words, ',')) {
     const auto dash = word.find('-');
     const auto projection = projectionModelFrom(word.substr(0, dash));

@@ -5,7 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "calibrator/base/calibration.h"
+#include "calibrator/base/session.h"
+#include "calibrator/base/time.h"
+#include "calibrator/batch/camera_batch.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline {
@@ -16,20 +18,14 @@ namespace plumbline {
 /// "none" or "cauchy:SCALE" -> scale of the Cauchy loss [px]; 0 for none.
 double lossFrom(const std::string& word);
 
-enum class OutlierRule { kNone, kSigma, kKalibr };
-/// "none", "sigma:K", "kalibr" -> rule and K (0 where it has none).
-std::pair<OutlierRule, double> outliersFrom(const std::string& word);
+/// "none", "sigma:K", "kalibr" -> filter and K (0 where it has none).
+std::pair<CornerFilter, double> outliersFrom(const std::string& word);
 
 /// "mi:0.2bits" (or "mi:0.139nats") -> threshold [bits].
 double selectionThresholdFrom(const std::string& word);
 
-struct ModelPair {
-  ProjectionModel projection = ProjectionModel::kPinhole;
-  DistortionModel distortion = DistortionModel::kRadtan;
-  bool operator==(const ModelPair&) const = default;
-};
 /// "pinhole-radtan,pinhole-equidistant" -> one per camera; a single one stands for all cameras.
-std::vector<ModelPair> modelsFrom(const std::string& words);
+std::vector<CameraModelPair> modelsFrom(const std::string& words);
 
 /// "752x480".
 Resolution resolutionFrom(const std::string& word);

@@ -15,7 +15,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr int kLeastCornersOfRegion = 30;
+constexpr int kLeastCornersOfRegion = 100;
 
 VerdictLevel levelAbove(double value, const Bound& bound) {
   if (!(value <= bound.bad)) return VerdictLevel::kBad;  // NaN is bad

@@ -33,9 +33,9 @@ TEST(LossOption, IsNoneOrAPositiveScale) {
 }
 
 TEST(OutlierOption, KnowsItsThreeRules) {
-  EXPECT_EQ(outliersFrom("none").first, OutlierRule::kNone);
-  EXPECT_EQ(outliersFrom("kalibr").first, OutlierRule::kKalibr);
-  EXPECT_EQ(outliersFrom("sigma:4"), std::make_pair(OutlierRule::kSigma, 4.0));
+  EXPECT_EQ(outliersFrom("none").first, CornerFilter::kNone);
+  EXPECT_EQ(outliersFrom("kalibr").first, CornerFilter::kKalibr);
+  EXPECT_EQ(outliersFrom("sigma:4"), std::make_pair(CornerFilter::kSigma, 4.0));
   EXPECT_THAT(complaint([] { (void)outliersFrom("sigma:0"); }), HasSubstr("sigma:4"));
 }
 

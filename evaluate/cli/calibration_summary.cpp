@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/calibration_summary.h"
+
+#include <cctype>
+#include <iterator>
+#include <numbers>
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+using Text = fmt::memory_buffer;
+
+template <class... Args>
+void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+std::string numbers(const Eigen::VectorXd& values) {
+  std::string text;
+  for (double value : values) {
+    text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
+  }
+  return text;
+}
+
+void addErrors(Text& text, const char* name, const StageSummary& s) {
+  add(text, "{}: RMSE {:.4f} px (mean {:.4f}, median {:.4f}), {} of {} corners, {} of {} views\n",
+      name, s.reprojection.rmse_px, s.reprojection.mean_px, s.reprojection.median_px,
+      s.corners_used, s.corners_offered, s.views_used, s.views_offered);
+}
+
+void addCameras(Text& text, const std::vector<CameraCalibration>& cameras) {
+  for (const CameraCalibration& camera : cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    add(text, "  {} {}-{}  [{}]  [{}]\n", camera.name, toString(k.projection_model),
+        toString(k.distortion_model), numbers(k.projection), numbers(k.distortion));
+    if (camera.intrinsics_std) add(text, "       std [{}]\n", numbers(*camera.intrinsics_std));
+  }
+}
+
+void addImu(Text& text, const ImuCalibration& imu) {
+  const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
+  add(text, "  T_SC0 translation [{:.2f}, {:.2f}, {:.2f}] mm", mm.x(), mm.y(), mm.z());
+  if (imu.T_SC0_std) {
+    const Vector6d& s = *imu.T_SC0_std;
+    const double degrees = 180 / std::numbers::pi;
+    add(text, ", std [{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
+        1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
+  }
+  add(text, "\n  time offset {:+.4f} ms", 1e3 * imu.time_offset_s);
+  if (imu.time_offset_std_s) add(text, ", std {:.4f} ms", 1e3 * *imu.time_offset_std_s);
+  add(text, " (t_imu = t_cam + offset)\n");
+}
+
+void addVerdict(Text& text, const Verdict& verdict) {
+  std::string word = toString(verdict.level);
+  for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  add(text, "Verdict: {}\n", word);
+  for (const Finding& finding : verdict.findings) {
+    if (finding.level == VerdictLevel::kGood) continue;
+    add(text, "  {} - {}: {}. {}\n", toString(finding.level), finding.rule, finding.evidence,
+        finding.advice);
+  }
+}
+
+}  // namespace
+
+std::string calibrationSummary(const CalibrationRecord& record) {
+  Text text;
+  if (record.camera) addErrors(text, "Cameras", record.camera->summary);
+  addCameras(text, record.cameras());
+  if (record.camera_imu) {
+    addErrors(text, "Camera-IMU", record.camera_imu->summary);
+    addImu(text, record.camera_imu->imu);
+  }
+  addVerdict(text, record.verdict);
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

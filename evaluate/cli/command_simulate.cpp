@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/simulate/rig.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "datasets/simulated_session.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/progress_bar.h"
+
+namespace plumbline {
+namespace {
+
+struct Options {
+  std::string out;
+  std::string rig = "euroc";
+  bool images = false;
+  int threads = 0;
+  std::optional<double> time_offset_ms;
+  SimulationOptions simulation;
+};
+
+void declare(CLI::App& app, Options& o) {
+  auto& s = o.simulation;
+  app.add_option("--out", o.out, "Folder to write; must not exist, or be empty")->required();
+  app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
+      ->capture_default_str();
+  app.add_option("--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
+      ->capture_default_str();
+  app.add_flag("--images", o.images, "Render images instead of writing corners");
+  app.add_option("--duration", s.duration_s, "Length [s]")->capture_default_str();
+  app.add_option("--camera-rate", s.camera_rate_hz, "Camera rate [Hz] (default: the rig's)");
+  app.add_option("--imu-rate", s.imu_rate_hz, "IMU rate [Hz] (default: the rig's)");
+  app.add_option("--time-offset-ms", o.time_offset_ms,
+                 "t_imu = t_cam + this [ms] (default: the rig's)");
+  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px], not for images")
+      ->capture_default_str();
+  app.add_option("--outliers", s.outlier_fraction, "Share of grossly wrong corners")
+      ->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads that render (0: all cores)")
+      ->capture_default_str();
+}
+
+int simulate(Options o) {
+  o.simulation.trajectory.seed = o.simulation.seed;
+  if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
+  const SimulatedSession simulated = simulateSession(simulatedRig(o.rig), o.simulation);
+  ProgressBar bar;
+  SimulatedSessionFormat format;
+  format.views = o.images ? ViewFormat::kImages : ViewFormat::kCorners;
+  format.render.seed = o.simulation.seed;
+  format.threads = o.threads;
+  format.progress = [&bar](std::size_t done, std::size_t all) {
+    bar.update("rendering", static_cast<double>(done) / static_cast<double>(all));
+  };
+  writeSimulatedSession(simulated, o.simulation, o.out, format);
+  bar.clear();
+  fmt::print("Simulated {:.0f} s of rig {} (seed {}) in {}\n", o.simulation.duration_s, o.rig,
+             o.simulation.seed, o.out);
+  fmt::print("The truth is in {}/truth\n", o.out);
+  return kDone;
+}
+
+}  // namespace
+
+Command simulateCommand() {
+  return {"simulate", "Make a recording whose truth is known",
+          "plumbline simulate --out session --rig euroc --seed 7 --images", [](CLI::App& app) {
+            auto options = std::make_shared<Options>();
+            declare(app, *options);
+            return std::function<int()>([options] { return simulate(*options); });
+          }};
+}
+
+}  // namespace plumbline

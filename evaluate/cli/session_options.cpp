@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/session_options.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/option_values.h"
+
+namespace plumbline {
+
+void SessionOptions::declare(CLI::App& app) {
+  app.add_option("session", session, "Folder of the recording (EuRoC layout)")->required();
+  app.add_option("--target", target, "Kalibr's target.yaml (default: in the session)");
+  app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
+  app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
+  app.add_option("--only", only, "Use only these cameras, e.g. cam0,cam1")->delimiter(',');
+  app.add_option("--from", from_s, "Leave out frames earlier than this [s from the first]");
+  app.add_option("--to", to_s, "Leave out frames later than this [s from the first]");
+  app.add_option("--stride", stride, "Use every n-th frame")->capture_default_str();
+  app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")
+      ->capture_default_str();
+  app.add_option("--cache", cache, "Folder in which found corners are kept (default: the user's)");
+  app.add_flag("--no-cache", no_cache, "Keep no corners");
+  app.add_option("--border-bits", border_bits, "Black border of the tags: 2 (Kalibr) or 1")
+      ->capture_default_str();
+}
+
+LoadRequest SessionOptions::request() const {
+  LoadRequest request;
+  request.session = session;
+  request.read.target_path = target;
+  request.read.imu_path = imu;
+  if (resolution) request.read.resolution = resolutionFrom(*resolution);
+  request.read.from_s = from_s;
+  if (to_s) request.read.to_s = *to_s;
+  request.read.stride = stride;
+  request.detector.border_bits = border_bits;
+  request.detector.check();
+  if (stride < 1) throw InputError(fmt::format("--stride {}: expected 1 or more", stride));
+  if (threads < 0) throw InputError(fmt::format("--threads {}: expected 0 or more", threads));
+  if (to_s && !(*to_s > from_s)) {
+    throw InputError(fmt::format("--to {} is not later than --from {}", *to_s, from_s));
+  }
+  if (no_cache && cache) throw InputError("--cache and --no-cache exclude each other");
+  if (!no_cache) request.cache = cache ? cache : defaultCacheFolder();
+  request.only = only;
+  request.threads = threads;
+  return request;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/workflow/calibration_document.h"
+
+#include <iterator>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+
+template <class Vector>
+Json list(const Vector& values) {
+  Json json = Json::array();
+  for (Eigen::Index i = 0; i < values.size(); ++i) json.push_back(values[i]);
+  return json;
+}
+
+template <class Matrix>
+Json rows(const Matrix& matrix) {
+  Json json = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) json.push_back(list(matrix.row(i)));
+  return json;
+}
+
+Json secondsOf(const StageSeconds& s) {
+  return {{"load", s.load},   {"detect", s.detect},         {"initialise", s.initialise},
+          {"solve", s.solve}, {"covariance", s.covariance}, {"total", s.total}};
+}
+
+Json stageOf(const StageSummary& s) {
+  const ErrorStatistics& e = s.reprojection;
+  return {{"rmse_px", e.rmse_px},
+          {"mean_px", e.mean_px},
+          {"median_px", e.median_px},
+          {"std_px", e.std_px},
+          {"axis_mean_px", list(e.axis_mean_px)},
+          {"axis_std_px", list(e.axis_std_px)},
+          {"corners_used", s.corners_used},
+          {"corners_offered", s.corners_offered},
+          {"views_used", s.views_used},
+          {"views_offered", s.views_offered},
+          {"entropy_nats", s.entropy_nats},
+          {"converged", s.converged},
+          {"iterations", s.iterations},
+          {"cost", s.cost},
+          {"seconds", secondsOf(s.seconds)}};
+}
+
+Json cameraImuOf(const CameraImuStageResult& stage) {
+  Json json = stageOf(stage.summary);
+  const ImuResidualSummary& imu = stage.imu_summary;
+  json["time_offset_s"] = stage.imu.time_offset_s;
+  if (stage.imu.time_offset_std_s) json["time_offset_std_s"] = *stage.imu.time_offset_std_s;
+  json["gyro_rms_rad_s"] = imu.gyro_rms_rad_s;
+  json["accel_rms_m_s2"] = imu.accel_rms_m_s2;
+  json["imu_normalised_rms"] = {{"gyro", imu.gyro_normalised_rms},
+                                {"accel", imu.accel_normalised_rms},
+                                {"gyro_bias", imu.gyro_bias_normalised_rms},
+                                {"accel_bias", imu.accel_bias_normalised_rms}};
+  json["imu_chi2"] = imu.chi2;
+  json["imu_dof"] = imu.dof;
+  json["gravity_F_m_s2"] = list(stage.gravity_F);
+  return json;
+}
+
+Json cameraOf(const CameraCalibration& camera, const ErrorStatistics& errors) {
+  const Intrinsics& k = camera.intrinsics;
+  Json json{{"name", camera.name}};
+  if (!camera.rostopic.empty()) json["rostopic"] = camera.rostopic;
+  json["model"] = toString(k.projection_model);
+  json["distortion"] = toString(k.distortion_model);
+  json["resolution"] = {k.resolution.width, k.resolution.height};
+  json["intrinsics"] = list(k.projection);
+  json["distortion_coeffs"] = list(k.distortion);
+  if (camera.intrinsics_std) {
+    json["intrinsics_std"] = list(camera.intrinsics_std->head(k.projection.size()));
+    json["distortion_coeffs_std"] = list(camera.intrinsics_std->tail(k.distortion.size()));
+  }
+  json["T_C0Ci"] = rows(camera.T_C0Ci.matrix());
+  if (camera.T_C0Ci_std) json["T_C0Ci_std"] = list(*camera.T_C0Ci_std);
+  json["rmse_px"] = errors.rmse_px;
+  return json;
+}
+
+Json noiseOf(const ImuNoise& noise) {
+  return {{"gyroscope_noise_density", noise.gyro_density},
+          {"gyroscope_random_walk", noise.gyro_random_walk},
+          {"accelerometer_noise_density", noise.accel_density},
+          {"accelerometer_random_walk", noise.accel_random_walk},
+          {"update_rate", noise.rate_hz}};
+}
+
+Json imuOf(const ImuCalibration& imu) {
+  Json json{{"T_SC0", rows(imu.T_SC0.matrix())}};
+  if (imu.T_SC0_std) json["T_SC0_std"] = list(*imu.T_SC0_std);
+  json["time_offset_s"] = imu.time_offset_s;
+  if (imu.time_offset_std_s) json["time_offset_std_s"] = *imu.time_offset_std_s;
+  json["gravity_m_s2"] = imu.gravity_m_s2;
+  if (!imu.rostopic.empty()) json["rostopic"] = imu.rostopic;
+  json["noise"] = noiseOf(imu.noise);
+  return json;
+}
+
+Json covarianceOf(const ParameterCovariance& covariance) {
+  Json parameters = Json::array();
+  for (std::size_t i = 0; i < covariance.names.size(); ++i) {
+    parameters.push_back({{"name", covariance.names[i]}, {"unit", covariance.units[i]}});
+  }
+  return {{"parameters", parameters}, {"matrix", rows(covariance.matrix)}};
+}
+
+Json spreadOf(const ResampleSpread& spread) {
+  Json std = Json::object();
+  for (std::size_t i = 0; i < spread.names.size(); ++i) {
+    std[spread.names[i]] = spread.std[static_cast<Eigen::Index>(i)];
+  }
+  return {{"resamples", spread.resamples}, {"failed", spread.failed}, {"std", std}};
+}
+
+Json verdictOf(const Verdict& verdict) {
+  Json findings = Json::array();
+  for (const Finding& f : verdict.findings) {
+    findings.push_back({{"rule", f.rule},
+                        {"level", toString(f.level)},
+                        {"evidence", f.evidence},
+                        {"advice", f.advice},
+                        {"value", f.value},
+                        {"threshold", f.threshold},
+                        {"unit", f.unit}});
+  }
+  return {{"level", toString(verdict.level)}, {"findings", findings}};
+}
+
+Json assumptionsOf(const Assumptions& assumptions) {
+  Json json{{"pixel_sigma", assumptions.pixel_sigma_px},
+            {"gravity_m_s2", assumptions.gravity_m_s2},
+            {"loss", assumptions.loss}};
+  if (assumptions.imu_noise) json["imu_noise"] = noiseOf(*assumptions.imu_noise);
+  return json;
+}
+
+Json provenanceOf(const Provenance& provenance) {
+  Json options = Json::object();
+  for (const auto& [name, value] : provenance.options) options[name] = value;
+  return {{"plumbline", provenance.version},
+          {"command", provenance.command},
+          {"input", provenance.input},
+          {"input_hash", provenance.input_hash},
+          {"options", options},
+          {"date", provenance.date}};
+}
+
+void addRows(fmt::memory_buffer& text, const char* stage,
+             const std::vector<CornerResidual>& residuals, const std::vector<Frame>& frames) {
+  for (const CornerResidual& r : residuals) {
+    fmt::format_to(std::back_inserter(text), "{},{},cam{},{},{:.6f},{:.6f},{:.6f},{:.6f},{}\n",
+                   stage, frames[r.frame].t, r.camera, r.corner_id, r.uv.x(), r.uv.y(), r.error.x(),
+                   r.error.y(), r.used ? 1 : 0);
+  }
+}
+
+}  // namespace
+
+std::string calibrationDocument(const CalibrationRecord& record) {
+  Json json{{"schema", kSchema}};
+  const StageSummary* last = nullptr;
+  if (record.camera) {
+    last = &record.camera->summary;
+    json["stages"]["camera"] = stageOf(*last);
+    json["covariance"]["camera"] = covarianceOf(last->covariance);
+  }
+  if (record.camera_imu) {
+    last = &record.camera_imu->summary;
+    json["stages"]["camera_imu"] = cameraImuOf(*record.camera_imu);
+    json["covariance"]["camera_imu"] = covarianceOf(last->covariance);
+  }
+  json["cameras"] = Json::array();
+  for (std::size_t i = 0; i < record.cameras().size(); ++i) {
+    json["cameras"].push_back(cameraOf(record.cameras()[i], last->per_camera[i]));
+  }
+  if (record.camera_imu) json["imu"] = imuOf(record.camera_imu->imu);
+  if (record.camera_resample) json["resample"]["camera"] = spreadOf(*record.camera_resample);
+  if (record.camera_imu_resample) {
+    json["resample"]["camera_imu"] = spreadOf(*record.camera_imu_resample);
+  }
+  json["assumptions"] = assumptionsOf(record.assumptions);
+  json["verdict"] = verdictOf(record.verdict);
+  json["provenance"] = provenanceOf(record.provenance);
+  return json.dump(2) + "\n";
+}
+
+std::string residualsTable(const CalibrationRecord& record) {
+  fmt::memory_buffer text;
+  fmt::format_to(std::back_inserter(text),
+                 "#stage,timestamp [ns],camera,corner_id,u [px],v [px],e_u [px],e_v [px],used\n");
+  if (record.camera) addRows(text, "camera", record.camera->residuals, record.camera->frames);
+  if (record.camera_imu) {
+    addRows(text, "camera_imu", record.camera_imu->residuals, record.camera_imu->frames);
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/session.h"
+#include "calibrator/target/detector.h"
+#include "datasets/session_reader.h"
+#include "evaluate/workflow/progress.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// Which recording, and how its images become corners.
+struct LoadRequest {
+  std::string session;  ///< folder
+  SessionReadOptions read;
+  DetectorOptions detector;
+  std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
+  std::vector<std::string> only;     ///< cameras to use, by name; empty: all
+  int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.
+};
+
+struct LoadedSession {
+  Session session;
+  std::vector<CameraCounts> counts;  ///< one per camera
+  std::string input_hash;            ///< "algorithm:hex" of the files that were read
+  double load_s = 0;                 ///< wall seconds of reading
+  double detect_s = 0;               ///< and of detection
+};
+
+/// Reads a recording and finds the corners of its images, unless they were found before. Throws
+/// InputError for bad input.
+LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress);
+
+/// Where found corners are kept unless the user says otherwise: $XDG_CACHE_HOME/plumbline, or
+/// ~/.cache/plumbline; empty without either.
+std::optional<std::string> defaultCacheFolder();
+
+}  // namespace plumbline
