@@ -18,6 +18,8 @@ namespace {
 
 constexpr int kChunk = 32;           // frames
 constexpr int kLeastViews = 3;       // of a camera, to start from
+constexpr int kFewCorners = 16;      // a view with as many may have the mirrored pose
+constexpr double kGoodPose = 0.005;  // RMS of a frame's pose over the image's width
 constexpr double kGoodStart = 0.01;  // RMS of a camera's first solution over the image's width
 
 /// The views of one camera that hold enough corners for a start.
@@ -134,21 +136,37 @@ std::vector<FrameView> viewsOf(const Frame& frame, std::span<const PackedCorners
   return views;
 }
 
-/// The pose of a frame: that of its cameras which suits all of its views best.
+/// Cameras that have a pose of their own in a frame, the one with most corners first.
+std::vector<std::size_t> camerasWithPose(const Frame& frame, std::size_t f,
+                                         std::span<const PackedCorners> corners,
+                                         const std::vector<CameraPoses>& own) {
+  std::vector<std::size_t> cameras;
+  for (std::size_t c = 0; c < own.size(); ++c) {
+    if (own[c][f]) cameras.push_back(c);
+  }
+  const auto count = [&](std::size_t c) { return corners[c].view(frame.view[c]).count; };
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [&](std::size_t a, std::size_t b) { return count(a) > count(b); });
+  return cameras;
+}
+
+/// The pose of a frame: that of the camera with most corners, or, where it does not suit the others
+/// or stands on few corners, the best of all its cameras' poses.
 std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
                                   std::span<const PackedCorners> corners,
                                   const CameraEstimate& cameras,
                                   const std::vector<CameraPoses>& own, double max_rms) {
   const std::vector<FrameView> views = viewsOf(frame, corners, cameras);
+  const int width = cameras.intrinsics[0].resolution.width;
   PoseRefinementOptions few;
-  few.max_iterations = 2;
+  few.max_iterations = views.size() > 1 ? 1 : 0;
   std::optional<PoseRefinement> best;
-  for (std::size_t c = 0; c < own.size(); ++c) {
-    if (!own[c][f]) continue;
+  for (const std::size_t c : camerasWithPose(frame, f, corners, own)) {
     const PoseRefinement pose = refinePose(views, cameras.T_C0Ci[c] * *own[c][f], few);
     if (!best || pose.cost < best->cost) best = pose;
+    const bool sure = corners[c].view(frame.view[c]).count > kFewCorners;
+    if (sure && best->rmsPx() < kGoodPose * width) break;
   }
-  const int width = cameras.intrinsics[0].resolution.width;
   if (!best || !(best->rmsPx() < max_rms * width)) return std::nullopt;
   return best->T_C0F;
 }

@@ -12,7 +12,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kCornersOfStart = 32;  // evenly spread, they are enough for a start
+constexpr int kCornersOfStart = 16;  // evenly spread, they are enough for a start
 constexpr int kFewCorners = 16;      // up to here the mirrored pose is tried
 constexpr double kLeastRcond = 1e-12;
 
