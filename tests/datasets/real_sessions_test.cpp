@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Real recordings, as they lie in PLUMBLINE_SHARED_DATA.
 #include <filesystem>
-#include <set>
 #include <string>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
+#include "datasets/calibration_reader.h"
 #include "datasets/session_reader.h"
 
 namespace plumbline {
@@ -71,6 +74,36 @@ TEST(RealSessions, EurocImagesAreListedWithTheirStamps) {
       EXPECT_EQ(camera.views[i].t, recording.images[c][i].t);
     }
   }
+}
+
+// Published with the dataset: camera 1 lies 11 cm to the right of camera 0.
+TEST(RealCalibrations, EurocCamchainHasItsKnownGeometry) {
+  const Calibration rig = readCalibration(shared("euroc_imu_april/kalibr/camchain-imucam.yaml"));
+  ASSERT_EQ(rig.cameras.size(), 2U);
+  EXPECT_NEAR(rig.cameras[1].T_C0Ci.t.x(), 0.1101, 1e-4);
+  ASSERT_TRUE(rig.imu);
+  EXPECT_NEAR(rig.imu->T_SC0.t.x(), -0.0216, 1e-4);  // EuRoC's own T_BS of cam0
+  EXPECT_NEAR(rig.imu->T_SC0.t.y(), -0.0647, 1e-4);
+  EXPECT_NEAR(rig.imu->T_SC0.t.z(), 0.0098, 1e-4);
+}
+
+TEST(RealCalibrations, EveryCamchainInTheWildIsReadOrRefusedForItsReason) {
+  int read = 0;
+  std::vector<std::string> refused;
+  for (const auto& entry : fs::recursive_directory_iterator(shared("kalibr_results"))) {
+    const std::string name = entry.path().filename().string();
+    if (name.find("camchain") == std::string::npos || entry.path().extension() != ".yaml") continue;
+    try {
+      const Calibration rig = readCalibration(entry.path().string());
+      EXPECT_FALSE(rig.cameras.empty()) << entry.path();
+      EXPECT_EQ(rig.imu.has_value(), name.find("imucam") != std::string::npos) << entry.path();
+      ++read;
+    } catch (const InputError& error) {
+      refused.emplace_back(error.what());
+    }
+  }
+  EXPECT_EQ(read, 55);  // all that the folder holds (find -name "*camchain*.yaml")
+  EXPECT_THAT(refused, testing::IsEmpty());
 }
 
 }  // namespace
