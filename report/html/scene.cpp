@@ -10,7 +10,7 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr std::size_t kMostFrusta = 120;  // per camera
+constexpr std::size_t kMostFrusta = 80;  // per camera
 constexpr std::size_t kMostPath = 1500;   // points of the path
 
 Colour rmseColour(double unit) {  // green over amber to red

@@ -32,7 +32,7 @@ struct Scene {
   double seconds = 0;  ///< length of the recording
 };
 
-/// Target, path of camera 0, the cameras' frusta at up to 120 frames, and, with an IMU, the rig's
+/// Target, path of camera 0, the cameras' frusta at up to 80 frames, and, with an IMU, the rig's
 /// axes and gravity.
 Scene buildScene(const CalibrationRecord& record);
 

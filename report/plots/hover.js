@@ -9,7 +9,7 @@
   };
   const drawnPoints = (svg) => {
     const found = [];
-    svg.querySelectorAll('[clip-path] polyline').forEach((line) => found.push(...pairs(numbers(line.getAttribute('points')))));
+    svg.querySelectorAll('polyline.data').forEach((line) => found.push(...pairs(numbers(line.getAttribute('points')))));
     svg.querySelectorAll('path.pts').forEach((path) => found.push(...pairs(numbers(path.getAttribute('d')))));
     return found;
   };

@@ -96,6 +96,7 @@ ChartPage::ChartPage(const PlotFrame& frame, const PageLayout& layout, const std
   place(layout);
   setUpAxes();
   addHeading(layout.legend);
+  addDrawing([](vtkContext2D&, SvgDevice& device) { device.startData(); });  // after the grid
 }
 
 double ChartPage::unitX(double value) const { return (value - x_.min) / (x_.max - x_.min); }
@@ -202,7 +203,15 @@ void ChartPage::addHeading(const std::vector<LegendEntry>& legend) {
 
 void ChartPage::addLine(const Series& series) {
   std::vector<double> x, y;
-  const auto flush = [&] {
+  Series lonely = series;  // points without a neighbour to draw a line to
+  lonely.x.clear();
+  lonely.y.clear();
+  lonely.width = 2.5 * series.width;
+  const auto flush = [&](std::size_t end) {
+    if (x.size() == 1) {
+      lonely.x.push_back(series.x[end - 1]);
+      lonely.y.push_back(series.y[end - 1]);
+    }
     if (x.size() > 1) {
       vtkNew<vtkPlotLine> line;
       line->SetInputData(table(x, y), 0, 1);
@@ -217,10 +226,11 @@ void ChartPage::addLine(const Series& series) {
       x.push_back(unitX(series.x[i]));
       y.push_back(unitY(series.y[i]));
     } else {
-      flush();
+      flush(i);
     }
   }
-  flush();
+  flush(series.x.size());
+  addPoints(lonely);
 }
 
 void ChartPage::addPoints(const Series& series) {

@@ -71,6 +71,7 @@ void SvgDevice::start(const std::string& id, double height) {
   matrix_ = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   clip_count_ = 0;
   clip_open_ = false;
+  in_data_ = false;
 }
 
 std::string SvgDevice::content() const {
@@ -121,8 +122,8 @@ void SvgDevice::DrawPoly(float* points, int n, unsigned char*, int) {
   const std::vector<double> page = thinLine(toPage(points, n));
   const std::string stroke = strokeAttributes();
   if (page.empty() || stroke.empty()) return;
-  element("polyline",
-          fmt::format("points=\"{}\"{} stroke-linejoin=\"round\"", pointList(page), stroke));
+  element("polyline", fmt::format("{}points=\"{}\"{} stroke-linejoin=\"round\"",
+                                  in_data_ ? "class=\"data\" " : "", pointList(page), stroke));
 }
 
 void SvgDevice::DrawLines(float* points, int n, unsigned char*, int) {
@@ -301,6 +302,7 @@ void SvgDevice::SetClipping(int* rectangle) { std::copy(rectangle, rectangle + 4
 void SvgDevice::EnableClipping(bool enable) {
   if (clip_open_) body_ += "</g>";
   clip_open_ = enable;
+  in_data_ = false;
   if (!enable) return;
   const std::string name = fmt::format("{}-clip{}", id_, clip_count_++);
   defs_ += fmt::format(

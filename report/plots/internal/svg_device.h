@@ -27,6 +27,8 @@ class SvgDevice : public vtkContextDevice2D {
   std::string content() const;
   /// A <title> for the shapes drawn until the next call; empty for none.
   void setShapeTitle(const std::string& title) { shape_title_ = title; }
+  /// Lines drawn from now until the clip ends are data (class "data"), not grid lines.
+  void startData() { in_data_ = true; }
 
   void DrawPoly(float* points, int n, unsigned char* colours, int components) override;
   void DrawLines(float* points, int n, unsigned char* colours, int components) override;
@@ -83,6 +85,7 @@ class SvgDevice : public vtkContextDevice2D {
   std::array<int, 4> clip_{};
   int clip_count_ = 0;
   bool clip_open_ = false;
+  bool in_data_ = false;
 };
 
 }  // namespace plumbline::internal

@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Opens the calibration page in headless Chromium and looks at what is painted.
+
+usage: browser_test.py WRITE_PAGE PNG_REGIONS
+
+Proves: no script error; every figure has a size and is not blank; the 3D canvas is not blank and
+changes when it is dragged; hovering names a point; without WebGL the still picture stands in.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+COLLECTOR = """<script>
+window.pageErrors = [];
+window.addEventListener('error', (e) => pageErrors.push(String(e.message)));
+window.addEventListener('unhandledrejection', (e) => pageErrors.push(String(e.reason)));
+const tell = console.error;
+console.error = (...words) => { pageErrors.push(words.join(' ')); tell(...words); };
+Element.prototype.setPointerCapture = () => {};  // made-up pointers cannot be captured
+</script>"""
+
+PROBE = """<script>
+const place = (e) => { const r = e.getBoundingClientRect(); return [r.left + scrollX, r.top + scrollY, r.width, r.height]; };
+const send = (target, kind, x, y, buttons) => target.dispatchEvent(new PointerEvent(kind, {clientX: x, clientY: y,
+  pointerId: 1, pointerType: 'mouse', isPrimary: true, button: 0, buttons, bubbles: true, cancelable: true}));
+const drag = () => {
+  const area = document.querySelector('.scene-canvas');
+  const [x, y] = [area.getBoundingClientRect().left + 300, area.getBoundingClientRect().top + 200];
+  send(area, 'pointerdown', x, y, 1);
+  for (let i = 1; i <= 12; ++i) send(area, 'pointermove', x + 12 * i, y + 3 * i, 1);
+  send(area, 'pointerup', x + 144, y + 36, 0);
+};
+const hover = () => {
+  const plot = document.getElementById('camera-frames');
+  const line = plot.querySelector('polyline.data');
+  const [px, py] = line.getAttribute('points').split(' ')[5].split(',').map(Number);
+  const at = new DOMPoint(px, py).matrixTransform(plot.getScreenCTM());
+  send(plot, 'pointermove', at.x, at.y, 0);
+  const text = plot.lastElementChild.textContent;
+  send(plot, 'pointerleave', at.x, at.y, 0);
+  return text;
+};
+setTimeout(() => {
+  if (location.hash === '#drag') drag();
+  const result = {errors: pageErrors, height: document.documentElement.scrollHeight,
+    live: document.getElementById('scene-box').classList.contains('live'), hover: hover(),
+    scene: place(document.querySelector('#scene-box.live .scene-canvas') || document.querySelector('.scene-still')),
+    figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)])};
+  const out = document.createElement('script');
+  out.type = 'application/json';
+  out.id = 'probe';
+  out.textContent = JSON.stringify(result);
+  document.body.append(out);
+}, 1500);
+</script>"""
+
+
+def fail(message):
+    print("FAIL: " + message)
+    sys.exit(1)
+
+
+def chromium(url, *options):
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if not program:
+        fail("chromium is missing; install Debian's package chromium")
+    with tempfile.TemporaryDirectory() as profile:
+        command = [program, "--headless=new", "--no-sandbox", "--disable-background-networking",
+                   "--no-first-run", "--disable-component-update", "--disable-sync",
+                   "--disable-dev-shm-usage", "--hide-scrollbars", "--user-data-dir=" + profile,
+                   "--virtual-time-budget=8000", *options, url]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    if done.returncode != 0:
+        fail("chromium ended with %d: %s" % (done.returncode, done.stderr[-800:]))
+    return done.stdout
+
+
+GPU = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+def probe(url, *options):
+    dom = chromium(url, "--dump-dom", "--window-size=1400,1000", *options)
+    found = re.search(r'<script type="application/json" id="probe">(.*?)</script>', dom, re.S)
+    if not found:
+        fail("the page's scripts did not run to their end")
+    return json.loads(found.group(1))
+
+
+def regions(tool, image, places):
+    """Per place: pixels, share that differs from the commonest colour, colours, hash."""
+    text = "\n".join(" ".join(str(v) for v in p) for p in places)
+    out = subprocess.run([tool, image], input=text, capture_output=True, text=True, check=True)
+    rows = [line.split() for line in out.stdout.splitlines()]
+    return [(int(r[0]), float(r[1]), int(r[2]), r[3]) for r in rows]
+
+
+def check_page(name, page, tool, folder):
+    result = probe("file://" + page, *GPU)
+    if result["errors"]:
+        fail("%s: script errors: %s" % (name, result["errors"][:5]))
+    if not result["live"]:
+        fail(name + ": the 3D scene did not start although WebGL is there")
+    if not re.match(r"^-?[\d.e+-]+, -?[\d.e+-]+$", result["hover"]):
+        fail("%s: hovering over a point says '%s'" % (name, result["hover"]))
+    size = "--window-size=1400,%d" % (result["height"] + 20)
+    at_rest, turned = folder + "/rest.png", folder + "/turned.png"
+    chromium("file://" + page, "--screenshot=" + at_rest, size, *GPU)
+    chromium("file://" + page + "#drag", "--screenshot=" + turned, size, *GPU)
+    if len(result["figures"]) < 8:
+        fail("%s: only %d figures" % (name, len(result["figures"])))
+    places = [f[1:] for f in result["figures"]]
+    for figure, (pixels, share, colours, _) in zip(result["figures"], regions(tool, at_rest, places)):
+        if pixels < 20000 or share < 0.02 or colours < 10:
+            fail("%s: figure %s is blank (%d px, %.3f, %d colours)"
+                 % (name, figure[0], pixels, share, colours))
+    rest, moved = regions(tool, at_rest, [result["scene"]])[0], regions(tool, turned, [result["scene"]])[0]
+    if rest[1] < 0.03 or rest[2] < 10:
+        fail("%s: the 3D scene is blank (%.3f, %d colours)" % (name, rest[1], rest[2]))
+    if moved[1] < 0.03 or moved[3] == rest[3]:
+        fail(name + ": the 3D scene does not turn when dragged")
+    print("%s: %d figures, none blank; scene covers %.1f %% and turns; hover says %s"
+          % (name, len(places), 100 * rest[1], result["hover"]))
+
+
+def check_without_webgl(page, tool, folder):
+    result = probe("file://" + page, "--disable-3d-apis")
+    if result["errors"] or result["live"]:
+        fail("without WebGL: live %s, errors %s" % (result["live"], result["errors"][:5]))
+    shot = folder + "/still.png"
+    chromium("file://" + page, "--screenshot=" + shot, "--window-size=1400,2400", "--disable-3d-apis")
+    _, share, colours, _ = regions(tool, shot, [result["scene"]])[0]
+    if share < 0.03 or colours < 10:
+        fail("without WebGL: the still picture is blank")
+    print("without WebGL: the still picture stands in")
+
+
+def main():
+    write_page, tool = sys.argv[1:3]
+    with tempfile.TemporaryDirectory() as folder:
+        for name, options in (("camera-IMU", ["60"]), ("cameras only", ["30", "camera-only"])):
+            page = os.path.join(folder, "page.html")
+            subprocess.run([write_page, page, *options], check=True, stdout=subprocess.DEVNULL)
+            with open(page, encoding="utf-8") as file:
+                text = file.read()
+            text = text.replace("<head>", "<head>" + COLLECTOR, 1)
+            body = text.rindex("</body>")
+            with open(page, "w", encoding="utf-8") as file:
+                file.write(text[:body] + PROBE + text[body:])
+            check_page(name, page, tool, folder)
+        check_without_webgl(page, tool, folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The calibration page: complete, self-contained, the same for the same record, and able to be made
+// again from the store.
+#include <filesystem>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/html/calibration_page.h"
+#include "report/html/imu_figures.h"
+#include "report/html/page_parts.h"
+#include "report/html/text.h"
+#include "report/store/store.h"
+#include "tests/report/markup.h"
+#include "tests/report/synthetic_record.h"
+
+namespace plumbline {
+namespace {
+
+using test::syntheticRecord;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+bool hasSection(const std::string& page, const std::string& id) {
+  return page.find("<section id=\"" + id + "\"") != std::string::npos &&
+         page.find("<a href=\"#" + id + "\"") != std::string::npos;
+}
+
+TEST(CalibrationPage, HasEverySectionAndAnEntryForIt) {
+  const std::string page = renderCalibrationPage(syntheticRecord());
+  for (const char* id :
+       {"key-figures", "scene", "parameters", "time-offset", "correlations", "reprojection-camera",
+        "reprojection-camera-imu", "coverage", "imu-residuals", "biases", "provenance"}) {
+    EXPECT_TRUE(hasSection(page, id)) << id;
+  }
+  EXPECT_THAT(page, HasSubstr("class=\"verdict doubtful\""));
+  EXPECT_THAT(page, HasSubstr("Raise the gyroscope"));
+  EXPECT_THAT(page, HasSubstr("sha256:0f3a9c"));
+}
+
+TEST(CalibrationPage, LeavesOutWhatACameraCalibrationHasNot) {
+  const std::string page = renderCalibrationPage(syntheticRecord({.camera_imu = false}));
+  for (const char* id : {"time-offset", "reprojection-camera-imu", "imu-residuals", "biases"}) {
+    EXPECT_FALSE(hasSection(page, id)) << id;
+  }
+  EXPECT_TRUE(hasSection(page, "reprojection-camera"));
+  EXPECT_THAT(page, Not(HasSubstr("data-layer=\"gravity\"")));
+}
+
+TEST(CalibrationPage, ShowsGivenCamerasWithoutACameraStage) {
+  CalibrationRecord record = syntheticRecord();
+  record.camera.reset();
+  record.camera_resample.reset();
+  const std::string page = renderCalibrationPage(record);
+  EXPECT_FALSE(hasSection(page, "reprojection-camera"));
+  EXPECT_TRUE(hasSection(page, "reprojection-camera-imu"));
+  EXPECT_TRUE(hasSection(page, "coverage"));
+}
+
+TEST(CalibrationPage, SurvivesARecordWithoutAnyStage) {
+  CalibrationRecord record;
+  record.name = "empty";
+  const std::string page = renderCalibrationPage(record);
+  EXPECT_TRUE(hasSection(page, "provenance"));
+  EXPECT_FALSE(hasSection(page, "correlations"));
+}
+
+TEST(CalibrationPage, NeedsNothingFromOutside) {
+  const std::string page = renderCalibrationPage(syntheticRecord());
+  for (const char* loader : {"src=\"", "href=\"http", "@import", "url(http", "<link"}) {
+    EXPECT_THAT(page.substr(0, page.find("<script>")), Not(HasSubstr(loader))) << loader;
+  }
+  EXPECT_LT(page.size(), 6'000'000U);
+}
+
+TEST(CalibrationPage, EscapesNamesFromOutside) {
+  const std::string page = renderCalibrationPage(syntheticRecord({.frames = 4}));
+  EXPECT_THAT(page, HasSubstr("synthetic &lt;stereo&gt; &amp; IMU"));
+  EXPECT_THAT(page, Not(HasSubstr("synthetic <stereo>")));
+}
+
+TEST(CalibrationPage, GivesEveryPlotAnIdOfItsOwn) {
+  std::string page = renderCalibrationPage(syntheticRecord({.frames = 20}));
+  page.resize(page.find("<script>"));  // what follows are programs
+  std::set<std::string> seen;
+  std::size_t plots = 0;
+  for (std::size_t at = page.find("<svg "); at != std::string::npos; at = page.find("<svg ", at)) {
+    const std::string svg = page.substr(at, page.find("</svg>", at) + 6 - at);
+    EXPECT_EQ(test::faultOfXml(svg), "");
+    EXPECT_THAT(svg, Not(HasSubstr("nan")));
+    for (const std::string& id : test::attributes(svg, "id")) {
+      EXPECT_TRUE(seen.insert(id).second) << id;
+    }
+    at += svg.size();
+    ++plots;
+  }
+  // Scene; correlations, frames and four figures of two cameras for two stages; coverage; six of
+  // inertial residuals and two of biases.
+  EXPECT_EQ(plots, 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U);
+}
+
+TEST(CalibrationPage, IsTheSameWhenMadeFromTheStore) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / "plumbline_page_test.sqlite";
+  std::filesystem::remove(file);
+  const CalibrationRecord record = syntheticRecord({.frames = 30});
+  Store(file).save(record);
+  EXPECT_EQ(renderCalibrationPage(Store(file).loadCalibration()), renderCalibrationPage(record));
+  std::filesystem::remove(file);
+}
+
+TEST(OffsetRows, TurnTheSignWhereAToolDoes) {
+  const auto rows = html_internal::offsetRows(0.0123, 1e-5);
+  const auto value = [&](const std::string& tool) {
+    for (const auto& row : rows) {
+      if (row.tool == tool) return row.value;
+    }
+    return std::string("missing");
+  };
+  EXPECT_EQ(value("Kalibr"), "0.012300 s");
+  EXPECT_EQ(value("OpenVINS"), "0.012300 s");
+  EXPECT_EQ(value("VINS-Fusion"), "0.012300 s");
+  EXPECT_EQ(value("Basalt"), "12300000 ns");
+  EXPECT_EQ(value("OKVIS2"), "-0.012300 s");
+  EXPECT_EQ(value("ORB-SLAM3"), "0.012300 s");
+}
+
+TEST(JudgeDensity, SaysWhichWayTheAssumptionErrs) {
+  EXPECT_THAT(html_internal::judgeDensity("Gyro", 2.5), HasSubstr("too small"));
+  EXPECT_THAT(html_internal::judgeDensity("Gyro", 1.05), HasSubstr("agrees"));
+  EXPECT_THAT(html_internal::judgeDensity("Gyro", 0.3), HasSubstr("cautious"));
+}
+
+TEST(WithPrecisionOf, ShowsTwoDigitsOfTheDeviation) {
+  EXPECT_EQ(html_internal::withPrecisionOf(458.65432, 0.08), "458.654");
+  EXPECT_EQ(html_internal::withPrecisionOf(-3.2e-6, 4.1e-6), "-0.0000032");
+  EXPECT_EQ(html_internal::withPrecisionOf(1234.5, 17), "1234");
+}
+
+TEST(ParameterEstimates, FindTheValueBehindAName) {
+  const CalibrationRecord record = syntheticRecord({.frames = 4});
+  const auto camera = parameterEstimates(record, Stage::kCamera);
+  ASSERT_EQ(camera.size(), 22U);
+  EXPECT_EQ(camera[0].name, "cam0.fu");
+  EXPECT_EQ(camera[0].value, 458.654);
+  EXPECT_NEAR(camera[0].std, 0.08, 1e-12);
+  EXPECT_NEAR(*camera[0].resample_std, 0.24, 1e-12);
+  EXPECT_EQ(camera[16].name, "T_C0C1.tx");
+  EXPECT_EQ(camera[16].value, 0.11);
+  const auto imu = parameterEstimates(record, Stage::kCameraImu);
+  ASSERT_EQ(imu.size(), 7U);
+  EXPECT_EQ(imu[6].value, record.camera_imu->imu.time_offset_s);
+  EXPECT_FALSE(imu[0].resample_std.has_value());
+}
+
+}  // namespace
+}  // namespace plumbline
