@@ -11,7 +11,7 @@ namespace plumbline::html_internal {
 namespace {
 
 constexpr std::size_t kMostFrusta = 80;  // per camera
-constexpr std::size_t kMostPath = 1500;   // points of the path
+constexpr std::size_t kMostPath = 1500;  // points of the path
 
 Colour rmseColour(double unit) {  // green over amber to red
   const double u = std::clamp(unit, 0.0, 1.0);

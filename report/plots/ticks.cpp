@@ -35,7 +35,7 @@ std::string label(double value, double step, double largest) {
 
 std::vector<AxisTick> roundTicks(const Range& range, int target) {
   assert(range.min < range.max && target >= 2);
-  const double step = roundStep((range.max - range.min) / target);
+  const double step = roundStep((range.max - range.min) / (1.5 * target));
   const double largest = std::max(std::abs(range.min), std::abs(range.max));
   const auto first = static_cast<long long>(std::ceil(range.min / step - 1e-9));
   const auto last = static_cast<long long>(std::floor(range.max / step + 1e-9));
