@@ -30,9 +30,10 @@ std::vector<double> errorNorms(const Intrinsics& camera, const Transform& T_CF,
 std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view) {
   PoseRefinementOptions options;
   options.max_iterations = kViewIterations;
-  const auto found = findPose({{&camera, view, Transform()}}, options);
-  if (!found) return {};
-  const std::vector<double> errors = errorNorms(camera, found->T_C0F, view);
+  const auto start = homographyPose(camera, view);
+  if (!start) return {};
+  const Transform T_CF = refinePose({{&camera, view, Transform()}}, *start, options).T_C0F;
+  const std::vector<double> errors = errorNorms(camera, T_CF, view);
   const auto n = static_cast<double>(errors.size());
   const double mean = std::accumulate(errors.begin(), errors.end(), 0.0) / n;
   double variance = 0;

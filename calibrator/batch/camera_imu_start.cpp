@@ -2,6 +2,7 @@
 #include "calibrator/batch/camera_imu_start.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "calibrator/base/statistics.h"
 #include "calibrator/batch/parallel_chunks.h"
@@ -46,11 +47,17 @@ std::optional<Transform> framePose(const std::vector<CameraCalibration>& cameras
     views.push_back(
         {&cameras[c].intrinsics, corners[c].view(frame.view[c]), cameras[c].T_C0Ci.inverse()});
   }
+  const auto fullest = std::max_element(
+      views.begin(), views.end(),
+      [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
+  if (fullest == views.end()) return std::nullopt;
+  const auto start = homographyPose(*fullest->camera, fullest->view);
+  if (!start) return std::nullopt;
   PoseRefinementOptions options;
   options.max_iterations = kPoseIterations;
-  const auto found = findPose(views, options);
-  if (!found || !(found->rmsPx() < max_rms_px)) return std::nullopt;
-  return found->T_C0F.inverse();
+  const auto refined = refinePose(views, fullest->T_CiC0.inverse() * *start, options);
+  if (!(std::sqrt(refined.cost / refined.corners) < max_rms_px)) return std::nullopt;
+  return refined.T_C0F.inverse();
 }
 
 }  // namespace
