@@ -100,7 +100,8 @@ Intrinsics intrinsicsOf(const YamlMap& map, const ModelKeys& keys) {
   k.distortion = parameters(map, "distortion_coeffs", distortionCount(k.distortion_model));
   const auto size = map.numbers("resolution", "[width, height] in pixels");
   if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
-    throw map.fault("resolution", {"resolution is not two positive numbers", "[width, height]", ""});
+    throw map.fault("resolution",
+                    {"resolution is not two positive numbers", "[width, height]", ""});
   }
   k.resolution = {static_cast<int>(size[0]), static_cast<int>(size[1])};
   return k;
@@ -132,13 +133,13 @@ Transform placeInChain(const YamlMap& map, const std::vector<CameraCalibration>&
   if (!chained) return by_imu;
   const Vector6d difference = boxminus(by_imu, *chained);
   if (difference.head<3>().norm() > 1e-3 || difference.tail<3>().norm() > 0.1 * kDegree) {
-    throw map.fault("T_cam_imu",
-                    {fmt::format("T_cam_imu and T_cn_cnm1 contradict each other by {:.1f} mm and "
-                                 "{:.2f} degrees",
-                                 1e3 * difference.head<3>().norm(),
-                                 difference.tail<3>().norm() / kDegree),
-                     "T_cam_imu mapping IMU to camera, T_cn_cnm1 the previous camera to this one",
-                     "one of them may be inverted, or from another calibration"});
+    throw map.fault(
+        "T_cam_imu",
+        {fmt::format("T_cam_imu and T_cn_cnm1 contradict each other by {:.1f} mm and "
+                     "{:.2f} degrees",
+                     1e3 * difference.head<3>().norm(), difference.tail<3>().norm() / kDegree),
+         "T_cam_imu mapping IMU to camera, T_cn_cnm1 the previous camera to this one",
+         "one of them may be inverted, or from another calibration"});
   }
   return *chained;
 }

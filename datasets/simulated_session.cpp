@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/kalibr_writer.h"
 #include "datasets/simulated_truth.h"
 
 namespace plumbline {
@@ -132,7 +133,7 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
        sessionFiles(simulated.session, simulated.camera_rate_hz, format.views)) {
     writeText(pending, file);
   }
-  writeText(pending, {"truth/camchain-imucam.yaml", camchainText(simulated.truth)});
+  writeText(pending, {"truth/camchain-imucam.yaml", kalibrCamchainText(simulated.truth)});
   writeText(pending, {"truth/trajectory.csv", trajectoryCsv(simulated)});
   writeText(pending, {"truth/truth.json", truthJson(simulated, options)});
   if (format.views == ViewFormat::kImages) writeImages(simulated, pending, format);

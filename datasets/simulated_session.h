@@ -6,7 +6,7 @@
 
 #include "calibrator/simulate/simulate_session.h"
 #include "datasets/render.h"
-#include "datasets/simulated_files.h"
+#include "datasets/session_writer.h"
 
 namespace plumbline {
 

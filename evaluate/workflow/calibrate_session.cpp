@@ -8,6 +8,7 @@
 #include "calibrator/batch/camera_imu_resample.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration_reader.h"
+#include "datasets/supported_models.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +35,13 @@ std::vector<CameraCalibration> matchCameras(const Calibration& given, const std:
           path, 0,
           fmt::format("{} is for {}x{} pixels, the session's images have {}x{}", stream.name,
                       size.width, size.height, stream.resolution.width, stream.resolution.height));
+    }
+    const Intrinsics& k = found->intrinsics;
+    if (!isSupportedModel(k.projection_model, k.distortion_model)) {
+      throw InputError(path, 0,
+                       fmt::format("{}: {}", stream.name,
+                                   unsupportedModelText(toString(k.projection_model),
+                                                        toString(k.distortion_model))));
     }
     cameras.push_back(*found);
   }

@@ -8,7 +8,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics.h"
 #include "datasets/atomic_file.h"
-#include "datasets/simulated_files.h"
+#include "datasets/session_writer.h"
 
 namespace plumbline {
 namespace {

@@ -18,6 +18,7 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/session_reader.h"
+#include "datasets/kalibr_writer.h"
 #include "datasets/simulated_truth.h"
 
 namespace plumbline {
@@ -233,7 +234,7 @@ TEST(SimulatedTruth, JsonHoldsTheCalibrationExactly) {
 
 TEST(SimulatedTruth, CamchainIsInKalibrsDirections) {
   const Calibration c = simulatedRig("euroc").calibration;
-  const std::string text = camchainText(c);
+  const std::string text = kalibrCamchainText(c);
   // Camera 1 stands 11 cm to the right of camera 0, so camera 0 is at -11 cm in camera 1.
   EXPECT_THAT(text, HasSubstr("cam1:\n  T_cam_imu:"));
   const std::string chain = text.substr(text.find("T_cn_cnm1:"));

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/simulate/simulate_session.h"
+#include "calibrator/base/session.h"
 
 namespace plumbline {
 
@@ -24,8 +24,5 @@ struct TextFile {
 /// corners.csv where the views are corners), mav0/imu0/{data.csv,sensor.yaml}, target.yaml and
 /// imu.yaml as Kalibr reads them. Corners have 9 decimals, IMU samples 12 significant digits.
 std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz, ViewFormat views);
-
-/// A calibration as Kalibr's camchain-imucam.yaml; numbers read back to the same doubles.
-std::string camchainText(const Calibration& calibration);
 
 }  // namespace plumbline
