@@ -20,6 +20,7 @@ namespace {
 
 constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
+constexpr double kWideLoss = 0.01;  // scale over the image's width
 constexpr double kPoseTolerance = 1e-7;
 constexpr int kPoseIterations = 50;
 
@@ -102,19 +103,20 @@ CameraSolverOptions solverOptions(const CameraStageOptions& options) {
   return solver;
 }
 
-/// Solves, with the squared error first where the loss is robust: its normal equations lead closer
-/// to the minimum from afar.
+/// Solves, with a loss so wide that it touches gross errors only first where the loss is robust: its
+/// normal equations lead closer to the minimum from afar.
 CameraSolution solveFromAfar(CameraProblem& problem, const CameraEstimate& start,
                              const CameraStageOptions& options) {
   const CameraSolverOptions solver = solverOptions(options);
   if (options.cauchy_px == 0) return solveCameraProblem(problem, start, solver);
   CameraSolverOptions rough = solver;
   rough.cost_tolerance = 1e-3;
-  problem.gram.cauchy_px = 0;
-  const CameraSolution squared = solveCameraProblem(problem, start, rough);
+  const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
+  problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
+  const CameraSolution wide = solveCameraProblem(problem, start, rough);
   problem.gram.cauchy_px = options.cauchy_px;
-  CameraSolution robust = solveCameraProblem(problem, squared.estimate, solver);
-  robust.iterations += squared.iterations;
+  CameraSolution robust = solveCameraProblem(problem, wide.estimate, solver);
+  robust.iterations += wide.iterations;
   return robust;
 }
 

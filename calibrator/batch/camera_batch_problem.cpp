@@ -77,32 +77,60 @@ struct Evaluation {
   const GramOptions& gram;
 };
 
-/// Adds one frame: its own rows in `out`, its cameras' terms in `sums`.
-void addFrame(const Evaluation& at, int f, CameraNormals& out, std::vector<CameraSums>& sums) {
+/// Terms of a frame's views, one per camera that has one, and the pose's block of them.
+struct FrameTerms {
+  std::vector<ViewGram> grams;
+  Matrix6d H;
+};
+
+void evaluateFrame(const Evaluation& at, std::size_t f, const GramOptions& gram,
+                   FrameTerms& terms) {
+  const Frame& frame = at.problem.frames[f];
+  terms.grams.resize(frame.view.size());
+  terms.H.setZero();
+  for (std::size_t c = 0; c < frame.view.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    const CameraDerivatives& d = at.derivatives[c];
+    const Transform T_CiF = c == 0 ? at.estimate.T_C0F[f] : d.T_CiC0 * at.estimate.T_C0F[f];
+    ViewGram& g = terms.grams[c];
+    g = viewGram(at.estimate.intrinsics[c], T_CiF, at.problem.corners[c].view(frame.view[c]), gram);
+    if (c == 0) {
+      terms.H += g.H;
+    } else {
+      const Matrix6d AtH = d.A_pose.transpose().lazyProduct(g.H);
+      terms.H.noalias() += AtH.lazyProduct(d.A_pose);
+    }
+  }
+}
+
+/// Adds one frame: its own rows in `out`, its cameras' terms in `sums`. Where the loss' whole
+/// second derivative leaves the pose without a minimum, this frame is content with re-weighting.
+void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out,
+              std::vector<CameraSums>& sums) {
   const auto index = static_cast<std::size_t>(f);
   const Frame& frame = at.problem.frames[index];
+  evaluateFrame(at, index, at.gram, terms);
+  if (at.gram.triggs_clamp > 0 && Eigen::LLT<Matrix6d>(terms.H).info() != Eigen::Success) {
+    evaluateFrame(at, index, GramOptions{at.gram.cauchy_px, 0}, terms);
+  }
   const double weight = at.problem.weight(f) / (at.problem.pixel_sigma * at.problem.pixel_sigma);
-  Matrix6d& H = out.H[index];
+  out.H[index] = weight * terms.H;
   auto b = out.b_pose.segment<6>(6 * f);
   for (std::size_t c = 0; c < sums.size(); ++c) {
     if (frame.view[c] < 0) continue;
+    const ViewGram& g = terms.grams[c];
     const CameraDerivatives& d = at.derivatives[c];
-    const Transform T_CiF = c == 0 ? at.estimate.T_C0F[index] : d.T_CiC0 * at.estimate.T_C0F[index];
-    const ViewGram g = viewGram(at.estimate.intrinsics[c], T_CiF,
-                                at.problem.corners[c].view(frame.view[c]), at.gram);
     sums[c].add(g, weight);
     auto P_k = out.P.block(6 * f, at.layout.intrinsics[c], 6, at.layout.intrinsics_size[c]);
     if (c == 0) {
-      H += weight * g.H;
       b += weight * g.b;
       P_k = weight * g.H_pose_k;
       continue;
     }
-    const Matrix6d AtH = weight * d.A_pose.transpose().lazyProduct(g.H);
-    H.noalias() += AtH.lazyProduct(d.A_pose);
-    b.noalias() += weight * d.A_pose.transpose().lazyProduct(g.b);
-    P_k.noalias() = weight * d.A_pose.transpose().lazyProduct(g.H_pose_k);
-    out.P.block<6, 6>(6 * f, at.layout.T_C0Ci[c]) = timesTwice(AtH, d.A);
+    const Matrix6d At = weight * d.A_pose.transpose();
+    b.noalias() += At.lazyProduct(g.b);
+    P_k.noalias() = At.lazyProduct(g.H_pose_k);
+    out.P.block<6, 6>(6 * f, at.layout.T_C0Ci[c]) = timesTwice(Matrix6d(At.lazyProduct(g.H)), d.A);
   }
 }
 
@@ -196,8 +224,9 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   std::vector<std::vector<CameraSums>> sums(
       static_cast<std::size_t>(chunkCount(problem.frameCount(), kChunk)), emptySums(layout));
   forChunks(problem.frameCount(), kChunk, problem.threads, [&](const Chunk& chunk) {
+    FrameTerms terms;
     for (int f = chunk.begin; f < chunk.end; ++f) {
-      addFrame(at, f, out, sums[static_cast<std::size_t>(chunk.index)]);
+      addFrame(at, f, terms, out, sums[static_cast<std::size_t>(chunk.index)]);
     }
   });
   std::vector<CameraSums> total = emptySums(layout);

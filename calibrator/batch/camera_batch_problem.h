@@ -21,7 +21,7 @@ struct CameraProblem {
   std::vector<Frame> frames;
   std::vector<double> weights;  ///< how often a frame counts; empty: each once
   double pixel_sigma = 1;       ///< [px]
-  GramOptions gram;
+  GramOptions gram{0, 0};       ///< of which the solver chooses triggs_clamp by itself
   int threads = 1;
 
   int frameCount() const { return static_cast<int>(frames.size()); }

@@ -16,7 +16,7 @@ constexpr int kChunk = 32;  // frames
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLeastDamping = 1e-12;
 constexpr double kMostDamping = 1e10;
-constexpr double kNear = 1e-2;  // share of the cost that a step takes away near the minimum
+constexpr double kNear = 1e-3;  // share of the cost that a step takes away near the minimum
 
 struct Step {
   Eigen::VectorXd cameras;
@@ -167,6 +167,7 @@ class Minimiser {
     CameraNormals normals = normalsAt(problem_, next, gram);
     if (normals.cost <= now_.normals.cost * (1 + 1e-14)) {
       gram_ = gram;
+      --steps_until_curvature_;
       now_.estimate = std::move(next);
       now_.normals = std::move(normals);
       damping_ = std::max(0.03 * damping_, kLeastDamping);
@@ -179,14 +180,15 @@ class Minimiser {
   /// The whole second derivative of the loss.
   GramOptions newton() const {
     GramOptions gram = problem_.gram;
-    if (gram.cauchy_px > 0 && may_use_curvature_) gram.triggs_clamp = 2;
+    if (gram.cauchy_px > 0 && steps_until_curvature_ <= 0) gram.triggs_clamp = 2;
     return gram;
   }
 
-  /// After a step that did not help: more damping, or back to re-weighting for good.
+  /// After a step that did not help: more damping, or back to re-weighting for a while.
   void refuse() {
     if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
-      may_use_curvature_ = false;
+      steps_until_curvature_ = patience_;
+      patience_ *= 2;
       gram_ = problem_.gram;
       now_.normals = normalsAt(problem_, now_.estimate, gram_);
       return;
@@ -199,7 +201,8 @@ class Minimiser {
   GramOptions gram_;
   CameraSolution now_;
   double damping_ = kFirstDamping;
-  bool may_use_curvature_ = true;
+  int steps_until_curvature_ = 0;
+  int patience_ = 4;
 };
 
 }  // namespace

@@ -19,8 +19,10 @@ namespace {
 constexpr int kChunk = 32;           // frames
 constexpr int kLeastViews = 3;       // of a camera, to start from
 constexpr int kFewCorners = 16;      // a view with as many may have the mirrored pose
-constexpr double kGoodPose = 0.005;  // RMS of a frame's pose over the image's width
-constexpr double kGoodStart = 0.01;  // RMS of a camera's first solution over the image's width
+constexpr double kStartLoss = 0.01;  // scale of the Cauchy loss over the image's width
+constexpr double kPlainPose = 0.03;  // error of a pose under no distortion, likewise: still useful
+constexpr double kGoodPose = 0.005;  // error of a frame's pose over the image's width
+constexpr double kGoodStart = 0.01;  // error of a camera's first solution over the image's width
 
 /// The views of one camera that hold enough corners for a start.
 std::vector<int> startableViews(const PackedCorners& corners, const std::vector<Frame>& frames,
@@ -60,6 +62,14 @@ struct MonoSolution {
   double rms_px = std::numeric_limits<double>::infinity();
 };
 
+/// Poses of a start: gross errors take little part.
+PoseRefinementOptions roughPose(const Resolution& resolution, int iterations) {
+  PoseRefinementOptions options;
+  options.max_iterations = iterations;
+  options.gram.cauchy_px = kStartLoss * resolution.width;
+  return options;
+}
+
 MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
                        const std::vector<int>& views, int threads) {
   CameraProblem problem;
@@ -67,11 +77,12 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   problem.threads = threads;
   CameraEstimate estimate{{plain}, {Transform()}, {}};
   double count = 0;
-  PoseRefinementOptions few;
-  few.max_iterations = 3;
+  const double width = plain.resolution.width;
+  problem.gram.cauchy_px = kStartLoss * width;
   for (const int v : views) {
-    const auto pose = findPose({{&plain, corners.view(v), Transform()}}, few);
-    if (!pose) continue;
+    const auto pose = findPose({{&plain, corners.view(v), Transform()}}, kPlainPose * width,
+                               roughPose(plain.resolution, 3));
+    if (!pose || pose->errorPx() > kPlainPose * width) continue;
     problem.frames.push_back({0, {v}});
     estimate.T_C0F.push_back(pose->T_C0F);
     count += pose->corners;
@@ -110,14 +121,15 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
                      const std::vector<Frame>& frames, std::size_t c,
                      const CameraStageOptions& options) {
   CameraPoses poses(frames.size());
-  PoseRefinementOptions few;
-  few.max_iterations = 2;
+  const double width = camera.resolution.width;
+  const PoseRefinementOptions few = roughPose(camera.resolution, 2);
   forChunks(static_cast<int>(frames.size()), kChunk, options.threads, [&](const Chunk& chunk) {
     for (int f = chunk.begin; f < chunk.end; ++f) {
       const int v = frames[static_cast<std::size_t>(f)].view[c];
       if (v < 0 || corners.view(v).count < options.min_start_corners) continue;
-      const auto found = findPose({{&camera, corners.view(v), Transform()}}, few);
-      if (found && found->rmsPx() < options.max_start_rms * camera.resolution.width) {
+      const auto found =
+          findPose({{&camera, corners.view(v), Transform()}}, kGoodPose * width, few);
+      if (found && found->errorPx() < options.max_start_error * width) {
         poses[static_cast<std::size_t>(f)] = found->T_C0F;
       }
     }
@@ -155,19 +167,19 @@ std::vector<std::size_t> camerasWithPose(const Frame& frame, std::size_t f,
 std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
                                   std::span<const PackedCorners> corners,
                                   const CameraEstimate& cameras,
-                                  const std::vector<CameraPoses>& own, double max_rms) {
+                                  const std::vector<CameraPoses>& own, double max_error) {
   const std::vector<FrameView> views = viewsOf(frame, corners, cameras);
-  const int width = cameras.intrinsics[0].resolution.width;
-  PoseRefinementOptions few;
-  few.max_iterations = views.size() > 1 ? 1 : 0;
+  const Resolution& resolution = cameras.intrinsics[0].resolution;
+  const double width = resolution.width;
+  const PoseRefinementOptions few = roughPose(resolution, views.size() > 1 ? 1 : 0);
   std::optional<PoseRefinement> best;
   for (const std::size_t c : camerasWithPose(frame, f, corners, own)) {
     const PoseRefinement pose = refinePose(views, cameras.T_C0Ci[c] * *own[c][f], few);
     if (!best || pose.cost < best->cost) best = pose;
     const bool sure = corners[c].view(frame.view[c]).count > kFewCorners;
-    if (sure && best->rmsPx() < kGoodPose * width) break;
+    if (sure && best->errorPx() < kGoodPose * width) break;
   }
-  if (!best || !(best->rmsPx() < max_rms * width)) return std::nullopt;
+  if (!best || !(best->errorPx() < max_error * width)) return std::nullopt;
   return best->T_C0F;
 }
 
@@ -178,7 +190,7 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
   forChunks(static_cast<int>(frames.size()), kChunk, options.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto f = static_cast<std::size_t>(i);
-      poses[f] = bestPose(frames[f], f, corners, cameras, own, options.max_start_rms);
+      poses[f] = bestPose(frames[f], f, corners, cameras, own, options.max_start_error);
     }
   });
   CameraStart start{{}, std::move(cameras)};

@@ -16,6 +16,7 @@ constexpr double kRung = 1.15;
 constexpr double kDefault = 0.7;    // about 70 degrees
 constexpr std::size_t kViews = 16;  // as many decide
 constexpr double kFlat = 1.02;      // errors closer than this ratio are alike
+constexpr double kLoss = 0.02;      // of the image's width: the scale of the Cauchy loss
 constexpr double kNoiseFloorPx = 1e-3;
 
 double median(std::vector<double> values) {
@@ -24,10 +25,11 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Median over views of the RMS error of the view's best pose; a view without pose counts as bad.
+/// Median over views of the error of the view's best pose; a view without pose counts as bad.
 double chargeOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
   PoseRefinementOptions options;
   options.max_iterations = 3;
+  options.gram.cauchy_px = kLoss * camera.resolution.width;
   std::vector<double> errors;
   for (const PackedView& view : views) {
     const auto pose = homographyPose(camera, view);
@@ -35,7 +37,7 @@ double chargeOf(const Intrinsics& camera, const std::vector<PackedView>& views) 
       errors.push_back(1e5);
       continue;
     }
-    errors.push_back(refinePose({{&camera, view, Transform()}}, *pose, options).rmsPx());
+    errors.push_back(refinePose({{&camera, view, Transform()}}, *pose, options).errorPx());
   }
   return median(errors);
 }

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kCornersOfStart = 16;  // evenly spread, they are enough for a start
 constexpr int kFewCorners = 16;      // up to here the mirrored pose is tried
+constexpr int kParts = 8;            // of a view that are tried by themselves
 constexpr double kLeastRcond = 1e-12;
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
@@ -92,7 +93,6 @@ PoseGram frameGram(const std::vector<FrameView>& views, const Transform& T_C0F,
     const Matrix6d AtH = A.transpose().lazyProduct(g.H);
     sum.H.noalias() += AtH.lazyProduct(A);
     sum.b.noalias() += A.transpose().lazyProduct(g.b);
-    sum.squared_error += g.squared_error;
     sum.cost += g.cost;
   }
   return sum;
@@ -125,11 +125,30 @@ Eigen::Vector2d centreOf(const PackedView& view) {
   return centre / std::max(1, view.count);
 }
 
+/// Runs of consecutive corners, which lie close together on the target.
+std::vector<PackedView> partsOf(const PackedView& view) {
+  std::vector<PackedView> parts;
+  const int size = kCornersOfStart;
+  const int count = std::min(kParts, view.count / size);
+  for (int k = 0; k < count && count > 1; ++k) {
+    const int first = k * (view.count - size) / (count - 1);
+    PackedView part = view;
+    part.count = size;
+    part.padded = size;
+    part.x += first;
+    part.y += first;
+    part.u += first;
+    part.v += first;
+    part.w += first;
+    part.id += first;
+    parts.push_back(part);
+  }
+  return parts;
+}
+
 }  // namespace
 
-double PoseRefinement::rmsPx() const {
-  return corners > 0 ? std::sqrt(squared_error / corners) : 0;
-}
+double PoseRefinement::errorPx() const { return corners > 0 ? std::sqrt(cost / corners) : 0; }
 
 std::optional<Transform> homographyPose(const Intrinsics& camera, const PackedView& view) {
   const std::vector<RayPoint> points = rayPoints(camera, view);
@@ -195,24 +214,31 @@ PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& 
     }
   }
   out.cost = now.cost;
-  out.squared_error = now.squared_error;
   return out;
 }
 
-std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views,
+std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, double good_px,
                                        const PoseRefinementOptions& options) {
   if (views.empty()) return std::nullopt;
-  const auto most = std::max_element(
+  const FrameView& most = *std::max_element(
       views.begin(), views.end(),
       [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
-  const auto start = homographyPose(*most->camera, most->view);
-  if (!start) return std::nullopt;
-  const Transform T_C0Ci = most->T_CiC0.inverse();
-  PoseRefinement best = refinePose(views, T_C0Ci * *start, options);
-  if (most->view.count <= kFewCorners) {
-    const Transform other = mirroredPose(*start, centreOf(most->view));
-    const PoseRefinement mirrored = refinePose(views, T_C0Ci * other, options);
-    if (mirrored.cost < best.cost) best = mirrored;
+  const Transform T_C0Ci = most.T_CiC0.inverse();
+  std::optional<PoseRefinement> best;
+  const auto attempt = [&](const Transform& T_CiF) {
+    const PoseRefinement pose = refinePose(views, T_C0Ci * T_CiF, options);
+    if (!best || pose.cost < best->cost) best = pose;
+  };
+  const auto whole = homographyPose(*most.camera, most.view);
+  if (whole) attempt(*whole);
+  if (whole && most.view.count <= kFewCorners) {
+    attempt(mirroredPose(*whole, centreOf(most.view)));
+  }
+  if (best && best->errorPx() <= good_px) return best;
+  for (const PackedView& part : partsOf(most.view)) {
+    const auto start = homographyPose(*most.camera, part);
+    if (start) attempt(*start);
+    if (best && best->errorPx() <= good_px) break;
   }
   return best;
 }

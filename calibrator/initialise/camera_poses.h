@@ -30,16 +30,16 @@ struct FrameView {
 
 struct PoseRefinement {
   Transform T_C0F;
-  double cost = 0;           ///< sum of rho(|e|^2) [px^2]
-  double squared_error = 0;  ///< sum |e|^2 of used corners [px^2]
-  double corners = 0;        ///< used ones
+  double cost = 0;     ///< sum of rho(|e|^2) [px^2]
+  double corners = 0;  ///< used ones
   bool converged = false;
 
-  double rmsPx() const;
+  /// sqrt(cost / corners) [px]: the RMS error, of which a loss lets gross errors take little.
+  double errorPx() const;
 };
 
 struct PoseRefinementOptions {
-  GramOptions gram;
+  GramOptions gram{0, 0};
   int max_iterations = 10;
   /// Converged where the remaining step is shorter than this, in standard deviations of the pose
   /// under 1 px.
@@ -51,9 +51,11 @@ struct PoseRefinementOptions {
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options = {});
 
-/// From nothing: homographyPose() of the view with most corners, refined over all views; where that
-/// view holds few corners its mirrored pose is tried as well. Empty where no view gives a start.
-std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views,
+/// From nothing: homographyPose() of the view with most corners, refined over all views. Where that
+/// leaves more than `good_px`, parts of the view are tried in place of the whole, for a stray
+/// corner spoils a homography; where the view holds few corners, the mirrored pose is tried as
+/// well. Empty where nothing gives a start.
+std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, double good_px,
                                        const PoseRefinementOptions& options = {});
 
 }  // namespace plumbline
