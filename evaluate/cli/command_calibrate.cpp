@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -81,7 +82,7 @@ void declareOutput(CLI::App& app, Options& o) {
 
 void checkNumbers(const Options& o) {
   const auto positive = [](const char* name, double value) {
-    if (!(value > 0))
+    if (!(value > 0) || std::isinf(value))
       throw InputError(fmt::format("{} {}: expected a positive number", name, value));
   };
   positive("--gravity", o.gravity);
@@ -105,7 +106,8 @@ CameraStageOptions cameraOptions(const Options& o, const LoadRequest& load) {
   if (o.select_views) {
     options.select_views = ViewSelectionOptions{selectionThresholdFrom(*o.select_views), o.seed};
   }
-  options.frames.tolerance = nanosecondsFromMilliseconds(o.sync_tolerance_ms);
+  options.frames.tolerance =
+      nanosecondsFromMilliseconds("--sync-tolerance-ms", o.sync_tolerance_ms);
   options.frames.min_corners = o.min_corners;
   options.threads = threadCount(load.threads);
   return options;
@@ -116,7 +118,7 @@ CameraImuOptions cameraImuOptions(const Options& o, const CameraStageOptions& ca
   options.pixel_sigma = o.pixel_sigma;
   options.gravity_m_s2 = o.gravity;
   options.cauchy_px = camera.cauchy_px;
-  options.imu_shift_ns = nanosecondsFromMilliseconds(o.imu_shift_ms);
+  options.imu_shift_ns = nanosecondsFromMilliseconds("--imu-shift-ms", o.imu_shift_ms);
   options.free_cameras = o.joint;
   options.filter = camera.filter;
   options.filter_sigmas = camera.filter_sigmas;

@@ -20,6 +20,7 @@ namespace {
 struct Options {
   std::string out;
   std::string rig = "euroc";
+  std::string motion = "full";
   bool images = false;
   int threads = 0;
   std::optional<double> time_offset_ms;
@@ -30,6 +31,11 @@ void declare(CLI::App& app, Options& o) {
   auto& s = o.simulation;
   app.add_option("--out", o.out, "Folder to write; must not exist, or be empty")->required();
   app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
+      ->capture_default_str();
+  app.add_option("--motion", o.motion,
+                 "Motion of the rig: full; or one that leaves parameters unobservable, to see what "
+                 "calibrate says of it: pure-rotation, single-axis, planar (both about y of the "
+                 "IMU), static, fronto-parallel")
       ->capture_default_str();
   app.add_option("--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
       ->capture_default_str();
@@ -49,6 +55,7 @@ void declare(CLI::App& app, Options& o) {
 
 int simulate(Options o) {
   o.simulation.trajectory.seed = o.simulation.seed;
+  o.simulation.trajectory.kind = motionFrom(o.motion);
   if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
   const SimulatedSession simulated = simulateSession(simulatedRig(o.rig), o.simulation);
   ProgressBar bar;

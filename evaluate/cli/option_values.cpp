@@ -122,6 +122,19 @@ Resolution resolutionFrom(const std::string& word) {
   refuse("--resolution", word, "WIDTHxHEIGHT in pixels, e.g. 752x480");
 }
 
+MotionKind motionFrom(const std::string& word) {
+  static const std::map<std::string, MotionKind> kMotions{
+      {"full", MotionKind::kFull},
+      {"pure-rotation", MotionKind::kPureRotation},
+      {"single-axis", MotionKind::kSingleAxisRotation},
+      {"planar", MotionKind::kPlanar},
+      {"static", MotionKind::kStatic},
+      {"fronto-parallel", MotionKind::kFrontoParallel}};
+  const auto found = kMotions.find(word);
+  if (found != kMotions.end()) return found->second;
+  refuse("--motion", word, "full, pure-rotation, single-axis, planar, static or fronto-parallel");
+}
+
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) {
   const auto equals = assignment.find('=');
   const auto member = thresholdMembers().find(assignment.substr(0, equals));
@@ -141,7 +154,11 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
          fmt::format("NAME=DOUBTFUL,BAD with NAME one of {}", fmt::join(names, ", ")));
 }
 
-TimeNs nanosecondsFromMilliseconds(double milliseconds) {
+TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds) {
+  constexpr double kDay_ms = 86'400'000;
+  if (!(std::abs(milliseconds) <= kDay_ms)) {
+    refuse(option, fmt::format("{}", milliseconds), "milliseconds, at most those of a day");
+  }
   return static_cast<TimeNs>(std::llround(milliseconds * 1e6));
 }
 

@@ -8,6 +8,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera_batch.h"
+#include "calibrator/simulate/trajectory.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline {
@@ -30,10 +31,14 @@ std::vector<CameraModelPair> modelsFrom(const std::string& words);
 /// "752x480".
 Resolution resolutionFrom(const std::string& word);
 
+/// "full", "pure-rotation", "single-axis", "planar", "static" or "fronto-parallel".
+MotionKind motionFrom(const std::string& word);
+
 /// "rmse_px=1.5,3" (doubtful, bad) changes one threshold of the verdict.
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds);
 
-/// Milliseconds as written on the command line to nanoseconds, rounded to the nearest.
-TimeNs nanosecondsFromMilliseconds(double milliseconds);
+/// Milliseconds as written on the command line to nanoseconds, rounded to the nearest. Anything
+/// that is not a number, or longer than a day, is refused in the option's name.
+TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds);
 
 }  // namespace plumbline

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/option_values.h"
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -70,9 +72,22 @@ TEST(ThresholdOption, ChangesOneRuleAndNamesThemAll) {
 }
 
 TEST(ShiftOption, IsExactInNanoseconds) {
-  EXPECT_EQ(nanosecondsFromMilliseconds(37.3), 37'300'000);
-  EXPECT_EQ(nanosecondsFromMilliseconds(-3.21), -3'210'000);
-  EXPECT_EQ(nanosecondsFromMilliseconds(1e-6), 1);
+  EXPECT_EQ(nanosecondsFromMilliseconds("--imu-shift-ms", 37.3), 37'300'000);
+  EXPECT_EQ(nanosecondsFromMilliseconds("--imu-shift-ms", -3.21), -3'210'000);
+  EXPECT_EQ(nanosecondsFromMilliseconds("--imu-shift-ms", 1e-6), 1);
+}
+
+TEST(ShiftOption, IsANumberOfReasonableSize) {
+  for (double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
+    EXPECT_THAT(complaint([&] { (void)nanosecondsFromMilliseconds("--imu-shift-ms", bad); }),
+                HasSubstr("--imu-shift-ms"));
+  }
+}
+
+TEST(MotionOption, NamesItsKinds) {
+  EXPECT_EQ(motionFrom("full"), MotionKind::kFull);
+  EXPECT_EQ(motionFrom("single-axis"), MotionKind::kSingleAxisRotation);
+  EXPECT_THAT(complaint([] { (void)motionFrom("circle"); }), HasSubstr("fronto-parallel"));
 }
 
 }  // namespace
