@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "calibrator/base/statistics.h"
 
 namespace plumbline {
 
@@ -10,37 +13,41 @@ double RegionalErrors::coverage(int least) const {
   return static_cast<double>((count.array() >= least).count()) / count.size();
 }
 
-double RegionalErrors::worst(int least) const {
-  double worst = 0;
-  for (int i = 0; i < count.size(); ++i) {
-    if (count(i) >= least) worst = std::max(worst, mean_error_px(i));
+RegionalErrors::Worst RegionalErrors::worst(int least) const {
+  Worst worst;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      if (count(row, column) < least || typical_error_px(row, column) <= worst.error_px) continue;
+      worst = {typical_error_px(row, column), row, column};
+    }
   }
   return worst;
 }
 
 RegionalErrors regionalErrors(const std::vector<CornerResidual>& residuals, int camera,
                               const Resolution& resolution) {
-  RegionalErrors regions;
-  std::vector<Eigen::Vector2d> sum(RegionalErrors::kRows * RegionalErrors::kColumns,
-                                   Eigen::Vector2d::Zero());
+  struct Errors {
+    std::vector<double> u, v;
+  };
+  std::vector<Errors> errors(RegionalErrors::kRows * RegionalErrors::kColumns);
   for (const CornerResidual& residual : residuals) {
     if (residual.camera != camera || !residual.used) continue;
-    const double u = (residual.uv.x() + 0.5) / resolution.width;
-    const double v = (residual.uv.y() + 0.5) / resolution.height;
-    if (u < 0 || u >= 1 || v < 0 || v >= 1) continue;
-    const int column = static_cast<int>(u * RegionalErrors::kColumns);
-    const int row = static_cast<int>(v * RegionalErrors::kRows);
-    ++regions.count(row, column);
-    sum[row * RegionalErrors::kColumns + column] += residual.error.cast<double>();
+    const double x = (residual.uv.x() + 0.5) / resolution.width;
+    const double y = (residual.uv.y() + 0.5) / resolution.height;
+    if (x < 0 || x >= 1 || y < 0 || y >= 1) continue;
+    Errors& region = errors[static_cast<int>(y * RegionalErrors::kRows) * RegionalErrors::kColumns +
+                            static_cast<int>(x * RegionalErrors::kColumns)];
+    region.u.push_back(residual.error.x());
+    region.v.push_back(residual.error.y());
   }
-  for (int row = 0; row < RegionalErrors::kRows; ++row) {
-    for (int column = 0; column < RegionalErrors::kColumns; ++column) {
-      const int n = regions.count(row, column);
-      if (n > 0) {
-        regions.mean_error_px(row, column) =
-            sum[row * RegionalErrors::kColumns + column].norm() / n;
-      }
-    }
+  RegionalErrors regions;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const int row = static_cast<int>(i) / RegionalErrors::kColumns;
+    const int column = static_cast<int>(i) % RegionalErrors::kColumns;
+    regions.count(row, column) = static_cast<int>(errors[i].u.size());
+    if (errors[i].u.empty()) continue;
+    regions.typical_error_px(row, column) =
+        std::hypot(quantile(std::move(errors[i].u), 0.5), quantile(std::move(errors[i].v), 0.5));
   }
   return regions;
 }

@@ -14,14 +14,21 @@ struct RegionalErrors {
   static constexpr int kRows = 6;
   /// Corners used in each region (row 0 is the top of the image).
   Eigen::Matrix<int, kRows, kColumns> count = Eigen::Matrix<int, kRows, kColumns>::Zero();
-  /// Norm of the mean error vector of each region [px]: what the model leaves, noise averaged out.
-  Eigen::Matrix<double, kRows, kColumns> mean_error_px =
+  /// Norm of the component-wise median error of each region [px]: what the model leaves there, with
+  /// noise and outliers taken out.
+  Eigen::Matrix<double, kRows, kColumns> typical_error_px =
       Eigen::Matrix<double, kRows, kColumns>::Zero();
 
   /// Share of regions with at least `least` corners.
   double coverage(int least = 1) const;
-  /// Largest mean error over regions with at least `least` corners; 0 if there is none.
-  double worst(int least) const;
+  struct Worst {
+    double error_px = 0;
+    int row = 0;
+    int column = 0;
+  };
+  /// The region with the largest typical error among those with at least `least` corners; error 0
+  /// if there is none.
+  Worst worst(int least) const;
 };
 
 /// Bins the used corners of a camera. Corners outside the resolution are ignored.

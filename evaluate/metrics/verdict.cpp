@@ -101,12 +101,18 @@ void judgeResiduals(const std::vector<CornerResidual>& residuals, const StageSum
         rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
     const RegionalErrors regions =
         regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
-    const double worst = regions.worst(kLeastCornersOfRegion);
+    const RegionalErrors::Worst worst = regions.worst(kLeastCornersOfRegion);
+    const Resolution& size = cameras[i].intrinsics.resolution;
     findings.push_back(above(
         {fmt::format("Systematic error of {} ({})", name, stage), "px", t.regional_error_px,
-         "The model does not bend as the lens does there: try another distortion model, or take "
-         "that region's results with care."},
-        worst, fmt::format("largest mean error of an image region is {:.3f} px", worst)));
+         "The model does not bend as the lens does there: try another distortion model or "
+         "--loss none, look for bad detections, or take that region's results with care."},
+        worst.error_px,
+        fmt::format("typical (median) error {:.3f} px in the worst of {} image regions, around "
+                    "pixel ({:.0f}, {:.0f})",
+                    worst.error_px, regions.count.size(),
+                    (worst.column + 0.5) * size.width / RegionalErrors::kColumns,
+                    (worst.row + 0.5) * size.height / RegionalErrors::kRows)));
   }
 }
 
@@ -164,8 +170,7 @@ void judgeConvergence(const StageSummary& summary, const std::string& stage,
   if (!summary.converged) {
     f.advice = "The numbers are those of the last iteration and not an optimum: do not use them.";
   }
-  f.value = summary.iterations;
-  f.unit = "iterations";
+  f.value = summary.iterations;  // no unit: nothing is compared with a threshold
   findings.push_back(f);
 }
 

@@ -84,6 +84,13 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   progress("calibrating camera and IMU", -1);
   auto stage = calibrateCameraImu(loaded.session, cameras, request.camera_imu);
   if (!stage) return stage.failure();
+  if (!stage->summary.converged) {
+    return Failure{FailureReason::kNotConverged,
+                   fmt::format("the camera-IMU calibration did not converge in {} iterations",
+                               stage->summary.iterations),
+                   "check imu.yaml's noise densities and the recording's motion, or calibrate the "
+                   "cameras alone with --no-imu"};
+  }
   record.camera_imu = std::move(stage).value();
   record.camera_imu->summary.seconds.load = loaded.load_s;
   record.camera_imu->summary.seconds.detect = loaded.detect_s;
@@ -118,6 +125,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
                                            const ProgressSink& progress) {
   CalibrateRequest request = asked;
   const LoadedSession loaded = loadSession(request.load, progress);
+  auto& models = request.camera.models;
+  if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());
   CalibrationRecord record = emptyRecord(request, loaded);
   std::vector<CameraCalibration> cameras;
   if (request.cameras_file) {

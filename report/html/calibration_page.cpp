@@ -130,20 +130,34 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   return sections;
 }
 
+data findingRow(const Finding& f) {
+  const std::string unit = f.unit == "-" ? "" : " " + f.unit;
+  // A rule without a unit compares nothing with a threshold (convergence).
+  const std::string threshold =
+      f.unit.empty() ? "\u2013" : fmt::format("{:g}{}", f.threshold, unit);
+  return object({{"rule", f.rule},
+                 {"level", toString(f.level)},
+                 {"evidence", f.evidence},
+                 {"advice", f.advice},
+                 {"threshold", threshold}});
+}
+
 void setVerdict(data& page, const Verdict& verdict) {
   const std::string word = toString(verdict.level);
   page.set("verdict", word);
   page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
   page.set("verdict_sentence", verdictSentence(verdict));
-  page.set("has_findings", flag(!verdict.findings.empty()));
-  page.set("findings", listOf(verdict.findings, [](const Finding& f) {
-             const std::string unit = f.unit == "-" ? "" : " " + f.unit;
-             return object({{"rule", f.rule},
-                            {"level", toString(f.level)},
-                            {"evidence", f.evidence},
-                            {"advice", f.advice.empty() ? "\u2013" : f.advice},
-                            {"threshold", fmt::format("{:g}{}", f.threshold, unit)}});
-           }));
+  std::vector<Finding> concerns;
+  std::vector<Finding> holds;
+  for (const Finding& finding : verdict.findings) {
+    (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);
+  }
+  page.set("has_concerns", flag(!concerns.empty()));
+  page.set("concerns", listOf(concerns, findingRow));
+  page.set("has_holds", flag(!holds.empty()));
+  page.set("holds_summary",
+           fmt::format("{} of {} rules hold", holds.size(), verdict.findings.size()));
+  page.set("holds", listOf(holds, findingRow));
 }
 
 data matrixData(const std::string& heading, const Transform& T, const std::string& note) {
