@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "calibrator/base/lie.h"
 #include "calibrator/batch/parallel_chunks.h"
@@ -16,6 +17,9 @@ constexpr int kChunk = 32;  // frames
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLeastDamping = 1e-12;
 constexpr double kMostDamping = 1e10;
+constexpr double kFaithfulDamping = 1e-2;  // up to here a short step means a minimum
+constexpr double kEase = 0.03;             // of the damping, where all goes well
+constexpr double kRounding = 1e-11;        // share of the cost below which its change tells nothing
 constexpr double kNear = 1e-3;  // share of the cost that a step takes away near the minimum
 
 struct Step {
@@ -158,23 +162,38 @@ class Minimiser {
       return true;
     }
     if (settled(step->decrement, now_.normals.cost, options_)) {
-      now_.converged = damping_ < 0.1;
-      return false;
+      now_.converged = damping_ < kFaithfulDamping;
+      damping_ *= kEase;
+      return !now_.converged;
     }
     CameraEstimate next = moved(now_.estimate, *step);
     const bool near = step->decrement < kNear * now_.normals.cost;
     const GramOptions gram = near ? newton() : gram_;
     CameraNormals normals = normalsAt(problem_, next, gram);
     if (normals.cost <= now_.normals.cost * (1 + 1e-14)) {
+      damping_ = std::max(dampingAfter(*step, now_.normals.cost, normals.cost), kLeastDamping);
       gram_ = gram;
       --steps_until_curvature_;
       now_.estimate = std::move(next);
       now_.normals = std::move(normals);
-      damping_ = std::max(0.03 * damping_, kLeastDamping);
     } else {
       refuse();
     }
     return true;
+  }
+
+  /// Less where the cost fell as promised, more where it fell by less than half of that (after
+  /// Nielsen, "Damping parameter in Marquardt's method", 1999). Where rounding hides the cost's
+  /// fall, more if the steps do not shrink.
+  double dampingAfter(const Step& step, double before, double after) {
+    const double last = std::exchange(last_decrement_, step.decrement);
+    if (step.decrement < kRounding * before) {
+      return step.decrement < 0.3 * last ? damping_ : 10 * std::max(damping_, 1e-9);
+    }
+    const double gain = (before - after) / (0.5 * step.decrement);
+    const double factor = 1 - std::pow(2 * gain - 1, 3);
+    if (factor > 1) return 2 * factor * std::max(damping_, 1e-8);
+    return std::max(kEase, factor) * damping_;
   }
 
   /// The whole second derivative of the loss.
@@ -203,6 +222,7 @@ class Minimiser {
   double damping_ = kFirstDamping;
   int steps_until_curvature_ = 0;
   int patience_ = 4;
+  double last_decrement_ = 0;
 };
 
 }  // namespace
