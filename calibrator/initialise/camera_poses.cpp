@@ -15,6 +15,7 @@ namespace {
 constexpr int kCornersOfStart = 16;  // evenly spread, they are enough for a start
 constexpr int kFewCorners = 16;      // up to here the mirrored pose is tried
 constexpr int kParts = 8;            // of a view that are tried by themselves
+constexpr double kLine = 1e-5;       // corners closer to a line than this (squared) give no pose
 constexpr double kLeastRcond = 1e-12;
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
@@ -55,10 +56,12 @@ std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
   const auto n = static_cast<double>(points.size());
   out.centre.setZero();
   for (const RayPoint& p : points) out.centre += p.target / n;
-  double spread = 0;
-  for (const RayPoint& p : points) spread += (p.target - out.centre).squaredNorm() / n;
-  if (!(spread > 0)) return std::nullopt;
-  out.scale = std::sqrt(spread);
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const RayPoint& p : points) {
+    spread += (p.target - out.centre) * (p.target - out.centre).transpose() / n;
+  }
+  if (!(spread.determinant() > kLine * spread.trace() * spread.trace())) return std::nullopt;
+  out.scale = std::sqrt(spread.trace());
   Matrix8d A = Matrix8d::Zero();
   Vector8d b = Vector8d::Zero();
   for (const RayPoint& p : points) {

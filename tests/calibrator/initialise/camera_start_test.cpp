@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// First guesses of the camera stage: poses from homographies, focal lengths, extrinsics.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/initialise/camera_focal.h"
+#include "calibrator/initialise/camera_graph.h"
+#include "calibrator/initialise/camera_poses.h"
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline {
+namespace {
+
+SimulatedSession recording(const std::string& rig, double sigma_px) {
+  SimulationOptions options;
+  options.duration_s = 10;
+  options.camera_rate_hz = 3;
+  options.corner_sigma_px = sigma_px;
+  return simulateSession(simulatedRig(rig), options);
+}
+
+Transform truePose(const SimulatedSession& s, int camera, const ImageView& view) {
+  return s.cameraPose(camera, view.t).inverse();
+}
+
+double distance(const Transform& a, const Transform& b) { return boxminus(a, b).norm(); }
+
+TEST(HomographyPose, IsExactWithoutNoiseEvenAtTheRimOfAFisheye) {
+  for (const char* rig : {"euroc", "tumvi"}) {
+    const SimulatedSession s = recording(rig, 0);
+    const Intrinsics& camera = s.truth.cameras[0].intrinsics;
+    const auto& views = s.session.cameras[0].views;
+    const PackedCorners corners(s.session.target, views);
+    for (int v = 0; v < corners.viewCount(); ++v) {
+      const auto pose = homographyPose(camera, corners.view(v));
+      ASSERT_TRUE(pose.has_value()) << rig << " view " << v;
+      const Transform truth = truePose(s, 0, views[static_cast<std::size_t>(v)]);
+      EXPECT_LT(distance(*pose, truth), 1e-7) << rig << " view " << v;
+    }
+  }
+}
+
+TEST(HomographyPose, NeedsFourCornersThatAreNotOnALine) {
+  const AprilGrid target;
+  const Intrinsics camera =
+      plainCamera(ProjectionModel::kPinhole, DistortionModel::kRadtan, {640, 480}, 400);
+  const auto viewOf = [&](const std::vector<int>& ids) {
+    ImageView view;
+    for (const int id : ids) {
+      const Eigen::Vector2d p = target.corner(id);
+      view.corners.push_back({id, Eigen::Vector2d(100, 100) + 300 * p});
+    }
+    return PackedCorners(target, {view});
+  };
+  EXPECT_FALSE(homographyPose(camera, viewOf({0, 1, 2}).view(0)).has_value());
+  EXPECT_FALSE(homographyPose(camera, viewOf({0, 1, 4, 5, 8, 9}).view(0)).has_value());
+  EXPECT_TRUE(homographyPose(camera, viewOf({0, 1, 2, 3}).view(0)).has_value());
+}
+
+TEST(MirroredPose, KeepsTheCentreAndReflectsTheNormalAtTheLineOfSight) {
+  const Eigen::Vector2d centre(0.1, 0.2);
+  const Transform T_CF(expSO3({2.5, 0.3, -0.2}), Eigen::Vector3d(0.1, -0.2, 1.5));
+  const Transform other = mirroredPose(T_CF, centre);
+  const Eigen::Vector3d C(centre.x(), centre.y(), 0);
+  EXPECT_LT((other * C - T_CF * C).norm(), 1e-12);
+  const Eigen::Vector3d sight = (T_CF * C).normalized();
+  const Eigen::Vector3d sum = other.R.col(2) + T_CF.R.col(2);
+  EXPECT_LT(sum.cross(sight).norm(), 1e-12);
+  EXPECT_GT(distance(other, T_CF), 0.1);
+  EXPECT_LT(distance(mirroredPose(other, centre), T_CF), 1e-12);
+}
+
+TEST(FindPose, StrayCornersDoNotSpoilIt) {
+  SimulatedSession s = recording("euroc", 0);
+  auto& views = s.session.cameras[0].views;
+  for (ImageView& view : views) {
+    for (std::size_t k = 0; k < view.corners.size(); k += 25) {
+      view.corners[k].uv += Eigen::Vector2d(150, -90);
+    }
+  }
+  const Intrinsics& camera = s.truth.cameras[0].intrinsics;
+  const PackedCorners corners(s.session.target, views);
+  PoseRefinementOptions options;
+  options.gram.cauchy_px = 1;
+  options.max_iterations = 30;
+  for (int v = 0; v < corners.viewCount(); ++v) {
+    const auto pose = findPose({{&camera, corners.view(v), Transform()}}, 0.1, options);
+    ASSERT_TRUE(pose.has_value());
+    const Transform truth = truePose(s, 0, views[static_cast<std::size_t>(v)]);
+    EXPECT_LT(distance(pose->T_C0F, truth), 0.01) << "view " << v;
+  }
+}
+
+TEST(RefinePose, ASecondCameraWithKnownExtrinsicsAddsToTheFirst) {
+  const SimulatedSession s = recording("euroc", 0);
+  const auto& cameras = s.truth.cameras;
+  const PackedCorners left(s.session.target, s.session.cameras[0].views);
+  const PackedCorners right(s.session.target, s.session.cameras[1].views);
+  const std::vector<FrameView> views = {
+      {&cameras[0].intrinsics, left.view(3), Transform()},
+      {&cameras[1].intrinsics, right.view(3), cameras[1].T_C0Ci.inverse()}};
+  const Transform truth = truePose(s, 0, s.session.cameras[0].views[3]);
+  const Transform start = boxplus(truth, Vector6d::Constant(0.03));
+  const PoseRefinement pose = refinePose(views, start, {{0, 0}, 20, 1e-8});
+  EXPECT_TRUE(pose.converged);
+  EXPECT_LT(distance(pose.T_C0F, truth), 1e-9);
+  EXPECT_EQ(pose.corners, left.view(3).count + right.view(3).count);
+}
+
+TEST(FocalCandidates, TheFirstIsWithinAThirdOfTheTruth) {
+  for (const char* rig : {"euroc", "tumvi", "d435i"}) {
+    const SimulatedSession s = recording(rig, 0.2);
+    const Intrinsics& truth = s.truth.cameras[0].intrinsics;
+    const PackedCorners corners(s.session.target, s.session.cameras[0].views);
+    std::vector<PackedView> views;
+    for (int v = 0; v < corners.viewCount(); ++v) views.push_back(corners.view(v));
+    const auto candidates =
+        focalCandidates(truth.distortion_model, s.session.cameras[0].resolution, views);
+    ASSERT_FALSE(candidates.empty());
+    EXPECT_LT(std::abs(std::log(candidates[0] / truth.projection[0])), std::log(4.0 / 3)) << rig;
+  }
+}
+
+TEST(FocalCandidates, WithoutViewsAFieldOfAboutSeventyDegreesIsAssumed) {
+  const auto candidates = focalCandidates(DistortionModel::kRadtan, {1000, 800}, {});
+  ASSERT_EQ(candidates.size(), 1u);
+  EXPECT_NEAR(2 * std::atan(500 / candidates[0]) * 180 / std::numbers::pi, 71, 1);
+}
+
+TEST(MedianTransform, IsNotSpoiledByAThirdOfGrossErrors) {
+  const Transform truth(expSO3({0.1, -0.2, 0.3}), Eigen::Vector3d(0.1, 0.02, -0.03));
+  std::vector<Transform> all;
+  for (int i = 0; i < 30; ++i) {
+    Vector6d d = Vector6d::Constant(1e-4 * (i % 5 - 2));
+    if (i % 3 == 0) d = Vector6d::Constant(0.5);
+    all.push_back(boxplus(truth, d));
+  }
+  EXPECT_LT(distance(medianTransform(all), truth), 1e-3);
+}
+
+TEST(ExtrinsicsFromPoses, AChainOfThreeCamerasIsFollowed) {
+  const Transform T_C0C1(expSO3({0, 0.5, 0}), Eigen::Vector3d(0.1, 0, 0));
+  const Transform T_C1C2(expSO3({0.2, 0.5, 0}), Eigen::Vector3d(0.1, 0.05, 0));
+  std::vector<CameraPoses> poses(3, CameraPoses(20));
+  for (std::size_t f = 0; f < 20; ++f) {
+    const double a = 0.1 * static_cast<double>(f);
+    const Transform T_C0F(expSO3({a, 0.1, -a}), Eigen::Vector3d(a, 0, 1));
+    if (f < 12) poses[0][f] = T_C0F;
+    poses[1][f] = T_C0C1.inverse() * T_C0F;
+    if (f >= 12) poses[2][f] = (T_C0C1 * T_C1C2).inverse() * T_C0F;  // never together with camera 0
+  }
+  const auto T = extrinsicsFromPoses(poses, {"cam0", "cam1", "cam2"});
+  ASSERT_TRUE(T.ok()) << T.failure().message;
+  EXPECT_LT(distance((*T)[1], T_C0C1), 1e-12);
+  EXPECT_LT(distance((*T)[2], T_C0C1 * T_C1C2), 1e-12);
+}
+
+TEST(ExtrinsicsFromPoses, CamerasThatShareNoFrameAreNamed) {
+  std::vector<CameraPoses> poses(3, CameraPoses(4));
+  poses[0][0] = poses[1][0] = Transform();
+  poses[2][1] = Transform();
+  const auto T = extrinsicsFromPoses(poses, {"left", "right", "rear"});
+  ASSERT_FALSE(T.ok());
+  EXPECT_EQ(T.failure().reason, FailureReason::kNoOverlap);
+  EXPECT_EQ(T.failure().message, "rear never saw the target in the same frame as left, right");
+}
+
+}  // namespace
+}  // namespace plumbline
