@@ -44,18 +44,26 @@ void writeCalibrationResults(const CalibrationRecord& record, const std::string&
   fs::create_directories(out, error);
   if (error) throw InputError(out, 0, "cannot be made: " + error.message());
   const fs::path folder(out);
-  const auto write = [&](const char* name, const std::string& text) {
-    writeFileAtomically((folder / name).string(), text);
+  // What a run does not write is removed, so that the folder never mixes the results of two runs.
+  const auto write = [&](const char* name, bool wanted, const auto& text) {
+    std::error_code ignored;
+    if (wanted) {
+      writeFileAtomically((folder / name).string(), text());
+    } else {
+      fs::remove(folder / name, ignored);
+    }
   };
   const Calibration calibration = calibrationOf(record);
-  write("calibration.json", calibrationDocument(record));
-  write(calibration.imu ? "camchain-imucam.yaml" : "camchain.yaml",
-        kalibrCamchainText(calibration));
-  if (calibration.imu)
-    write("imu.yaml", kalibrImuText(calibration.imu->noise, calibration.imu->rostopic));
-  if (options.residuals) write("residuals.csv", residualsTable(record));
+  const auto camchain = [&] { return kalibrCamchainText(calibration); };
+  const bool with_imu = calibration.imu.has_value();
+  write("calibration.json", true, [&] { return calibrationDocument(record); });
+  write("camchain-imucam.yaml", with_imu, camchain);
+  write("camchain.yaml", !with_imu, camchain);
+  write("imu.yaml", with_imu,
+        [&] { return kalibrImuText(calibration.imu->noise, calibration.imu->rostopic); });
+  write("residuals.csv", options.residuals, [&] { return residualsTable(record); });
   writeRecords(record, folder / kRecordsFile);
-  if (options.report) writeCalibrationPage(record, (folder / "report.html").string());
+  write("report.html", options.report, [&] { return renderCalibrationPage(record); });
 }
 
 }  // namespace plumbline

@@ -17,7 +17,8 @@ struct WriteOptions {
 
 /// Writes a calibration's results into `out` (made if missing): calibration.json,
 /// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml, records.sqlite, and as asked
-/// residuals.csv and report.html. Each file appears whole or not at all. Throws InputError where
+/// residuals.csv and report.html. Each file appears whole or not at all; files of
+/// these names that this run does not write are removed. Throws InputError where
 /// `out` cannot be written.
 void writeCalibrationResults(const CalibrationRecord& record, const std::string& out,
                              const WriteOptions& options);
