@@ -41,6 +41,14 @@ void forwardSubstitute(const LowerFactor& L, ChainBorderRows& panel) {
   }
 }
 
+/// panel <- L'^-1 panel.
+void backSubstituteRows(const LowerFactor& L, ChainBorderRows& panel) {
+  for (int i = kB - 1; i >= 0; --i) {
+    panel.row(i) *= 1 / L(i, i);
+    for (int k = 0; k < i; ++k) panel.row(k) -= L(i, k) * panel.row(i);
+  }
+}
+
 /// x <- L'^-1 x.
 void backSubstitute(const LowerFactor& L, BlockVector& x) {
   for (int i = kB - 1; i >= 0; --i) {
@@ -83,6 +91,28 @@ class Elimination {
     if (system_.blocks() > 0) eliminate(middle_, 0, front);
     if (!front.positive) return std::nullopt;
     return substitute(front);
+  }
+
+  /// After run() has succeeded.
+  ChainCovariance covariance(const Eigen::MatrixXd& border_information) const {
+    const int m = system_.border();
+    const int n = system_.blocks();
+    ChainCovariance out;
+    out.border = border_information.llt().solve(Eigen::MatrixXd::Identity(m, m));
+    out.border = (0.5 * (out.border + out.border.transpose())).eval();
+    out.diagonal.resize(static_cast<std::size_t>(n));
+    out.next.assign(static_cast<std::size_t>(n), ChainMatrix::Zero());
+    out.to_border.resize(static_cast<std::size_t>(n));
+    if (n == 0) return out;
+    blockCovariance(middle_, 0, out);
+    inParallel(
+        [&] {
+          for (int i = middle_ - 1; i >= 0; --i) blockCovariance(i, +1, out);
+        },
+        [&] {
+          for (int i = middle_ + 1; i < n; ++i) blockCovariance(i, -1, out);
+        });
+    return out;
   }
 
  private:
@@ -191,6 +221,41 @@ class Elimination {
     out.step[static_cast<std::size_t>(i)] = x;
   }
 
+  /// Covariance of (neighbour, border) of an eliminated block.
+  RowMatrix neighbourCovariance(int neighbour, const ChainCovariance& out) const {
+    const int m = system_.border();
+    if (neighbour < 0) return out.border;
+    const auto at = static_cast<std::size_t>(neighbour);
+    RowMatrix S(kB + m, kB + m);
+    S.topLeftCorner<kB, kB>() = out.diagonal[at];
+    S.topRightCorner(kB, m) = out.to_border[at];
+    S.bottomLeftCorner(m, kB) = out.to_border[at].transpose();
+    S.bottomRightCorner(m, m) = out.border;
+    return S;
+  }
+
+  void blockCovariance(int i, int direction, ChainCovariance& out) const {
+    const auto at = static_cast<std::size_t>(i);
+    const EliminatedBlock& e = eliminated_[at];
+    const int m = system_.border();
+    const int coupled = static_cast<int>(e.panel.cols()) - 1;  // neighbour, if any, and border
+    // L^-1 (panel | I), and then L'^-1 of it: K and (L L')^-1 side by side.
+    ChainBorderRows both(kB, coupled + kB);
+    both.leftCols(coupled) = e.panel.leftCols(coupled);
+    ChainBorderRows identity = ChainBorderRows::Identity(kB, kB);
+    forwardSubstitute(e.L, identity);
+    both.rightCols(kB) = identity;
+    backSubstituteRows(e.L, both);
+    const ChainBorderRows K = both.leftCols(coupled);
+    const ChainBorderRows KS =
+        K.lazyProduct(neighbourCovariance(direction == 0 ? -1 : i + direction, out));
+    const ChainMatrix S_ii = both.rightCols(kB) + KS.lazyProduct(K.transpose());
+    out.diagonal[at] = 0.5 * (S_ii + S_ii.transpose());
+    out.to_border[at] = -KS.rightCols(m);
+    if (direction > 0) out.next[at] = -KS.leftCols(kB);
+    if (direction < 0) out.next[at - 1] = -KS.leftCols(kB).transpose();
+  }
+
   const BorderedChain& system_;
   const ChainOptions& options_;
   const int columns_;  // border and gradient
@@ -217,6 +282,15 @@ void BorderedChain::setZero() {
 
 std::optional<ChainSolution> solveChain(const BorderedChain& system, const ChainOptions& options) {
   return Elimination(system, options).run();
+}
+
+std::optional<ChainInverse> invertChain(const BorderedChain& system, const ChainOptions& options) {
+  Elimination elimination(system, options);
+  auto solution = elimination.run();
+  if (!solution) return std::nullopt;
+  ChainInverse out{std::move(*solution), {}};
+  out.covariance = elimination.covariance(out.solution.border_information);
+  return out;
 }
 
 }  // namespace plumbline

@@ -58,4 +58,28 @@ struct ChainSolution {
 std::optional<ChainSolution> solveChain(const BorderedChain& system,
                                         const ChainOptions& options = {});
 
+/// The blocks of H^-1 where H has blocks: the covariance of each state, of each state with the next
+/// one, and of each with the border.
+struct ChainCovariance {
+  using BorderColumns = Eigen::Matrix<double, kChainBlock, Eigen::Dynamic, Eigen::RowMajor>;
+  std::vector<ChainMatrix> diagonal;     ///< H^-1(i, i), n
+  std::vector<ChainMatrix> next;         ///< H^-1(i, i + 1), n (the last one is zero)
+  std::vector<BorderColumns> to_border;  ///< H^-1(i, border), n of 15 x m
+  Eigen::MatrixXd border;                ///< H^-1(border, border), m x m
+};
+
+struct ChainInverse {
+  ChainSolution solution;  ///< equal to solveChain()'s, bit by bit
+  ChainCovariance covariance;
+};
+
+/// Solves, and goes from the middle outwards again for the selected inverse: with x_i = -K (x_j,
+/// x_B)
+/// + noise of covariance (L L')^-1 from the elimination of block i towards block j,
+///   S_i,jB = -K S_jB,   S_ii = (L L')^-1 + K S_jB K'
+/// (Takahashi et al. 1973, by blocks); n (15^3 + 15 (15 + m)^2) operations. Empty where
+/// solveChain() is.
+std::optional<ChainInverse> invertChain(const BorderedChain& system,
+                                        const ChainOptions& options = {});
+
 }  // namespace plumbline

@@ -95,6 +95,39 @@ TEST_P(BorderedChainSolve, EqualsADenseCholesky) {
   }
 }
 
+TEST_P(BorderedChainSolve, SelectedInverseEqualsADenseInverse) {
+  const auto [blocks, border, broken] = GetParam();
+  const BorderedChain chain = randomChain(blocks, border, 17, broken);
+  const Eigen::MatrixXd H = dense(chain, 0).H;
+  const Eigen::MatrixXd S = H.llt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
+  const double tolerance = 1e-11 * S.norm();
+  const auto inverse = invertChain(chain);
+  ASSERT_TRUE(inverse);
+  const ChainCovariance& c = inverse->covariance;
+  EXPECT_LE((c.border - S.bottomRightCorner(border, border)).norm(), tolerance);
+  for (int i = 0; i < blocks; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    EXPECT_LT((c.diagonal[at] - S.block<kB, kB>(i * kB, i * kB)).norm(), tolerance) << i;
+    EXPECT_LE((c.to_border[at] - S.block(i * kB, blocks * kB, kB, border)).norm(), tolerance) << i;
+    if (i + 1 == blocks) continue;
+    EXPECT_LE((c.next[at] - S.block<kB, kB>(i * kB, (i + 1) * kB)).norm(), tolerance) << i;
+  }
+}
+
+TEST(BorderedChainInverse, SolvesAsWithoutItAndOnAnyNumberOfThreads) {
+  const BorderedChain chain = randomChain(11, 9, 3);
+  const auto solution = solveChain(chain);
+  const auto one = invertChain(chain);
+  const auto two = invertChain(chain, {0, 2});
+  ASSERT_TRUE(solution && one && two);
+  EXPECT_EQ(one->solution.border_step, solution->border_step);
+  EXPECT_EQ(one->solution.step.front(), solution->step.front());
+  for (std::size_t i = 0; i < 11; ++i) {
+    EXPECT_EQ(one->covariance.diagonal[i], two->covariance.diagonal[i]);
+    EXPECT_EQ(one->covariance.next[i], two->covariance.next[i]);
+  }
+}
+
 TEST_P(BorderedChainSolve, GivesTheMarginalInformationOfTheBorder) {
   const auto [blocks, border, broken] = GetParam();
   const BorderedChain chain = randomChain(blocks, border, 5, broken);
