@@ -16,18 +16,26 @@
 namespace plumbline {
 namespace {
 
-std::vector<CornerResidual> frameResiduals(const CameraImuProblem& problem,
-                                           const CameraImuEstimate& estimate, int frame) {
+int cornerCount(const CameraImuProblem& problem, const Frame& frame) {
+  int count = 0;
+  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+    if (frame.view[c] >= 0) count += problem.corners[c].view(frame.view[c]).count;
+  }
+  return count;
+}
+
+/// Writes the residuals of one frame, camera by camera, from `out` on.
+void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& estimate, int frame,
+                    CornerResidual* out) {
   const auto at = static_cast<std::size_t>(frame);
   const Frame& f = problem.frames[at];
-  std::vector<CornerResidual> out;
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     if (f.view[c] < 0) continue;
     const CameraCalibration& camera = estimate.cameras[c];
     const Transform T_CF = (estimate.states[at].T_FS * estimate.T_SC0 * camera.T_C0Ci).inverse();
     const PackedView view = problem.corners[c].view(f.view[c]);
     for (int k = 0; k < view.count; ++k) {
-      CornerResidual r;
+      CornerResidual& r = *out++;
       r.camera = static_cast<int>(c);
       r.frame = frame;
       r.corner_id = view.id[k];
@@ -36,10 +44,8 @@ std::vector<CornerResidual> frameResiduals(const CameraImuProblem& problem,
       r.uv = uv.cast<float>();
       r.used = view.w[k] > 0 && p.has_value();
       if (p) r.error = (uv - *p).cast<float>();
-      out.push_back(r);
     }
   }
-  return out;
 }
 
 /// Rows of the border that are calibration parameters, with their names and units.
@@ -137,15 +143,15 @@ std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
 
 std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
                                             const CameraImuEstimate& estimate) {
-  std::vector<std::vector<CornerResidual>> parts(problem.frames.size());
+  std::vector<int> first(1, 0);  // of each frame, in the list
+  for (const Frame& frame : problem.frames) {
+    first.push_back(first.back() + cornerCount(problem, frame));
+  }
+  std::vector<CornerResidual> out(static_cast<std::size_t>(first.back()));
   forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
-    parts[static_cast<std::size_t>(chunk.begin)] = frameResiduals(problem, estimate, chunk.begin);
+    CornerResidual* const begin = out.data() + first[static_cast<std::size_t>(chunk.begin)];
+    frameResiduals(problem, estimate, chunk.begin, begin);
   });
-  std::size_t total = 0;
-  for (const auto& part : parts) total += part.size();
-  std::vector<CornerResidual> out;
-  out.reserve(total);
-  for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
   return out;
 }
 

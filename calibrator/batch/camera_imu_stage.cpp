@@ -12,25 +12,35 @@ namespace {
 /// The few steps of squared error that precede a robust loss.
 constexpr SolverOptions kWarmStart{.max_iterations = 4, .tolerance = 10};
 
-void fillReprojection(const Session& session, CameraImuStageResult& result) {
-  const std::size_t n = session.cameras.size();
-  std::vector<std::vector<Eigen::Vector2d>> errors(n);
-  std::vector<Eigen::Vector2d> all;
-  StageSummary& s = result.summary;
-  int last_frame = -1;
-  int last_camera = -1;
-  for (const CornerResidual& r : result.residuals) {  // grouped by frame, then camera
-    if (!r.used) continue;
-    errors[static_cast<std::size_t>(r.camera)].push_back(r.error.cast<double>());
-    all.push_back(r.error.cast<double>());
-    if (r.frame != last_frame || r.camera != last_camera) ++s.views_used;
-    last_frame = r.frame;
-    last_camera = r.camera;
+/// Errors of the used corners of one camera; of all where `camera` is negative.
+std::vector<Eigen::Vector2d> usedErrors(const std::vector<CornerResidual>& residuals, int camera) {
+  std::vector<Eigen::Vector2d> errors;
+  errors.reserve(residuals.size());
+  for (const CornerResidual& r : residuals) {
+    if (r.used && (camera < 0 || r.camera == camera)) errors.push_back(r.error.cast<double>());
   }
-  s.reprojection = summariseErrors(all);
-  s.corners_used = all.size();
-  for (std::size_t c = 0; c < n; ++c) {
-    s.per_camera.push_back(summariseErrors(errors[c]));
+  return errors;
+}
+
+/// Views with used corners; residuals are grouped by frame, then camera.
+int countUsedViews(const std::vector<CornerResidual>& residuals) {
+  int views = 0;
+  const CornerResidual* last = nullptr;
+  for (const CornerResidual& r : residuals) {
+    if (!r.used) continue;
+    if (last == nullptr || r.frame != last->frame || r.camera != last->camera) ++views;
+    last = &r;
+  }
+  return views;
+}
+
+void fillReprojection(const Session& session, CameraImuStageResult& result) {
+  StageSummary& s = result.summary;
+  s.reprojection = summariseErrors(usedErrors(result.residuals, -1));
+  s.corners_used = s.reprojection.count;
+  s.views_used = countUsedViews(result.residuals);
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    s.per_camera.push_back(summariseErrors(usedErrors(result.residuals, static_cast<int>(c))));
     s.views_offered += static_cast<int>(session.cameras[c].views.size());
     for (const ImageView& view : session.cameras[c].views) s.corners_offered += view.corners.size();
   }
@@ -82,6 +92,7 @@ SolverOptions solverOptions(const CameraImuOptions& options) {
 
 CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& options) {
   CameraImuProblem problem;
+  problem.corners.reserve(session.cameras.size());
   for (const CameraStream& camera : session.cameras) {
     problem.corners.emplace_back(session.target, camera.views);
   }

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
@@ -32,7 +33,13 @@ int runChosen(const CLI::App& app, const std::map<std::string, std::function<int
   }
 }
 
+// Big arrays go back to the system as soon as they are freed. Left alone, glibc raises this limit
+// with the first big array that is freed, keeps the later ones on its heap, and the peak grows by a
+// quarter (127 against 102 MB for both stages of a stereo recording of 72 s).
+void returnFreedArrays() { mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
+
 int run(int argc, char** argv) {
+  returnFreedArrays();
   CLI::App app{"Calibrates and judges camera-IMU rigs from recordings of an AprilGrid.",
                "plumbline"};
   app.set_version_flag("--version", kVersion);
