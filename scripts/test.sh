@@ -5,6 +5,8 @@
 # Further arguments go to ctest, e.g.  scripts/test.sh -L unit
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# Two clones share what ccache keeps.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
 
 scripts/install_dependencies.sh build test

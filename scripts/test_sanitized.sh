@@ -3,6 +3,8 @@
 # The unit tests (ctest label `unit`) in a build with AddressSanitizer and UBSan.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# Two clones share what ccache keeps.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 scripts/install_dependencies.sh build test
 cmake -S . -B build-sanitized -G Ninja -DCMAKE_BUILD_TYPE=Debug -DPLUMBLINE_SANITIZE=ON \
   -DPLUMBLINE_TESTS=ON >/dev/null
