@@ -22,4 +22,5 @@ build/evaluate/plumbline simulate --out "$out/session" --rig euroc --seed 7 --du
   --camera-rate 10 --images
 echo
 echo "Calibrating it from the images alone ..."
-build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --cache "$out/cache"
+build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --cache "$out/cache" \
+  --resample 20
