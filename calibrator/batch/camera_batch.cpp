@@ -18,9 +18,10 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
-constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
-constexpr double kWideLoss = 0.01;  // scale over the image's width
+constexpr int kMinUsedCorners = 4;          // what a frame needs for a pose
+constexpr int kFilterRounds = 3;            // of CornerFilter::kSigma
+constexpr double kWideLoss = 0.01;          // scale over the image's width
+constexpr double kTrustUnconverged = 1e-2;  // of the information: ten times the uncertainty
 constexpr double kPoseTolerance = 1e-7;
 constexpr int kPoseIterations = 50;
 
@@ -37,6 +38,15 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+void checkSession(const Session& session) {
+  if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
+  for (const CameraStream& camera : session.cameras) {
+    if (camera.resolution.width > 0 && camera.resolution.height > 0) continue;
+    throw InputError(camera.name +
+                     ": the image's resolution is unknown; state it in the camera's sensor.yaml");
+  }
+}
 
 /// One model per camera: as asked for, or the session's words, or pinhole-radtan.
 std::vector<CameraModelPair> modelsOf(const Session& session, const CameraStageOptions& options) {
@@ -103,8 +113,8 @@ CameraSolverOptions solverOptions(const CameraStageOptions& options) {
   return solver;
 }
 
-/// Solves, with a loss so wide that it touches gross errors only first where the loss is robust: its
-/// normal equations lead closer to the minimum from afar.
+/// Solves, with a loss so wide that it touches gross errors only first where the loss is robust:
+/// its normal equations lead closer to the minimum from afar.
 CameraSolution solveFromAfar(CameraProblem& problem, const CameraEstimate& start,
                              const CameraStageOptions& options) {
   const CameraSolverOptions solver = solverOptions(options);
@@ -184,11 +194,12 @@ CameraSolution solveStage(std::vector<PackedCorners>& corners, CameraProblem& pr
 }
 
 /// Everything that is reported of a solution. A free direction explains a solver that did not
-/// converge better than the solver could, so it is looked for first.
+/// converge better than the solver could, so it is looked for first, and then a weak one will do.
 Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
                                       const CameraSolution& solution, ResidualList list) {
   CameraStageResult result = resultFrom(session, problem, solution.estimate);
-  const auto failure = addCovariance(reducedInformation(solution.normals), result);
+  const double trust = solution.converged ? 1 : kTrustUnconverged;
+  const auto failure = addCovariance(trust * reducedInformation(solution.normals), result);
   if (failure) return *failure;
   if (!solution.converged) {
     return Failure{FailureReason::kNotConverged,
@@ -256,6 +267,7 @@ double refinePoses(const CameraProblem& problem, CameraEstimate& estimate, bool&
 
 Result<CameraStageResult> calibrateCameras(const Session& session,
                                            const CameraStageOptions& options) {
+  checkSession(session);
   Stopwatch total;
   Stopwatch watch;
   std::vector<PackedCorners> corners = packCorners(session);
@@ -282,6 +294,7 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
 Result<CameraStageResult> scoreCameras(const Session& session,
                                        const std::vector<CameraCalibration>& cameras,
                                        const CameraStageOptions& options) {
+  checkSession(session);
   checkCameras(session, cameras);
   Stopwatch watch;
   std::vector<PackedCorners> corners = packCorners(session);
