@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the camera stage refuses, and in which words.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/camera_batch.h"
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+SimulatedSession recording(MotionKind motion = MotionKind::kFull) {
+  SimulationOptions options;
+  options.duration_s = 8;
+  options.camera_rate_hz = 5;
+  options.trajectory.kind = motion;
+  return simulateSession(simulatedRig("euroc"), options);
+}
+
+std::string inputErrorOf(const Session& session, const CameraStageOptions& options = {}) {
+  try {
+    (void)calibrateCameras(session, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CameraFailures, SessionsThatCannotBeCalibratedAreBadInput) {
+  Session session = recording().session;
+  session.cameras[1].resolution = {};
+  EXPECT_THAT(inputErrorOf(session), HasSubstr("cam1: the image's resolution is unknown"));
+  session.cameras.clear();
+  EXPECT_THAT(inputErrorOf(session), HasSubstr("no cameras"));
+}
+
+TEST(CameraFailures, ModelsThatCannotBeCalibratedAreNamed) {
+  Session session = recording().session;
+  CameraStageOptions options;
+  options.models = {{}, {ProjectionModel::kOmni, DistortionModel::kRadtan}};
+  EXPECT_THAT(inputErrorOf(session, options), HasSubstr("cam1: the model omni-radtan"));
+  options.models.resize(1);
+  EXPECT_THAT(inputErrorOf(session, options), HasSubstr("1 cameras were given"));
+  session.cameras[0].distortion_model = "fov";
+  EXPECT_THAT(inputErrorOf(session), HasSubstr("cam0: the model pinhole-fov"));
+}
+
+TEST(CameraFailures, AStartMustHoldEveryCamera) {
+  const SimulatedSession s = recording();
+  CameraStageOptions options;
+  options.start = {s.truth.cameras[0]};
+  EXPECT_THAT(inputErrorOf(s.session, options), HasSubstr("calibrations of 1 cameras"));
+}
+
+TEST(CameraFailures, TwoViewsAreTooFewAndTheNumbersAreTold) {
+  Session session = recording().session;
+  for (CameraStream& camera : session.cameras) camera.views.resize(2);
+  const auto result = calibrateCameras(session);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().reason, FailureReason::kTooFewViews);
+  EXPECT_THAT(result.failure().message, HasSubstr("cam0 has 2 views"));
+  EXPECT_FALSE(result.failure().cure.empty());
+}
+
+TEST(CameraFailures, AViewFromOnePlaceLeavesTheFocalLengthFreeWhateverTheNoiseAssumed) {
+  for (const MotionKind motion : {MotionKind::kStatic, MotionKind::kFrontoParallel}) {
+    const SimulatedSession s = recording(motion);
+    for (const double sigma_px : {1.0, 0.2}) {
+      CameraStageOptions options;
+      options.pixel_sigma = sigma_px;
+      const auto result = calibrateCameras(s.session, options);
+      ASSERT_FALSE(result.ok());
+      EXPECT_EQ(result.failure().reason, FailureReason::kNotObservable);
+      EXPECT_THAT(result.failure().message, HasSubstr("focal length"));
+      EXPECT_THAT(result.failure().cure, HasSubstr("tilted"));
+    }
+  }
+}
+
+TEST(CameraFailures, ATargetOfAnotherLayoutDoesNotPassAsCalibrated) {
+  SimulatedSession s = recording();
+  s.session.target.spacing = 0.6;
+  const auto result = calibrateCameras(s.session);
+  ASSERT_FALSE(result.ok());
+  EXPECT_THAT(result.failure().cure, HasSubstr("layout"));
+}
+
+}  // namespace
+}  // namespace plumbline
