@@ -105,6 +105,24 @@ TEST(CameraRigs, TheOrderOfTheFramesDoesNotMatter) {
   EXPECT_LT(largest(errorOf(*a, b->cameras), *a), 1e-6);
 }
 
+TEST(CameraRigs, StrayCornersAnywhereInTheImageCostNoFrames) {
+  for (const char* rig : {"euroc", "d435i"}) {
+    SimulatedSession s = simulateSession(simulatedRig(rig), shortRecording(0.2));
+    int k = 0;
+    for (CameraStream& camera : s.session.cameras) {
+      for (ImageView& view : camera.views) {
+        for (Corner& corner : view.corners) {
+          if (++k % 50 == 0) corner.uv = Eigen::Vector2d(37 * k % 400, 91 * k % 400);
+        }
+      }
+    }
+    const auto result = calibrateCameras(s.session);
+    ASSERT_TRUE(result.ok()) << rig << ": " << result.failure().message;
+    EXPECT_EQ(result->summary.views_used, result->summary.views_offered) << rig;
+    EXPECT_LT(largest(errorOf(*result, s.truth.cameras), *result), 2) << rig;  // sigma: 1 px
+  }
+}
+
 TEST(CameraRigs, EveryFrameAddsItsShareOfInformationAndThatIsItsGain) {
   const SimulatedSession s = simulateSession(simulatedRig("euroc"), shortRecording(0.2));
   const auto result = calibrateCameras(s.session, squared(0.2));
