@@ -40,6 +40,7 @@ std::vector<int> startableViews(const PackedCorners& corners, const std::vector<
 std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int>& views,
                              int count) {
   std::vector<int> sizes;
+  sizes.reserve(views.size());
   for (const int v : views) sizes.push_back(corners.view(v).count);
   std::sort(sizes.begin(), sizes.end());
   const int full = sizes[sizes.size() * 9 / 10];
@@ -104,6 +105,7 @@ Intrinsics firstIntrinsics(const CameraStream& stream, const PackedCorners& corn
                            const CameraStageOptions& options) {
   const std::vector<int> some = spreadViews(corners, views, options.start_views);
   std::vector<PackedView> packed;
+  packed.reserve(some.size());
   for (const int v : some) packed.push_back(corners.view(v));
   MonoSolution best;
   for (const double focal : focalCandidates(model.distortion, stream.resolution, packed)) {
