@@ -1,24 +1,36 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Measures Plumbline beside its rivals on the very same corners and prints one table. Installs mrcal
-# and OpenCV from Debian. On a simulated recording, and on the EuRoC one where PLUMBLINE_SHARED_DATA
-# (default ../shared/data) has it. One thread for everybody. Usage: scripts/benchmark.sh [--quick]
+# Measures Plumbline beside mrcal and OpenCV on the very same corners and prints two tables: what was
+# measured, and the figures against the project's bars. Installs mrcal and OpenCV from Debian. Works
+# on a simulated recording, and on the EuRoC ones where PLUMBLINE_SHARED_DATA (default
+# ../shared/data) has them. One thread for everybody; about 5 minutes after the build.
+# Usage: scripts/benchmark.sh [--quick]     (--quick: one run of each, without OpenCV)
+# BUILD names another build folder than build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
+build=${BUILD:-build}
 
 scripts/install_dependencies.sh build bench
-cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
-cmake --build build --target plumbline
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake --build "$build" --target plumbline detector_benchmark >&2
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-build/evaluate/plumbline simulate --out "$work/simulated" --rig euroc --seed 11 --duration 60 >/dev/null
-sessions=("simulated=$work/simulated")
+plumbline=$build/evaluate/plumbline
+"$plumbline" simulate --out "$work/simulated" --rig euroc --seed 11 --duration 60 >/dev/null
+"$plumbline" simulate --out "$work/images" --rig euroc --seed 11 --duration 2 --images >/dev/null
+arguments=("simulated=$work/simulated" --images "simulated=$work/images")
 if [ -d "$data/euroc_imu_april" ]; then
-  sessions+=("EuRoC=$data/euroc_imu_april")
+  arguments+=("EuRoC=$data/euroc_imu_april")
 else
   echo "No $data/euroc_imu_april: the EuRoC rows are left out" >&2
 fi
-/usr/bin/python3 scripts/benchmark/compare.py --plumbline build/evaluate/plumbline \
-  --work "$work" "$@" "${sessions[@]}"
+if [ -d "$data/euroc_cam_april_images" ]; then
+  arguments+=(--images "EuRoC=$data/euroc_cam_april_images")
+else
+  echo "No $data/euroc_cam_april_images: real images are left out" >&2
+fi
+/usr/bin/python3 scripts/benchmark/compare.py --plumbline "$plumbline" \
+  --detector-benchmark "$build/tests/benchmarks/detector_benchmark" --work "$work" \
+  "$@" "${arguments[@]}"

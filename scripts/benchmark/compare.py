@@ -1,123 +1,174 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs Plumbline, mrcal and OpenCV in turn on the same corners and prints medians and ratios."""
+"""Runs Plumbline, mrcal and OpenCV in turn on the same corners, one thread each, and prints two
+tables in Markdown: everything that was measured, and the measured figures against the bars.
+
+Work [s]: Plumbline's are wall seconds of "initialise" and "solve" in calibration.json; the rivals'
+are CPU seconds of seeding and solving. The ratio compares these CPU seconds of the rival with
+Plumbline's whole process, start, reading and writing included: it errs on the rival's side, and a
+busy machine does not bend it.
+"""
 import argparse
-import json
+import datetime
 import os
+import platform
 import re
-import statistics
-import subprocess
-import sys
 
-HERE = os.path.dirname(os.path.abspath(__file__))
+import sessions
+from runs import calibrate, measured, median, rival, stage_seconds
+from tables import Bars, Table
 
-
-def plumbline(binary, session, work, *options):
-    """One run: its own account of the stages, and the process's from the operating system."""
-    out = os.path.join(work, "result")
-    command = ["/usr/bin/time", "-f", "%U %S %M", binary, "calibrate", session, "--out", out,
-               "--threads", "1", "--no-report", *options]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    if run.returncode != 0:
-        sys.exit(f"{' '.join(command)} failed:\n{run.stderr}")
-    user, system, peak_kb = run.stderr.strip().splitlines()[-1].split()
-    with open(os.path.join(out, "calibration.json"), encoding="utf-8") as file:
-        stages = json.load(file)["stages"]
-    return {"cpu_s": float(user) + float(system), "peak_mb": int(peak_kb) / 1024, "stages": stages}
+MONO = ["--only", "cam0", "--no-imu", "--loss", "none", "--min-corners", "8"]
 
 
-def rival(tool, session, stride):
-    run = subprocess.run([os.path.join(HERE, "rivals.py"), tool, session, "--stride", str(stride)],
-                         capture_output=True, text=True, check=False)
-    if run.returncode != 0:
-        sys.exit(f"{tool} failed:\n{run.stderr}")
-    return json.loads(run.stdout.strip().splitlines()[-1])
+class Benchmark:
+    def __init__(self, options):
+        self.options = options
+        self.runs = 1 if options.quick else 5
+        self.rival_runs = 1 if options.quick else 3
+        self.table = Table("recording", "work", "tool", "RMSE [px]", "work [s]",
+                           "process CPU [s]", "process wall [s]", "peak [MB]", "× Plumbline")
+        self.bars = Bars()
+
+    def plumbline(self, session, *arguments, report=False):
+        return [calibrate(self.options.plumbline, session, self.options.work, *arguments,
+                          report=report) for _ in range(self.runs)]
+
+    def add(self, name, work, tool, rmse, seconds, runs, ratio=""):
+        self.table.add(name, work, tool, "" if rmse is None else f"{rmse:.7f}",
+                       "" if seconds is None else f"{seconds:.3f}",
+                       *(f"{median(runs, key):.2f}" for key in ("cpu_s", "wall_s")),
+                       f"{median(runs, 'peak_mb'):.0f}", ratio)
+
+    def mono(self, name, session, tools, what, stride=1):
+        """One camera from scratch, squared error: the same corners, the same optimum."""
+        own = self.plumbline(session, *MONO, "--stride", str(stride))
+        seconds = median(own, lambda run: stage_seconds(run, "camera"))
+        whole = median(own, "cpu_s")
+        stage = own[0]["stages"]["camera"]
+        work = f"one camera, no loss, {what} ({stage['views_used']} views)"
+        self.add(name, work, "Plumbline", stage["rmse_px"], seconds, own, "1")
+        for tool in tools:
+            theirs = [rival(tool, session, stride) for _ in range(self.rival_runs)]
+            total = median(theirs, lambda run: run["seed_cpu_s"] + run["solve_cpu_s"])
+            work = f"one camera, no loss, {what} ({theirs[0]['views']} views)"
+            self.add(name, work, tool, theirs[0]["rmse_px"], total, theirs,
+                     f"{total / whole:.0f}")
+            if tool == "mrcal":
+                self.bars.at_most(name, f"one camera, {what}: Plumbline's whole CPU / mrcal's work",
+                                  whole / total, 0.1, "")
+
+    def stage(self, name, session, stage, work, arguments):
+        """One job without loss and with the default loss; returns the runs of both."""
+        both = []
+        for loss, extra in (("no loss", ["--loss", "none"]), ("Cauchy", [])):
+            runs = self.plumbline(session, *arguments, *extra)
+            self.add(name, f"{work}, {loss}", "Plumbline", runs[0]["stages"][stage]["rmse_px"],
+                     median(runs, lambda run: stage_seconds(run, stage)), runs)
+            both.append(runs)
+        return both
+
+    def stereo(self, name, session):
+        squared, robust = self.stage(name, session, "camera", "all cameras", ["--no-imu"])
+
+        def seconds(runs):
+            return median(runs, lambda run: stage_seconds(run, "camera", "total"))
+
+        self.bars.at_most(name, "camera batch with covariance, no loss", seconds(squared), 0.3, "s")
+        self.bars.at_most(name, "the same, Cauchy, as multiple of it",
+                          seconds(robust) / seconds(squared), 3, "×")
+        self.bars.at_most(name, "peak of the process, no loss", median(squared, "peak_mb"), 100,
+                          "MB")
+
+    def camera_imu(self, name, session):
+        cameras = sessions.given_cameras(session)
+        squared, robust = self.stage(name, session, "camera_imu", "camera-IMU, given cameras",
+                                     ["--cameras", cameras])
+        cpu = median(squared, "cpu_s")
+        self.bars.at_most(name, "camera-IMU, no loss: whole process with loading, CPU", cpu, 0.5,
+                          "s")
+        self.bars.at_most(name, "the same, Cauchy, as multiple of it",
+                          median(robust, "cpu_s") / cpu, 3, "×")
+        self.bars.at_most(name, "peak of the process, no loss", median(squared, "peak_mb"), 100,
+                          "MB")
+        both, _ = self.stage(name, session, "camera_imu", "cameras from scratch, then camera-IMU",
+                             [])
+        self.bars.at_most(name, "peak of both stages in one process, no loss",
+                          median(both, "peak_mb"), 100, "MB")
+
+    def report(self, name, session):
+        """Seconds that the page costs: within calibrate, and made again from the records."""
+        without = self.plumbline(session)
+        with_page = self.plumbline(session, report=True)
+        page = os.path.join(self.options.work, "page.html")
+        again = [measured([self.options.plumbline, "report",
+                           os.path.join(self.options.work, "result"), "--out", page])[1]
+                 for _ in range(self.runs)]
+        self.add(name, "both stages, Cauchy, report.html", "Plumbline", None, None, with_page)
+        self.add(name, "plumbline report, from the records", "Plumbline", None, None, again)
+        self.bars.at_most(name, "report.html within calibrate, CPU",
+                          median(with_page, "cpu_s") - median(without, "cpu_s"), 3, "s")
+        self.bars.at_most(name, "plumbline report, whole process, CPU", median(again, "cpu_s"), 3,
+                          "s")
+
+    def detection(self, name, session):
+        """Images a second on one core: the detector alone, and the whole command."""
+        images = sessions.images(session)
+        out, _ = measured([self.options.detector_benchmark, *images])
+        alone = float(re.search(r"([\d.]+) images a second", out).group(1))
+        costs = [measured([self.options.plumbline, "detect", session, "--no-cache", "--threads",
+                           "1", "--out", os.path.join(self.options.work, f"{name}-{i}")])[1]
+                 for i in range(self.runs)]
+        self.add(name, f"detect {len(images)} images, reading and writing included", "Plumbline",
+                 None, None, costs)
+        self.bars.at_least(name, "detector alone, images a second and core", alone, 100, "")
+        self.bars.at_least(name, "plumbline detect, images a second of CPU",
+                           len(images) / median(costs, "cpu_s"), 100, "")
+
+    def recording(self, name, session):
+        self.mono(name, session, ["mrcal"], "all views")
+        if not self.options.quick:
+            common = sessions.frames_with_common_tags(session)
+            part = sessions.subset(session, common, os.path.join(self.options.work, name + "-24"))
+            self.mono(name, part, ["mrcal"], "24 common tags")
+            self.mono(name, session, ["mrcal", "OpenCV"], "every 12th frame", 12)
+        self.stereo(name, session)
+        self.camera_imu(name, session)
+        self.report(name, session)
 
 
-def solve_seconds(run, stage):
-    seconds = run["stages"][stage]["seconds"]
-    return seconds["initialise"] + seconds["solve"]
-
-
-def median_of(runs, figure):
-    return statistics.median(figure(run) for run in runs)
-
-
-class Table:
-    def __init__(self):
-        self.rows = []
-
-    def add(self, *cells):
-        self.rows.append(cells)
-
-    def show(self):
-        head = ("recording", "work", "tool", "RMSE [px]", "seconds", "peak [MB]",
-                "rival / Plumbline")
-        for row in (head, tuple("---" for _ in head), *self.rows):
-            print("| " + " | ".join(str(cell) for cell in row) + " |")
-
-
-def mono(table, name, session, options, strides):
-    """One camera from scratch, squared error: the same corners, the same optimum."""
-    for stride, tools in strides:
-        ours, theirs = [], {tool: [] for tool in tools}
-        for _ in range(options.runs):
-            ours.append(plumbline(options.plumbline, session, options.work, "--only", "cam0",
-                                  "--no-imu", "--loss", "none", "--stride", str(stride),
-                                  "--min-corners", "8"))
-            for tool in tools:
-                theirs[tool].append(rival(tool, session, stride))
-        own = median_of(ours, lambda run: solve_seconds(run, "camera"))
-        stage = ours[0]["stages"]["camera"]
-        work = f"one camera, {stage['views_used']} views"
-        table.add(name, work, "Plumbline", f"{stage['rmse_px']:.7f}", f"{own:.3f}",
-                  f"{median_of(ours, lambda run: run['peak_mb']):.0f}", "1")
-        for tool, runs in theirs.items():
-            seconds = median_of(runs, lambda run: run["seed_s"] + run["solve_s"])
-            table.add(name, f"one camera, {runs[0]['views']} views", tool,
-                      f"{runs[0]['rmse_px']:.7f}", f"{seconds:.3f}",
-                      f"{median_of(runs, lambda run: run['peak_mb']):.0f}", f"{seconds / own:.1f}")
-
-
-def whole(table, name, session, options):
-    """The work of an evening, whole process: load, stereo cameras, camera-IMU."""
-    camchain = os.path.join(session, "kalibr", "camchain-imucam.yaml")
-    jobs = [("stereo cameras, no loss", ["--no-imu", "--loss", "none"]),
-            ("stereo cameras, Cauchy", ["--no-imu"])]
-    if os.path.exists(camchain):
-        jobs += [("camera-IMU, given cameras, no loss", ["--cameras", camchain, "--loss", "none"]),
-                 ("camera-IMU, given cameras, Cauchy", ["--cameras", camchain])]
-    else:
-        jobs += [("cameras and camera-IMU, no loss", ["--loss", "none"]),
-                 ("cameras and camera-IMU, Cauchy", [])]
-    for work, arguments in jobs:
-        runs = [plumbline(options.plumbline, session, options.work, *arguments)
-                for _ in range(options.runs)]
-        stages = runs[0]["stages"]
-        stage = stages.get("camera_imu") or stages["camera"]
-        table.add(name, f"{work}; whole process, CPU", "Plumbline", f"{stage['rmse_px']:.7f}",
-                  f"{median_of(runs, lambda run: run['cpu_s']):.3f}",
-                  f"{median_of(runs, lambda run: run['peak_mb']):.0f}", "1")
+def machine():
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        model = re.search(r"model name\s*:\s*(.*)", file.read())
+    load = ", ".join(f"{value:.2f}" for value in os.getloadavg())
+    return (f"{datetime.date.today()}, {model.group(1) if model else platform.machine()}, "
+            f"{os.cpu_count()} processors, load average {load}")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--plumbline", required=True)
-    parser.add_argument("--work", required=True)
-    parser.add_argument("--quick", action="store_true", help="one run of each, mrcal only")
-    parser.add_argument("sessions", nargs="+", help="NAME=FOLDER")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--plumbline", required=True, help="the program")
+    parser.add_argument("--detector-benchmark", required=True, help="the program of that name")
+    parser.add_argument("--work", required=True, help="folder for results")
+    parser.add_argument("--quick", action="store_true",
+                        help="one run of each, no OpenCV, no subsets")
+    parser.add_argument("--images", action="append", default=[], metavar="NAME=FOLDER",
+                        help="session of images, for the detector")
+    parser.add_argument("sessions", nargs="+", metavar="NAME=FOLDER", help="sessions of corners")
     options = parser.parse_args()
-    options.runs = 1 if options.quick else 5
-    model = re.search(r"model name\s*:\s*(.*)", open("/proc/cpuinfo", encoding="utf-8").read())
-    print(f"{model.group(1) if model else 'unknown processor'}, {os.cpu_count()} processors, one "
-          f"thread used; medians of {options.runs} runs\n")
-    table = Table()
+    benchmark = Benchmark(options)
+    before = machine()
     for session in options.sessions:
-        name, folder = session.split("=", 1)
-        strides = [(1, ["mrcal"])] if options.quick else [(1, ["mrcal"]), (12, ["mrcal", "opencv"])]
-        mono(table, name, folder, options, strides)
-        whole(table, name, folder, options)
-    table.show()
+        benchmark.recording(*session.split("=", 1))
+    for session in options.images:
+        benchmark.detection(*session.split("=", 1))
+    print(f"{before} before and {machine().rsplit('average ', 1)[1]} after. One thread; medians of "
+          f"{benchmark.runs} runs ({benchmark.rival_runs} of the rivals).\n")
+    if os.getloadavg()[1] > 1.5:
+        print("The machine was busy: wall seconds are longer than they would be.\n")
+    print(benchmark.table.text())
+    print()
+    print(benchmark.bars.text())
 
 
 if __name__ == "__main__":

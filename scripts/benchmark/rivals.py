@@ -5,10 +5,10 @@
 Reads camN/corners.csv, target.yaml and camN/sensor.yaml; model: pinhole with k1 k2 p1 p2, squared
 error, no outlier rejection, no regularisation. Prints one JSON object: the RMSE (of the error norm,
 over corners), the intrinsics, and the seconds of CPU and wall spent seeding and solving (reading
-files and importing modules excluded, in the rivals' favour).
+files and importing modules excluded, in the rivals' favour). mrcal is seeded with focal length and
+poses by OpenCV, since its own seed needs full boards; OpenCV seeds itself.
 
-    rivals.py mrcal  SESSION --camera 0 [--stride 2] [--most 200] [--stamps FILE]
-    rivals.py opencv SESSION --camera 0 ...
+    rivals.py mrcal|OpenCV SESSION [--camera 0] [--stride 12]
 """
 import argparse
 import json
@@ -18,6 +18,8 @@ import resource
 import time
 
 import numpy as np
+
+from sessions import asl_folder
 
 
 def read_yaml_numbers(path):
@@ -40,14 +42,13 @@ def corner_positions(target):
     return np.stack([x, y, np.zeros_like(x)], axis=1)
 
 
-def read_views(session, camera, stride, most, stamps):
-    rows = np.loadtxt(os.path.join(session, f"cam{camera}", "corners.csv"), delimiter=",",
+def read_views(folder, stride):
+    """(corner ids, pixels) of every stride-th frame, where it has 8 corners or more."""
+    rows = np.loadtxt(os.path.join(folder, "corners.csv"), delimiter=",",
                       dtype=[("t", "i8"), ("id", "i4"), ("u", "f8"), ("v", "f8")])
-    views = []
-    for part in np.split(rows, np.flatnonzero(np.diff(rows["t"])) + 1):
-        if len(part) >= 8 and (stamps is None or int(part["t"][0]) in stamps):
-            views.append((part["id"], np.stack([part["u"], part["v"]], axis=1)))
-    return views[::stride][:most]
+    views = np.split(rows, np.flatnonzero(np.diff(rows["t"])) + 1)[::stride]
+    return [(view["id"], np.stack([view["u"], view["v"]], axis=1)) for view in views
+            if len(view) >= 8]
 
 
 def seed(views, points, size):
@@ -106,21 +107,16 @@ def run_opencv(views, points, size):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("tool", choices=["mrcal", "opencv"])
+    parser.add_argument("tool", choices=["mrcal", "OpenCV"])
     parser.add_argument("session")
     parser.add_argument("--camera", type=int, default=0)
     parser.add_argument("--stride", type=int, default=1)
-    parser.add_argument("--most", type=int, default=None)
-    parser.add_argument("--stamps", help="file with the stamps of the views to use, one a line")
     options = parser.parse_args()
 
+    folder = os.path.join(asl_folder(options.session), f"cam{options.camera}")
     target = read_yaml_numbers(os.path.join(options.session, "target.yaml"))
-    sensor = read_yaml_numbers(os.path.join(options.session, f"cam{options.camera}", "sensor.yaml"))
-    stamps = None
-    if options.stamps:
-        with open(options.stamps, encoding="utf-8") as file:
-            stamps = {int(line) for line in file if line.strip()}
-    views = read_views(options.session, options.camera, options.stride, options.most, stamps)
+    sensor = read_yaml_numbers(os.path.join(folder, "sensor.yaml"))
+    views = read_views(folder, options.stride)
     points = corner_positions(target)
     size = tuple(int(n) for n in sensor["resolution"])
 
@@ -129,7 +125,7 @@ def main():
     if options.tool == "mrcal":
         import mrcal  # noqa: F401  (imported here so that the clock does not count it)
     wall, cpu = time.perf_counter(), time.process_time()
-    rmse, intrinsics, seeded = {"mrcal": run_mrcal, "opencv": run_opencv}[options.tool](
+    rmse, intrinsics, seeded = {"mrcal": run_mrcal, "OpenCV": run_opencv}[options.tool](
         views, points, size)
     print(json.dumps({
         "tool": options.tool, "views": len(views), "corners": int(sum(len(v[0]) for v in views)),
