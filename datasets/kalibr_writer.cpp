@@ -41,7 +41,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   text += fmt::format("  distortion_model: {}\n", toString(k.distortion_model));
   text += fmt::format("  intrinsics: {}\n", yamlList(k.projection));
   text += fmt::format("  resolution: [{}, {}]\n", k.resolution.width, k.resolution.height);
-  const std::string topic = fmt::format("/cam{}/image_raw", i);  // Kalibr demands one
+  const std::string topic = "/" + camera.name + "/image_raw";  // Kalibr demands one
   text += fmt::format("  rostopic: {}\n", camera.rostopic.empty() ? topic : camera.rostopic);
   if (calibration.imu) {
     text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(calibration.imu->time_offset_s));

@@ -5,64 +5,22 @@
 #include <fstream>
 #include <mutex>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 #include <png.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include "calibrator/base/error.h"
 #include "datasets/kalibr_writer.h"
+#include "datasets/pending_folder.h"
 #include "datasets/simulated_truth.h"
 
 namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder that is filled under a temporary name beside its final one; gone unless committed.
-class PendingFolder {
- public:
-  explicit PendingFolder(const fs::path& final_path) : final_(final_path.lexically_normal()) {
-    if (!final_.has_filename()) final_ = final_.parent_path();
-    if (fs::exists(final_) && !(fs::is_directory(final_) && fs::is_empty(final_))) {
-      throw InputError(
-          final_.string(), 0,
-          "exists already; expected a new or empty folder; choose another or remove it");
-    }
-    const fs::path parent = fs::absolute(final_).parent_path();
-    pending_ = parent / fmt::format(".{}.partial-{}", final_.filename().string(), getpid());
-    create(pending_);
-  }
-  PendingFolder(const PendingFolder&) = delete;
-  PendingFolder& operator=(const PendingFolder&) = delete;
-  ~PendingFolder() {
-    std::error_code ignored;
-    if (!pending_.empty()) fs::remove_all(pending_, ignored);
-  }
-
-  const fs::path& path() const { return pending_; }
-
-  void create(const fs::path& folder) const {
-    std::error_code fault;
-    fs::create_directories(folder, fault);
-    if (fault) throw InputError(final_.string(), 0, "cannot be created: " + fault.message());
-  }
-
-  void commit() {
-    std::error_code fault;
-    fs::rename(pending_, final_, fault);
-    if (fault) throw InputError(final_.string(), 0, "cannot be written: " + fault.message());
-    pending_.clear();
-  }
-
- private:
-  fs::path final_;
-  fs::path pending_;
-};
 
 void writeText(const PendingFolder& folder, const TextFile& file) {
   const fs::path path = folder.path() / file.path;

@@ -187,16 +187,17 @@ CameraLayout::CameraLayout(const std::vector<Intrinsics>& cameras) {
   }
 }
 
-ParameterCovariance cameraParameters(const std::vector<Intrinsics>& cameras) {
+ParameterCovariance cameraParameters(const std::vector<CameraCalibration>& cameras) {
   ParameterCovariance list;
   const auto add = [&list](const std::string& name, const char* unit) {
     list.names.push_back(name);
     list.units.emplace_back(unit);
   };
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const std::string camera = "cam" + std::to_string(c) + ".";
+    const std::string& name_of = cameras[c].name;
+    const std::string camera = (name_of.empty() ? "cam" + std::to_string(c) : name_of) + ".";
     for (const char* name : {"fu", "fv", "pu", "pv"}) add(camera + name, "px");
-    const bool radtan = cameras[c].distortion_model == DistortionModel::kRadtan;
+    const bool radtan = cameras[c].intrinsics.distortion_model == DistortionModel::kRadtan;
     const std::vector<const char*> coefficients =
         radtan ? std::vector<const char*>{"k1", "k2", "p1", "p2"}
                : std::vector<const char*>{"k1", "k2", "k3", "k4"};

@@ -50,7 +50,7 @@ struct CameraLayout {
 };
 
 /// "cam0.fu", "cam0.k1", ..., "T_C0C1.tx", ... and their units, in the layout's order.
-ParameterCovariance cameraParameters(const std::vector<Intrinsics>& cameras);
+ParameterCovariance cameraParameters(const std::vector<CameraCalibration>& cameras);
 
 /// Normal equations at an estimate, in units of pixel_sigma: with d_f the left twist (rho, phi) of
 /// T_C0F in frame f and g the cameras' parameters (tangents of Transform),

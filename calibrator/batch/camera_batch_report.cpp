@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_batch_report.h"
 
+#include <cassert>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -72,6 +74,7 @@ Failure notObservable(const FreeDirection& direction, const ParameterCovariance&
   for (const int i : direction.leading) {
     names.push_back(parameters.names[static_cast<std::size_t>(i)]);
   }
+  assert(!names.empty());
   const Diagnosis diagnosis = diagnose(names.front());
   return {FailureReason::kNotObservable,
           fmt::format("not observable: {} (free direction along {})", diagnosis.reason,
@@ -110,7 +113,12 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   for (const CameraCalibration& camera : result.cameras) intrinsics.push_back(camera.intrinsics);
   const CameraLayout layout(intrinsics);
   ParameterCovariance& out = result.summary.covariance;
-  out = cameraParameters(intrinsics);
+  out = cameraParameters(result.cameras);
+  if (!information.allFinite()) {
+    return Failure{
+        FailureReason::kNotObservable, "the information of the cameras is not finite",
+        "check --pixel-sigma and the scale of --loss: one of them is out of all measure"};
+  }
   const auto free = freeDirections(information, worthlessErrors(result.cameras, layout));
   if (!free.empty()) return notObservable(free.front(), out);
   const auto covariance = covarianceOf(information);

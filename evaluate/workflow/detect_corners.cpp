@@ -56,7 +56,12 @@ class Worker {
       : detector_(target, request.detector), cache_(cache) {}
 
   std::vector<Corner> corners(const std::string& path, const CameraStream& camera) const {
-    const auto key = cache_ != nullptr ? std::optional(cache_->keyOf(path)) : std::nullopt;
+    // The stated size is part of the key: an image of another size is never answered from there.
+    std::optional<std::string> key;
+    if (cache_ != nullptr) {
+      key = fmt::format("{}-{}x{}", cache_->keyOf(path), camera.resolution.width,
+                        camera.resolution.height);
+    }
     if (key) {
       if (auto known = cache_->find(*key)) return *std::move(known);
     }

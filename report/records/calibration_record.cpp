@@ -52,7 +52,8 @@ std::optional<double> cameraValue(const std::vector<CameraCalibration>& cameras,
                                   const std::string& prefix, const std::string& suffix) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const std::string number = std::to_string(i);
-    if (prefix == "cam" + number) return intrinsicValue(cameras[i], suffix);
+    const std::string name = cameras[i].name.empty() ? "cam" + number : cameras[i].name;
+    if (prefix == name) return intrinsicValue(cameras[i], suffix);
     if (prefix == "T_C0C" + number) return component(cameras[i].T_C0Ci, suffix);
   }
   return std::nullopt;
