@@ -32,6 +32,7 @@ CameraDescription readCameraDescription(const std::string& path, bool supported_
 struct CornerLimits {
   int corner_count = 0;  ///< of the target: ids are below it
   Resolution resolution;
+  bool may_be_empty = false;  ///< no rows are no fault: the camera saw no target
 };
 
 /// Reads corners.csv: `#timestamp [ns],corner_id,u [px],v [px]`, the rows of a frame together and

@@ -71,7 +71,7 @@ class ViewBuilder {
     int& seen = last_seen_[static_cast<std::size_t>(id)];
     if (seen == views_seen_) {
       throw table_.fault({fmt::format("corner_id {} is given twice for the stamp {}", id, t_),
-                          "each corner once in a frame", "delete one of the rows"});
+                          "each corner once in a frame", duplicateCure(t_)});
     }
     seen = views_seen_;
   }
@@ -102,7 +102,8 @@ class ViewBuilder {
 }  // namespace
 
 std::vector<ImageView> readCorners(const std::string& path, const CornerLimits& limits) {
-  CsvTable table(path, kLayout);
+  using NoRows = CsvTable::NoRows;
+  CsvTable table(path, kLayout, limits.may_be_empty ? NoRows::kAccept : NoRows::kRefuse);
   ViewBuilder builder(table, limits);
   while (table.next()) builder.addRow();
   std::vector<ImageView> views = builder.finish();

@@ -16,11 +16,14 @@ namespace fs = std::filesystem;
 
 void checkAscending(const CsvTable& table, TimeNs t, const std::vector<ImageFile>& before) {
   if (before.empty() || t > before.back().t) return;
+  if (table.truncatedHere()) {
+    throw table.fault({fmt::format("the last line, '{}', is cut", t), "a whole last line",
+                       "the file is truncated: copy it again or delete this line"});
+  }
   const bool twice = t == before.back().t;
   throw table.fault({twice ? fmt::format("the stamp {} is given twice", t)
                            : fmt::format("the stamp {} is earlier than that of the row above", t),
-                     "stamps that ascend strictly",
-                     twice ? "delete one of the two rows" : "sort the rows"});
+                     "stamps that ascend strictly", twice ? duplicateCure(t) : "sort the rows"});
 }
 
 void checkUnit(const std::string& path, const std::vector<ImageFile>& images) {
@@ -91,6 +94,11 @@ std::vector<ImageFile> readFrameList(const std::string& folder) {
 std::vector<ImageFile> listImages(const std::string& folder) {
   const fs::path list = fs::path(folder) / "data.csv";
   if (fs::exists(list)) {
+    if (!fs::is_directory(fs::path(folder) / "data")) {
+      throw badInput(folder, 0,
+                     {"holds neither corners.csv nor the images (data/) that its data.csv lists",
+                      "corners.csv, or data/<ns>.png", "copy the recording again"});
+    }
     CsvTable table(list.string(), "timestamp [ns], filename");
     std::vector<ImageFile> images;
     while (table.next()) {

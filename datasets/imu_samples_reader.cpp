@@ -52,11 +52,10 @@ bool accelerationFirst(const CsvTable& table) {
 void checkOrder(const CsvTable& table, TimeNs t, TimeNs before) {
   if (t > before) return;
   const bool twice = t == before;
-  throw table.fault(
-      {twice ? fmt::format("the stamp {} is given twice", t)
-             : fmt::format("the stamp {} is earlier than that of the row above", t),
-       "stamps that ascend strictly",
-       twice ? "delete one of the two rows" : "sort the rows by time; was the clock set back?"});
+  throw table.fault({twice ? fmt::format("the stamp {} is given twice", t)
+                           : fmt::format("the stamp {} is earlier than that of the row above", t),
+                     "stamps that ascend strictly",
+                     twice ? duplicateCure(t) : "sort the rows by time; was the clock set back?"});
 }
 
 }  // namespace

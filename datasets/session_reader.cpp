@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-AprilGrid targetOf(const SessionFolder& folder, const SessionReadOptions& options) {
-  if (options.target_path) return readTarget(*options.target_path);
+std::string targetPath(const SessionFolder& folder, const SessionReadOptions& options) {
+  if (options.target_path) return *options.target_path;
   const auto path = findBeside(folder.beside, "target.yaml");
-  if (path) return readTarget(*path);
+  if (path) return *path;
   throw badInput(folder.beside.front() + "/target.yaml", 0,
                  {"does not exist",
                   "Kalibr's target.yaml (target_type: aprilgrid, tagRows, tagCols, tagSize, "
@@ -66,7 +66,8 @@ void readCamera(const std::string& path, const SessionReadOptions& options, Reco
   std::vector<ImageFile> images;
   const std::string corners = path + "/corners.csv";
   if (fs::exists(corners)) {
-    const CornerLimits limits{recording.session.target.cornerCount(), camera.resolution};
+    const CornerLimits limits{recording.session.target.cornerCount(), camera.resolution,
+                              fs::exists(path + "/data.csv")};
     camera.views = readCorners(corners, limits);
     if (fs::exists(path + "/data.csv"))
       camera.views = withEmptyViews(std::move(camera.views), path);
@@ -98,6 +99,16 @@ ImuStream readImu(const SessionFolder& folder, const SessionReadOptions& options
           readImuSamples(*folder.imu + "/data.csv")};
 }
 
+// An IMU that is described but has no samples was lost on the way.
+void refuseMissingImu(const SessionFolder& folder, const SessionReadOptions& options) {
+  auto described = options.imu_path;
+  if (!described) described = findBeside(folder.beside, "imu.yaml");
+  if (folder.imu || !described) return;
+  throw badInput(folder.root + "/imu0/data.csv", 0,
+                 {"does not exist, though " + *described + " describes an IMU", "the IMU's samples",
+                  "copy the recording again, or leave the IMU out (--no-imu)"});
+}
+
 }  // namespace
 
 bool Recording::needsDetection() const {
@@ -108,9 +119,14 @@ Recording readRecording(const std::string& path, const SessionReadOptions& optio
   const SessionFolder folder = findSession(path);
   Recording recording;
   recording.session.name = folder.name;
-  recording.session.target = targetOf(folder, options);
+  recording.target_path = targetPath(folder, options);
+  recording.session.target = readTarget(recording.target_path);
   for (const std::string& camera : folder.cameras) readCamera(camera, options, recording);
-  if (folder.imu && options.read_imu) recording.session.imu = readImu(folder, options);
+  if (options.read_imu) refuseMissingImu(folder, options);
+  if (folder.imu && options.read_imu) {
+    recording.session.imu = readImu(folder, options);
+    recording.imu_samples_path = *folder.imu + "/data.csv";
+  }
   selectFrames(recording, options);
   return recording;
 }

@@ -32,6 +32,8 @@ struct Recording {
   /// for a camera that comes as corners. Its resolution is 0x0 where neither sensor.yaml nor the
   /// options say: the images do.
   std::vector<std::vector<ImageFile>> images;
+  std::string target_path;       ///< target.yaml as it was found
+  std::string imu_samples_path;  ///< empty where there is no IMU
 
   bool needsDetection() const;
 };

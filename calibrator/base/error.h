@@ -35,11 +35,21 @@ enum class FailureReason {
   kImplausible,    ///< data contradict their stated units, axes or target
 };
 
-/// An expected failure: one line that says what and why, and one that says what to do (exit 1).
+/// Where a failure's cause most likely stands, for messages that name a file.
+enum class FaultyInput {
+  kSession,     ///< the recording as a whole
+  kImuSamples,  ///< the IMU's samples
+  kTarget,      ///< the description of the target
+  kCameras,     ///< a calibration that was given
+};
+
+/// An expected failure: one line that says what and why, and one that says what to do (exit 1; 2
+/// for kImplausible, where a file states what its data contradict).
 struct Failure {
   FailureReason reason = FailureReason::kNotConverged;
   std::string message;
   std::string cure;
+  FaultyInput input = FaultyInput::kSession;
 };
 
 /// A value or a Failure. Never ignore one: [[nodiscard]] on the type.

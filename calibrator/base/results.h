@@ -75,16 +75,50 @@ struct ImuIntervalResidual {
   Eigen::Matrix<double, 15, 1> normalised = Eigen::Matrix<double, 15, 1>::Zero();
 };
 
+/// What one group of inertial residuals says of the density that was assumed for it.
+struct ImuNoiseCheck {
+  /// Normalised RMS to expect at the solution if every assumption holds, pixel_sigma too: sqrt(mean
+  /// of 1 - leverage), below 1, for each frame's own states absorb most of the residual.
+  double expected_rms = 0;
+  /// By how much the density should be multiplied: above 1 it is too small, below too large. 1 also
+  /// where the redundancy is too low to tell.
+  double factor = 1;
+  /// How many residuals' worth the group has to say, once factors are applied. The factor's
+  /// relative standard deviation is 1 / sqrt(2 redundancy) or somewhat more.
+  double redundancy = 0;
+};
+
+/// The checks of all groups; see calibrator/batch/camera_imu_noise.h.
+struct ImuNoiseChecks {
+  ImuNoiseCheck gyro;        ///< rotation rows
+  ImuNoiseCheck accel;       ///< velocity and position rows
+  ImuNoiseCheck gyro_bias;   ///< random walk
+  ImuNoiseCheck accel_bias;  ///< random walk
+  /// Standard deviation of a corner, per axis, that explains the poses' noise [px]: above that of
+  /// the reprojection errors where a view's corners err together.
+  double pose_pixel_sigma = 0;
+};
+
 /// What the inertial residuals say of the noise that was assumed.
 struct ImuResidualSummary {
   double gyro_rms_rad_s = 0;        ///< RMS of |rotation residual| / dt
   double accel_rms_m_s2 = 0;        ///< RMS of |velocity residual| / dt
-  double gyro_normalised_rms = 0;   ///< per component, rotation rows; 1 where the assumption holds
+  double gyro_normalised_rms = 0;   ///< at the solution, per component, rotation rows; for what to
+                                    ///< expect of it, which is not 1, see `noise`
   double accel_normalised_rms = 0;  ///< velocity and position rows
   double gyro_bias_normalised_rms = 0;
   double accel_bias_normalised_rms = 0;
   double chi2 = 0;  ///< sum of squared normalised residuals
   int dof = 0;      ///< their number
+  ImuNoiseChecks noise;
+};
+
+/// What the camera's motion and the accelerometer say of the stated target and of gravity, before
+/// the batch takes both for granted (linear least squares over triples of frames).
+struct InertialCheck {
+  double target_scale = 1;  ///< metres per stated metre of the target; 0.5: stated twice too large
+  double target_scale_std = 0;
+  double gravity_m_s2 = 0;  ///< magnitude as measured; 0: not known
 };
 
 /// Camera-IMU stage.
@@ -98,9 +132,11 @@ struct CameraImuStageResult {
   std::vector<CornerResidual> residuals;
   std::vector<ImuIntervalResidual> imu_residuals;
   ImuResidualSummary imu_summary;
-  int frames_without_imu = 0;  ///< left out: not covered by IMU samples, or alone between gaps
+  int frames_without_imu = 0;   ///< left out: not covered by IMU samples, or alone between gaps
   int frames_without_pose = 0;  ///< left out: no pose from the frame's own corners
   int imu_gaps = 0;             ///< pauses of the IMU that broke the chain
+  double imu_rate_hz = 0;       ///< inverse of the median interval between IMU samples
+  InertialCheck inertial_check;
   StageSummary summary;
 };
 

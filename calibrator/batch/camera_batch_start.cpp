@@ -205,17 +205,26 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
     return Failure{
         FailureReason::kTooFewViews,
         fmt::format("none of {} frames gives a plausible pose of the target", frames.size()),
-        "check the target's size and the cameras' models"};
+        "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models",
+        FaultyInput::kTarget};
   }
   return start;
 }
 
 Failure tooFewViews(const CameraStream& stream, std::size_t views, int min_corners) {
-  return {
-      FailureReason::kTooFewViews,
-      fmt::format("{} has {} views with at least {} corners (of {} views); {} are needed",
-                  stream.name, views, min_corners, stream.views.size(), kLeastViews),
-      "record more views of the target, tilted and filling the image, or leave this camera out"};
+  return {FailureReason::kTooFewViews,
+          fmt::format("{} has {} views with at least {} corners (of {} views); {} are needed",
+                      stream.name, views, min_corners, stream.views.size(), kLeastViews),
+          "record more views of the target, tilted and filling the image, or leave this camera out; "
+          "if it does see the target, check tagRows and tagCols in target.yaml"};
+}
+
+Failure noPose(const CameraStream& stream, std::size_t views) {
+  return {FailureReason::kTooFewViews,
+          fmt::format("none of the {} views of {} gives a plausible pose of the target", views,
+                      stream.name),
+          "check tagRows, tagCols and the order of a tag's corners, and the camera's model",
+          FaultyInput::kTarget};
 }
 
 }  // namespace
@@ -235,6 +244,9 @@ Result<CameraStart> startFromViews(const Session& session, std::span<const Packe
     }
     cameras.intrinsics.push_back(firstIntrinsics(stream, corners[c], views, models[c], options));
     own.push_back(ownPoses(cameras.intrinsics[c], corners[c], frames, c, options));
+    if (std::none_of(own.back().begin(), own.back().end(), [](const auto& p) { return bool(p); })) {
+      return noPose(stream, views.size());
+    }
     names.push_back(stream.name);
   }
   auto extrinsics = extrinsicsFromPoses(own, names);

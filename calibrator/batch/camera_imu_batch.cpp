@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/batch/camera_imu_noise.h"
 #include "calibrator/batch/camera_imu_outliers.h"
 #include "calibrator/batch/camera_imu_stage.h"
 #include "calibrator/batch/camera_imu_start.h"
@@ -146,12 +147,15 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
 
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
+  result.value().imu_summary.noise = checkImuNoise(problem, solution);
   seconds.covariance = clock.lap();
   seconds.total = total.lap();
   result.value().summary.seconds = seconds;
   result.value().frames_without_pose = posed.without_pose;
   result.value().frames_without_imu = selected->frames_without_imu;
   result.value().imu_gaps = selected->gaps;
+  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  result.value().inertial_check = start->check;
   return result;
 }
 

@@ -120,6 +120,7 @@ Result<CameraImuStart> startCameraImu(std::span<const StampedPose> poses,
       alignInertially(poses, samples, alignment.R_SC0, alignment.gyro_bias, offset->offset_s);
   if (!inertial) return start;
   if (const auto failure = checkInertial(*inertial, target, sanity)) return *failure;
+  start.check = {inertial->scale, inertial->scale_std, inertial->gravity_F.norm()};
   start.T_SC0.t = inertial->t_SC0;
   start.gravity_direction = inertial->gravity_F.normalized();
   start.bias.accel = inertial->accel_bias;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
 #include "calibrator/batch/camera_imu_batch.h"
 #include "calibrator/batch/camera_imu_problem.h"
 #include "calibrator/initialise/imu_rates.h"
@@ -31,6 +32,7 @@ struct CameraImuStart {
   Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();
   ImuBias bias;
   Eigen::Vector3d excitation = Eigen::Vector3d::Zero();  ///< see RateAlignment
+  InertialCheck check;
 };
 
 /// Units and axes checked, time offset by correlation, rotation by alignment of rates, gravity,

@@ -38,14 +38,19 @@ Moments momentsOf(std::span<const RatePair> pairs) {
   return m;
 }
 
-double scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, double offset_s,
-               std::size_t min_pairs) {
+struct Score {
+  double value = -1;
+  std::size_t pairs = 0;  ///< camera rates that the gyro covers
+};
+
+Score scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, double offset_s,
+              std::size_t min_pairs) {
   const auto pairs = pairRates(camera, gyro, offset_s);
-  if (pairs.size() < min_pairs) return -1;
+  if (pairs.size() < min_pairs) return {-1, pairs.size()};
   const Moments m = momentsOf(pairs);
   const double scale = std::sqrt(m.gyro.trace() * m.camera);
-  if (!(scale > 0)) return 0;
-  return Eigen::JacobiSVD<Eigen::Matrix3d>(m.cross).singularValues().sum() / scale;
+  if (!(scale > 0)) return {0, pairs.size()};
+  return {Eigen::JacobiSVD<Eigen::Matrix3d>(m.cross).singularValues().sum() / scale, pairs.size()};
 }
 
 /// Vertex of the parabola through three points at x - h, x, x + h, at most h away.
@@ -60,16 +65,35 @@ struct Candidate {
   double score = -1;
 };
 
-/// The grid's local maxima, best first, at most `count`.
-std::vector<Candidate> coarseMaxima(std::span<const CameraRate> camera, const GyroIntegral& gyro,
-                                    const TimeOffsetOptions& options, std::size_t min_pairs,
-                                    std::size_t count) {
-  std::vector<Candidate> grid;
+struct Grid {
+  std::vector<Candidate> candidates;
+  std::size_t needed = 0;   ///< rates to be covered
+  std::size_t covered = 0;  ///< rates covered at best
+};
+
+Grid coarseGrid(std::span<const CameraRate> camera, const GyroIntegral& gyro,
+                const TimeOffsetOptions& options) {
+  Grid grid;
+  const auto fewest = static_cast<std::size_t>(options.min_pairs);
   const int steps = static_cast<int>(std::ceil(options.max_offset_s / options.coarse_step_s));
+  std::vector<std::size_t> pairs;
   for (int k = -steps - 1; k <= steps + 1; ++k) {
     const double offset = k * options.coarse_step_s;
-    grid.push_back({offset, scoreAt(camera, gyro, offset, min_pairs)});
+    const Score score = scoreAt(camera, gyro, offset, fewest);
+    grid.candidates.push_back({offset, score.value});
+    grid.covered = std::max(grid.covered, score.pairs);
+    pairs.push_back(score.pairs);
   }
+  const double share = options.min_overlap * static_cast<double>(grid.covered);
+  grid.needed = std::max(fewest, static_cast<std::size_t>(share));
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (pairs[k] < grid.needed) grid.candidates[k].score = -1;
+  }
+  return grid;
+}
+
+/// The grid's local maxima, best first, at most `count`.
+std::vector<Candidate> coarseMaxima(const std::vector<Candidate>& grid, std::size_t count) {
   std::vector<Candidate> maxima;
   for (std::size_t k = 1; k + 1 < grid.size(); ++k) {
     if (grid[k].score < 0) continue;
@@ -94,14 +118,42 @@ Candidate refine(std::span<const CameraRate> camera, const GyroIntegral& gyro, C
                  double step_s, std::size_t min_pairs) {
   double h = step_s;
   for (int round = 0; round < 4; ++round, h *= 0.3) {
-    const double below = scoreAt(camera, gyro, c.offset_s - h, min_pairs);
-    const double above = scoreAt(camera, gyro, c.offset_s + h, min_pairs);
+    const double below = scoreAt(camera, gyro, c.offset_s - h, min_pairs).value;
+    const double above = scoreAt(camera, gyro, c.offset_s + h, min_pairs).value;
     if (below < 0 || above < 0) break;
     const double x = parabolaVertex(c.offset_s, h, below, c.score, above);
-    const double score = scoreAt(camera, gyro, x, min_pairs);
+    const double score = scoreAt(camera, gyro, x, min_pairs).value;
     if (score > c.score) c = {x, score};
   }
   return c;
+}
+
+Failure tooShort(std::size_t rates, int needed) {
+  return {FailureReason::kTooFewViews,
+          fmt::format("{} pairs of neighbouring frames show how the camera turns; {} are needed to "
+                      "find the time offset",
+                      rates, needed),
+          "record longer, or at a higher frame rate, with the target in view"};
+}
+
+Failure notCovered(std::span<const CameraRate> camera, const GyroIntegral& gyro, const Grid& grid,
+                   const TimeOffsetOptions& options) {
+  const TimeNs start = camera.front().from;
+  const auto seconds = [&](TimeNs t) { return secondsBetween(start, t); };
+  std::string span = "no samples";
+  if (!gyro.samples().empty()) {
+    span = fmt::format("samples from {:.1f} s to {:.1f} s", seconds(gyro.samples().front().t),
+                       seconds(gyro.samples().back().t));
+  }
+  return {FailureReason::kNoOverlap,
+          fmt::format("the IMU has {} after the first frame, the frames end at {:.1f} s: it covers "
+                      "{} of {} frame intervals at best (time offsets within +-{} s), at least {} "
+                      "are needed",
+                      span, seconds(camera.back().to), grid.covered, camera.size(),
+                      options.max_offset_s, grid.needed),
+          "check that camera and IMU stamps are of one clock and one recording; a known shift can "
+          "be given by --imu-shift-ms",
+          FaultyInput::kImuSamples};
 }
 
 }  // namespace
@@ -132,21 +184,16 @@ RateAlignment alignRates(std::span<const RatePair> pairs) {
 Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera,
                                               const GyroIntegral& gyro,
                                               const TimeOffsetOptions& options) {
-  const auto needed = static_cast<std::size_t>(std::max<double>(
-      options.min_pairs, options.min_overlap * static_cast<double>(camera.size())));
+  if (camera.size() < static_cast<std::size_t>(options.min_pairs)) {
+    return tooShort(camera.size(), options.min_pairs);
+  }
+  const Grid grid = coarseGrid(camera, gyro, options);
   Candidate best;
-  for (const Candidate& c : coarseMaxima(camera, gyro, options, needed, 5)) {
-    const Candidate refined = refine(camera, gyro, c, options.coarse_step_s, needed);
+  for (const Candidate& c : coarseMaxima(grid.candidates, 5)) {
+    const Candidate refined = refine(camera, gyro, c, options.coarse_step_s, grid.needed);
     if (refined.score > best.score) best = refined;
   }
-  if (best.score < 0) {
-    return Failure{
-        FailureReason::kNoOverlap,
-        fmt::format("IMU samples cover fewer than {} of the {} frame intervals under any time "
-                    "offset within +-{} s",
-                    needed, camera.size(), options.max_offset_s),
-        "check that camera and IMU stamps are of one clock and one recording"};
-  }
+  if (best.score < 0) return notCovered(camera, gyro, grid, options);
   TimeOffsetEstimate out;
   out.offset_s = best.offset_s;
   out.alignment = alignRates(pairRates(camera, gyro, best.offset_s));

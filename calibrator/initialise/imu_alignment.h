@@ -32,7 +32,8 @@ RateAlignment alignRates(std::span<const RatePair> pairs);
 struct TimeOffsetOptions {
   double max_offset_s = 1.0;    ///< search range, both ways [s]
   double coarse_step_s = 0.01;  ///< step of the search; a fifth of the fastest motion's period
-  double min_overlap = 0.5;     ///< part of the camera's rates that the gyro must cover [0..1]
+  double min_overlap = 0.5;     ///< part of what the gyro covers under the best-covered offset
+                                ///< that it must cover under the chosen one [0..1]
   int min_pairs = 20;           ///< rates below which no correlation is attempted
 };
 
@@ -43,8 +44,8 @@ struct TimeOffsetEstimate {
 
 /// Finds the offset at which the correlation of RateAlignment (the better of rotation and
 /// reflection) is greatest: a grid over the whole range, then parabolas around its best points.
-/// Accurate to about a hundredth of a frame interval. Fails with kNoOverlap where the streams share
-/// too little time under every offset.
+/// Accurate to about a hundredth of a frame interval. Fails with kTooFewViews where the
+/// camera has too few rates, with kNoOverlap where the streams share too little time.
 Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera,
                                               const GyroIntegral& gyro,
                                               const TimeOffsetOptions& options = {});

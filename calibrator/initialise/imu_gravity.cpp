@@ -53,6 +53,21 @@ struct Equation {
   Eigen::Vector3d rhs;
 };
 
+/// Whether IMU samples pause for longer than `longest_s` between two instants of the camera's
+/// clock.
+bool pausesBetween(TimeNs from, TimeNs to, double offset_s, std::span<const ImuSample> samples,
+                   double longest_s) {
+  const auto earlier = [](const ImuSample& s, TimeNs t) { return s.t < t; };
+  const TimeNs offset = toNanoseconds(offset_s);
+  auto s = std::lower_bound(samples.begin(), samples.end(), from + offset, earlier);
+  if (s == samples.begin()) return false;
+  for (; s != samples.end(); ++s) {
+    if (secondsBetween((s - 1)->t, s->t) > longest_s) return true;
+    if (s->t >= to + offset) break;
+  }
+  return false;
+}
+
 /// One triple's equation A x = rhs in units of acceleration.
 std::optional<Equation> equationOf(const Triple& triple, std::span<const StampedPose> poses,
                                    std::span<const ImuSample> samples, const Eigen::Matrix3d& R_SC0,
@@ -102,7 +117,10 @@ InertialAlignment solve(const std::vector<Equation>& equations,
   out.scale = 1 / x(0);
   out.scale_std =
       out.residual_rms * std::sqrt(ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
+  Unknowns down = Unknowns::Zero();
+  down.segment<3>(4) = x.segment<3>(4).normalized();
   out.residual_rms *= std::abs(out.scale);
+  out.gravity_std = out.residual_rms * std::sqrt(down.dot(ldlt.solve(down)));
   out.t_SC0 = out.scale * x.segment<3>(1);
   out.gravity_F = out.scale * x.segment<3>(4);
   out.accel_bias = out.scale * x.tail<3>();
@@ -119,7 +137,10 @@ std::optional<InertialAlignment> alignInertially(std::span<const StampedPose> po
                                                  const InertialAlignmentOptions& options) {
   const ImuBias bias{gyro_bias, Eigen::Vector3d::Zero()};
   std::vector<Equation> equations;
+  const double longest_s = kGapIntervals * medianSampleInterval(samples);
   for (const Triple& triple : chooseTriples(poses, options)) {
+    const TimeNs from = poses[triple.a].t;
+    if (pausesBetween(from, poses[triple.c].t, time_offset_s, samples, longest_s)) continue;
     const auto e = equationOf(triple, poses, samples, R_SC0, bias, time_offset_s);
     if (e) equations.push_back(*e);
   }

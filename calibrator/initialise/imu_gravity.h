@@ -15,6 +15,7 @@ struct InertialAlignment {
   double scale_std = 0;  ///< from the residuals
   Eigen::Vector3d t_SC0 = Eigen::Vector3d::Zero();      ///< [m]
   Eigen::Vector3d gravity_F = Eigen::Vector3d::Zero();  ///< [m/s^2], pointing down
+  double gravity_std = 0;  ///< of its magnitude, from the residuals [m/s^2]
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
   double residual_rms = 0;  ///< per component [m/s^2], over windows of about 2 span_s
   int equations = 0;        ///< vector equations used

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/statistics.h"
 
 namespace plumbline {
 
@@ -19,15 +21,30 @@ std::vector<CameraRate> cameraRates(std::span<const StampedPose> poses, double m
   return rates;
 }
 
+double medianSampleInterval(std::span<const ImuSample> samples) {
+  if (samples.size() < 2) return 0;
+  std::vector<double> intervals;
+  intervals.reserve(samples.size());
+  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
+    intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
+  }
+  return quantile(std::move(intervals), 0.5);
+}
+
 GyroIntegral::GyroIntegral(std::span<const ImuSample> samples) : samples_(samples) {
   integral_.reserve(samples.size());
+  gaps_.reserve(samples.size());
+  const double longest = kGapIntervals * medianSampleInterval(samples);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int gaps = 0;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    if (k > 0) {
-      const double dt = secondsBetween(samples[k - 1].t, samples[k].t);
-      sum += 0.5 * dt * (samples[k - 1].gyro + samples[k].gyro);
-    }
     integral_.push_back(sum);
+    if (k + 1 < samples.size()) {
+      const double dt = secondsBetween(samples[k].t, samples[k + 1].t);
+      sum += 0.5 * dt * (samples[k].gyro + samples[k + 1].gyro);
+      if (dt > longest) ++gaps;
+    }
+    gaps_.push_back(gaps);
   }
   if (samples.size() > 1) {
     mean_interval_s_ = secondsBetween(samples.front().t, samples.back().t) /
@@ -35,13 +52,25 @@ GyroIntegral::GyroIntegral(std::span<const ImuSample> samples) : samples_(sample
   }
 }
 
-Eigen::Vector3d GyroIntegral::at(TimeNs t, double offset_s) const {
+std::size_t GyroIntegral::before(TimeNs t, double offset_s) const {
+  constexpr int kSteps = 16;  // how far from the guess a search step by step is worth it
   const auto tau = [&](std::size_t k) { return secondsBetween(samples_[k].t, t) + offset_s; };
-  const double last = static_cast<double>(samples_.size() - 2);
-  auto k = static_cast<std::size_t>(std::clamp(tau(0) / mean_interval_s_, 0.0, last));
-  while (k > 0 && tau(k) < 0) --k;
-  while (k + 2 < samples_.size() && tau(k + 1) >= 0) ++k;
-  const double dt = tau(k);
+  const std::size_t last = samples_.size() - 2;
+  auto k = static_cast<std::size_t>(
+      std::clamp(tau(0) / mean_interval_s_, 0.0, static_cast<double>(last)));
+  int steps = 0;
+  for (; k > 0 && tau(k) < 0 && steps < kSteps; ++steps) --k;
+  for (; k < last && tau(k + 1) >= 0 && steps < kSteps; ++steps) ++k;
+  if (steps < kSteps) return k;
+  const TimeNs at = t + toNanoseconds(offset_s);
+  const auto next = std::upper_bound(samples_.begin(), samples_.end(), at,
+                                     [](TimeNs time, const ImuSample& s) { return time < s.t; });
+  const auto index = static_cast<std::size_t>(next - samples_.begin());
+  return std::min(index == 0 ? 0 : index - 1, last);
+}
+
+Eigen::Vector3d GyroIntegral::at(std::size_t k, TimeNs t, double offset_s) const {
+  const double dt = secondsBetween(samples_[k].t, t) + offset_s;
   const ImuSample& s = samples_[k];
   const ImuSample& next = samples_[k + 1];
   const double step = secondsBetween(s.t, next.t);
@@ -53,7 +82,10 @@ std::optional<Eigen::Vector3d> GyroIntegral::meanRate(TimeNs from, TimeNs to,
   if (samples_.size() < 2) return std::nullopt;
   if (secondsBetween(samples_.front().t, from) + offset_s < 0) return std::nullopt;
   if (secondsBetween(to, samples_.back().t) - offset_s < 0) return std::nullopt;
-  return (at(to, offset_s) - at(from, offset_s)) / secondsBetween(from, to);
+  const std::size_t first = before(from, offset_s);
+  const std::size_t last = before(to, offset_s);
+  if (gaps_[last] != (first == 0 ? 0 : gaps_[first - 1])) return std::nullopt;
+  return (at(last, to, offset_s) - at(first, from, offset_s)) / secondsBetween(from, to);
 }
 
 std::vector<RatePair> pairRates(std::span<const CameraRate> camera, const GyroIntegral& gyro,

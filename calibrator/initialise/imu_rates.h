@@ -17,6 +17,12 @@ struct StampedPose {
   Transform T_FC0;
 };
 
+/// A pause between samples longer than this many times their median interval is a gap.
+constexpr double kGapIntervals = 5;
+
+/// Median interval between samples [s]; 0 for fewer than two.
+double medianSampleInterval(std::span<const ImuSample> samples);
+
 /// Mean angular rate of camera 0 between two neighbouring frames, in its own frame:
 /// Log(R_FC0(from)^T R_FC0(to)) / (to - from) [rad/s].
 struct CameraRate {
@@ -34,14 +40,20 @@ class GyroIntegral {
  public:
   explicit GyroIntegral(std::span<const ImuSample> samples);
 
-  /// Mean measured rate [rad/s] over [from + offset_s, to + offset_s]; empty where not covered.
+  /// Mean measured rate [rad/s] over [from + offset_s, to + offset_s]; empty where not covered, or
+  /// where a gap between samples lies within.
   std::optional<Eigen::Vector3d> meanRate(TimeNs from, TimeNs to, double offset_s) const;
 
+  std::span<const ImuSample> samples() const { return samples_; }
+
  private:
-  /// Integral from the first sample to `t` + offset_s.
-  Eigen::Vector3d at(TimeNs t, double offset_s) const;
+  /// Index of the sample before `t` + offset_s (or of the first, or the last but one).
+  std::size_t before(TimeNs t, double offset_s) const;
+  /// Integral from the first sample to `t` + offset_s, with k = before(t, offset_s).
+  Eigen::Vector3d at(std::size_t k, TimeNs t, double offset_s) const;
 
   std::span<const ImuSample> samples_;
+  std::vector<int> gaps_;  ///< of each sample: gaps before the one that follows it
   std::vector<Eigen::Vector3d> integral_;
   double mean_interval_s_ = 0;
 };

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -48,7 +49,7 @@ std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
                                         const SanityOptions& options) {
   if (samples.size() < 2) {
     return Failure{FailureReason::kNoOverlap, "the IMU has fewer than two samples",
-                   "record the IMU together with the cameras"};
+                   "record the IMU together with the cameras", FaultyInput::kImuSamples};
   }
   const double g = options.gravity_m_s2;
   const double gyro = medianNorm(samples, &ImuSample::gyro);
@@ -58,7 +59,7 @@ std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
                    fmt::format("the accelerometer's median norm is {:.4g} (expected about {:.2f} "
                                "m/s^2), the gyroscope's {:.4g}: {}",
                                accel, g, gyro, what),
-                   cure};
+                   cure, FaultyInput::kImuSamples};
   };
   if (isNear(gyro, g, 0.3) && !isNear(accel, g, 0.5)) {
     return fail("gyroscope and accelerometer columns are swapped",
@@ -101,35 +102,41 @@ std::optional<Failure> checkExcitation(const RateAlignment& alignment,
 }
 
 std::optional<Failure> checkRates(const RateAlignment& alignment, const SanityOptions& options) {
+  const auto implausible = [](std::string message, std::string cure) {
+    return Failure{FailureReason::kImplausible, std::move(message), std::move(cure),
+                   FaultyInput::kImuSamples};
+  };
   if (std::max(alignment.correlation, alignment.mirrored_correlation) < options.min_correlation) {
     return Failure{FailureReason::kNoOverlap,
                    fmt::format("gyroscope and camera rotation do not correlate under any time "
                                "offset in range (best {:.2f}, expected above {:.2f})",
                                alignment.correlation, options.min_correlation),
                    "check that both are of the same recording, that their stamps are of one clock "
-                   "and that each gyroscope column is what it should be"};
+                   "(a larger offset can be given by --imu-shift-ms) and that each gyroscope "
+                   "column is what it should be",
+                   FaultyInput::kImuSamples};
   }
   if (alignment.mirrored_correlation > options.min_correlation &&
       1 - alignment.mirrored_correlation < 0.5 * (1 - alignment.correlation)) {
-    return Failure{FailureReason::kImplausible,
-                   fmt::format("the gyroscope's axes are permuted or mirrored: its rates fit the "
-                               "camera's only after a reflection (correlation {:.3f} against "
-                               "{:.3f} for a rotation)",
-                               alignment.mirrored_correlation, alignment.correlation),
-                   "make its axes right-handed: restore their order or the sign of one column"};
+    return implausible(
+        fmt::format("the gyroscope's axes are permuted or mirrored: its rates fit the camera's "
+                    "only after a reflection (correlation {:.3f} against {:.3f} for a rotation)",
+                    alignment.mirrored_correlation, alignment.correlation),
+        "make its axes right-handed: restore their order or the sign of one column");
   }
   if (isNear(alignment.gyro_to_camera, kDegreesPerRadian, 0.3)) {
-    return Failure{FailureReason::kImplausible,
-                   fmt::format("the gyroscope turns {:.1f} times as fast as the camera: it is in "
-                               "degrees per second",
-                               alignment.gyro_to_camera),
-                   "multiply its columns by pi / 180"};
+    return implausible(fmt::format("the gyroscope turns {:.1f} times as fast as the camera: it is "
+                                   "in degrees per second",
+                                   alignment.gyro_to_camera),
+                       "multiply its columns by pi / 180");
   }
-  if (!isNear(alignment.gyro_to_camera, 1, 0.3)) {
-    return Failure{FailureReason::kImplausible,
-                   fmt::format("the gyroscope turns {:.3g} times as fast as the camera",
-                               alignment.gyro_to_camera),
-                   "check the gyroscope's units (rad/s) and the stamps' (ns)"};
+  // Noise of the camera's rates makes the gyroscope seem slower: by the correlation at most.
+  const double noise = 1 - alignment.correlation * alignment.correlation;
+  if (!isNear(alignment.gyro_to_camera, 1, options.rate_tolerance + noise)) {
+    return implausible(fmt::format("the gyroscope turns {:.3g} times as fast as the camera",
+                                   alignment.gyro_to_camera),
+                       "check the gyroscope's units (rad/s), its scale and the stamps' unit (ns); "
+                       "or the cameras' focal lengths, where they were given");
   }
   return std::nullopt;
 }
@@ -137,22 +144,30 @@ std::optional<Failure> checkRates(const RateAlignment& alignment, const SanityOp
 std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
                                      const SanityOptions& options) {
   const double g = alignment.gravity_F.norm();
+  const auto implausible = [](std::string message, std::string cure) {
+    return Failure{FailureReason::kImplausible, std::move(message), std::move(cure),
+                   FaultyInput::kImuSamples};
+  };
   if (alignment.residual_rms > options.max_residual_m_s2) {
-    return Failure{FailureReason::kImplausible,
-                   fmt::format("the accelerometer contradicts the camera's motion by {:.2g} m/s^2 "
-                               "(RMS): its axes do not fit the gyroscope's",
-                               alignment.residual_rms),
-                   "check order and signs of the accelerometer's columns"};
+    return implausible(fmt::format("the accelerometer contradicts the camera's motion by {:.2g} "
+                                   "m/s^2 (RMS): its axes do not fit the gyroscope's",
+                                   alignment.residual_rms),
+                       "check order and signs of the accelerometer's columns");
   }
-  if (!isNear(g, options.gravity_m_s2, options.gravity_tolerance)) {
-    return Failure{FailureReason::kImplausible,
-                   fmt::format("gravity comes out as {:.2f} m/s^2 in place of {:.2f}", g,
-                               options.gravity_m_s2),
-                   "check units, order and signs of the accelerometer's columns"};
+  if (alignment.scale < 0) {
+    return implausible("the accelerometer measures the camera's motion with reversed sign",
+                       "negate its three columns: at rest it must read +9.8 m/s^2 upwards; or, "
+                       "where the images are mirrored, mirror them back");
+  }
+  const bool significant =
+      std::abs(g - options.gravity_m_s2) > options.significance * alignment.gravity_std;
+  if (significant && !isNear(g, options.gravity_m_s2, options.gravity_tolerance)) {
+    return implausible(fmt::format("gravity comes out as {:.2f} m/s^2 in place of {:.2f}", g,
+                                   options.gravity_m_s2),
+                       "check units, scale, order and signs of the accelerometer's columns");
   }
   const double off = std::abs(alignment.scale - 1);
-  if (off > options.scale_tolerance && off > options.significance * alignment.scale_std &&
-      alignment.scale > 0) {
+  if (off > options.scale_tolerance && off > options.significance * alignment.scale_std) {
     const bool large = alignment.scale < 1;
     return Failure{
         FailureReason::kImplausible,
@@ -161,7 +176,8 @@ std::optional<Failure> checkInertial(const InertialAlignment& alignment, const A
                     target.tag_size, large ? 1 / alignment.scale : alignment.scale,
                     large ? "large" : "small", alignment.scale * target.tag_size,
                     alignment.scale_std * target.tag_size),
-        "measure a tag's black square and correct tagSize in target.yaml"};
+        "measure a tag's black square and the gap between tags, and correct tagSize or tagSpacing",
+        FaultyInput::kTarget};
   }
   return std::nullopt;
 }

@@ -20,9 +20,11 @@ struct SanityOptions {
   double gravity_m_s2 = 9.80655;
   double min_correlation = 0.8;        ///< of gyro and camera rates; EuRoC's is 0.999
   double min_excitation_rad_s = 0.02;  ///< RMS rate below which an axis counts as not turned about
-  double scale_tolerance = 0.08;       ///< of the target's size, relative
+  double rate_tolerance = 0.06;        ///< of the gyroscope's rate against the camera's, relative,
+                                       ///< beyond what noise explains
+  double scale_tolerance = 0.04;       ///< of the target's size, relative
   double significance = 6;             ///< and in standard deviations
-  double gravity_tolerance = 0.1;      ///< of |g| as estimated, relative
+  double gravity_tolerance = 0.03;     ///< of |g| as estimated, relative
   double max_residual_m_s2 = 1.5;      ///< RMS of the inertial alignment
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/internal/csv_table.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -10,6 +11,14 @@
 
 namespace plumbline {
 namespace {
+
+// The beginning of a field for a message, without bytes that a terminal would act upon.
+std::string quotable(std::string_view text) {
+  std::string out(text.substr(0, 40));
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return out;
+}
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
@@ -58,7 +67,7 @@ bool parseAny(std::string_view text, double& value) {
 
 }  // namespace
 
-CsvTable::CsvTable(const std::string& path, const std::string& layout)
+CsvTable::CsvTable(const std::string& path, const std::string& layout, NoRows no_rows)
     : path_(path), layout_(layout), file_(path) {
   const std::string_view text = file_.text();
   at_ = text.data();
@@ -68,7 +77,7 @@ CsvTable::CsvTable(const std::string& path, const std::string& layout)
   readHeader();
   const char* c = at_;
   while (c != end_ && std::isspace(static_cast<unsigned char>(*c)) != 0) ++c;
-  if (c == end_) {
+  if (c == end_ && (no_rows == NoRows::kRefuse || header_.empty())) {
     throw badInput(path_, 0,
                    {text.empty() ? "is empty" : "has no rows", "rows of " + layout_,
                     "was the recording or the copy interrupted? Export the file again"});
@@ -132,8 +141,7 @@ std::string_view CsvTable::field(const char* name) {
 }
 
 void CsvTable::failField(const char* name, std::string_view text, const char* expected) const {
-  throw fault({"column '" + std::string(name) + "' is '" + std::string(text.substr(0, 40)) + "'",
-               expected,
+  throw fault({"column '" + std::string(name) + "' is '" + quotable(text) + "'", expected,
                truncatedHere() ? "the file is truncated: copy it again or delete this line"
                                : "repair or delete this line"});
 }
@@ -148,7 +156,7 @@ TimeNs CsvTable::stamp() {
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc() && stop == text.data() + text.size();
   if (!whole && text.find('.') != std::string_view::npos) {
-    throw fault({"the stamp '" + std::string(text.substr(0, 40)) + "' has a decimal point",
+    throw fault({"the stamp '" + quotable(text) + "' has a decimal point",
                  "an integer number of nanoseconds",
                  "stamps in seconds must be multiplied by 1e9 and written as integers"});
   }

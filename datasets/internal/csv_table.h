@@ -16,9 +16,11 @@ namespace plumbline {
 /// are accepted. Every fault is an InputError with the file and line.
 class CsvTable {
  public:
-  /// Throws InputError where the file is missing or has no rows at all. `layout` names the columns,
-  /// for messages.
-  CsvTable(const std::string& path, const std::string& layout);
+  enum class NoRows { kRefuse, kAccept };  ///< what a header without rows is; no header is a fault
+
+  /// Throws InputError where the file is missing, empty, or has no rows. `layout` names the
+  /// columns, for messages.
+  CsvTable(const std::string& path, const std::string& layout, NoRows no_rows = NoRows::kRefuse);
 
   /// The header's names, trimmed and without '#'; empty where there is no header.
   const std::vector<std::string>& header() const { return header_; }
@@ -38,13 +40,15 @@ class CsvTable {
   /// Throws unless all fields of the row have been taken.
   void endRow();
 
+  /// Whether the current row is the last and has no newline.
+  bool truncatedHere() const;
+
   /// An InputError at the current row.
   InputError fault(const Complaint& complaint) const { return badInput(path_, line_, complaint); }
 
  private:
   std::string_view field(const char* name);
   void readHeader();
-  bool truncatedHere() const;
   [[noreturn]] void failField(const char* name, std::string_view text, const char* expected) const;
 
   std::string path_;

@@ -18,6 +18,15 @@ const char* likelyUnit(TimeNs interval, TimeNs shortest) {
 
 }  // namespace
 
+std::string duplicateCure(TimeNs t) {
+  constexpr TimeNs kNanosecondsFromHere = 10'000'000'000'000;  // as milliseconds: the year 2286
+  const bool perhaps_other_unit = t > 1'000'000'000 && t < kNanosecondsFromHere;
+  return perhaps_other_unit
+             ? "delete one of the two rows; or, if the stamps are seconds or milliseconds, "
+               "write them in nanoseconds with all their digits"
+             : "delete one of the two rows";
+}
+
 void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, TimeNs shortest,
                     const std::string& things) {
   if (stamps.size() < 2) return;

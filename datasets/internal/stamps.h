@@ -14,6 +14,10 @@ namespace plumbline {
 void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, TimeNs shortest,
                     const std::string& things);
 
+/// What to do about a stamp that is given twice: delete a row, or, where it is so small that it may
+/// be whole seconds or milliseconds since 1970, write nanoseconds.
+std::string duplicateCure(TimeNs t);
+
 constexpr TimeNs kShortestFrameInterval = 1'000'000;  ///< [ns]: 1000 frames a second
 constexpr TimeNs kShortestImuInterval = 25'000;       ///< [ns]: 40 000 samples a second
 

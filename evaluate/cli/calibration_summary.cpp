@@ -41,6 +41,15 @@ void addCameras(Text& text, const std::vector<CameraCalibration>& cameras) {
   }
 }
 
+// What the camera-IMU stage had to do without; nothing where it used all.
+void addLeftOut(Text& text, const CameraImuStageResult& stage) {
+  if (stage.frames_without_imu + stage.frames_without_pose + stage.imu_gaps == 0) return;
+  add(text,
+      "  {} frames used; left out: {} without IMU samples, {} without a pose; gaps in the IMU: "
+      "{}\n",
+      stage.frames.size(), stage.frames_without_imu, stage.frames_without_pose, stage.imu_gaps);
+}
+
 void addImu(Text& text, const ImuCalibration& imu) {
   const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
   add(text, "  T_SC0 translation [{:.2f}, {:.2f}, {:.2f}] mm", mm.x(), mm.y(), mm.z());
@@ -74,7 +83,10 @@ std::string calibrationSummary(const CalibrationRecord& record) {
   addCameras(text, record.cameras());
   if (record.camera_imu) {
     addErrors(text, "Camera-IMU", record.camera_imu->summary);
+    addLeftOut(text, *record.camera_imu);
     addImu(text, record.camera_imu->imu);
+  } else {
+    add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or --no-imu)\n");
   }
   addVerdict(text, record.verdict);
   return fmt::to_string(text);

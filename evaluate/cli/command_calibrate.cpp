@@ -155,11 +155,15 @@ CalibrateRequest requestOf(const Options& o, const CLI::App& app) {
 
 int calibrate(const Options& o, const CLI::App& app) {
   ProgressBar bar;
+  refuseUnwritable(o.out);
+  refuseInside(o.out, o.session.session, "--out");
   const auto record = calibrateSession(requestOf(o, app), bar.sink());
   bar.clear();
   if (!record) {
-    fmt::print(stderr, "plumbline: {}; {}\n", record.failure().message, record.failure().cure);
-    return kFailed;
+    const Failure& failure = record.failure();
+    fmt::print(stderr, "plumbline: {}; {}\n", failure.message, failure.cure);
+    // Data that contradict what a file states are bad input.
+    return failure.reason == FailureReason::kImplausible ? kBadInput : kFailed;
   }
   bar.update("writing", -1);
   writeCalibrationResults(*record, o.out, {!o.no_report, o.residuals});

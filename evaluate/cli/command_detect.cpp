@@ -22,6 +22,7 @@ struct Options {
 
 int detect(const Options& o) {
   ProgressBar bar;
+  refuseInside(o.out, o.session.session, "--out");
   const LoadedSession loaded = loadSession(o.session.request(), bar.sink());
   bar.clear();
   writeCornerSession(loaded.session, o.out);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The one binary: a table of subcommands, and the only place where errors become exit codes.
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
@@ -26,6 +27,10 @@ int runChosen(const CLI::App& app, const std::map<std::string, std::function<int
     return handlers.at(app.get_subcommands().front()->get_name())();
   } catch (const InputError& error) {
     fmt::print(stderr, "plumbline: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "plumbline: {}: {}; check the path and its permissions\n",
+               error.path1().string(), error.code().message());
     return kBadInput;
   } catch (const std::exception& error) {
     fmt::print(stderr, "plumbline: unexpected failure: {}\n", error.what());
@@ -53,7 +58,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);  // help, version
+    const auto chosen = app.get_subcommands();
+    fmt::print(stderr, "plumbline: {}; see plumbline{} --help\n", error.what(),
+               chosen.empty() ? "" : " " + chosen.front()->get_name());
+    return kBadInput;
   }
   return runChosen(app, handlers);
 }

@@ -64,6 +64,12 @@ const ThresholdMembers& thresholdMembers() {
       {"offset_std_ms", &VerdictThresholds::offset_std_ms},
       {"lever_arm_m", &VerdictThresholds::lever_arm_m},
       {"offset_ms", &VerdictThresholds::offset_ms},
+      {"principal_point", &VerdictThresholds::principal_point},
+      {"frames_without_imu", &VerdictThresholds::frames_without_imu},
+      {"imu_gaps", &VerdictThresholds::imu_gaps},
+      {"imu_rate", &VerdictThresholds::imu_rate},
+      {"target_scale", &VerdictThresholds::target_scale},
+      {"gravity", &VerdictThresholds::gravity},
       {"imu_noise_factor", &VerdictThresholds::imu_noise_factor}};
   return kMembers;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/session_options.h"
 
+#include <cmath>
+
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
@@ -8,6 +10,11 @@
 #include "evaluate/cli/option_values.h"
 
 namespace plumbline {
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+}  // namespace
 
 void SessionOptions::declare(CLI::App& app) {
   app.add_option("session", session, "Folder of the recording (EuRoC layout)")->required();
@@ -38,7 +45,13 @@ LoadRequest SessionOptions::request() const {
   request.detector.border_bits = border_bits;
   request.detector.check();
   if (stride < 1) throw InputError(fmt::format("--stride {}: expected 1 or more", stride));
-  if (threads < 0) throw InputError(fmt::format("--threads {}: expected 0 or more", threads));
+  if (threads < 0 || threads > kMostThreads) {
+    throw InputError(fmt::format("--threads {}: expected 0 to {}", threads, kMostThreads));
+  }
+  if (!(from_s >= 0) || std::isinf(from_s)) {
+    throw InputError(
+        fmt::format("--from {}: expected seconds from the first frame, 0 or more", from_s));
+  }
   if (to_s && !(*to_s > from_s)) {
     throw InputError(fmt::format("--to {} is not later than --from {}", *to_s, from_s));
   }

@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kLeastCornersOfRegion = 100;
+constexpr double kLeastRedundancy = 50;         // of residuals that judge a noise density
+constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what the data need
 
 VerdictLevel levelAbove(double value, const Bound& bound) {
   if (!(value <= bound.bad)) return VerdictLevel::kBad;  // NaN is bad
@@ -97,7 +99,8 @@ void judgeResiduals(const std::vector<CornerResidual>& residuals, const StageSum
     findings.push_back(above(
         {fmt::format("Reprojection error of {} ({})", name, stage), "px", t.rmse_px,
          "Look at the per-frame errors: blurred or mis-detected frames, a bent target, a wrong "
-         "camera model, or (camera-IMU) wrong intrinsics raise it."},
+         "tagSpacing in target.yaml, a wrong camera model, or (camera-IMU) wrong intrinsics raise "
+         "it."},
         rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
     const RegionalErrors regions =
         regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
@@ -146,17 +149,36 @@ void judgeData(const CalibrationRecord& record, const VerdictThresholds& t,
       tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
 }
 
-void judgeRejected(const StageSummary& summary, const std::string& stage,
+double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+// Corners rejected as outliers, of those in the frames used.
+void judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,
                    const VerdictThresholds& t, std::vector<Finding>& findings) {
-  if (summary.corners_offered == 0) return;
-  const double rejected = 1.0 - static_cast<double>(summary.corners_used) /
-                                    static_cast<double>(summary.corners_offered);
+  const auto rejected =
+      std::count_if(residuals.begin(), residuals.end(), [](const auto& r) { return !r.used; });
   findings.push_back(
-      above({fmt::format("Corners left out ({})", stage), "-", t.rejected,
+      above({fmt::format("Rejected corners ({})", stage), "-", t.rejected,
              "That many outliers point to false detections, motion blur or a wrong target file."},
-            rejected,
-            fmt::format("{} of {} corners were left out",
-                        summary.corners_offered - summary.corners_used, summary.corners_offered)));
+            share(static_cast<double>(rejected), static_cast<double>(residuals.size())),
+            fmt::format("{} of {} corners were rejected", rejected, residuals.size())));
+}
+
+// Corners of frames that the camera stage could not use; those that view selection left out on
+// purpose do not count.
+void judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& t,
+                  std::vector<Finding>& findings) {
+  for (const auto& [option, unused] : record.provenance.options) {
+    if (option == "--select-views") return;
+  }
+  const std::size_t offered = record.camera->summary.corners_offered;
+  const std::size_t listed = record.camera->residuals.size();
+  if (offered < listed) return;
+  findings.push_back(
+      above({"Frames left out (cameras)", "-", t.rejected,
+             "So many frames without a plausible pose point to false detections, too few corners "
+             "in a frame, a wrong target.yaml or an unsuitable camera model."},
+            share(static_cast<double>(offered - listed), static_cast<double>(offered)),
+            fmt::format("frames with {} of {} corners were left out", offered - listed, offered)));
 }
 
 void judgeConvergence(const StageSummary& summary, const std::string& stage,
@@ -216,6 +238,29 @@ void judgeImuSpread(const CalibrationRecord& record, const VerdictThresholds& t,
                            fmt::format("{} is {:.4f} ms", kindOf(offset), 1e3 * offset.value)));
 }
 
+// One density of imu.yaml against what the residuals say of it, if they say enough.
+void judgeDensity(const std::string& sensor, const ImuNoiseCheck& check, const VerdictThresholds& t,
+                  std::vector<Finding>& findings) {
+  if (check.redundancy < kLeastRedundancy) return;
+  Rule rule{
+      "Noise density of the " + sensor, "-", t.imu_noise_factor,
+      "The density in imu.yaml is too small for this recording: raise it by that factor, or "
+      "look for vibration, saturation, blur or a wrong IMU scale. Standard deviations are too "
+      "small until then."};
+  VerdictLevel level = levelAbove(check.factor, rule.bound);
+  if (check.factor < kPessimisticFactor) {
+    rule.bound.doubtful = kPessimisticFactor;
+    rule.advice =
+        "The density in imu.yaml is larger than this recording needs: its inertial data get less "
+        "weight than they could bear.";
+    level = VerdictLevel::kDoubtful;
+  }
+  findings.push_back(finding(
+      rule, level, check.factor,
+      fmt::format("the residuals suggest {:.2f} times the assumed density (redundancy {:.0f})",
+                  check.factor, check.redundancy)));
+}
+
 void judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t,
                        std::vector<Finding>& findings) {
   const double arm = stage.imu.T_SC0.t.norm();
@@ -229,15 +274,82 @@ void judgePlausibility(const CameraImuStageResult& stage, const VerdictThreshold
                             "buffering or from stamps taken at arrival."},
                            offset,
                            fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.time_offset_s)));
-  const auto& imu = stage.imu_summary;
-  const double worst = std::max(imu.gyro_normalised_rms, imu.accel_normalised_rms);
+}
+
+void judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t,
+                        std::vector<Finding>& findings) {
+  const int without_imu = stage.frames_without_imu;
+  const int without_pose = stage.frames_without_pose;
+  const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
+  findings.push_back(above({"Frames that the IMU covers", "-", t.frames_without_imu,
+                            "Start the IMU before the cameras and stop it after them, and look for "
+                            "pauses in its driver: "
+                            "frames without IMU samples around them are not used."},
+                           share(without_imu, posed),
+                           fmt::format("{} of {:.0f} frames were left out for want of IMU samples",
+                                       without_imu, posed)));
+  findings.push_back(above(
+      {"Gaps in the IMU's samples", "-", t.imu_gaps,
+       "The chain of motion is broken there, which costs information only; find out why samples "
+       "were lost (driver, bus load, disk)."},
+      stage.imu_gaps, fmt::format("number of gaps: {}", stage.imu_gaps)));
   findings.push_back(
-      above({"IMU residuals against the assumed noise", "-", t.imu_noise_factor,
-             "The residuals exceed the densities in imu.yaml: raise them, or look for vibration, "
-             "saturation or wrong IMU scale."},
-            worst,
-            fmt::format("normalised RMS: gyroscope {:.2f}, accelerometer {:.2f} (1 is as assumed)",
-                        imu.gyro_normalised_rms, imu.accel_normalised_rms)));
+      above({"Frames without a pose (camera-IMU)", "-", t.rejected,
+             "So many frames without a plausible pose point to false detections or to intrinsics "
+             "that do not belong to these cameras."},
+            share(without_pose, posed + without_pose),
+            fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
+                        posed + without_pose)));
+}
+
+// What the files state against what the data say: the IMU's rate, the target's size, gravity.
+void judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t,
+                     std::vector<Finding>& findings) {
+  const CameraImuStageResult& stage = *record.camera_imu;
+  const double stated_hz = stage.imu.noise.rate_hz;
+  if (stage.imu_rate_hz > 0 && stated_hz > 0) {
+    findings.push_back(
+        above({"Rate of the IMU", "-", t.imu_rate,
+               "Correct update_rate in imu.yaml, or look for samples that were lost."},
+              std::abs(stage.imu_rate_hz / stated_hz - 1),
+              fmt::format("samples come at {:.4g} Hz, imu.yaml states {:.4g} Hz", stage.imu_rate_hz,
+                          stated_hz)));
+  }
+  const InertialCheck& check = stage.inertial_check;
+  if (check.gravity_m_s2 <= 0) return;
+  const double assumed = record.assumptions.gravity_m_s2;
+  findings.push_back(above(
+      {"Gravity by the accelerometer", "-", t.gravity,
+       "The accelerometer's scale is off, or its axes are not square to each other; the lever arm "
+       "takes the blame."},
+      std::abs(check.gravity_m_s2 / assumed - 1),
+      fmt::format("measured {:.3f} m/s^2, assumed {:.3f}", check.gravity_m_s2, assumed)));
+  findings.push_back(above(
+      {"Size of the target by the IMU", "-", t.target_scale,
+       "Measure the target again (tagSize and tagSpacing in target.yaml); a wrong focal length or "
+       "accelerometer scale looks the same. T_SC0's translation is off by as much."},
+      std::max(0.0, std::abs(check.target_scale - 1) - 2 * check.target_scale_std),
+      fmt::format("the target seems {:.4f} (+- {:.4f}) times as large as stated",
+                  check.target_scale, check.target_scale_std)));
+}
+
+// An optical centre far from the image's middle: another resolution, or a cropped image.
+void judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t,
+                          std::vector<Finding>& findings) {
+  for (const CameraCalibration& camera : stage.cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    const double u = k.projection[k.projection.size() - 2];
+    const double v = k.projection[k.projection.size() - 1];
+    const double off = std::max(std::abs(u / (k.resolution.width - 1) - 0.5),
+                                std::abs(v / (k.resolution.height - 1) - 0.5));
+    findings.push_back(
+        above({fmt::format("Principal point of {}", camera.name), "-", t.principal_point,
+               "Check the resolution in sensor.yaml; only a cropped image has its optical centre "
+               "that far from its middle. Or record views all over the image."},
+              off,
+              fmt::format("({:.1f}, {:.1f}) in an image of {}x{}", u, v, k.resolution.width,
+                          k.resolution.height)));
+  }
 }
 
 }  // namespace
@@ -249,16 +361,22 @@ Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t) {
     judgeConvergence(stage.summary, "cameras", findings);
     judgeResiduals(stage.residuals, stage.summary, stage.cameras, "cameras", t, findings);
     judgeData(record, t, findings);
-    judgeRejected(stage.summary, "cameras", t, findings);
+    judgePrincipalPoints(stage, t, findings);
+    judgeRejected(stage.residuals, "cameras", t, findings);
+    judgeLeftOut(record, t, findings);
     judgeCameraSpread(record, t, findings);
   }
   if (record.camera_imu) {
     const CameraImuStageResult& stage = *record.camera_imu;
     judgeConvergence(stage.summary, "camera-IMU", findings);
     judgeResiduals(stage.residuals, stage.summary, stage.cameras, "camera-IMU", t, findings);
-    judgeRejected(stage.summary, "camera-IMU", t, findings);
+    judgeRejected(stage.residuals, "camera-IMU", t, findings);
+    judgeFramesAndGaps(stage, t, findings);
+    judgeStatements(record, t, findings);
     judgeImuSpread(record, t, findings);
     judgePlausibility(stage, t, findings);
+    judgeDensity("gyroscope", stage.imu_summary.noise.gyro, t, findings);
+    judgeDensity("accelerometer", stage.imu_summary.noise.accel, t, findings);
   }
   return makeVerdict(std::move(findings));
 }

@@ -27,7 +27,16 @@ struct VerdictThresholds {
   Bound offset_std_ms{0.5, 5.0};        ///< of the time offset [ms], above
   Bound lever_arm_m{0.5, 2.0};          ///< length of T_SC0's translation [m], above
   Bound offset_ms{100, 1000};           ///< size of the time offset [ms], above
-  Bound imu_noise_factor{4, 20};  ///< IMU residuals above what the assumed noise allows, factor
+  Bound principal_point{0.1,
+                        0.25};  ///< distance from the image's centre, relative to its side, above
+  Bound frames_without_imu{0.1, 0.6};  ///< share of the frames that no IMU samples cover, above
+  Bound imu_gaps{0, 50};               ///< pauses of the IMU, above
+  Bound imu_rate{0.2, 4};              ///< |measured / stated rate - 1|, above
+  Bound target_scale{0.01, 0.03};      ///< |size by the IMU / stated - 1|, above
+  Bound gravity{0.01, 0.03};           ///< |gravity as measured / assumed - 1|, above
+  /// By what factor an assumed density of the IMU is too small, above; below 1 / 5 (too large) it
+  /// is doubtful as well, never bad.
+  Bound imu_noise_factor{2, 10};
 };
 
 /// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU

@@ -9,12 +9,28 @@
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration_reader.h"
 #include "datasets/supported_models.h"
+#include "evaluate/workflow/locate_failure.h"
 
 namespace plumbline {
 namespace {
 
 ResampleSpread spreadOf(const ResampleSummary& summary, int draws) {
   return {draws, summary.failed, summary.names, summary.std};
+}
+
+// A file keyed by position (Kalibr's) may hold another camera under this name: their topics tell.
+void checkTopic(const CameraCalibration& given, const CameraStream& stream,
+                const std::string& path) {
+  const std::string& said = given.rostopic;
+  const std::string expected =
+      stream.rostopic.empty() ? "/" + stream.name + "/image_raw" : stream.rostopic;
+  const bool generic = said.rfind("/cam", 0) == 0 && said.ends_with("/image_raw");
+  if (said.empty() || said == expected || (stream.rostopic.empty() && !generic)) return;
+  throw InputError(
+      path, 0,
+      fmt::format("{} is the calibration of topic {}, but the session's {} is {}; name "
+                  "the cameras in the file as in the session",
+                  stream.name, said, stream.name, expected));
 }
 
 // The calibration's cameras in the order of the session's, matched by name.
@@ -36,6 +52,7 @@ std::vector<CameraCalibration> matchCameras(const Calibration& given, const std:
           fmt::format("{} is for {}x{} pixels, the session's images have {}x{}", stream.name,
                       size.width, size.height, stream.resolution.width, stream.resolution.height));
     }
+    checkTopic(*found, stream, path);
     const Intrinsics& k = found->intrinsics;
     if (!isSupportedModel(k.projection_model, k.distortion_model)) {
       throw InputError(path, 0,
@@ -49,6 +66,12 @@ std::vector<CameraCalibration> matchCameras(const Calibration& given, const std:
   const Transform T_0 = cameras.front().T_C0Ci.inverse();
   for (CameraCalibration& camera : cameras) camera.T_C0Ci = T_0 * camera.T_C0Ci;
   return cameras;
+}
+
+void addLoading(const LoadedSession& loaded, StageSeconds& seconds) {
+  seconds.load = loaded.load_s;
+  seconds.detect = loaded.detect_s;
+  seconds.total += loaded.load_s + loaded.detect_s;
 }
 
 ResampleOptions resampleOptions(const CalibrateRequest& request) {
@@ -66,8 +89,7 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
   auto stage = calibrateCameras(loaded.session, request.camera);
   if (!stage) return stage.failure();
   record.camera = std::move(stage).value();
-  record.camera->summary.seconds.load = loaded.load_s;
-  record.camera->summary.seconds.detect = loaded.detect_s;
+  addLoading(loaded, record.camera->summary.seconds);
   if (request.resamples > 0) {
     progress("resampling the cameras", -1);
     const auto spread =
@@ -92,8 +114,7 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
                    "cameras alone with --no-imu"};
   }
   record.camera_imu = std::move(stage).value();
-  record.camera_imu->summary.seconds.load = loaded.load_s;
-  record.camera_imu->summary.seconds.detect = loaded.detect_s;
+  addLoading(loaded, record.camera_imu->summary.seconds);
   if (request.resamples > 0) {
     progress("resampling camera and IMU", -1);
     const auto spread = resampleCameraImu(loaded.session, *record.camera_imu,
@@ -141,12 +162,16 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
         "imu0/data.csv and imu.yaml to the session, or --free-cameras");
   }
   if (!request.cameras_file || request.free_cameras) {
-    if (auto failure = cameraStage(request, loaded, progress, record)) return *failure;
+    if (auto failure = cameraStage(request, loaded, progress, record)) {
+      return locate(*failure, request, loaded);
+    }
     cameras = record.camera->cameras;
   }
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
-    if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) return *failure;
+    if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) {
+      return locate(*failure, request, loaded);
+    }
   }
   record.verdict = judge(record, request.thresholds);
   return record;

@@ -52,6 +52,21 @@ Json stageOf(const StageSummary& s) {
           {"seconds", secondsOf(s.seconds)}};
 }
 
+Json checkOf(const ImuNoiseCheck& check) {
+  return {{"expected_rms", check.expected_rms},
+          {"factor", check.factor},
+          {"redundancy", check.redundancy}};
+}
+
+// What the residuals say of the densities that were assumed.
+Json noiseChecksOf(const ImuNoiseChecks& noise) {
+  return {{"gyro", checkOf(noise.gyro)},
+          {"accel", checkOf(noise.accel)},
+          {"gyro_bias", checkOf(noise.gyro_bias)},
+          {"accel_bias", checkOf(noise.accel_bias)},
+          {"pose_pixel_sigma", noise.pose_pixel_sigma}};
+}
+
 Json cameraImuOf(const CameraImuStageResult& stage) {
   Json json = stageOf(stage.summary);
   const ImuResidualSummary& imu = stage.imu_summary;
@@ -63,6 +78,15 @@ Json cameraImuOf(const CameraImuStageResult& stage) {
                                 {"accel", imu.accel_normalised_rms},
                                 {"gyro_bias", imu.gyro_bias_normalised_rms},
                                 {"accel_bias", imu.accel_bias_normalised_rms}};
+  json["frames_used"] = stage.frames.size();
+  json["frames_without_imu"] = stage.frames_without_imu;
+  json["frames_without_pose"] = stage.frames_without_pose;
+  json["imu_gaps"] = stage.imu_gaps;
+  json["imu_rate_hz"] = stage.imu_rate_hz;
+  json["inertial_check"] = {{"target_scale", stage.inertial_check.target_scale},
+                            {"target_scale_std", stage.inertial_check.target_scale_std},
+                            {"gravity_m_s2", stage.inertial_check.gravity_m_s2}};
+  json["imu_noise"] = noiseChecksOf(imu.noise);
   json["imu_chi2"] = imu.chi2;
   json["imu_dof"] = imu.dof;
   json["gravity_F_m_s2"] = list(stage.gravity_F);
@@ -156,12 +180,12 @@ Json provenanceOf(const Provenance& provenance) {
           {"date", provenance.date}};
 }
 
-void addRows(fmt::memory_buffer& text, const char* stage,
-             const std::vector<CornerResidual>& residuals, const std::vector<Frame>& frames) {
-  for (const CornerResidual& r : residuals) {
-    fmt::format_to(std::back_inserter(text), "{},{},cam{},{},{:.6f},{:.6f},{:.6f},{:.6f},{}\n",
-                   stage, frames[r.frame].t, r.camera, r.corner_id, r.uv.x(), r.uv.y(), r.error.x(),
-                   r.error.y(), r.used ? 1 : 0);
+template <class StageResult>
+void addRows(fmt::memory_buffer& text, const char* name, const StageResult& stage) {
+  for (const CornerResidual& r : stage.residuals) {
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", name,
+                   stage.frames[r.frame].t, stage.cameras[r.camera].name, r.corner_id, r.uv.x(),
+                   r.uv.y(), r.error.x(), r.error.y(), r.used ? 1 : 0);
   }
 }
 
@@ -199,10 +223,8 @@ std::string residualsTable(const CalibrationRecord& record) {
   fmt::memory_buffer text;
   fmt::format_to(std::back_inserter(text),
                  "#stage,timestamp [ns],camera,corner_id,u [px],v [px],e_u [px],e_v [px],used\n");
-  if (record.camera) addRows(text, "camera", record.camera->residuals, record.camera->frames);
-  if (record.camera_imu) {
-    addRows(text, "camera_imu", record.camera_imu->residuals, record.camera_imu->frames);
-  }
+  if (record.camera) addRows(text, "camera", *record.camera);
+  if (record.camera_imu) addRows(text, "camera_imu", *record.camera_imu);
   return fmt::to_string(text);
 }
 

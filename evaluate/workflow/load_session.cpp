@@ -68,12 +68,16 @@ std::optional<std::string> defaultCacheFolder() {
   return std::nullopt;
 }
 
+void refuseInside(const std::string& path, const std::string& session, const std::string& option) {
+  if (!isInside(path, session)) return;
+  throw InputError(path, 0,
+                   fmt::format("is inside the recording, which is never written to; give {} "
+                               "another folder",
+                               option));
+}
+
 LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress) {
-  if (request.cache && isInside(*request.cache, request.session)) {
-    throw InputError(*request.cache, 0,
-                     "is inside the recording, which is never written to; give --cache another "
-                     "folder");
-  }
+  if (request.cache) refuseInside(*request.cache, request.session, "--cache");
   progress("reading", -1);
   const Stopwatch reading;
   Recording recording = readRecording(request.session, request.read);
@@ -90,6 +94,8 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
     loaded.counts.push_back(countsOf(camera));
   }
   loaded.session = std::move(recording.session);
+  loaded.target_path = recording.target_path;
+  loaded.imu_samples_path = recording.imu_samples_path;
   return loaded;
 }
 

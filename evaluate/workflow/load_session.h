@@ -25,11 +25,17 @@ struct LoadRequest {
 
 struct LoadedSession {
   Session session;
+  std::string target_path;           ///< files to name where the data contradict them
+  std::string imu_samples_path;      ///< empty where there is no IMU
   std::vector<CameraCounts> counts;  ///< one per camera
   std::string input_hash;            ///< "algorithm:hex" of the files that were read
   double load_s = 0;                 ///< wall seconds of reading
   double detect_s = 0;               ///< and of detection
 };
+
+/// Throws InputError where `path`, which the option `option` names, lies in the recording: that is
+/// never written to.
+void refuseInside(const std::string& path, const std::string& session, const std::string& option);
 
 /// Reads a recording and finds the corners of its images, unless they were found before. Throws
 /// InputError for bad input.

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include <unistd.h>
+
 #include "calibrator/base/error.h"
 #include "datasets/atomic_file.h"
 #include "datasets/kalibr_writer.h"
@@ -32,18 +34,20 @@ void writeRecords(const CalibrationRecord& record, const fs::path& path) {
   fs::rename(fresh, path);
 }
 
-}  // namespace
-
-void writeCalibrationPage(const CalibrationRecord& record, const std::string& path) {
-  writeFileAtomically(path, renderCalibrationPage(record));
+// The uppermost folder of `path` that does not exist; empty where all of it does.
+fs::path firstMissing(const fs::path& path) {
+  fs::path missing;
+  std::error_code error;
+  for (fs::path p = path; !p.empty() && !fs::exists(p, error); p = p.parent_path()) missing = p;
+  return missing;
 }
 
-void writeCalibrationResults(const CalibrationRecord& record, const std::string& out,
-                             const WriteOptions& options) {
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw InputError(out, 0, "cannot be made: " + error.message());
-  const fs::path folder(out);
+fs::path parentOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+void writeFiles(const CalibrationRecord& record, const fs::path& folder,
+                const WriteOptions& options) {
   // What a run does not write is removed, so that the folder never mixes the results of two runs.
   const auto write = [&](const char* name, bool wanted, const auto& text) {
     std::error_code ignored;
@@ -64,6 +68,41 @@ void writeCalibrationResults(const CalibrationRecord& record, const std::string&
   write("residuals.csv", options.residuals, [&] { return residualsTable(record); });
   writeRecords(record, folder / kRecordsFile);
   write("report.html", options.report, [&] { return renderCalibrationPage(record); });
+}
+
+}  // namespace
+
+void writeCalibrationPage(const CalibrationRecord& record, const std::string& path) {
+  writeFileAtomically(path, renderCalibrationPage(record));
+}
+
+void refuseUnwritable(const std::string& out) {
+  if (out.empty()) throw InputError("--out is empty: expected the folder for the results");
+  const fs::path missing = firstMissing(out);
+  const fs::path there = missing.empty() ? fs::path(out) : parentOf(missing);
+  std::error_code error;
+  if (!fs::is_directory(there, error)) {
+    throw InputError(there.string(), 0,
+                     "is in the way: expected a folder for the results; give another --out");
+  }
+  if (::access(there.c_str(), W_OK | X_OK) != 0) {
+    throw InputError(there.string(), 0,
+                     "is not writable: expected a folder for the results; give another --out");
+  }
+}
+
+void writeCalibrationResults(const CalibrationRecord& record, const std::string& out,
+                             const WriteOptions& options) {
+  refuseUnwritable(out);
+  const fs::path missing = firstMissing(out);
+  try {
+    fs::create_directories(out);
+    writeFiles(record, out, options);
+  } catch (...) {
+    std::error_code ignored;
+    if (!missing.empty()) fs::remove_all(missing, ignored);
+    throw;
+  }
 }
 
 }  // namespace plumbline

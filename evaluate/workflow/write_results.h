@@ -15,11 +15,15 @@ struct WriteOptions {
   bool residuals = false;  ///< residuals.csv
 };
 
+/// Throws InputError where the folder `out` could not be made or written to, so that nobody waits
+/// for results that cannot be kept. Makes nothing.
+void refuseUnwritable(const std::string& out);
+
 /// Writes a calibration's results into `out` (made if missing): calibration.json,
 /// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml, records.sqlite, and as asked
 /// residuals.csv and report.html. Each file appears whole or not at all; files of
 /// these names that this run does not write are removed. Throws InputError where
-/// `out` cannot be written.
+/// `out` cannot be written; a folder that was not there before is then gone again.
 void writeCalibrationResults(const CalibrationRecord& record, const std::string& out,
                              const WriteOptions& options);
 

@@ -103,6 +103,22 @@ void fields(Archive& a, StageSummary& s) {
 }
 
 template <class Archive>
+void fields(Archive& a, ImuNoiseCheck& c) {
+  a("expected_rms", c.expected_rms);
+  a("factor", c.factor);
+  a("redundancy", c.redundancy);
+}
+
+template <class Archive>
+void fields(Archive& a, ImuNoiseChecks& c) {
+  a("gyro", c.gyro);
+  a("accel", c.accel);
+  a("gyro_bias", c.gyro_bias);
+  a("accel_bias", c.accel_bias);
+  a("pose_pixel_sigma", c.pose_pixel_sigma);
+}
+
+template <class Archive>
 void fields(Archive& a, ImuResidualSummary& s) {
   a("gyro_rms_rad_s", s.gyro_rms_rad_s);
   a("accel_rms_m_s2", s.accel_rms_m_s2);
@@ -112,6 +128,7 @@ void fields(Archive& a, ImuResidualSummary& s) {
   a("accel_bias_normalised_rms", s.accel_bias_normalised_rms);
   a("chi2", s.chi2);
   a("dof", s.dof);
+  a.added("noise", s.noise);
 }
 
 template <class Archive>
@@ -121,10 +138,22 @@ void fields(Archive& a, CameraStageResult& s) {
 }
 
 template <class Archive>
+void fields(Archive& a, InertialCheck& s) {
+  a("target_scale", s.target_scale);
+  a("target_scale_std", s.target_scale_std);
+  a("gravity_m_s2", s.gravity_m_s2);
+}
+
+template <class Archive>
 void fields(Archive& a, CameraImuStageResult& s) {
   a("imu", s.imu);
   a("cameras", s.cameras);
   a("gravity_F", s.gravity_F);
+  a.added("frames_without_imu", s.frames_without_imu);
+  a.added("frames_without_pose", s.frames_without_pose);
+  a.added("imu_gaps", s.imu_gaps);
+  a.added("imu_rate_hz", s.imu_rate_hz);
+  a.added("inertial_check", s.inertial_check);
   a("imu_summary", s.imu_summary);
   a("summary", s.summary);
 }

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "calibrator/base/error.h"
+#include "evaluate/workflow/calibrate_session.h"
+#include "evaluate/workflow/load_session.h"
+
+namespace plumbline {
+
+/// The failure with its message opened by the file that it points at, "FILE:LINE: ..." or
+/// "FILE: ...": the line of tagSize in the target's file, no line for the others.
+Failure locate(Failure failure, const CalibrateRequest& request, const LoadedSession& loaded);
+
+}  // namespace plumbline
