@@ -56,8 +56,9 @@ struct CameraImuOptions {
 /// no gauge freedom remains). Deterministic, whatever the number of threads.
 ///
 /// `cameras` in the session's order. The covariance lists T_SC0 (6), time_offset and, if freed, the
-/// cameras; everything else is marginalised.
-/// Fails with kNoOverlap, kImplausible, kNotObservable, kTooFewViews or kNotConverged.
+/// cameras as their own stage does (all intrinsics, then all T_C0Ci); everything else is
+/// marginalised. Fails with kNoOverlap, kImplausible, kNotObservable, kTooFewViews or
+/// kNotConverged.
 Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
                                                 const std::vector<CameraCalibration>& cameras,
                                                 const CameraImuOptions& options = {});

@@ -27,18 +27,21 @@ struct Partial {
   double offset_noise = 0;
 };
 
+/// What the normal equations are for.
+enum class Purpose { kStep, kInformation, kCameraInformation };
+
 class Linearisation {
  public:
   Linearisation(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
-                const ImuWeights& weights, bool for_information)
+                const ImuWeights& weights, Purpose purpose)
       : problem_(problem),
         gram_(problem.gram),
-        for_information_(for_information),
+        purpose_(purpose),
         estimate_(estimate),
         weights_(weights),
         layout_(estimate.cameras, problem.free_cameras),
         gravity_{estimate.gravity_direction, problem.gravity_m_s2} {
-    if (for_information) gram_.triggs_clamp = 0;
+    if (purpose != Purpose::kStep) gram_.triggs_clamp = 0;
     normals_.chain = BorderedChain(problem.frameCount(), layout_.size);
   }
 
@@ -173,7 +176,7 @@ class Linearisation {
   bool addLink(int i, bool last_of_chunk, Partial& partial) {
     const auto at = static_cast<std::size_t>(i);
     const FrameLink link = problem_.links[at];
-    if (link == FrameLink::kBroken) return true;
+    if (link == FrameLink::kBroken || purpose_ == Purpose::kCameraInformation) return true;
     ChainMatrix& D = last_of_chunk ? partial.next_diagonal : normals_.chain.diagonal[at + 1];
     ChainBorderRows& rows = last_of_chunk ? partial.next_rows : normals_.chain.to_border[at + 1];
     addBiasWalk(at, D, rows, partial);
@@ -224,7 +227,7 @@ class Linearisation {
     const auto motion = preintegrate(problem_.samples, window, bias);
     if (!motion) return false;
     ImuResidual r = imuResidual(*motion, i, j, gravity_);
-    if (for_information_) smoothOffset(window, bias, *motion, at, r, partial);
+    if (purpose_ == Purpose::kInformation) smoothOffset(window, bias, *motion, at, r, partial);
     // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
     Eigen::Matrix<double, 9, 28> J;
     J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
@@ -248,7 +251,7 @@ class Linearisation {
 
   const CameraImuProblem& problem_;
   GramOptions gram_;
-  const bool for_information_;
+  const Purpose purpose_;
   const CameraImuEstimate& estimate_;
   const ImuWeights& weights_;
   const BorderLayout layout_;
@@ -263,6 +266,8 @@ BorderLayout::BorderLayout(const std::vector<CameraCalibration>& cameras, bool f
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     intrinsics.push_back(size);
     size += static_cast<int>(cameras[c].intrinsics.stacked().size());
+  }
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
     T_C0Ci.push_back(c == 0 ? -1 : size);
     if (c > 0) size += 6;
   }
@@ -296,13 +301,19 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
 std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
                                           const CameraImuEstimate& estimate,
                                           const ImuWeights& weights) {
-  return Linearisation(problem, estimate, weights, false).run();
+  return Linearisation(problem, estimate, weights, Purpose::kStep).run();
 }
 
 std::optional<CameraImuNormals> informationAt(const CameraImuProblem& problem,
                                               const CameraImuEstimate& estimate,
                                               const ImuWeights& weights) {
-  return Linearisation(problem, estimate, weights, true).run();
+  return Linearisation(problem, estimate, weights, Purpose::kInformation).run();
+}
+
+CameraImuNormals cameraInformationAt(const CameraImuProblem& problem,
+                                     const CameraImuEstimate& estimate) {
+  const ImuWeights unused;
+  return Linearisation(problem, estimate, unused, Purpose::kCameraInformation).run().value();
 }
 
 CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,

@@ -56,7 +56,7 @@ struct BorderLayout {
   static constexpr int kFixed = 9;
 
   std::vector<int> intrinsics;  ///< per camera, first of stacked(); empty unless cameras are free
-  std::vector<int> T_C0Ci;      ///< per camera, 6; -1 for camera 0
+  std::vector<int> T_C0Ci;      ///< per camera, 6, after all intrinsics; -1 for camera 0
   int size = kFixed;
 
   BorderLayout(const std::vector<CameraCalibration>& cameras, bool free_cameras);
@@ -87,6 +87,10 @@ std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
 std::optional<CameraImuNormals> informationAt(const CameraImuProblem& problem,
                                               const CameraImuEstimate& estimate,
                                               const ImuWeights& weights);
+
+/// The corners' part of informationAt() alone: no link is added.
+CameraImuNormals cameraInformationAt(const CameraImuProblem& problem,
+                                     const CameraImuEstimate& estimate);
 
 /// The estimate after a step of the chain's solution (tangents as in boxplus()).
 CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,

@@ -72,8 +72,8 @@ std::vector<std::string> distortionNames(DistortionModel model, int count) {
   return names;
 }
 
-void addCamera(ParameterList& list, const CameraCalibration& camera, std::size_t index,
-               const BorderLayout& layout) {
+void addIntrinsics(ParameterList& list, const CameraCalibration& camera, std::size_t index,
+                   const BorderLayout& layout) {
   const std::string name = camera.name.empty() ? fmt::format("cam{}", index) : camera.name;
   int row = layout.intrinsics[index];
   for (const char* parameter : {"fu", "fv", "pu", "pv"}) {
@@ -83,7 +83,6 @@ void addCamera(ParameterList& list, const CameraCalibration& camera, std::size_t
   for (const std::string& parameter : distortionNames(camera.intrinsics.distortion_model, count)) {
     list.add(row++, name + "." + parameter, "-");
   }
-  if (index > 0) list.addTransform(layout.T_C0Ci[index], fmt::format("T_C0C{}", index));
 }
 
 ParameterList parameterList(const std::vector<CameraCalibration>& cameras, bool free_cameras) {
@@ -92,7 +91,10 @@ ParameterList parameterList(const std::vector<CameraCalibration>& cameras, bool 
   list.add(BorderLayout::kOffset, "time_offset", "s");
   if (!free_cameras) return list;
   const BorderLayout layout(cameras, true);
-  for (std::size_t c = 0; c < cameras.size(); ++c) addCamera(list, cameras[c], c, layout);
+  for (std::size_t c = 0; c < cameras.size(); ++c) addIntrinsics(list, cameras[c], c, layout);
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    list.addTransform(layout.T_C0Ci[c], fmt::format("T_C0C{}", c));
+  }
   return list;
 }
 

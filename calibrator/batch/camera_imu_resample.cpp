@@ -22,7 +22,9 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
   d.push_back(to.imu.time_offset_s - from.imu.time_offset_s);
   for (std::size_t c = 0; free_cameras && c < to.cameras.size(); ++c) {
     append(d, to.cameras[c].intrinsics.stacked() - from.cameras[c].intrinsics.stacked());
-    if (c > 0) append(d, boxminus(to.cameras[c].T_C0Ci, from.cameras[c].T_C0Ci));
+  }
+  for (std::size_t c = 1; free_cameras && c < to.cameras.size(); ++c) {
+    append(d, boxminus(to.cameras[c].T_C0Ci, from.cameras[c].T_C0Ci));
   }
   return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
 }

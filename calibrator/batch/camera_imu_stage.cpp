@@ -78,7 +78,8 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
     const auto count = result.cameras[c].intrinsics.stacked().size();
     result.cameras[c].intrinsics_std = deviations.segment(at, count);
     at += count;
-    if (c == 0) continue;
+  }
+  for (std::size_t c = 1; c < result.cameras.size(); ++c) {
     result.cameras[c].T_C0Ci_std = Vector6d(deviations.segment<6>(at));
     at += 6;
   }

@@ -88,15 +88,17 @@ Section correlationSection(const CalibrationRecord& record) {
 }
 
 Section imuSection(const CameraImuStageResult& stage) {
-  const ImuResidualSummary& s = stage.imu_summary;
+  const ImuNoiseChecks& noise = stage.imu_summary.noise;
   return {"imu-residuals",
           "Inertial residuals",
           "What is left between the inertial samples and the motion that explains them together "
-          "with the corners.",
-          {judgeDensity("Gyroscope noise", s.gyro_normalised_rms),
-           judgeDensity("Accelerometer noise", s.accel_normalised_rms),
-           judgeDensity("Gyroscope bias walk", s.gyro_bias_normalised_rms),
-           judgeDensity("Accelerometer bias walk", s.accel_bias_normalised_rms)},
+          "with the corners, and what it says of the densities that were assumed.",
+          {judgeDensity("Gyroscope noise", noise.gyro),
+           judgeDensity("Accelerometer noise", noise.accel),
+           judgeDensity("Gyroscope bias walk", noise.gyro_bias),
+           judgeDensity("Accelerometer bias walk", noise.accel_bias),
+           fmt::format("The noise of the poses is that of corners of {:.2f} px.",
+                       noise.pose_pixel_sigma)},
           imuResidualFigures(stage)};
 }
 

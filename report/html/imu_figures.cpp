@@ -42,8 +42,9 @@ Figure seriesFigure(const CameraImuStageResult& stage, LinePlot plot, const Pick
   return {toSvg(plot, id), caption, true};
 }
 
+/// `expected` is the RMS to expect under the assumptions.
 Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string& title, int first,
-                           int rows, const std::string& id) {
+                           int rows, double expected, const std::string& id) {
   constexpr int kBins = 50;
   constexpr double kReach = 5;
   Histogram plot;
@@ -63,15 +64,20 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
       if (place >= 0 && place < kBins) plot.series[0].counts[static_cast<std::size_t>(place)] += 1;
     }
   }
-  Series curve{"unit normal", {}, {}, {40, 44, 52, 255}, 1.4, true};
+  const double sigma = expected > 0 ? expected : 1;
+  Series curve{fmt::format("expected, std {:.2f}", sigma), {}, {}, {40, 44, 52, 255}, 1.4, true};
   for (int i = 0; i <= 120; ++i) {
     const double x = kReach * (i / 60.0 - 1);
     curve.x.push_back(x);
-    curve.y.push_back(total * plot.bin_width / std::sqrt(2 * kPi) * std::exp(-0.5 * x * x));
+    curve.y.push_back(total * plot.bin_width / (sigma * std::sqrt(2 * kPi)) *
+                      std::exp(-0.5 * x * x / (sigma * sigma)));
   }
   plot.curves = {std::move(curve)};
-  return {toSvg(plot, id),
-          "Wider than the curve: the assumed noise is too small; narrower: too large.", false};
+  return {
+      toSvg(plot, id),
+      "The curve is what the assumed noise, of corners and samples, lets expect. Wider than it: "
+      "some of that noise is too small; narrower: too large.",
+      false};
 }
 
 Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
@@ -107,9 +113,14 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage) {
       "Difference between the integrated samples and the estimated motion, "
       "per interval between frames. Bursts mark shocks, saturation or missing "
       "samples.";
-  const std::string whitened =
-      "The same divided by the assumed noise: about two thirds of the "
-      "values lie between -1 and 1 when the assumption holds.";
+  const ImuNoiseChecks& noise = stage.imu_summary.noise;
+  const auto whitened = [](const ImuNoiseCheck& check) {
+    return fmt::format(
+        "The same divided by the assumed noise. Each frame's own velocity and biases absorb much "
+        "of "
+        "it: about two thirds of the values lie within \u00b1{:.2f} when the assumptions hold.",
+        check.expected_rms > 0 ? check.expected_rms : 1);
+  };
   const auto gyro = [](const ImuIntervalResidual& r) {
     return Eigen::Vector3d(1e3 * r.rotation_rad / r.dt_s);
   };
@@ -124,15 +135,17 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage) {
   return {
       {"Gyroscope",
        {seriesFigure(stage, overTime("Gyroscope residual", "[mrad/s]"), gyro, raw, "imu-gyro"),
-        seriesFigure(stage, overTime("Gyroscope residual, normalised", "[-]"), rows(0), whitened,
-                     "imu-gyro-normalised")}},
+        seriesFigure(stage, overTime("Gyroscope residual, normalised", "[-]"), rows(0),
+                     whitened(noise.gyro), "imu-gyro-normalised")}},
       {"Accelerometer",
        {seriesFigure(stage, overTime("Accelerometer residual", "[m/s^2]"), accel, raw, "imu-accel"),
         seriesFigure(stage, overTime("Accelerometer residual, normalised", "[-]"), rows(3),
-                     whitened, "imu-accel-normalised")}},
+                     whitened(noise.accel), "imu-accel-normalised")}},
       {"Distributions",
-       {normalisedHistogram(stage, "Rotation", 0, 3, "imu-rotation-histogram"),
-        normalisedHistogram(stage, "Velocity and position", 3, 6, "imu-velocity-histogram")}}};
+       {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
+                            "imu-rotation-histogram"),
+        normalisedHistogram(stage, "Velocity and position", 3, 6, noise.accel.expected_rms,
+                            "imu-velocity-histogram")}}};
 }
 
 FigureGroup biasFigures(const CameraImuStageResult& stage) {
@@ -142,23 +155,30 @@ FigureGroup biasFigures(const CameraImuStageResult& stage) {
            biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, "bias-accel")}};
 }
 
-std::string judgeDensity(const std::string& sensor, double normalised_rms) {
-  const std::string start = fmt::format("{}: normalised RMS {:.2f}. ", sensor, normalised_rms);
-  constexpr double kBand = 1.2;
-  if (normalised_rms > kBand) {
-    return start + fmt::format(
-                       "The residuals are {:.1f} times what the assumed density allows: it is too "
-                       "small for this recording, and the standard deviations here are optimistic. "
-                       "Raise it to about that multiple, or look for vibration and timing faults.",
-                       normalised_rms);
+std::string judgeDensity(const std::string& sensor, const ImuNoiseCheck& check) {
+  constexpr double kLeastRedundancy = 50;
+  constexpr double kBand = 1.3;
+  if (check.redundancy < kLeastRedundancy) {
+    return fmt::format("{}: this recording says too little of it (redundancy {:.0f}).", sensor,
+                       check.redundancy);
   }
-  if (normalised_rms < 1 / kBand) {
+  const std::string start =
+      fmt::format("{}: {:.2f} \u00d7 the assumed density (redundancy {:.0f}): ", sensor,
+                  check.factor, check.redundancy);
+  if (check.factor > kBand) {
     return start + fmt::format(
-                       "The residuals use only {:.0f} % of the assumed density: it is cautious, "
-                       "and the inertial data get less weight than they could bear.",
-                       100 * normalised_rms);
+                       "the density in imu.yaml seems {:.1f} times too small for this recording, "
+                       "and the standard deviations here are optimistic. Raise it, or look for "
+                       "vibration, a wrong scale of the sensor and timing faults.",
+                       check.factor);
   }
-  return start + "The assumed density agrees with the data.";
+  if (check.factor < 1 / kBand) {
+    return start + fmt::format(
+                       "the density in imu.yaml seems {:.1f} times too large; it is cautious, and "
+                       "the inertial data get less weight than they could bear.",
+                       1 / check.factor);
+  }
+  return start + "consistent.";
 }
 
 }  // namespace plumbline::html_internal

@@ -10,14 +10,14 @@
 namespace plumbline::html_internal {
 
 /// Gyroscope and accelerometer residuals over time, raw and normalised, with histograms beside the
-/// unit normal.
+/// normal distribution that the assumptions let expect.
 std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage);
 
 /// Both biases over time, each axis about its mean.
 FigureGroup biasFigures(const CameraImuStageResult& stage);
 
-/// What a normalised RMS says of a noise density that was assumed, in a sentence: consistent within
-/// 20 %, or by how much the density is too small or too large.
-std::string judgeDensity(const std::string& sensor, double normalised_rms);
+/// What a check says of the noise density that was assumed, in a sentence: consistent within 30 %,
+/// or by how much the density is too small or too large, or too little redundancy to tell.
+std::string judgeDensity(const std::string& sensor, const ImuNoiseCheck& check);
 
 }  // namespace plumbline::html_internal

@@ -94,10 +94,11 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
                    fmt::format("{:.3f}", readable("rad").factor * rotationAngle(s->imu.T_SC0.R)),
                    "\u00b0", ""});
   cards.push_back({"Gyroscope residual", fmt::format("{:.2f}", 1e3 * s->imu_summary.gyro_rms_rad_s),
-                   "mrad/s", fmt::format("normalised {:.2f}", s->imu_summary.gyro_normalised_rms)});
-  cards.push_back({"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2),
-                   "m/s\u00b2",
-                   fmt::format("normalised {:.2f}", s->imu_summary.accel_normalised_rms)});
+                   "mrad/s",
+                   fmt::format("{:.2f} \u00d7 assumed density", s->imu_summary.noise.gyro.factor)});
+  cards.push_back(
+      {"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2), "m/s\u00b2",
+       fmt::format("{:.2f} \u00d7 assumed density", s->imu_summary.noise.accel.factor)});
   return cards;
 }
 

@@ -24,6 +24,11 @@ class JsonWriter {
   void operator()(const char* name, const T& value) {
     json_[name] = toJson(value);
   }
+  /// A field that files of earlier programs lack.
+  template <class T>
+  void added(const char* name, const T& value) {
+    (*this)(name, value);
+  }
   Json take() { return std::move(json_); }
 
   template <class T>
@@ -71,6 +76,12 @@ class JsonReader {
   template <class T>
   void operator()(const char* name, T& value) {
     fromJson(json_.at(name), value);
+  }
+  /// A field that files of earlier programs lack: then the value stays as it is.
+  template <class T>
+  void added(const char* name, T& value) {
+    const auto found = json_.find(name);
+    if (found != json_.end()) fromJson(*found, value);
   }
 
   template <class T>

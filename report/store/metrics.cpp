@@ -16,7 +16,9 @@ void addSummary(std::vector<Metric>& metrics, const std::string& stage, const St
                 const std::vector<CameraCalibration>& cameras) {
   addErrors(metrics, stage, "", s.reprojection);
   for (std::size_t i = 0; i < s.per_camera.size() && i < cameras.size(); ++i) {
-    addErrors(metrics, stage, "cam" + std::to_string(i) + ".", s.per_camera[i]);
+    const std::string& name = cameras[i].name;
+    addErrors(metrics, stage, (name.empty() ? "cam" + std::to_string(i) : name) + ".",
+              s.per_camera[i]);
   }
   const auto count = [&](const char* name, double value) {
     metrics.push_back({stage, name, "1", value});
@@ -39,6 +41,12 @@ void addSummary(std::vector<Metric>& metrics, const std::string& stage, const St
   for (const auto& [name, value] : parts) metrics.push_back({stage, name, "s", value});
 }
 
+void addCheck(std::vector<Metric>& metrics, const std::string& name, const ImuNoiseCheck& check) {
+  metrics.push_back({"camera_imu", name + "_expected_rms", "1", check.expected_rms});
+  metrics.push_back({"camera_imu", name + "_noise_factor", "1", check.factor});
+  metrics.push_back({"camera_imu", name + "_noise_redundancy", "1", check.redundancy});
+}
+
 }  // namespace
 
 std::vector<Metric> metricsOf(const CalibrationRecord& record) {
@@ -58,6 +66,11 @@ std::vector<Metric> metricsOf(const CalibrationRecord& record) {
   metrics.push_back({stage, "accel_bias_normalised_rms", "1", imu.accel_bias_normalised_rms});
   metrics.push_back({stage, "imu_chi2", "1", imu.chi2});
   metrics.push_back({stage, "imu_dof", "1", static_cast<double>(imu.dof)});
+  addCheck(metrics, "gyro", imu.noise.gyro);
+  addCheck(metrics, "accel", imu.noise.accel);
+  addCheck(metrics, "gyro_bias", imu.noise.gyro_bias);
+  addCheck(metrics, "accel_bias", imu.noise.accel_bias);
+  metrics.push_back({stage, "pose_pixel_sigma", "px", imu.noise.pose_pixel_sigma});
   return metrics;
 }
 

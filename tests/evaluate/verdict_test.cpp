@@ -113,6 +113,25 @@ TEST(Verdict, ResampledSpreadOverrulesAFormalDeviation) {
   EXPECT_EQ(levelOf(verdict, "Focal length"), VerdictLevel::kDoubtful);
 }
 
+TEST(Verdict, DensitiesAreJudgedWhereResidualsSayEnough) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera_imu = CameraImuStageResult();
+  ImuNoiseCheck& gyro = record.camera_imu->imu_summary.noise.gyro;
+  const auto levelAt = [&](double factor) {
+    gyro = {0.5, factor, 60};
+    return levelOf(judge(record), "Noise density of the gyroscope");
+  };
+  EXPECT_EQ(levelAt(1.9), VerdictLevel::kGood);
+  EXPECT_EQ(levelAt(2.1), VerdictLevel::kDoubtful);
+  EXPECT_EQ(levelAt(11), VerdictLevel::kBad);
+  EXPECT_EQ(levelAt(0.21), VerdictLevel::kGood);
+  EXPECT_EQ(levelAt(0.001), VerdictLevel::kDoubtful);  // cautious, never bad
+  gyro = {0.5, 11, 40};
+  for (const Finding& finding : judge(record).findings) {
+    EXPECT_EQ(finding.rule.find("Noise density"), std::string::npos);
+  }
+}
+
 TEST(Verdict, ThresholdsAreOptions) {
   VerdictThresholds thresholds;
   thresholds.rmse_px = {0.1, 0.2};

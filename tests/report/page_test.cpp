@@ -126,9 +126,14 @@ TEST(OffsetRows, TurnTheSignWhereAToolDoes) {
 }
 
 TEST(JudgeDensity, SaysWhichWayTheAssumptionErrs) {
-  EXPECT_THAT(html_internal::judgeDensity("Gyro", 2.5), HasSubstr("too small"));
-  EXPECT_THAT(html_internal::judgeDensity("Gyro", 1.05), HasSubstr("agrees"));
-  EXPECT_THAT(html_internal::judgeDensity("Gyro", 0.3), HasSubstr("cautious"));
+  const auto words = [](double factor, double redundancy) {
+    return html_internal::judgeDensity("Gyro", {0.5, factor, redundancy});
+  };
+  EXPECT_THAT(words(3.1, 2300), HasSubstr("3.1 times too small"));
+  EXPECT_THAT(words(1.05, 2300), HasSubstr("1.05 \u00d7 the assumed density"));
+  EXPECT_THAT(words(1.05, 2300), HasSubstr("consistent"));
+  EXPECT_THAT(words(0.25, 2300), HasSubstr("4.0 times too large"));
+  EXPECT_THAT(words(3.1, 20), HasSubstr("too little"));
 }
 
 TEST(WithPrecisionOf, ShowsTwoDigitsOfTheDeviation) {

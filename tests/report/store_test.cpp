@@ -154,6 +154,10 @@ TEST_F(StoreTest, GivesBackTheCameraImuStageBitForBit) {
   EXPECT_TRUE(sameBits(a.gravity_F, b.gravity_F));
   EXPECT_EQ(a.imu_summary.chi2, b.imu_summary.chi2);
   EXPECT_EQ(a.imu_summary.dof, b.imu_summary.dof);
+  EXPECT_EQ(a.imu_summary.noise.gyro.expected_rms, b.imu_summary.noise.gyro.expected_rms);
+  EXPECT_EQ(a.imu_summary.noise.accel.factor, b.imu_summary.noise.accel.factor);
+  EXPECT_EQ(a.imu_summary.noise.accel_bias.redundancy, b.imu_summary.noise.accel_bias.redundancy);
+  EXPECT_EQ(a.imu_summary.noise.pose_pixel_sigma, b.imu_summary.noise.pose_pixel_sigma);
   ASSERT_EQ(a.states.size(), b.states.size());
   for (std::size_t i = 0; i < a.states.size(); ++i) {
     ASSERT_TRUE(sameBits(a.states[i].T_FS, b.states[i].T_FS));

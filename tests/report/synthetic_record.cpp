@@ -164,6 +164,7 @@ ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& intervals) 
   s.accel_normalised_rms = std::sqrt(rows[1] / n);
   s.gyro_bias_normalised_rms = std::sqrt(rows[2] / n);
   s.accel_bias_normalised_rms = std::sqrt(rows[3] / n);
+  s.noise = {{0.98, 1.15, 400.5}, {0.96, 1.25, 800.25}, {0.03, 1, 0.5}, {0.2, 0.9, 55}, 0.31};
   return s;
 }
 

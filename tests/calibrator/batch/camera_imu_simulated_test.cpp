@@ -78,6 +78,8 @@ TEST(CameraImuWithoutNoise, FreeCamerasReturnToTheTruth) {
   EXPECT_LT(boxminus(r->cameras[1].T_C0Ci, s.truth.cameras[1].T_C0Ci).norm(), 1e-5);
   ASSERT_EQ(r->summary.covariance.names.size(), 7u + 8 + 8 + 6);
   EXPECT_EQ(r->summary.covariance.names[7], "cam0.fu");
+  EXPECT_EQ(r->summary.covariance.names[7 + 8], "cam1.fu");
+  EXPECT_EQ(r->summary.covariance.names[7 + 8 + 8], "T_C0C1.tx");
   EXPECT_EQ(r->summary.covariance.names.back(), "T_C0C1.rz");
 }
 

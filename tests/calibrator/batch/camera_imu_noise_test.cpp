@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the inertial residuals say of the assumed densities, on simulated recordings whose noise is
+// known: bounds of chi-square where the assumptions hold, densities that are wrong by 3, and a
+// pixel sigma that is wrong by 5.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/calibrator/batch/camera_imu_examples.h"
+
+namespace plumbline {
+namespace {
+
+struct Assumed {
+  double gyro = 1;  // of the density that was simulated
+  double accel = 1;
+  double pixel_sigma = 0.2;  // as simulated
+};
+
+ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed) {
+  SimulationOptions simulation = testing::noisyRecording(seed, 10);
+  simulation.trajectory.seed = seed;
+  const SimulatedSession s = testing::simulate(simulation);
+  CameraImuOptions options = testing::matchedOptions(s, assumed.pixel_sigma);
+  options.noise = s.session.imu->noise;
+  options.noise->gyro_density *= assumed.gyro;
+  options.noise->accel_density *= assumed.accel;
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
+  if (!result) throw std::runtime_error(result.failure().message);
+  return result->imu_summary;
+}
+
+/// Sum over seeds of |r|^2 against sum of redundancy: chi-square with that many degrees.
+void expectChiSquare(double squares, double redundancy) {
+  EXPECT_NEAR(squares, redundancy, 4 * std::sqrt(2 * redundancy));
+}
+
+TEST(ImuNoiseCheck, SquaresAreAsExpectedWhereTheAssumptionsHold) {
+  double gyro = 0, accel = 0, gyro_redundancy = 0, accel_redundancy = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const ImuResidualSummary s = summaryUnder({}, seed);
+    const double rows = 3.0 * s.dof / 15;
+    gyro += rows * std::pow(s.gyro_normalised_rms, 2);
+    gyro_redundancy += rows * std::pow(s.noise.gyro.expected_rms, 2);
+    accel += 2 * rows * std::pow(s.accel_normalised_rms, 2);
+    accel_redundancy += 2 * rows * std::pow(s.noise.accel.expected_rms, 2);
+    // A factor's relative deviation is 1 / sqrt(2 redundancy), and more for its neighbours' sake.
+    EXPECT_NEAR(std::log(s.noise.gyro.factor), 0, 5 / std::sqrt(2 * s.noise.gyro.redundancy));
+    EXPECT_NEAR(std::log(s.noise.accel.factor), 0, 5 / std::sqrt(2 * s.noise.accel.redundancy));
+    EXPECT_NEAR(s.noise.pose_pixel_sigma, 0.2, 0.015);
+    EXPECT_LT(s.noise.gyro.expected_rms, 0.7);  // far from 1, which is why it is reported
+  }
+  expectChiSquare(gyro, gyro_redundancy);
+  expectChiSquare(accel, accel_redundancy);
+}
+
+TEST(ImuNoiseCheck, DensitiesWrongByThreeShowAsAThirdAndThree) {
+  const ImuNoiseChecks right = summaryUnder({}, 2).noise;
+  for (const double wrong : {3.0, 1 / 3.0}) {
+    const ImuNoiseChecks both = summaryUnder({wrong, wrong, 0.2}, 2).noise;
+    EXPECT_NEAR(both.gyro.factor * wrong, right.gyro.factor, 0.1);
+    EXPECT_NEAR(both.accel.factor * wrong, right.accel.factor, 0.1);
+    const ImuNoiseChecks gyro = summaryUnder({wrong, 1, 0.2}, 2).noise;
+    EXPECT_NEAR(gyro.gyro.factor * wrong, right.gyro.factor, 0.1);
+    EXPECT_NEAR(gyro.accel.factor, right.accel.factor, 0.1);
+    const ImuNoiseChecks accel = summaryUnder({1, wrong, 0.2}, 2).noise;
+    EXPECT_NEAR(accel.gyro.factor, right.gyro.factor, 0.1);
+    EXPECT_NEAR(accel.accel.factor * wrong, right.accel.factor, 0.1);
+  }
+}
+
+TEST(ImuNoiseCheck, AWrongPixelSigmaDoesNotMatter) {
+  const ImuNoiseChecks right = summaryUnder({}, 3).noise;
+  const ImuNoiseChecks wrong = summaryUnder({1, 1, 1}, 3).noise;
+  EXPECT_NEAR(wrong.gyro.factor, right.gyro.factor, 0.1);
+  EXPECT_NEAR(wrong.accel.factor, right.accel.factor, 0.1);
+  EXPECT_NEAR(wrong.pose_pixel_sigma, 0.2, 0.015);
+  EXPECT_LT(wrong.gyro.expected_rms, 0.5 * right.gyro.expected_rms);  // but that it does
+}
+
+}  // namespace
+}  // namespace plumbline
