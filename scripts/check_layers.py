@@ -8,8 +8,8 @@ import re
 import subprocess
 import sys
 
-CALIBRATOR = ["base", "camera", "target", "residuals", "linear", "initialise", "batch",
-              "information", "simulate"]
+CALIBRATOR = ["base", "camera", "target", "residuals", "linear", "information", "initialise",
+              "batch", "simulate"]
 
 # What each folder may include, besides itself.
 MAY_USE = {

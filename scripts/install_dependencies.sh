@@ -8,13 +8,13 @@ set -euo pipefail
 build_packages=(
   git ca-certificates g++ cmake ninja-build ccache pkg-config
   libeigen3-dev libceres-dev libsuitesparse-dev
-  libopencv-core-dev libopencv-imgproc-dev libapriltag-dev libvtk9-dev
+  libapriltag-dev libvtk9-dev
   libpng-dev libjpeg62-turbo-dev zlib1g-dev
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libtbb-dev
   libsqlite3-dev libsqlitecpp-dev libkainjow-mustache-dev
   libgtest-dev libgmock-dev)
-test_packages=(chromium fonts-dejavu-core python3 librapidcheck-dev libbenchmark-dev
-  libopencv-calib3d-dev)
+test_packages=(chromium fonts-dejavu-core python3 libbenchmark-dev libopencv-core-dev
+  libopencv-imgproc-dev libopencv-calib3d-dev)
 check_packages=(clang-format clang-tidy python3)
 bench_packages=(libbenchmark-dev mrcal python3 python3-mrcal python3-numpy python3-opencv time)
 
