@@ -8,7 +8,7 @@ over corners), the intrinsics, and the seconds of CPU and wall spent seeding and
 files and importing modules excluded, in the rivals' favour). mrcal is seeded with focal length and
 poses by OpenCV, since its own seed needs full boards; OpenCV seeds itself.
 
-    rivals.py mrcal|OpenCV SESSION [--camera 0] [--stride 12]
+    rivals.py mrcal|OpenCV SESSION [--camera 0]
 """
 import argparse
 import json
@@ -42,11 +42,11 @@ def corner_positions(target):
     return np.stack([x, y, np.zeros_like(x)], axis=1)
 
 
-def read_views(folder, stride):
-    """(corner ids, pixels) of every stride-th frame, where it has 8 corners or more."""
+def read_views(folder):
+    """(corner ids, pixels) of every frame that has 8 corners or more."""
     rows = np.loadtxt(os.path.join(folder, "corners.csv"), delimiter=",",
                       dtype=[("t", "i8"), ("id", "i4"), ("u", "f8"), ("v", "f8")])
-    views = np.split(rows, np.flatnonzero(np.diff(rows["t"])) + 1)[::stride]
+    views = np.split(rows, np.flatnonzero(np.diff(rows["t"])) + 1)
     return [(view["id"], np.stack([view["u"], view["v"]], axis=1)) for view in views
             if len(view) >= 8]
 
@@ -110,13 +110,12 @@ def main():
     parser.add_argument("tool", choices=["mrcal", "OpenCV"])
     parser.add_argument("session")
     parser.add_argument("--camera", type=int, default=0)
-    parser.add_argument("--stride", type=int, default=1)
     options = parser.parse_args()
 
     folder = os.path.join(asl_folder(options.session), f"cam{options.camera}")
     target = read_yaml_numbers(os.path.join(options.session, "target.yaml"))
     sensor = read_yaml_numbers(os.path.join(folder, "sensor.yaml"))
-    views = read_views(folder, options.stride)
+    views = read_views(folder)
     points = corner_positions(target)
     size = tuple(int(n) for n in sensor["resolution"])
 

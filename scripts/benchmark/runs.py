@@ -30,9 +30,9 @@ def calibrate(binary, session, work, *options, report=False):
         return {**cost, "stages": json.load(file)["stages"]}
 
 
-def rival(tool, session, stride):
+def rival(tool, session):
     """One run of rivals.py: its JSON, with what the whole process cost."""
-    out, cost = measured([os.path.join(HERE, "rivals.py"), tool, session, "--stride", str(stride)])
+    out, cost = measured([os.path.join(HERE, "rivals.py"), tool, session])
     return {**json.loads(out.strip().splitlines()[-1]), **cost}
 
 

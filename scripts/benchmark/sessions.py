@@ -29,6 +29,12 @@ def _rows(path):
                 yield int(stamp), int(corner), line
 
 
+def stamps(session):
+    """Stamps of camera 0's frames with corners, ascending."""
+    path = os.path.join(asl_folder(session), "cam0", "corners.csv")
+    return sorted({stamp for stamp, _, _ in _rows(path)})
+
+
 def frames_with_common_tags(session, least=24):
     """Stamps of the frames in which cameras 0 and 1 share at least `least` tags."""
     tags = collections.defaultdict(lambda: (set(), set()))
@@ -39,7 +45,7 @@ def frames_with_common_tags(session, least=24):
     return {stamp for stamp, (left, right) in tags.items() if len(left & right) >= least}
 
 
-def subset(session, stamps, out):
+def subset(session, wanted, out):
     """Camera 0 of the session at these stamps, as a session of its own."""
     source = os.path.join(asl_folder(session), "cam0")
     os.makedirs(os.path.join(out, "cam0"), exist_ok=True)
@@ -49,7 +55,7 @@ def subset(session, stamps, out):
     with open(os.path.join(out, "cam0", "corners.csv"), "w", encoding="utf-8") as file:
         file.write("#timestamp [ns],corner_id,u [px],v [px]\n")
         file.writelines(line for stamp, _, line in _rows(os.path.join(source, "corners.csv"))
-                        if stamp in stamps)
+                        if stamp in wanted)
     return out
 
 
