@@ -212,11 +212,12 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
 }
 
 Failure tooFewViews(const CameraStream& stream, std::size_t views, int min_corners) {
-  return {FailureReason::kTooFewViews,
-          fmt::format("{} has {} views with at least {} corners (of {} views); {} are needed",
-                      stream.name, views, min_corners, stream.views.size(), kLeastViews),
-          "record more views of the target, tilted and filling the image, or leave this camera out; "
-          "if it does see the target, check tagRows and tagCols in target.yaml"};
+  return {
+      FailureReason::kTooFewViews,
+      fmt::format("{} has {} views with at least {} corners (of {} views); {} are needed",
+                  stream.name, views, min_corners, stream.views.size(), kLeastViews),
+      "record more views of the target, tilted and filling the image, or leave this camera out; "
+      "if it does see the target, check tagRows and tagCols in target.yaml"};
 }
 
 Failure noPose(const CameraStream& stream, std::size_t views) {

@@ -147,14 +147,14 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
 
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
-  result.value().imu_summary.noise = checkImuNoise(problem, solution);
+  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
   seconds.covariance = clock.lap();
   seconds.total = total.lap();
   result.value().summary.seconds = seconds;
   result.value().frames_without_pose = posed.without_pose;
   result.value().frames_without_imu = selected->frames_without_imu;
   result.value().imu_gaps = selected->gaps;
-  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
   result.value().inertial_check = start->check;
   return result;
 }

@@ -5,14 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "calibrator/batch/parallel_chunks.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 64;  // intervals
-constexpr int kGroups = 4;  // rotation; velocity and position; gyro walk; accelerometer walk
+constexpr int kChunk = 64;     // intervals
+constexpr int kStretch = 150;  // frames
+constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 1e3;
 using Groups = Eigen::Array<double, kGroups, 1>;
@@ -229,10 +231,47 @@ ImuNoiseCheck checkOf(int group, const Evaluation& assumed, const Evaluation& en
   return check;
 }
 
+/// All of n frames, or `most` of them in evenly spread stretches.
+std::vector<int> spreadFrames(int n, int most) {
+  std::vector<int> frames;
+  const int stretches = std::max(2, most / kStretch);
+  if (n <= std::max(most, stretches * kStretch)) {
+    for (int f = 0; f < n; ++f) frames.push_back(f);
+    return frames;
+  }
+  for (int s = 0; s < stretches; ++s) {
+    const int first = s * (n - kStretch) / (stretches - 1);
+    for (int f = 0; f < kStretch; ++f) frames.push_back(first + f);
+  }
+  return frames;
+}
+
+/// Leaves the given frames (ascending), cut loose from each other where others lay between them.
+void keepOnly(const std::vector<int>& kept, CameraImuProblem& problem,
+              CameraImuSolution& solution) {
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const auto from = static_cast<std::size_t>(kept[k]);  // never before k
+    problem.frames[k] = problem.frames[from];
+    problem.weights[k] = problem.weights[from];
+    solution.estimate.states[k] = solution.estimate.states[from];
+    if (k + 1 == kept.size()) break;
+    const bool neighbours = kept[k + 1] == kept[k] + 1;
+    problem.links[k] = neighbours ? problem.links[from] : FrameLink::kBroken;
+    solution.weights[k] = solution.weights[from];
+  }
+  problem.frames.resize(kept.size());
+  problem.weights.resize(kept.size());
+  solution.estimate.states.resize(kept.size());
+  problem.links.resize(kept.empty() ? 0 : kept.size() - 1);
+  solution.weights.resize(problem.links.size());
+}
+
 }  // namespace
 
-ImuNoiseChecks checkImuNoise(const CameraImuProblem& problem, const CameraImuSolution& solution,
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
                              const ImuNoiseOptions& options) {
+  solution.normals = CameraImuNormals();  // large, and not needed here
+  keepOnly(spreadFrames(problem.frameCount(), options.max_frames), problem, solution);
   auto cameras = cameraInformationAt(problem, solution.estimate);
   auto links = linksOf(problem, solution.estimate, solution.weights);
   if (!links) return {};

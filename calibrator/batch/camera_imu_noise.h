@@ -12,6 +12,9 @@ struct ImuNoiseOptions {
   double least_redundancy = 10;
   int max_rounds = 8;
   double tolerance = 0.02;  ///< end where no factor is asked to change by more, relative
+  /// Longer recordings are judged on stretches of 150 frames spread evenly over them, this many
+  /// frames in all: more would cost as much as the calibration and say little more.
+  int max_frames = 450;
 };
 
 /// What the inertial residuals say of the assumed densities.
@@ -34,7 +37,8 @@ struct ImuNoiseOptions {
 /// To be trusted where the redundancy is large: a factor's relative deviation is 1 / sqrt(2
 /// redundancy) or somewhat more. Vibration, scale and alignment errors of the IMU and distortion of
 /// the integration count as noise of the IMU. Redundancies are 0 where the system has no inverse.
-ImuNoiseChecks checkImuNoise(const CameraImuProblem& problem, const CameraImuSolution& solution,
+/// Takes over problem and solution, which are large: move them in where they are needed no more.
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
                              const ImuNoiseOptions& options = {});
 
 }  // namespace plumbline

@@ -17,8 +17,8 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session_reader.h"
 #include "datasets/kalibr_writer.h"
+#include "datasets/session_reader.h"
 #include "datasets/simulated_truth.h"
 
 namespace plumbline {
