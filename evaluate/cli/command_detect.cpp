@@ -5,12 +5,15 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
+#include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/workflow/load_session.h"
 #include "evaluate/workflow/write_session.h"
+#include "generated/evaluate/workflow/version.h"
 
 namespace plumbline {
 namespace {
@@ -20,12 +23,33 @@ struct Options {
   std::string out;
 };
 
+// What a machine wants to know of the detection: counts of every camera and the input's hash.
+std::string detectionDocument(const LoadedSession& loaded) {
+  nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < loaded.counts.size(); ++i) {
+    const CameraCounts& counts = loaded.counts[i];
+    cameras.push_back({{"name", loaded.session.cameras[i].name},
+                       {"views_offered", counts.views_offered},
+                       {"views_with_corners", counts.views_with_corners},
+                       {"corners", counts.corners},
+                       {"tags", counts.tags}});
+  }
+  return nlohmann::ordered_json{{"schema", 1},
+                                {"plumbline", kVersion},
+                                {"input_hash", loaded.input_hash},
+                                {"seconds", {{"load", loaded.load_s}, {"detect", loaded.detect_s}}},
+                                {"cameras", cameras}}
+             .dump(2) +
+         "\n";
+}
+
 int detect(const Options& o) {
   ProgressBar bar;
   refuseInside(o.out, o.session.session, "--out");
   const LoadedSession loaded = loadSession(o.session.request(), bar.sink());
   bar.clear();
   writeCornerSession(loaded.session, o.out);
+  writeFileAtomically(o.out + "/detection.json", detectionDocument(loaded));
   for (std::size_t i = 0; i < loaded.counts.size(); ++i) {
     const CameraCounts& counts = loaded.counts[i];
     fmt::print("{}: {} corners of {} tags in {} of {} images\n", loaded.session.cameras[i].name,

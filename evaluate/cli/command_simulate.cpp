@@ -50,6 +50,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--outliers", s.outlier_fraction, "Share of grossly wrong corners")
       ->capture_default_str();
   app.add_option("--threads", o.threads, "Threads that render (0: all cores)")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
 

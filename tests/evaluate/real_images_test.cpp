@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From real images to a calibration, as `plumbline calibrate` does it.
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/camera_batch.h"
+#include "evaluate/workflow/load_session.h"
+
+namespace plumbline {
+namespace {
+
+// The focal lengths published with EuRoC's data for this rig (sensor.yaml of cam0 and cam1).
+constexpr double kPublished[2][2] = {{458.654, 457.296}, {457.587, 456.134}};
+
+TEST(RealImages, FocalLengthsAreEurocsWithinHalfAPercent) {
+  const std::string data = PLUMBLINE_SHARED_DATA;
+  ASSERT_TRUE(std::filesystem::is_directory(data))
+      << data << " is missing: configure with -DPLUMBLINE_SHARED_DATA=FOLDER";
+  LoadRequest request;
+  request.session = data + "/euroc_cam_april_images";
+  request.read.read_imu = false;
+  const LoadedSession loaded = loadSession(request, [](const std::string&, double) {});
+  const auto result = calibrateCameras(loaded.session);
+  ASSERT_TRUE(result.ok()) << result.failure().message;
+  ASSERT_EQ(result->cameras.size(), 2u);
+  for (int c = 0; c < 2; ++c) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const double published = kPublished[c][axis];
+      EXPECT_NEAR(result->cameras[c].intrinsics.projection[axis], published, 0.005 * published)
+          << "cam" << c << " axis " << axis;
+    }
+  }
+  EXPECT_EQ(result->summary.views_used, 52);
+}
+
+}  // namespace
+}  // namespace plumbline
