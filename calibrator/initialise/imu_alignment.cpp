@@ -166,7 +166,7 @@ RateAlignment alignRates(std::span<const RatePair> pairs) {
   const double scale = std::sqrt(m.gyro.trace() * m.camera);
   if (!(scale > 0)) return out;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d s = svd.singularValues();
+  const Eigen::Vector3d& s = svd.singularValues();
   const double hand = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   const double same = s.sum() / scale;
   const double other = (s(0) + s(1) - s(2)) / scale;
