@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,16 @@ struct InertialCheck {
   double gravity_m_s2 = 0;  ///< magnitude as measured; 0: not known
 };
 
+/// Covariances of what each recording has of its own, everything else marginalised. Tangents are
+/// those of the batch.
+struct ImuStateCovariances {
+  /// One per frame: T_FS (translation in F [m], rotation on the left [rad]), velocity [m/s], gyro
+  /// bias [rad/s], accelerometer bias [m/s^2].
+  std::vector<Eigen::Matrix<double, 15, 15>> states;
+  /// Of gravity's direction, along tangentBasis(direction) [rad].
+  Eigen::Matrix2d gravity_direction = Eigen::Matrix2d::Zero();
+};
+
 /// Camera-IMU stage.
 struct CameraImuStageResult {
   ImuCalibration imu;
@@ -137,6 +148,7 @@ struct CameraImuStageResult {
   int imu_gaps = 0;             ///< pauses of the IMU that broke the chain
   double imu_rate_hz = 0;       ///< inverse of the median interval between IMU samples
   InertialCheck inertial_check;
+  std::optional<ImuStateCovariances> state_covariances;  ///< if asked for
   StageSummary summary;
 };
 

@@ -41,6 +41,7 @@ struct CameraImuOptions {
   double max_translation_std_m = 0.05;  ///< less certain: not observable
   double max_rotation_std_rad = 0.05;   ///< likewise
   double max_offset_std_s = 0.005;      ///< likewise
+  bool state_covariances = false;       ///< report those of the states and of gravity's direction
 
   int threads = 1;  ///< results do not depend on it
   int max_iterations = 50;

@@ -238,4 +238,25 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   return out;
 }
 
+std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& problem,
+                                                    const CameraImuSolution& solution) {
+  const auto normals = informationAt(problem, solution.estimate, solution.weights);
+  if (!normals) return std::nullopt;
+  auto inverse = invertChain(normals->chain, {0, problem.threads});
+  if (!inverse) return std::nullopt;
+  ChainCovariance& S = inverse->covariance;
+  constexpr int kOffset = BorderLayout::kOffset;
+  constexpr int kGravity = BorderLayout::kGravity;
+  ImuStateCovariances out;
+  out.states = std::move(S.diagonal);
+  for (std::size_t i = 0; i < out.states.size(); ++i) {
+    const Eigen::Matrix<double, kChainBlock, 1> offset = S.to_border[i].col(kOffset);
+    out.states[i] += normals->offset_noise * offset * offset.transpose();
+  }
+  const Eigen::Vector2d offset = S.border.block<2, 1>(kGravity, kOffset);
+  out.gravity_direction = S.border.block<2, 2>(kGravity, kGravity) +
+                          normals->offset_noise * offset * offset.transpose();
+  return out;
+}
+
 }  // namespace plumbline

@@ -32,6 +32,11 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options);
 
+/// Covariance of every state and of gravity's direction, by the same rules: the selected inverse of
+/// the information, plus the sandwich's part. Empty where the information is singular.
+std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& problem,
+                                                    const CameraImuSolution& solution);
+
 /// 0.5 log((2 pi e)^n |Sigma|) [nats] of a positive definite covariance.
 double gaussianEntropy(const Eigen::MatrixXd& covariance);
 

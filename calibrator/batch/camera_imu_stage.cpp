@@ -153,6 +153,7 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
   result.residuals = cornerResiduals(problem, solution.estimate);
   fillReprojection(session, result);
+  if (options.state_covariances) result.state_covariances = stateCovariances(problem, solution);
   return result;
 }
 
