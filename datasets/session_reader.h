@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/frames.h"
 #include "calibrator/base/session.h"
 #include "datasets/camera_stream_reader.h"
 
@@ -23,6 +24,8 @@ struct SessionReadOptions {
   double to_s = std::numeric_limits<double>::infinity();  ///< and those later than this [s]
   int stride = 1;           ///< keep every n-th frame; a frame's cameras stay together
   double imu_margin_s = 2;  ///< IMU samples kept before from_s and after to_s [s]
+  /// Views of different cameras at most this far apart [ns] are one frame to from_s, to_s, stride.
+  TimeNs sync_tolerance = FrameOptions().tolerance;
 };
 
 /// A recording as its folder holds it.

@@ -75,7 +75,7 @@ void selectFrames(Recording& recording, const SessionReadOptions& options) {
   checkOptions(options);
   if (options.from_s == 0 && std::isinf(options.to_s) && options.stride == 1) return;
   Session& session = recording.session;
-  const std::vector<Frame> frames = pairFrames(session.cameras, {.min_corners = 0});
+  const std::vector<Frame> frames = pairFrames(session.cameras, {options.sync_tolerance, 0});
   if (frames.empty()) return;
   const std::vector<std::vector<bool>> kept = keptViews(frames, session, options);
   std::size_t left = 0;

@@ -130,6 +130,33 @@ TEST(SessionReader, StrideKeepsTheCamerasOfAFrameTogether) {
   EXPECT_THROW(readSession(folder.path(), options), InputError);
 }
 
+TEST(SessionReader, StridePairsWithinTheGivenTolerance) {
+  const TemporaryFolder folder;
+  writeGoodSession(folder);
+  std::string first = "#timestamp [ns],corner_id,u [px],v [px]\n";
+  std::string second = first;  // 5 ms later than the first
+  for (long long i = 0; i < 6; ++i) {
+    const long long t = 1'400'000'000'000'000'000 + i * 50'000'000;
+    first += std::to_string(t) + ",0,100,200\n";
+    second += std::to_string(t + 5'000'000) + ",0,100,200\n";
+  }
+  folder.write("cam0/corners.csv", first);
+  folder.write("cam1/corners.csv", second);
+  SessionReadOptions options;
+  options.stride = 2;
+  options.sync_tolerance = 6'000'000;
+  const Session together = readSession(folder.path(), options);
+  ASSERT_EQ(together.cameras[0].views.size(), 3U);
+  ASSERT_EQ(together.cameras[1].views.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(together.cameras[1].views[i].t, together.cameras[0].views[i].t + 5'000'000);
+  }
+  options.sync_tolerance = 4'000'000;  // every view a frame of its own: cam1's are the odd ones
+  const Session apart = readSession(folder.path(), options);
+  EXPECT_EQ(apart.cameras[0].views.size(), 6U);
+  EXPECT_TRUE(apart.cameras[1].views.empty());
+}
+
 TEST(SessionReader, ACameraOfImagesIsListedForDetection) {
   const TemporaryFolder folder;
   writeGoodSession(folder);
