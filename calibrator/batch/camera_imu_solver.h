@@ -27,7 +27,8 @@ struct CameraImuSolution {
 
 /// Levenberg-Marquardt on the structured normal equations. The inertial weights are renewed after
 /// the second step and whenever the time offset has moved by more than 0.2 ms since; a step with
-/// new weights never counts as the last one.
+/// new weights never counts as the last one, and it is judged by the old ones where the new raise
+/// the cost.
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
                                  const SolverOptions& options = {});
 
