@@ -69,9 +69,9 @@ struct SelectedSolution {
 };
 
 /// Takes the selected frames into the problem; returns their poses.
-std::vector<StampedPose> take(const FrameSelection& selection, const PosedFrames& posed,
-                              CameraImuProblem& problem) {
-  std::vector<StampedPose> poses;
+std::vector<CameraPose> take(const FrameSelection& selection, const PosedFrames& posed,
+                             CameraImuProblem& problem) {
+  std::vector<CameraPose> poses;
   problem.frames.clear();
   for (const int i : selection.chosen) {
     problem.frames.push_back(posed.frames[static_cast<std::size_t>(i)]);

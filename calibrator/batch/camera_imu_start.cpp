@@ -15,7 +15,7 @@ namespace {
 constexpr int kPoseIterations = 4;          // a start needs no more
 constexpr double kLongestDifference = 0.3;  // [s] over which positions still give a velocity
 
-double medianInterval(std::span<const StampedPose> poses) {
+double medianInterval(std::span<const CameraPose> poses) {
   std::vector<double> intervals;
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     intervals.push_back(secondsBetween(poses[i].t, poses[i + 1].t));
@@ -24,10 +24,10 @@ double medianInterval(std::span<const StampedPose> poses) {
 }
 
 /// Mean specific force in F points up while the sensor moves to and fro.
-Eigen::Vector3d downFromMeanForce(std::span<const StampedPose> poses,
+Eigen::Vector3d downFromMeanForce(std::span<const CameraPose> poses,
                                   std::span<const ImuSample> samples, const CameraImuStart& start) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const StampedPose& pose : poses) {
+  for (const CameraPose& pose : poses) {
     const TimeNs t = pose.t + toNanoseconds(start.time_offset_s);
     const auto next = std::lower_bound(samples.begin(), samples.end(), t,
                                        [](const ImuSample& s, TimeNs at) { return s.t < at; });
@@ -64,7 +64,7 @@ std::optional<Transform> framePose(const std::vector<CameraCalibration>& cameras
 
 std::vector<TimeNs> PosedFrames::stamps() const {
   std::vector<TimeNs> out;
-  for (const StampedPose& pose : poses) out.push_back(pose.t);
+  for (const CameraPose& pose : poses) out.push_back(pose.t);
   return out;
 }
 
@@ -96,7 +96,7 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
   return out;
 }
 
-Result<CameraImuStart> startCameraImu(std::span<const StampedPose> poses,
+Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options) {
   SanityOptions sanity = options.sanity;
@@ -127,7 +127,7 @@ Result<CameraImuStart> startCameraImu(std::span<const StampedPose> poses,
   return start;
 }
 
-std::vector<ImuState> startStates(std::span<const StampedPose> poses, const CameraImuStart& start) {
+std::vector<ImuState> startStates(std::span<const CameraPose> poses, const CameraImuStart& start) {
   const Transform T_C0S = start.T_SC0.inverse();
   std::vector<ImuState> states(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -15,7 +15,7 @@ namespace plumbline {
 /// Frames with a pose of their own, before the IMU has a say.
 struct PosedFrames {
   std::vector<Frame> frames;
-  std::vector<StampedPose> poses;
+  std::vector<CameraPose> poses;
   int without_pose = 0;  ///< frames left out
 
   std::vector<TimeNs> stamps() const;
@@ -37,11 +37,11 @@ struct CameraImuStart {
 
 /// Units and axes checked, time offset by correlation, rotation by alignment of rates, gravity,
 /// translation and accelerometer bias by linear least squares.
-Result<CameraImuStart> startCameraImu(std::span<const StampedPose> poses,
+Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options);
 
 /// States at the frames: poses through T_SC0, velocities by differences of positions.
-std::vector<ImuState> startStates(std::span<const StampedPose> poses, const CameraImuStart& start);
+std::vector<ImuState> startStates(std::span<const CameraPose> poses, const CameraImuStart& start);
 
 }  // namespace plumbline

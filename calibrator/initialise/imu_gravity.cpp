@@ -24,7 +24,7 @@ struct Triple {
 };
 
 /// Triples of frames about span_s apart, evenly spread.
-std::vector<Triple> chooseTriples(std::span<const StampedPose> poses,
+std::vector<Triple> chooseTriples(std::span<const CameraPose> poses,
                                   const InertialAlignmentOptions& options) {
   std::vector<Triple> all;
   const auto reach = [&](std::size_t from) {
@@ -69,12 +69,12 @@ bool pausesBetween(TimeNs from, TimeNs to, double offset_s, std::span<const ImuS
 }
 
 /// One triple's equation A x = rhs in units of acceleration.
-std::optional<Equation> equationOf(const Triple& triple, std::span<const StampedPose> poses,
+std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraPose> poses,
                                    std::span<const ImuSample> samples, const Eigen::Matrix3d& R_SC0,
                                    const ImuBias& bias, double offset_s) {
-  const StampedPose& a = poses[triple.a];
-  const StampedPose& b = poses[triple.b];
-  const StampedPose& c = poses[triple.c];
+  const CameraPose& a = poses[triple.a];
+  const CameraPose& b = poses[triple.b];
+  const CameraPose& c = poses[triple.c];
   const auto ab = preintegrate(samples, {a.t, b.t, offset_s}, bias);
   const auto bc = preintegrate(samples, {b.t, c.t, offset_s}, bias);
   if (!ab || !bc) return std::nullopt;
@@ -129,7 +129,7 @@ InertialAlignment solve(const std::vector<Equation>& equations,
 
 }  // namespace
 
-std::optional<InertialAlignment> alignInertially(std::span<const StampedPose> poses,
+std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
                                                  std::span<const ImuSample> samples,
                                                  const Eigen::Matrix3d& R_SC0,
                                                  const Eigen::Vector3d& gyro_bias,

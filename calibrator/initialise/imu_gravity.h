@@ -32,7 +32,7 @@ struct InertialAlignmentOptions {
 /// second difference of the IMU's position, p_S = s p_C0 - R_FS t_SC0, equals gravity plus the
 /// pre-integrated force (velocities eliminated). Needs the rotation, gyro bias and time offset of
 /// the rates' alignment. Empty for fewer than 10 usable triples.
-std::optional<InertialAlignment> alignInertially(std::span<const StampedPose> poses,
+std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
                                                  std::span<const ImuSample> samples,
                                                  const Eigen::Matrix3d& R_SC0,
                                                  const Eigen::Vector3d& gyro_bias,

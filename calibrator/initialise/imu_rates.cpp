@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-std::vector<CameraRate> cameraRates(std::span<const StampedPose> poses, double max_gap_s) {
+std::vector<CameraRate> cameraRates(std::span<const CameraPose> poses, double max_gap_s) {
   std::vector<CameraRate> rates;
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     const double dt = secondsBetween(poses[i].t, poses[i + 1].t);

@@ -12,7 +12,7 @@
 namespace plumbline {
 
 /// Pose of camera 0 at a frame's stamp (camera clock).
-struct StampedPose {
+struct CameraPose {
   TimeNs t = 0;
   Transform T_FC0;
 };
@@ -32,7 +32,7 @@ struct CameraRate {
 };
 
 /// Rates of all neighbours at most `max_gap_s` apart; `poses` ascend in time.
-std::vector<CameraRate> cameraRates(std::span<const StampedPose> poses, double max_gap_s);
+std::vector<CameraRate> cameraRates(std::span<const CameraPose> poses, double max_gap_s);
 
 /// Integral of the measured gyro rate (trapezoids), with which mean rates over any window cost two
 /// look-ups. Keeps a view of `samples`, which must outlive it.

@@ -12,7 +12,7 @@ namespace {
 
 struct Recording {
   SimulatedSession simulated;
-  std::vector<StampedPose> poses;
+  std::vector<CameraPose> poses;
 
   const std::vector<ImuSample>& samples() const { return simulated.session.imu->samples; }
   const ImuCalibration& truth() const { return *simulated.truth.imu; }
@@ -33,7 +33,7 @@ Recording exactRecording(double time_offset_s, double duration_s = 10) {
 
 TEST(CameraRates, OfAConstantRateAreThatRate) {
   const Eigen::Vector3d w(0.3, -0.5, 0.8);
-  std::vector<StampedPose> poses;
+  std::vector<CameraPose> poses;
   for (int k = 0; k < 4; ++k) {
     const double t = 0.05 * k + (k == 3 ? 1.0 : 0.0);  // the last one is far off
     poses.push_back({toNanoseconds(t), {expSO3(w * t), Eigen::Vector3d::Zero()}});
@@ -111,7 +111,7 @@ TEST(InertialAlignment, FindsScaleGravityTranslationAndBias) {
   const ImuBias bias = r.simulated.biases.front();
   for (const double scale : {1.0, 0.5}) {
     auto poses = r.poses;
-    for (StampedPose& p : poses) p.T_FC0.t /= scale;  // a target stated 1 / scale times too large
+    for (CameraPose& p : poses) p.T_FC0.t /= scale;  // a target stated 1 / scale times too large
     const auto a = alignInertially(poses, r.samples(), r.truth().T_SC0.R, bias.gyro, 0.002);
     ASSERT_TRUE(a);
     EXPECT_NEAR(a->scale, scale, 2e-3 * scale);
