@@ -54,7 +54,8 @@ void addCamera(Manifest& manifest, const std::string& camera) {
 
 }  // namespace
 
-std::string inputHash(const std::string& session, const SessionReadOptions& options) {
+std::string inputHash(const std::string& session, const SessionReadOptions& options,
+                      const std::vector<std::string>& others) {
   const SessionFolder folder = findSession(session);
   Manifest manifest;
   const auto beside = [&](const std::string& name, const std::optional<std::string>& given) {
@@ -67,6 +68,9 @@ std::string inputHash(const std::string& session, const SessionReadOptions& opti
     beside("imu.yaml", options.imu_path);
     manifest.addContent(*folder.imu + "/sensor.yaml", "imu0/sensor.yaml");
     manifest.addContent(*folder.imu + "/data.csv", "imu0/data.csv");
+  }
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    manifest.addContent(others[i], fmt::format("given/{}", i));
   }
   return manifest.hash();
 }

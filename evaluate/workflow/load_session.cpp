@@ -83,7 +83,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   Recording recording = readRecording(request.session, request.read);
   keepOnly(recording, request.only);
   LoadedSession loaded;
-  loaded.input_hash = inputHash(request.session, request.read);
+  loaded.input_hash = inputHash(request.session, request.read, request.others);
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {
     const Stopwatch detecting;

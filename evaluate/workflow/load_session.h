@@ -20,6 +20,7 @@ struct LoadRequest {
   DetectorOptions detector;
   std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
   std::vector<std::string> only;     ///< cameras to use, by name; empty: all
+  std::vector<std::string> others;   ///< further files that the input hash covers
   int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.
 };
 

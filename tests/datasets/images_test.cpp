@@ -178,6 +178,12 @@ TEST_F(Images, InputHashFollowsContentNotPlace) {
   other_target.target_path = path("two") + "/target.yaml";
   EXPECT_NE(inputHash(path("one")), inputHash(path("one"), other_target));
   EXPECT_THAT(inputHash(path("one")), testing::StartsWith("xxh64:"));
+  // A calibration that is given is input too.
+  write(path("cameras.yaml"), "cam0: 1\n");
+  const std::string with = inputHash(path("one"), {}, {path("cameras.yaml")});
+  EXPECT_NE(with, inputHash(path("one")));
+  write(path("cameras.yaml"), "cam0: 2\n");
+  EXPECT_NE(with, inputHash(path("one"), {}, {path("cameras.yaml")}));
 }
 
 }  // namespace
