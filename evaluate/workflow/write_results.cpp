@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/workflow/write_results.h"
 
+#include <array>
 #include <filesystem>
 #include <system_error>
 
@@ -9,6 +10,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/atomic_file.h"
 #include "datasets/kalibr_writer.h"
+#include "datasets/pending_folder.h"
 #include "evaluate/workflow/calibration_document.h"
 #include "report/html/calibration_page.h"
 #include "report/store/store.h"
@@ -25,14 +27,10 @@ Calibration calibrationOf(const CalibrationRecord& record) {
   return calibration;
 }
 
-// A store with this record alone, in place of an older one.
-void writeRecords(const CalibrationRecord& record, const fs::path& path) {
-  const fs::path fresh = path.string() + ".new";
-  std::error_code ignored;
-  fs::remove(fresh, ignored);
-  Store(fresh).save(record);
-  fs::rename(fresh, path);
-}
+// Every name that a run may write.
+constexpr std::array kResultFiles{"calibration.json", "camchain-imucam.yaml", "camchain.yaml",
+                                  "imu.yaml",         "residuals.csv",        kRecordsFile,
+                                  "report.html"};
 
 // The uppermost folder of `path` that does not exist; empty where all of it does.
 fs::path firstMissing(const fs::path& path) {
@@ -46,28 +44,42 @@ fs::path parentOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+// Renders everything into `folder`.
 void writeFiles(const CalibrationRecord& record, const fs::path& folder,
                 const WriteOptions& options) {
-  // What a run does not write is removed, so that the folder never mixes the results of two runs.
-  const auto write = [&](const char* name, bool wanted, const auto& text) {
-    std::error_code ignored;
-    if (wanted) {
-      writeFileAtomically((folder / name).string(), text());
-    } else {
-      fs::remove(folder / name, ignored);
-    }
+  const auto write = [&](const char* name, const std::string& text) {
+    writeFileAtomically((folder / name).string(), text);
   };
   const Calibration calibration = calibrationOf(record);
-  const auto camchain = [&] { return kalibrCamchainText(calibration); };
   const bool with_imu = calibration.imu.has_value();
-  write("calibration.json", true, [&] { return calibrationDocument(record); });
-  write("camchain-imucam.yaml", with_imu, camchain);
-  write("camchain.yaml", !with_imu, camchain);
-  write("imu.yaml", with_imu,
-        [&] { return kalibrImuText(calibration.imu->noise, calibration.imu->rostopic); });
-  write("residuals.csv", options.residuals, [&] { return residualsTable(record); });
-  writeRecords(record, folder / kRecordsFile);
-  write("report.html", options.report, [&] { return renderCalibrationPage(record); });
+  write("calibration.json", calibrationDocument(record));
+  write(with_imu ? "camchain-imucam.yaml" : "camchain.yaml", kalibrCamchainText(calibration));
+  if (with_imu) {
+    write("imu.yaml", kalibrImuText(calibration.imu->noise, calibration.imu->rostopic));
+  }
+  if (options.residuals) write("residuals.csv", residualsTable(record));
+  Store(folder / kRecordsFile).save(record);
+  if (options.report) write("report.html", renderCalibrationPage(record));
+}
+
+void refuseFoldersInTheWay(const fs::path& out) {
+  for (const char* name : kResultFiles) {
+    if (!fs::is_directory(out / name)) continue;
+    throw InputError((out / name).string(), 0,
+                     "is a folder where a result belongs; remove it or give another --out");
+  }
+}
+
+// Moves what was written into its place; what this run did not write is removed, so that the folder
+// never mixes the results of two runs.
+void moveFiles(const fs::path& from, const fs::path& out) {
+  for (const char* name : kResultFiles) {
+    if (fs::exists(from / name)) {
+      fs::rename(from / name, out / name);
+    } else {
+      fs::remove(out / name);
+    }
+  }
 }
 
 }  // namespace
@@ -97,7 +109,10 @@ void writeCalibrationResults(const CalibrationRecord& record, const std::string&
   const fs::path missing = firstMissing(out);
   try {
     fs::create_directories(out);
-    writeFiles(record, out, options);
+    refuseFoldersInTheWay(out);
+    const PendingFolder pending(fs::path(out) / ".results");  // never committed: its files move
+    writeFiles(record, pending.path(), options);
+    moveFiles(pending.path(), out);
   } catch (...) {
     std::error_code ignored;
     if (!missing.empty()) fs::remove_all(missing, ignored);

@@ -21,9 +21,10 @@ void refuseUnwritable(const std::string& out);
 
 /// Writes a calibration's results into `out` (made if missing): calibration.json,
 /// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml, records.sqlite, and as asked
-/// residuals.csv and report.html. Each file appears whole or not at all; files of
-/// these names that this run does not write are removed. Throws InputError where
-/// `out` cannot be written; a folder that was not there before is then gone again.
+/// residuals.csv and report.html. All are rendered and written first, under a hidden folder of
+/// `out`, and then renamed together; files of these names that this run does not write are removed.
+/// Throws InputError where `out` cannot be written: what was there before is then as it was, and a
+/// folder that was not there is gone again.
 void writeCalibrationResults(const CalibrationRecord& record, const std::string& out,
                              const WriteOptions& options);
 
