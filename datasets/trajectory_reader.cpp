@@ -33,14 +33,13 @@ bool beginsViconSection(std::string_view line) {
 // From the first line that says something. Tables tell TUM from EuRoC themselves.
 std::optional<TrajectoryFormat> formatOf(std::string_view text) {
   TextLines lines(text);
-  bool has_header = false;
   while (lines.next()) {
     const std::string_view line = lines.text();
     if (line.empty()) continue;
     if (line.substr(0, 14) == "Format Version") return TrajectoryFormat::kMotive;
     if (beginsViconSection(line)) return TrajectoryFormat::kVicon;
-    if (parseTableHeader(line)) has_header = true;
-    if (line[0] == '#' || has_header) continue;
+    if (parseTableHeader(line)) return std::nullopt;
+    if (line[0] == '#') continue;
     return countCells(line) == 12 ? std::optional(TrajectoryFormat::kKitti) : std::nullopt;
   }
   return std::nullopt;

@@ -29,14 +29,16 @@ constexpr std::uint64_t kRoomForOneMore = std::numeric_limits<std::uint64_t>::ma
 
 // Takes the digits at `at`; each one moves the exponent by `per_digit` (-1 behind the point).
 const char* takeDigits(const char* at, const char* end, int per_digit, Decimal& number) {
+  const char* const first = at;
+  std::uint64_t mantissa = number.mantissa;
+  while (at != end && isDigit(*at) && mantissa <= kRoomForOneMore) {
+    mantissa = mantissa * 10 + static_cast<std::uint64_t>(*at++ - '0');
+  }
+  number.mantissa = mantissa;
+  number.exponent += per_digit * static_cast<int>(at - first);
   for (; at != end && isDigit(*at); ++at) {
-    if (number.mantissa <= kRoomForOneMore) {
-      number.mantissa = number.mantissa * 10 + static_cast<std::uint64_t>(*at - '0');
-      number.exponent += per_digit;
-    } else {
-      number.exact = number.exact && *at == '0';
-      number.exponent += per_digit + 1;
-    }
+    number.exact = number.exact && *at == '0';
+    number.exponent += per_digit + 1;
   }
   return at;
 }
