@@ -8,64 +8,14 @@
 #include "calibrator/batch/camera_imu_resample.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration_reader.h"
-#include "datasets/supported_models.h"
 #include "evaluate/workflow/locate_failure.h"
+#include "evaluate/workflow/match_cameras.h"
 
 namespace plumbline {
 namespace {
 
 ResampleSpread spreadOf(const ResampleSummary& summary, int draws) {
   return {draws, summary.failed, summary.names, summary.std};
-}
-
-// A file keyed by position (Kalibr's) may hold another camera under this name: their topics tell.
-void checkTopic(const CameraCalibration& given, const CameraStream& stream,
-                const std::string& path) {
-  const std::string& said = given.rostopic;
-  const std::string expected =
-      stream.rostopic.empty() ? "/" + stream.name + "/image_raw" : stream.rostopic;
-  const bool generic = said.rfind("/cam", 0) == 0 && said.ends_with("/image_raw");
-  if (said.empty() || said == expected || (stream.rostopic.empty() && !generic)) return;
-  throw InputError(
-      path, 0,
-      fmt::format("{} is the calibration of topic {}, but the session's {} is {}; name "
-                  "the cameras in the file as in the session",
-                  stream.name, said, stream.name, expected));
-}
-
-// The calibration's cameras in the order of the session's, matched by name.
-std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
-                                            const Session& session) {
-  std::vector<CameraCalibration> cameras;
-  for (const CameraStream& stream : session.cameras) {
-    const CameraCalibration* found = nullptr;
-    for (const CameraCalibration& camera : given.cameras) {
-      if (camera.name == stream.name) found = &camera;
-    }
-    if (found == nullptr) {
-      throw InputError(path, 0, fmt::format("has no {}, which the session has", stream.name));
-    }
-    const Resolution& size = found->intrinsics.resolution;
-    if (!(size == stream.resolution)) {
-      throw InputError(
-          path, 0,
-          fmt::format("{} is for {}x{} pixels, the session's images have {}x{}", stream.name,
-                      size.width, size.height, stream.resolution.width, stream.resolution.height));
-    }
-    checkTopic(*found, stream, path);
-    const Intrinsics& k = found->intrinsics;
-    if (!isSupportedModel(k.projection_model, k.distortion_model)) {
-      throw InputError(path, 0,
-                       fmt::format("{}: {}", stream.name,
-                                   unsupportedModelText(toString(k.projection_model),
-                                                        toString(k.distortion_model))));
-    }
-    cameras.push_back(*found);
-  }
-  // Camera 0 of the session is the reference, also where --only left the file's first camera out.
-  const Transform T_0 = cameras.front().T_C0Ci.inverse();
-  for (CameraCalibration& camera : cameras) camera.T_C0Ci = T_0 * camera.T_C0Ci;
-  return cameras;
 }
 
 void addLoading(const LoadedSession& loaded, StageSeconds& seconds) {
@@ -153,6 +103,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (request.cameras_file) {
     cameras =
         matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, loaded.session);
+    refuseUnsupportedModels(cameras, *request.cameras_file);
     if (request.free_cameras) request.camera.start = cameras;
   }
   const bool with_imu = request.use_imu && loaded.session.imu.has_value();
