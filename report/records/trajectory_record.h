@@ -25,6 +25,8 @@ struct AssociationRecord {
   double median_dt_s = 0;             ///< of the pairs, estimate - truth: a clock offset shows here
   double largest_estimate_gap_s = 0;  ///< between consecutive poses of the estimate
   double largest_truth_gap_s = 0;
+  double time_offset_s = 0;        ///< that was added to the estimate's stamps before pairing
+  std::size_t stamps_in_gaps = 0;  ///< "interpolate": where the truth's gap was too wide
 };
 
 /// p_truth = scale R p_estimate + t.

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/trajectory/alignment.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/trajectory/similarity.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kFewestPairs = 3;
+
+// Of singular values of a covariance: squares of the spread across a line over that along it.
+constexpr double kLine = 1e-10;
+
+Failure notUnique(const std::string& message, const std::string& cure) {
+  return {FailureReason::kNotObservable, message, cure, FaultyInput::kSession};
+}
+
+bool isFit(AlignmentKind kind) {
+  return kind == AlignmentKind::kSe3 || kind == AlignmentKind::kSim3 ||
+         kind == AlignmentKind::kScale || kind == AlignmentKind::kYaw;
+}
+
+PointMoments momentsOf(const std::vector<PosePair>& pairs, std::size_t count) {
+  PointMoments m;
+  const auto n = static_cast<double>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    m.mean_x += pairs[i].estimate.p / n;
+    m.mean_y += pairs[i].truth.p / n;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d x = pairs[i].estimate.p - m.mean_x;
+    const Eigen::Vector3d y = pairs[i].truth.p - m.mean_y;
+    m.covariance_yx += y * x.transpose() / n;
+    m.variance_x += x.squaredNorm() / n;
+    m.variance_y += y.squaredNorm() / n;
+  }
+  return m;
+}
+
+Eigen::Matrix3d aboutZ(double yaw) {
+  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
+// With s and R given, the t that brings x onto y.
+AlignmentRecord through(const Eigen::Vector3d& x, const Eigen::Vector3d& y,
+                        const Eigen::Matrix3d& R, double scale) {
+  AlignmentRecord record;
+  record.scale = scale;
+  record.T_truth_estimate = Transform(R, Eigen::Vector3d(y - scale * (R * x)));
+  return record;
+}
+
+// A square spread below this share of the squared distance from the origin is rounding.
+bool standsStill(double variance, const Eigen::Vector3d& mean) {
+  return !(variance > 1e-20 * (mean.squaredNorm() + variance)) || variance < 1e-24;
+}
+
+Result<AlignmentRecord> fitYaw(const PointMoments& m) {
+  const BestYaw best = bestYaw(m.covariance_yx);
+  if (!(best.strength > kLine * (m.variance_x + m.variance_y))) {
+    return notUnique("the positions do not move horizontally, so yaw is not unique",
+                     "align with se3-first or yaw-first, or give a longer stretch");
+  }
+  return through(m.mean_x, m.mean_y, aboutZ(best.yaw), 1);
+}
+
+Result<AlignmentRecord> fitRotation(const PointMoments& m, bool with_scale) {
+  const Similarity best = bestSimilarity(m);
+  if (!(best.across > kLine)) {
+    return notUnique("the matched positions lie on a line, so the rotation about it is not unique",
+                     "align with se3-first, yaw or yaw-first, or give a stretch that turns");
+  }
+  return through(m.mean_x, m.mean_y, best.R, with_scale ? best.scale : 1);
+}
+
+AlignmentRecord scaleAlone(const PointMoments& m) {
+  AlignmentRecord record;
+  record.scale = bestSimilarity(m).scale;
+  return record;
+}
+
+Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentOptions& o) {
+  const std::size_t count =
+      o.first_n > 0 ? std::min(pairs.size(), static_cast<std::size_t>(o.first_n)) : pairs.size();
+  if (count < kFewestPairs) {
+    return notUnique(
+        fmt::format("{} of the {} matched poses to align with {}; at least 3 are needed", count,
+                    pairs.size(), nameOf(o.kind)),
+        "match more poses (--max-dt, --align-first) or align with se3-first");
+  }
+  const PointMoments m = momentsOf(pairs, count);
+  if (standsStill(m.variance_x, m.mean_x) || standsStill(m.variance_y, m.mean_y)) {
+    return notUnique("the matched positions do not move, so the alignment is not unique",
+                     "align with se3-first or none, or give a stretch with motion");
+  }
+  if (o.kind == AlignmentKind::kYaw) return fitYaw(m);
+  if (o.kind == AlignmentKind::kScale) return scaleAlone(m);
+  return fitRotation(m, o.kind == AlignmentKind::kSim3);
+}
+
+Result<AlignmentRecord> alignFirst(const PosePair& first, const AlignmentOptions& o) {
+  const Eigen::Matrix3d R_truth = rotationOf(first.truth.q, o.quaternions);
+  const Eigen::Matrix3d R_estimate = rotationOf(first.estimate.q, o.quaternions);
+  const Eigen::Matrix3d R = R_truth * R_estimate.transpose();
+  if (o.kind != AlignmentKind::kYawFirst) return through(first.estimate.p, first.truth.p, R, 1);
+  const BestYaw best = bestYaw(R);
+  if (!(best.strength > 1e-9)) {
+    return notUnique("the first poses are upside down to each other, so yaw is not unique",
+                     "align with se3-first");
+  }
+  return through(first.estimate.p, first.truth.p, aboutZ(best.yaw), 1);
+}
+
+Result<AlignmentRecord> alignUnnamed(const std::vector<PosePair>& pairs,
+                                     const AlignmentOptions& o) {
+  if (o.kind == AlignmentKind::kNone) return AlignmentRecord{};
+  if (isFit(o.kind)) return fit(pairs, o);
+  if (pairs.empty()) return notUnique("no poses are matched", "match poses (--max-dt)");
+  return alignFirst(pairs.front(), o);
+}
+
+}  // namespace
+
+const char* nameOf(AlignmentKind kind) {
+  switch (kind) {
+    case AlignmentKind::kSe3:
+      return "se3";
+    case AlignmentKind::kSim3:
+      return "sim3";
+    case AlignmentKind::kScale:
+      return "scale";
+    case AlignmentKind::kYaw:
+      return "yaw";
+    case AlignmentKind::kOrigin:
+      return "origin";
+    case AlignmentKind::kSe3First:
+      return "se3-first";
+    case AlignmentKind::kYawFirst:
+      return "yaw-first";
+    case AlignmentKind::kNone:
+      return "none";
+  }
+  return "";
+}
+
+Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const AlignmentOptions& options) {
+  assert(options.first_n >= 0);
+  Result<AlignmentRecord> result = alignUnnamed(pairs, options);
+  if (!result) return result;
+  result.value().kind = nameOf(options.kind);
+  result.value().first_n = isFit(options.kind) ? options.first_n : 0;
+  return result;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "evaluate/metrics/trajectory/association.h"
+#include "evaluate/metrics/trajectory/quaternion_use.h"
+#include "report/records/trajectory_record.h"
+
+namespace plumbline {
+
+/// The family from which p_truth = s R p_estimate + t is taken.
+enum class AlignmentKind {
+  kSe3,       ///< R and t by least squares over positions, s = 1
+  kSim3,      ///< s, R and t by least squares over positions
+  kScale,     ///< s of kSim3 alone; R = I, t = 0
+  kYaw,       ///< R about z and t by least squares over positions (posyaw), s = 1
+  kOrigin,    ///< the first pair's poses coincide (evo's name for kSe3First)
+  kSe3First,  ///< the first pair's poses coincide
+  kYawFirst,  ///< the first pair's positions coincide, its rotations as well as a turn about z can
+  kNone,      ///< s = 1, R = I, t = 0
+};
+
+/// "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none".
+const char* nameOf(AlignmentKind kind);
+
+struct AlignmentOptions {
+  AlignmentKind kind = AlignmentKind::kSe3;
+  /// Pairs from the start that the alignment stands on; 0: all. kOrigin, kSe3First and kYawFirst
+  /// stand on the first pair in any case, kNone on none.
+  int first_n = 0;
+  /// Matters to kOrigin, kSe3First and kYawFirst alone; with kAsRead R may be no exact rotation.
+  QuaternionUse quaternions = QuaternionUse::kNormalised;
+};
+
+/// The alignment of `pairs` under `options`. Fails with kNotObservable where it is not unique:
+/// fewer than three pairs for a fit, positions on a line (kSe3, kSim3; the spread across it below
+/// 1e-5 of that along it), an estimate that stands still (kScale), no horizontal motion (kYaw), a
+/// first rotation that yaw cannot be read from (kYawFirst), no pair at all. O(n).
+Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const AlignmentOptions& options);
+
+}  // namespace plumbline

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/trajectory/association.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "evaluate/metrics/trajectory/interpolation.h"
+#include "evaluate/metrics/trajectory/stamp_matching.h"
+
+namespace plumbline {
+namespace {
+
+// 2^-30 s. At today's epoch a double of seconds is a multiple of 2^-22 s, so this grid holds it
+// exactly, and with it every difference of two of them.
+constexpr int kGridBits = 30;
+
+bool seesDoubles(AssociationRule rule) {
+  return rule == AssociationRule::kEvo || rule == AssociationRule::kRpg ||
+         rule == AssociationRule::kOvEval;
+}
+
+// The double of seconds that a tool reads from a file, on the grid.
+std::int64_t gridTick(TimeNs t) {
+  const auto seconds = static_cast<double>(static_cast<long double>(t) / 1e9L);
+  return std::llround(std::ldexp(seconds, kGridBits));
+}
+
+Ticks ticksOf(const std::vector<StampedPose>& poses, AssociationRule rule) {
+  Ticks ticks;
+  ticks.reserve(poses.size());
+  const bool doubles = seesDoubles(rule);
+  for (const StampedPose& pose : poses) ticks.push_back(doubles ? gridTick(pose.t) : pose.t);
+  return ticks;
+}
+
+double maxTicks(const AssociationOptions& o) {
+  if (seesDoubles(o.rule)) return std::ldexp(o.max_dt_s, kGridBits);
+  return static_cast<double>(toNanoseconds(o.max_dt_s));
+}
+
+std::vector<StampMatch> matchesOf(const std::vector<StampedPose>& estimate,
+                                  const std::vector<StampedPose>& truth,
+                                  const AssociationOptions& o) {
+  const Ticks a = ticksOf(estimate, o.rule);
+  const Ticks b = ticksOf(truth, o.rule);
+  const double max_dt = maxTicks(o);
+  switch (o.rule) {
+    case AssociationRule::kEvo:
+      return nearestOfShorter(a, b, max_dt);
+    case AssociationRule::kRpg:
+      return closestFirst(a, b, std::ceil(max_dt) - 1);  // strictly below
+    case AssociationRule::kOvEval:
+      return forwardSweep(a, b, max_dt);
+    default:
+      return closestFirst(a, b, max_dt);
+  }
+}
+
+std::size_t duplicatesOf(const std::vector<StampedPose>& poses) {
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) count += poses[i].t == poses[i - 1].t ? 1 : 0;
+  return count;
+}
+
+double largestGapOf(const std::vector<StampedPose>& poses) {
+  TimeNs gap = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) gap = std::max(gap, poses[i].t - poses[i - 1].t);
+  return static_cast<double>(gap) * 1e-9;
+}
+
+double medianDt(const std::vector<PosePair>& pairs) {
+  std::vector<double> dt;
+  dt.reserve(pairs.size());
+  for (const PosePair& pair : pairs) dt.push_back(secondsBetween(pair.truth.t, pair.estimate.t));
+  return sampleStatistics(std::move(dt)).median;
+}
+
+std::vector<StampedPose> shifted(std::vector<StampedPose> poses, double offset_s) {
+  const TimeNs offset = toNanoseconds(offset_s);
+  for (StampedPose& pose : poses) pose.t += offset;
+  return poses;
+}
+
+struct InterpolatedPairs {
+  std::vector<PosePair> pairs;
+  std::size_t in_gaps = 0;
+};
+
+InterpolatedPairs interpolatedPairs(const std::vector<StampedPose>& estimate,
+                                    const std::vector<StampedPose>& truth, double max_gap_s) {
+  InterpolatedPairs found;
+  const TimeNs max_gap = toNanoseconds(max_gap_s);
+  for (const StampedPose& pose : estimate) {
+    const Interpolated at = poseAt(truth, pose.t, max_gap);
+    if (at.pose) found.pairs.push_back({pose, *at.pose});
+    if (at.in_gap) ++found.in_gaps;
+  }
+  return found;
+}
+
+AssociationRecord describe(const Trajectory& estimate, const Trajectory& truth,
+                           const AssociationOptions& o) {
+  AssociationRecord record;
+  record.rule = nameOf(o.rule);
+  record.max_dt_s = o.rule == AssociationRule::kInterpolate ? 0 : o.max_dt_s;
+  record.time_offset_s = o.time_offset_s;
+  record.estimate_poses = estimate.poses.size();
+  record.truth_poses = truth.poses.size();
+  record.estimate_duplicates = duplicatesOf(estimate.poses);
+  record.truth_duplicates = duplicatesOf(truth.poses);
+  record.largest_estimate_gap_s = largestGapOf(estimate.poses);
+  record.largest_truth_gap_s = largestGapOf(truth.poses);
+  return record;
+}
+
+}  // namespace
+
+const char* nameOf(AssociationRule rule) {
+  switch (rule) {
+    case AssociationRule::kOneToOne:
+      return "one-to-one";
+    case AssociationRule::kInterpolate:
+      return "interpolate";
+    case AssociationRule::kEvo:
+      return "evo";
+    case AssociationRule::kRpg:
+      return "rpg";
+    case AssociationRule::kOvEval:
+      return "ov_eval";
+  }
+  return "";
+}
+
+Association associate(const Trajectory& estimate, const Trajectory& truth,
+                      const AssociationOptions& options) {
+  assert(options.max_dt_s >= 0 && options.max_gap_s >= 0);
+  Association result{{}, describe(estimate, truth, options)};
+  const std::vector<StampedPose> poses = shifted(estimate.poses, options.time_offset_s);
+  if (options.rule == AssociationRule::kInterpolate) {
+    InterpolatedPairs found = interpolatedPairs(poses, truth.poses, options.max_gap_s);
+    result.pairs = std::move(found.pairs);
+    result.record.stamps_in_gaps = found.in_gaps;
+  } else {
+    for (const StampMatch& match : matchesOf(poses, truth.poses, options)) {
+      result.pairs.push_back({poses[match.estimate], truth.poses[match.truth]});
+    }
+  }
+  result.record.matches = result.pairs.size();
+  result.record.median_dt_s = medianDt(result.pairs);
+  return result;
+}
+
+}  // namespace plumbline

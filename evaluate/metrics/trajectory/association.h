@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "calibrator/base/trajectory.h"
+#include "report/records/trajectory_record.h"
+
+namespace plumbline {
+
+/// How stamps are paired; docs/trajectory_conventions.md compares them.
+enum class AssociationRule {
+  kOneToOne,     ///< closest pair first, no pose twice, on exact nanoseconds; |dt| <= max_dt_s
+  kInterpolate,  ///< the truth at the estimate's stamps: linear and SLERP between its neighbours
+  kEvo,          ///< nearest for each pose of the shorter one; a pose may be used twice
+  kRpg,          ///< closest pair first, no pose twice; |dt| < max_dt_s
+  kOvEval,       ///< one forward sweep, first local minimum of |dt| below max_dt_s
+};
+
+/// "one-to-one", "interpolate", "evo", "rpg", "ov_eval".
+const char* nameOf(AssociationRule rule);
+
+struct AssociationOptions {
+  AssociationRule rule = AssociationRule::kOneToOne;
+  double max_dt_s = 0.02;    ///< largest difference of paired stamps; unused by kInterpolate
+  double max_gap_s = 0.1;    ///< kInterpolate: widest gap of the truth that is bridged
+  double time_offset_s = 0;  ///< added to the estimate's stamps first
+};
+
+/// An estimated pose and the truth it is judged by. The estimate's stamp has the offset added; an
+/// interpolated truth has the estimate's stamp.
+struct PosePair {
+  StampedPose estimate;
+  StampedPose truth;
+};
+
+struct Association {
+  std::vector<PosePair> pairs;  ///< in the order of the estimate
+  AssociationRecord record;
+};
+
+/// Pairs the poses of `estimate` with those of `truth` and says what was odd: equal stamps, gaps,
+/// the median difference (a clock offset), stamps at which a gap was too wide to interpolate. No
+/// pairs is not an error here. The rules of the tools see stamps as the tools do, as doubles of
+/// seconds, so that their ties break alike; the others see nanoseconds. O(n log n), linear memory.
+Association associate(const Trajectory& estimate, const Trajectory& truth,
+                      const AssociationOptions& options);
+
+}  // namespace plumbline

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/trajectory/relative_error.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "evaluate/metrics/trajectory/quaternion_use.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kTolerance = 0.1;  // of delta
+
+struct YawPitchRoll {
+  double yaw = 0, pitch = 0, roll = 0;
+};
+
+// R = Rz(yaw) Ry(pitch) Rx(roll).
+YawPitchRoll anglesOf(const Eigen::Matrix3d& R) {
+  const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
+  return {std::atan2(R(1, 0), R(0, 0)), std::atan2(-R(2, 0), cos_pitch),
+          std::atan2(R(2, 1), R(2, 2))};
+}
+
+double measured(const Transform& E, const Eigen::Matrix3d& R_end, RelativeMeasure measure) {
+  if (measure == RelativeMeasure::kTranslation) return E.t.norm();
+  if (measure == RelativeMeasure::kRotationDeg) return kDegrees * rotationVector(E.R).norm();
+  const YawPitchRoll angles = anglesOf(R_end * E.R * R_end.transpose());
+  if (measure == RelativeMeasure::kHeadingDeg) return kDegrees * std::abs(angles.yaw);
+  return kDegrees * std::hypot(angles.pitch, angles.roll);
+}
+
+std::vector<double> secondsFromStart(const std::vector<TimeNs>& t) {
+  std::vector<double> seconds;
+  seconds.reserve(t.size());
+  for (const TimeNs stamp : t) seconds.push_back(secondsBetween(t.front(), stamp));
+  return seconds;
+}
+
+}  // namespace
+
+std::vector<double> relativeErrors(const AlignedPoses& poses, const std::vector<IndexPair>& pairs,
+                                   RelativeMeasure measure) {
+  std::vector<double> errors;
+  errors.reserve(pairs.size());
+  for (const auto [i, j] : pairs) {
+    const Transform truth = poses.truth[i].inverse() * poses.truth[j];
+    const Transform estimate = poses.estimate[i].inverse() * poses.estimate[j];
+    errors.push_back(measured(truth.inverse() * estimate, poses.estimate[j].R, measure));
+  }
+  return errors;
+}
+
+const char* nameOf(RelativeDelta::Unit unit) {
+  switch (unit) {
+    case RelativeDelta::Unit::kFrames:
+      return "frames";
+    case RelativeDelta::Unit::kMetres:
+      return "m";
+    case RelativeDelta::Unit::kSeconds:
+      return "s";
+  }
+  return "";
+}
+
+std::vector<IndexPair> pairsOver(const RelativeDelta& delta, const AlignedPoses& poses,
+                                 const std::vector<TimeNs>& t) {
+  if (delta.unit == RelativeDelta::Unit::kFrames) {
+    return overlappingFrames(poses.truth.size(), static_cast<std::size_t>(delta.delta));
+  }
+  const SubTrajectoryRule rule{delta.delta, kTolerance * delta.delta};
+  return subTrajectories(
+      delta.unit == RelativeDelta::Unit::kMetres ? pathLengths(poses.truth) : secondsFromStart(t),
+      rule);
+}
+
+RelativeErrorRecord relativeErrorOver(const RelativeDelta& delta, const AlignedPoses& poses,
+                                      const std::vector<TimeNs>& t) {
+  const std::vector<IndexPair> pairs = pairsOver(delta, poses, t);
+  RelativeErrorRecord record;
+  record.delta = delta.delta;
+  record.unit = nameOf(delta.unit);
+  record.translation_m =
+      sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kTranslation));
+  record.rotation_deg =
+      sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kRotationDeg));
+  return record;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "evaluate/metrics/trajectory/absolute_error.h"
+#include "evaluate/metrics/trajectory/pose_pairs.h"
+#include "evaluate/metrics/trajectory/quaternion_use.h"
+#include "evaluate/metrics/trajectory/relative_error.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr double kRadians = std::numbers::pi / 180;
+
+Transform pose(const Eigen::Vector3d& turn_deg, const Eigen::Vector3d& t) {
+  return {expSO3(turn_deg * kRadians), t};
+}
+
+std::vector<Transform> alongX(const std::vector<double>& x) {
+  std::vector<Transform> poses;
+  for (const double at : x) poses.push_back(pose({0, 0, 0}, {at, 0, 0}));
+  return poses;
+}
+
+TEST(RotationVector, EqualsTheLogarithmUpToPi) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0.5).normalized();
+  for (const double angle :
+       {0.0, 1e-9, 1e-5, 1e-3, 1.0, 3.0, 3.135, 3.14, std::numbers::pi - 1e-9}) {
+    const Eigen::Vector3d w = rotationVector(expSO3(angle * axis));
+    EXPECT_NEAR((w - angle * axis).norm(), 0, 1e-11) << angle;
+  }
+}
+
+TEST(ShepperdQuaternion, InvertsRotationOfInEveryBranch) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+            .normalized();
+    const Eigen::Quaterniond back = shepperdQuaternion(rotationOf(q, QuaternionUse::kNormalised));
+    EXPECT_NEAR(std::abs(q.dot(back)), 1, 1e-14);
+  }
+}
+
+TEST(RotationOf, AsReadKeepsTheLengthsError) {
+  const Eigen::Quaterniond q(1.001, 0, 0, 0);
+  EXPECT_TRUE(rotationOf(q, QuaternionUse::kNormalised).isIdentity(1e-15));
+  EXPECT_NEAR(rotationOf(q, QuaternionUse::kAsRead)(0, 0), 2 * 1.001 * 1.001 - 1, 1e-15);
+}
+
+TEST(AbsoluteErrors, HandValues) {
+  const AlignedPoses poses{{pose({0, 0, 0}, {1, 1, 1})}, {pose({0, 0, -60}, {4, 5, 13})}};
+  const auto error = [&](AbsoluteMeasure m) { return absoluteErrors(poses, m).at(0); };
+  EXPECT_DOUBLE_EQ(error(AbsoluteMeasure::kTranslation), 13);  // 3, 4, 12
+  EXPECT_DOUBLE_EQ(error(AbsoluteMeasure::kXy), 5);
+  EXPECT_NEAR(error(AbsoluteMeasure::kRotationDeg), 60, 1e-12);
+  EXPECT_NEAR(error(AbsoluteMeasure::kYawDeg), -60, 1e-12);
+  EXPECT_NEAR(error(AbsoluteMeasure::kHeadingDeg), 60, 1e-12);
+  EXPECT_NEAR(error(AbsoluteMeasure::kRotationPart), std::sqrt(2), 1e-12);  // 2 sqrt2 sin 30
+  EXPECT_NEAR(error(AbsoluteMeasure::kFullTransformation), std::sqrt(171), 1e-12);
+}
+
+TEST(AbsoluteErrors, ATiltIsNoYaw) {
+  const AlignedPoses poses{{pose({10, 20, 30}, {0, 0, 0})}, {pose({25, 0, 0}, {0, 0, 0})}};
+  AlignedPoses tilted = poses;
+  tilted.estimate[0].R = expSO3({0.2, 0, 0}) * poses.truth[0].R;
+  EXPECT_NEAR(absoluteErrors(tilted, AbsoluteMeasure::kYawDeg)[0], 0, 1e-12);
+  EXPECT_NEAR(absoluteErrors(tilted, AbsoluteMeasure::kRotationDeg)[0], 0.2 / kRadians, 1e-12);
+}
+
+TEST(PosePairs, Frames) {
+  EXPECT_THAT(overlappingFrames(4, 2), ElementsAre(IndexPair{0, 2}, IndexPair{1, 3}));
+  EXPECT_THAT(consecutiveFrames(5, 2), ElementsAre(IndexPair{0, 2}, IndexPair{2, 4}));
+  EXPECT_THAT(consecutiveFrames(4, 2), ElementsAre(IndexPair{0, 2}));
+  EXPECT_THAT(overlappingFrames(2, 2), IsEmpty());
+}
+
+TEST(PosePairs, SubTrajectoriesTakeTheNearestWithinTheTolerance) {
+  const std::vector<double> path{0, 0.4, 1.1, 1.1, 2.0, 5.0};
+  EXPECT_THAT(subTrajectories(path, {1.0, 0.3}),
+              ElementsAre(IndexPair{0, 2}, IndexPair{1, 2}, IndexPair{2, 4}, IndexPair{3, 4}));
+  EXPECT_THAT(subTrajectories({0, 1.5}, {1.0, 0.5, true, false}), ElementsAre(IndexPair{0, 1}));
+  EXPECT_THAT(subTrajectories({0, 1.5}, {1.0, 0.5, false, false}), IsEmpty());
+  // Where the pose itself counts as an end, a short length pairs it with itself.
+  EXPECT_THAT(subTrajectories({0, 1.5}, {0.1, 0.5, false, true}),
+              ElementsAre(IndexPair{0, 0}, IndexPair{1, 1}));
+}
+
+TEST(PosePairs, ConsecutiveStretchesLoseTheFirst) {
+  EXPECT_THAT(consecutiveStretches(alongX({0, 1, 2, 3, 4, 5, 6}), 2),
+              ElementsAre(IndexPair{2, 4}, IndexPair{4, 6}));
+  EXPECT_THAT(consecutiveStretches(alongX({0, 1, 2}), 2), IsEmpty());
+}
+
+TEST(RelativeErrors, HandValues) {
+  // Over one step the truth goes 1 m; the estimate 1.5 m with a turn of 30 degrees about z.
+  const AlignedPoses poses{{pose({0, 0, 0}, {0, 0, 0}), pose({0, 0, 0}, {1, 0, 0})},
+                           {pose({0, 0, 90}, {7, 7, 7}), pose({0, 0, 120}, {7, 8.5, 7})}};
+  const auto error = [&](RelativeMeasure m) { return relativeErrors(poses, {{0, 1}}, m).at(0); };
+  EXPECT_NEAR(error(RelativeMeasure::kTranslation), 0.5, 1e-12);
+  EXPECT_NEAR(error(RelativeMeasure::kRotationDeg), 30, 1e-12);
+  EXPECT_NEAR(error(RelativeMeasure::kHeadingDeg), 30, 1e-12);
+  EXPECT_NEAR(error(RelativeMeasure::kGravityDeg), 0, 1e-12);
+}
+
+TEST(RelativeErrors, DoNotSeeARigidMotion) {
+  AlignedPoses poses{alongX({0, 1, 2, 3}), alongX({0, 1.1, 2.3, 3.1})};
+  const std::vector<IndexPair> pairs = overlappingFrames(4, 1);
+  const auto before = relativeErrors(poses, pairs, RelativeMeasure::kTranslation);
+  for (Transform& T : poses.estimate) T = pose({20, 40, 60}, {5, 5, 5}) * T;
+  const auto after = relativeErrors(poses, pairs, RelativeMeasure::kTranslation);
+  for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-13);
+  EXPECT_NEAR(before[0], 0.1, 1e-13);
+}
+
+TEST(RelativeErrorOver, EachUnitFindsItsPairs) {
+  const AlignedPoses poses{alongX({0, 1, 2, 3, 4}), alongX({0, 1.1, 2.2, 3.3, 4.4})};
+  std::vector<TimeNs> t;
+  for (int i = 0; i < 5; ++i) t.push_back(500'000'000LL * i);
+  using Unit = RelativeDelta::Unit;
+  const auto over = [&](double delta, Unit unit) {
+    return relativeErrorOver({delta, unit}, poses, t);
+  };
+  EXPECT_EQ(over(2, Unit::kMetres).translation_m.n, 3U);
+  EXPECT_NEAR(over(2, Unit::kMetres).translation_m.rmse, 0.2, 1e-12);
+  EXPECT_EQ(over(1, Unit::kSeconds).translation_m.n, 3U);
+  EXPECT_EQ(over(1, Unit::kFrames).rotation_deg.n, 4U);
+  EXPECT_EQ(over(9, Unit::kMetres).translation_m.n, 0U);
+  EXPECT_EQ(over(1, Unit::kSeconds).unit, "s");
+}
+
+}  // namespace
+}  // namespace plumbline
