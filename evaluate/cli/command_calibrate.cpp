@@ -19,6 +19,7 @@
 #include "evaluate/workflow/calibrate_session.h"
 #include "evaluate/workflow/parallel_for.h"
 #include "evaluate/workflow/provenance.h"
+#include "evaluate/workflow/result_folder.h"
 #include "evaluate/workflow/write_results.h"
 
 namespace plumbline {

@@ -15,10 +15,6 @@ struct WriteOptions {
   bool residuals = false;  ///< residuals.csv
 };
 
-/// Throws InputError where the folder `out` could not be made or written to, so that nobody waits
-/// for results that cannot be kept. Makes nothing.
-void refuseUnwritable(const std::string& out);
-
 /// Writes a calibration's results into `out` (made if missing): calibration.json,
 /// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml, records.sqlite, and as asked
 /// residuals.csv and report.html. All are rendered and written first, under a hidden folder of
