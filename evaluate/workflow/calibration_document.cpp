@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/workflow/record_json.h"
+
 namespace plumbline {
 namespace {
 
@@ -112,14 +114,6 @@ Json cameraOf(const CameraCalibration& camera, const ErrorStatistics& errors) {
   return json;
 }
 
-Json noiseOf(const ImuNoise& noise) {
-  return {{"gyroscope_noise_density", noise.gyro_density},
-          {"gyroscope_random_walk", noise.gyro_random_walk},
-          {"accelerometer_noise_density", noise.accel_density},
-          {"accelerometer_random_walk", noise.accel_random_walk},
-          {"update_rate", noise.rate_hz}};
-}
-
 Json imuOf(const ImuCalibration& imu) {
   Json json{{"T_SC0", rows(imu.T_SC0.matrix())}};
   if (imu.T_SC0_std) json["T_SC0_std"] = list(*imu.T_SC0_std);
@@ -127,7 +121,7 @@ Json imuOf(const ImuCalibration& imu) {
   if (imu.time_offset_std_s) json["time_offset_std_s"] = *imu.time_offset_std_s;
   json["gravity_m_s2"] = imu.gravity_m_s2;
   if (!imu.rostopic.empty()) json["rostopic"] = imu.rostopic;
-  json["noise"] = noiseOf(imu.noise);
+  json["noise"] = noiseJson(imu.noise);
   return json;
 }
 
@@ -145,39 +139,6 @@ Json spreadOf(const ResampleSpread& spread) {
     std[spread.names[i]] = spread.std[static_cast<Eigen::Index>(i)];
   }
   return {{"resamples", spread.resamples}, {"failed", spread.failed}, {"std", std}};
-}
-
-Json verdictOf(const Verdict& verdict) {
-  Json findings = Json::array();
-  for (const Finding& f : verdict.findings) {
-    findings.push_back({{"rule", f.rule},
-                        {"level", toString(f.level)},
-                        {"evidence", f.evidence},
-                        {"advice", f.advice},
-                        {"value", f.value},
-                        {"threshold", f.threshold},
-                        {"unit", f.unit}});
-  }
-  return {{"level", toString(verdict.level)}, {"findings", findings}};
-}
-
-Json assumptionsOf(const Assumptions& assumptions) {
-  Json json{{"pixel_sigma", assumptions.pixel_sigma_px},
-            {"gravity_m_s2", assumptions.gravity_m_s2},
-            {"loss", assumptions.loss}};
-  if (assumptions.imu_noise) json["imu_noise"] = noiseOf(*assumptions.imu_noise);
-  return json;
-}
-
-Json provenanceOf(const Provenance& provenance) {
-  Json options = Json::object();
-  for (const auto& [name, value] : provenance.options) options[name] = value;
-  return {{"plumbline", provenance.version},
-          {"command", provenance.command},
-          {"input", provenance.input},
-          {"input_hash", provenance.input_hash},
-          {"options", options},
-          {"date", provenance.date}};
 }
 
 template <class StageResult>
@@ -213,9 +174,9 @@ std::string calibrationDocument(const CalibrationRecord& record) {
   if (record.camera_imu_resample) {
     json["resample"]["camera_imu"] = spreadOf(*record.camera_imu_resample);
   }
-  json["assumptions"] = assumptionsOf(record.assumptions);
-  json["verdict"] = verdictOf(record.verdict);
-  json["provenance"] = provenanceOf(record.provenance);
+  json["assumptions"] = assumptionsJson(record.assumptions);
+  json["verdict"] = verdictJson(record.verdict);
+  json["provenance"] = provenanceJson(record.provenance);
   return json.dump(2) + "\n";
 }
 
