@@ -75,7 +75,7 @@ SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
 
 }  // namespace
 
-SimulatedImu simulateImu(const Trajectory& trajectory, const ImuCalibration& imu,
+SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibration& imu,
                          const Eigen::Vector3d& gravity_F, const SimulationOptions& o) {
   const SampleRange range = sampleRange(imu, o);
   const double noise = o.imu_noise ? std::sqrt(imu.noise.rate_hz) : 0;  // density to a sample

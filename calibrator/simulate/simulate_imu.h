@@ -15,7 +15,7 @@ struct SimulatedImu {
 
 /// Samples of an IMU on `trajectory`, see simulateSession(). `imu` states the true offset and
 /// densities, with noise.rate_hz the rate; `gravity_F` points down [m/s^2].
-SimulatedImu simulateImu(const Trajectory& trajectory, const ImuCalibration& imu,
+SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibration& imu,
                          const Eigen::Vector3d& gravity_F, const SimulationOptions& options);
 
 }  // namespace plumbline

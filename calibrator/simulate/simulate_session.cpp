@@ -101,7 +101,7 @@ SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOption
   const double camera_rate_hz = o.camera_rate_hz.value_or(rig.camera_rate_hz);
   SimulatedSession s{.session = {},
                      .truth = std::move(truth),
-                     .trajectory = Trajectory(o.target, rig, o.trajectory),
+                     .trajectory = AnalyticTrajectory(o.target, rig, o.trajectory),
                      .start_ns = o.start_ns,
                      .gravity_F = gravity_F,
                      .biases = {},

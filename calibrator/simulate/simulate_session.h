@@ -18,7 +18,7 @@ namespace plumbline {
 struct SimulatedSession {
   Session session;
   Calibration truth;  ///< of the rig, with the rates and time offset that were simulated
-  Trajectory trajectory;
+  AnalyticTrajectory trajectory;
   TimeNs start_ns = 0;          ///< IMU-clock stamp at which trajectory.at(0) holds
   Eigen::Vector3d gravity_F;    ///< [m/s^2], pointing down
   std::vector<ImuBias> biases;  ///< one per session.imu->samples

@@ -64,8 +64,8 @@ Transform rigCentre(const std::vector<CameraCalibration>& cameras) {
 
 }  // namespace
 
-Trajectory::Trajectory(const AprilGrid& target, const SimulatedRig& rig,
-                       const TrajectoryOptions& options)
+AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedRig& rig,
+                                       const TrajectoryOptions& options)
     : kind_(options.kind) {
   const Intrinsics& camera = rig.calibration.cameras.front().intrinsics;
   const Transform T_C0S = rig.calibration.imu->T_SC0.inverse();
@@ -99,11 +99,11 @@ Trajectory::Trajectory(const AprilGrid& target, const SimulatedRig& rig,
   axis_B_ = by_camera ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d(options.axis_S.normalized());
 }
 
-MotionState Trajectory::at(double t_s) const {
+MotionState AnalyticTrajectory::at(double t_s) const {
   return attached(kind_ == MotionKind::kFull ? orbit(t_s) : axisBound(t_s), T_BS_);
 }
 
-MotionState Trajectory::orbit(double t_s) const {
+MotionState AnalyticTrajectory::orbit(double t_s) const {
   using Eigen::Vector3d;
   const RotationMotion facing{facingTarget(), Vector3d::Zero(), Vector3d::Zero()};
   const RotationMotion around = facing * rotationAbout(Vector3d::UnitY(), azimuth_.at(t_s)) *
@@ -130,7 +130,7 @@ MotionState Trajectory::orbit(double t_s) const {
   return m;
 }
 
-MotionState Trajectory::axisBound(double t_s) const {
+MotionState AnalyticTrajectory::axisBound(double t_s) const {
   const ScalarMotion x = x_.at(t_s);
   const ScalarMotion y = y_.at(t_s);
   const ScalarMotion z = z_.at(t_s);

@@ -35,10 +35,10 @@ struct TrajectoryOptions {
 /// wanders about the target's centre: azimuth up to 39 deg and elevation up to 33 deg around the
 /// target, distance 0.9 to 1.9 times the one that fills the image's height; pan and tilt move the
 /// target across the image, roll of up to 47 deg about the optical axis.
-class Trajectory {
+class AnalyticTrajectory {
  public:
-  Trajectory(const AprilGrid& target, const SimulatedRig& rig,
-             const TrajectoryOptions& options = {});
+  AnalyticTrajectory(const AprilGrid& target, const SimulatedRig& rig,
+                     const TrajectoryOptions& options = {});
 
   /// State of the IMU frame S in F, t_s seconds after the start in the IMU's clock. Any t_s.
   MotionState at(double t_s) const;

@@ -20,13 +20,13 @@ const std::vector<MotionKind> kAllKinds{
     MotionKind::kFull,   MotionKind::kPureRotation, MotionKind::kSingleAxisRotation,
     MotionKind::kPlanar, MotionKind::kStatic,       MotionKind::kFrontoParallel};
 
-Trajectory makeTrajectory(MotionKind kind, std::uint64_t seed = 1,
-                          const Vector3d& axis = Vector3d::UnitY()) {
+AnalyticTrajectory makeTrajectory(MotionKind kind, std::uint64_t seed = 1,
+                                  const Vector3d& axis = Vector3d::UnitY()) {
   TrajectoryOptions options;
   options.kind = kind;
   options.seed = seed;
   options.axis_S = axis;
-  return Trajectory(AprilGrid{}, simulatedRig("euroc"), options);
+  return AnalyticTrajectory(AprilGrid{}, simulatedRig("euroc"), options);
 }
 
 // Central differences with step h err by h^2 / 6 times the third derivative (below 1e3 here): with
@@ -35,7 +35,7 @@ TEST(Trajectory, DerivativesAreThoseOfThePose) {
   constexpr double kStep = 1e-4;
   constexpr double kTolerance = 2e-6;
   for (const MotionKind kind : kAllKinds) {
-    const Trajectory trajectory = makeTrajectory(kind);
+    const AnalyticTrajectory trajectory = makeTrajectory(kind);
     for (double t = 0; t < 20; t += 0.37) {
       SCOPED_TRACE(testing::Message() << "kind " << static_cast<int>(kind) << ", t " << t);
       const MotionState a = trajectory.at(t - kStep);
@@ -56,7 +56,7 @@ TEST(Trajectory, DerivativesAreThoseOfThePose) {
 }
 
 TEST(Trajectory, FullMotionExcitesEveryAxis) {
-  const Trajectory trajectory = makeTrajectory(MotionKind::kFull);
+  const AnalyticTrajectory trajectory = makeTrajectory(MotionKind::kFull);
   Matrix3d rate = Matrix3d::Zero();
   Matrix3d acceleration = Matrix3d::Zero();
   double fastest = 0;
@@ -80,16 +80,16 @@ TEST(Trajectory, FullMotionExcitesEveryAxis) {
 }
 
 TEST(Trajectory, SeedsGiveDifferentMotionsOfTheSameKind) {
-  const Trajectory a = makeTrajectory(MotionKind::kFull, 1);
-  const Trajectory again = makeTrajectory(MotionKind::kFull, 1);
-  const Trajectory b = makeTrajectory(MotionKind::kFull, 2);
+  const AnalyticTrajectory a = makeTrajectory(MotionKind::kFull, 1);
+  const AnalyticTrajectory again = makeTrajectory(MotionKind::kFull, 1);
+  const AnalyticTrajectory b = makeTrajectory(MotionKind::kFull, 2);
   EXPECT_EQ(a.at(3.3).T_FB.matrix(), again.at(3.3).T_FB.matrix());
   EXPECT_GT((a.at(3.3).T_FB.t - b.at(3.3).T_FB.t).norm(), 0.01);
 }
 
 TEST(Trajectory, PureRotationKeepsTheImuInPlace) {
   const Vector3d axis = Vector3d(1, 2, -1).normalized();
-  const Trajectory trajectory = makeTrajectory(MotionKind::kPureRotation, 1, axis);
+  const AnalyticTrajectory trajectory = makeTrajectory(MotionKind::kPureRotation, 1, axis);
   const Vector3d origin = trajectory.at(0).T_FB.t;
   double largest = 0;
   for (double t = 0; t < 10; t += 0.1) {
@@ -103,8 +103,8 @@ TEST(Trajectory, PureRotationKeepsTheImuInPlace) {
 
 TEST(Trajectory, PlanarMotionStaysInThePlaneAcrossItsAxis) {
   const Vector3d axis = Vector3d::UnitX();
-  const Trajectory planar = makeTrajectory(MotionKind::kPlanar, 1, axis);
-  const Trajectory spatial = makeTrajectory(MotionKind::kSingleAxisRotation, 1, axis);
+  const AnalyticTrajectory planar = makeTrajectory(MotionKind::kPlanar, 1, axis);
+  const AnalyticTrajectory spatial = makeTrajectory(MotionKind::kSingleAxisRotation, 1, axis);
   double off_plane = 0;
   for (double t = 0; t < 10; t += 0.1) {
     const MotionState m = planar.at(t);
@@ -118,7 +118,7 @@ TEST(Trajectory, PlanarMotionStaysInThePlaneAcrossItsAxis) {
 }
 
 TEST(Trajectory, StaticMeansStatic) {
-  const Trajectory trajectory = makeTrajectory(MotionKind::kStatic);
+  const AnalyticTrajectory trajectory = makeTrajectory(MotionKind::kStatic);
   const MotionState a = trajectory.at(0);
   const MotionState b = trajectory.at(7.7);
   EXPECT_EQ(a.T_FB.matrix(), b.T_FB.matrix());
@@ -126,7 +126,7 @@ TEST(Trajectory, StaticMeansStatic) {
 }
 
 TEST(Trajectory, FrontoParallelKeepsTheTargetSquareToCameraZero) {
-  const Trajectory trajectory = makeTrajectory(MotionKind::kFrontoParallel);
+  const AnalyticTrajectory trajectory = makeTrajectory(MotionKind::kFrontoParallel);
   const Transform T_SC0 = simulatedRig("euroc").calibration.imu->T_SC0;
   for (double t = 0; t < 10; t += 0.1) {
     const Matrix3d R_FC0 = (trajectory.at(t).T_FB * T_SC0).R;
