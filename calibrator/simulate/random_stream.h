@@ -20,6 +20,7 @@ enum class RandomPurpose : std::uint64_t {
   kAccelNoise,
   kAccelWalk,
   kImageNoise,
+  kDroppedSamples,
 };
 
 /// Reproducible random numbers: std::mt19937_64 (its sequence is fixed by the standard) with

@@ -24,6 +24,7 @@ struct Command {
 Command simulateCommand();
 Command detectCommand();
 Command calibrateCommand();
+Command perturbCommand();
 Command reportCommand();
 
 }  // namespace plumbline

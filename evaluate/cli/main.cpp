@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(), calibrateCommand(), reportCommand()};
+  return {simulateCommand(), detectCommand(), calibrateCommand(), perturbCommand(), reportCommand()};
 }
 
 int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/amount_list.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/estimation_options.h"
+#include "evaluate/cli/progress_bar.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/studies/perturb_session.h"
+#include "evaluate/studies/perturbation_document.h"
+#include "evaluate/studies/write_perturbation.h"
+#include "evaluate/workflow/provenance.h"
+#include "evaluate/workflow/result_folder.h"
+
+namespace plumbline {
+namespace {
+
+/// One kind of perturbation as an option: a list of amounts.
+struct KindOption {
+  const char* name;
+  PerturbationKind kind;
+  const char* help;
+};
+
+constexpr KindOption kKinds[] = {
+    {"--offsets-ms", PerturbationKind::kImuShift,
+     "Add each of these to every IMU stamp [ms]: 100,10,1 or -500:50:500"},
+    {"--target-size-percent", PerturbationKind::kTargetSize,
+     "State the target larger by each of these [%]"},
+    {"--noise-factors", PerturbationKind::kNoiseDensities,
+     "Multiply the IMU's four noise densities by each of these"},
+    {"--initial-focal-percent", PerturbationKind::kInitialIntrinsics,
+     "Start from focal lengths larger by each of these [%]"},
+    {"--drop-frames-percent", PerturbationKind::kDroppedFrames,
+     "Leave out this share of the frames [%]"},
+    {"--drop-imu-percent", PerturbationKind::kDroppedImu,
+     "Leave out this share of the IMU samples [%]"},
+    {"--corner-noise-px", PerturbationKind::kCornerNoise,
+     "Add normal noise of this standard deviation to every corner [px]"},
+};
+
+struct Options {
+  SessionOptions session;
+  EstimationOptions estimation;
+  std::string out;
+  std::vector<std::string> amounts = std::vector<std::string>(std::size(kKinds));
+  int repeats = 1;
+  std::uint64_t seed = 1;
+  bool no_report = false;
+};
+
+void declare(CLI::App& app, Options& o) {
+  o.session.declare(app);
+  for (std::size_t i = 0; i < std::size(kKinds); ++i) {
+    app.add_option(kKinds[i].name, o.amounts[i], kKinds[i].help);
+  }
+  app.add_option("--repeats", o.repeats, "Draws of each random perturbation, seeds counting up")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", o.seed, "First seed of random perturbations")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  o.estimation.declare(app);
+  app.add_option("--out", o.out, "Folder for the results")->required();
+  app.add_flag("--no-report", o.no_report, "Write no report.html");
+}
+
+std::vector<Perturbation> perturbationsOf(const Options& o) {
+  std::vector<Perturbation> list;
+  for (std::size_t i = 0; i < std::size(kKinds); ++i) {
+    if (o.amounts[i].empty()) continue;
+    const int draws = isRandom(kKinds[i].kind) ? o.repeats : 1;
+    for (const double amount : amountsFrom(kKinds[i].name, o.amounts[i])) {
+      for (int draw = 0; draw < draws; ++draw) {
+        list.push_back({kKinds[i].kind, amount, o.seed + static_cast<std::uint64_t>(draw)});
+      }
+    }
+  }
+  if (list.empty()) {
+    throw InputError("nothing to perturb: expected --offsets-ms 100,10,1 or another perturbation");
+  }
+  return list;
+}
+
+PerturbRequest requestOf(const Options& o, const CLI::App& app) {
+  PerturbRequest request;
+  request.load = o.session.request();
+  request.load.read.read_imu = !o.estimation.no_imu;
+  request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
+  request.camera = o.estimation.cameraStage(request.load);
+  request.camera_imu = o.estimation.cameraImuStage(request.camera);
+  request.cameras_file = o.estimation.cameras;
+  request.perturbations = perturbationsOf(o);
+  request.threads = request.load.threads;
+  request.provenance = makeProvenance("perturb", givenOptions(app));
+  return request;
+}
+
+int perturb(const Options& o, const CLI::App& app) {
+  ProgressBar bar;
+  refuseUnwritable(o.out);
+  refuseInside(o.out, o.session.session, "--out");
+  const auto record = perturbSession(requestOf(o, app), bar.sink());
+  bar.clear();
+  if (!record) {
+    const Failure& failure = record.failure();
+    fmt::print(stderr, "plumbline: {}; {}\n", failure.message, failure.cure);
+    return failure.reason == FailureReason::kImplausible ? kBadInput : kFailed;
+  }
+  writePerturbation(*record, o.out, !o.no_report);
+  fmt::print("{}", perturbationSummary(*record));
+  fmt::print("\nResult: {}/{}\n", o.out, o.no_report ? "perturbation.json" : "report.html");
+  return kDone;
+}
+
+}  // namespace
+
+Command perturbCommand() {
+  return {"perturb", "Calibrate again under known changes: what is recovered, what moves",
+          "plumbline perturb session --offsets-ms 100,10,1 --out study", [](CLI::App& app) {
+            auto options = std::make_shared<Options>();
+            declare(app, *options);
+            return std::function<int()>([options, &app] { return perturb(*options, app); });
+          }};
+}
+
+}  // namespace plumbline

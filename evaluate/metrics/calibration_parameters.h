@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+
+namespace plumbline {
+
+/// One parameter of a calibration as a person reads it.
+struct CalibrationParameter {
+  std::string
+      name;  ///< as in ParameterCovariance: "cam0.fu", "T_C0C1.tx", "T_SC0.rz", "time_offset"
+  std::string unit;
+  double value = 0;           ///< rotations: component of the rotation vector Log(R) [rad]
+  std::optional<double> std;  ///< formal, where the calibration carries one
+};
+
+/// All parameters: every camera's stacked intrinsics, then every T_C0Ci but the first, then T_SC0
+/// and the time offset where there is an IMU. Cameras are named by their place ("cam0", ...), so
+/// that the lists of two calibrations of one rig compare.
+std::vector<CalibrationParameter> calibrationParameters(const Calibration& calibration);
+
+/// to - from, in the order of calibrationParameters(): differences of numbers, and for transforms
+/// the tangent boxminus(to, from) [m, rad], so that small rotations do not depend on where Log(R)
+/// is cut. Empty (NaN) where a camera's model differs or only one of them has an IMU; the order is
+/// that of `from`.
+Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from);
+
+}  // namespace plumbline

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/studies/perturb_session.h"
+
+#include <fmt/format.h>
+
+#include "datasets/calibration_reader.h"
+#include "evaluate/workflow/match_cameras.h"
+#include "evaluate/workflow/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
+  StudyInputs inputs;
+  inputs.session = &session;
+  inputs.camera = request.camera;
+  inputs.camera_imu = request.camera_imu;
+  auto& models = inputs.camera.models;
+  if (models.size() == 1) models.resize(session.cameras.size(), models.front());
+  if (request.cameras_file) {
+    const std::string& file = *request.cameras_file;
+    inputs.cameras = matchCameras(readCalibration(file), file, session);
+    refuseUnsupportedModels(inputs.cameras, file);
+    inputs.cameras_fixed = true;
+  }
+  return inputs;
+}
+
+Assumptions assumptionsOf(const PerturbRequest& request, const Session& session) {
+  Assumptions a;
+  a.pixel_sigma_px = request.camera.pixel_sigma;
+  a.gravity_m_s2 = request.camera_imu.gravity_m_s2;
+  if (request.camera.cauchy_px > 0) a.loss = fmt::format("cauchy:{}", request.camera.cauchy_px);
+  if (session.imu) a.imu_noise = session.imu->noise;
+  return a;
+}
+
+}  // namespace
+
+Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
+                                          const ProgressSink& progress) {
+  PerturbRequest request = asked;
+  if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
+  const LoadedSession loaded = loadSession(request.load, progress);
+  const StudyInputs inputs = inputsOf(request, loaded.session);
+  PerturbationStudyOptions options;
+  options.threads = threadCount(request.threads);
+  options.thresholds = request.thresholds;
+  options.progress = [&](std::size_t done, std::size_t all) {
+    progress("calibrating perturbed sessions",
+             static_cast<double>(done) / static_cast<double>(all));
+  };
+  progress("calibrating the session as it is", -1);
+  auto record = perturbationStudy(inputs, request.perturbations, options);
+  if (!record) return record;
+  record.value().name = loaded.session.name;
+  record.value().provenance = request.provenance;
+  record.value().provenance.input = loaded.session.name;
+  record.value().provenance.input_hash = loaded.input_hash;
+  record.value().assumptions = assumptionsOf(request, loaded.session);
+  return record;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/studies/perturbation.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/frames.h"
+#include "calibrator/simulate/random_stream.h"
+
+namespace plumbline {
+namespace {
+
+void check(const Perturbation& p) {
+  const bool dropped =
+      p.kind == PerturbationKind::kDroppedFrames || p.kind == PerturbationKind::kDroppedImu;
+  const std::string unit = unitOf(p.kind);
+  const char* expected = nullptr;
+  if (!std::isfinite(p.amount)) {
+    expected = "a number";
+  } else if (dropped && (p.amount < 0 || p.amount >= 100)) {
+    expected = "from 0 to below 100";
+  } else if (unit == "%" && p.amount <= -100) {
+    expected = "above -100";
+  } else if (unit == "x" && p.amount <= 0) {
+    expected = "above 0";
+  } else if (unit == "px" && p.amount < 0) {
+    expected = "0 or above";
+  }
+  if (expected == nullptr) return;
+  throw InputError(
+      fmt::format("{} {} {}: expected {}", toString(p.kind), p.amount, unit, expected));
+}
+
+ImuNoise scaled(ImuNoise noise, double factor) {
+  noise.gyro_density *= factor;
+  noise.gyro_random_walk *= factor;
+  noise.accel_density *= factor;
+  noise.accel_random_walk *= factor;
+  return noise;
+}
+
+// Focal lengths are the last four but two of Kalibr's projection parameters: [..., fu, fv, pu, pv].
+std::vector<CameraCalibration> withFocalLengths(std::vector<CameraCalibration> cameras,
+                                                double factor) {
+  for (CameraCalibration& camera : cameras) {
+    Eigen::VectorXd& projection = camera.intrinsics.projection;
+    projection.segment<2>(projection.size() - 4) *= factor;
+  }
+  return cameras;
+}
+
+Session withoutFrames(const Session& session, const FrameOptions& pairing, const Perturbation& p) {
+  Session kept = session;
+  for (CameraStream& camera : kept.cameras) camera.views.clear();
+  const auto frames = pairFrames(session.cameras, pairing);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    RandomStream random(p.seed, RandomPurpose::kDroppedFrames, {i});
+    if (random.uniform() < p.amount / 100) continue;
+    for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+      const int view = frames[i].view[c];
+      if (view < 0) continue;
+      kept.cameras[c].views.push_back(session.cameras[c].views[static_cast<std::size_t>(view)]);
+    }
+  }
+  return kept;
+}
+
+Session withoutSamples(const Session& session, const Perturbation& p) {
+  Session kept = session;
+  kept.imu->samples.clear();
+  RandomStream random(p.seed, RandomPurpose::kDroppedSamples);
+  for (const ImuSample& sample : session.imu->samples) {
+    if (random.uniform() >= p.amount / 100) kept.imu->samples.push_back(sample);
+  }
+  return kept;
+}
+
+Session withNoisyCorners(Session session, const Perturbation& p) {
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    RandomStream random(p.seed, RandomPurpose::kCornerNoise, {c});
+    for (ImageView& view : session.cameras[c].views) {
+      for (Corner& corner : view.corners) {
+        corner.uv.x() += p.amount * random.normal();
+        corner.uv.y() += p.amount * random.normal();
+      }
+    }
+  }
+  return session;
+}
+
+}  // namespace
+
+std::string toString(PerturbationKind kind) {
+  switch (kind) {
+    case PerturbationKind::kImuShift:
+      return "imu-shift";
+    case PerturbationKind::kTargetSize:
+      return "target-size";
+    case PerturbationKind::kNoiseDensities:
+      return "noise-densities";
+    case PerturbationKind::kInitialIntrinsics:
+      return "initial-intrinsics";
+    case PerturbationKind::kDroppedFrames:
+      return "dropped-frames";
+    case PerturbationKind::kDroppedImu:
+      return "dropped-imu";
+    case PerturbationKind::kCornerNoise:
+      return "corner-noise";
+  }
+  return "";
+}
+
+std::string unitOf(PerturbationKind kind) {
+  switch (kind) {
+    case PerturbationKind::kImuShift:
+      return "ms";
+    case PerturbationKind::kNoiseDensities:
+      return "x";
+    case PerturbationKind::kCornerNoise:
+      return "px";
+    default:
+      return "%";
+  }
+}
+
+bool isRandom(PerturbationKind kind) {
+  return kind == PerturbationKind::kDroppedFrames || kind == PerturbationKind::kDroppedImu ||
+         kind == PerturbationKind::kCornerNoise;
+}
+
+PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
+  check(p);
+  const Session& session = *inputs.session;
+  PerturbedInputs out{std::nullopt, inputs.camera, inputs.camera_imu, false};
+  switch (p.kind) {
+    case PerturbationKind::kImuShift:
+      out.camera_imu.imu_shift_ns += static_cast<TimeNs>(std::llround(p.amount * 1e6));
+      break;
+    case PerturbationKind::kTargetSize:
+      out.session = session;
+      out.session->target.tag_size *= 1 + p.amount / 100;
+      out.calibrate_cameras = true;
+      break;
+    case PerturbationKind::kNoiseDensities:
+      out.camera_imu.noise = scaled(inputs.camera_imu.noise.value_or(session.imu->noise), p.amount);
+      break;
+    case PerturbationKind::kInitialIntrinsics:
+      out.camera.start = withFocalLengths(inputs.cameras, 1 + p.amount / 100);
+      out.calibrate_cameras = true;
+      break;
+    case PerturbationKind::kDroppedFrames:
+      out.session = withoutFrames(session, inputs.camera.frames, p);
+      out.calibrate_cameras = true;
+      break;
+    case PerturbationKind::kDroppedImu:
+      out.session = withoutSamples(session, p);
+      break;
+    case PerturbationKind::kCornerNoise:
+      out.session = withNoisyCorners(session, p);
+      out.calibrate_cameras = true;
+      break;
+  }
+  out.calibrate_cameras = out.calibrate_cameras && !inputs.cameras_fixed;
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "report/records/perturbation_record.h"
+
+namespace plumbline {
+
+/// perturbation.json: parameters, base, cases, verdict, provenance. Numbers read back to the same
+/// doubles; what is not known is null.
+std::string perturbationDocument(const PerturbationRecord& record);
+
+/// perturbation.csv: one row a case, base first; the changes of all parameters in the last columns.
+std::string perturbationTable(const PerturbationRecord& record);
+
+/// The table for a terminal, with the verdict's findings below it.
+std::string perturbationSummary(const PerturbationRecord& record);
+
+}  // namespace plumbline

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/studies/perturbation_findings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+bool isShift(const PerturbationCase& c) { return c.kind == toString(PerturbationKind::kImuShift); }
+
+VerdictLevel levelAbove(double value, double doubtful, double bad) {
+  if (value > bad) return VerdictLevel::kBad;
+  return value > doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+}
+
+std::vector<const PerturbationCase*> solvedShifts(const PerturbationRecord& record) {
+  std::vector<const PerturbationCase*> shifts;
+  for (const PerturbationCase& c : record.cases) {
+    if (isShift(c) && c.problem.empty()) shifts.push_back(&c);
+  }
+  return shifts;
+}
+
+std::optional<Finding> offsetFinding(const PerturbationRecord& record,
+                                     const PerturbationThresholds& bounds) {
+  const auto shifts = solvedShifts(record);
+  if (shifts.empty()) return std::nullopt;
+  const PerturbationCase& worst = **std::max_element(
+      shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
+        return std::abs(a->offset_error_s) < std::abs(b->offset_error_s);
+      });
+  const double error = std::abs(worst.offset_error_s);
+  const ConvergenceBasin basin = convergenceBasin(record, bounds.offset_error_bad_s);
+  Finding f;
+  f.rule = "Injected time offsets recovered";
+  f.level = levelAbove(error, bounds.offset_error_doubtful_s, bounds.offset_error_bad_s);
+  f.evidence = fmt::format(
+      "{} injected offsets; the worst, {:+g} ms, is recovered to {:.3g} us (recovered - injected - "
+      "base). Unbroken range around zero: {:+g} to {:+g} ms",
+      shifts.size(), worst.amount, 1e6 * error, basin.from_ms, basin.to_ms);
+  if (f.level != VerdictLevel::kGood) {
+    f.advice =
+        "the recording hardly ties the clocks together; record brisker rotation about all axes";
+  }
+  f.value = error;
+  f.threshold = bounds.offset_error_doubtful_s;
+  f.unit = "s";
+  return f;
+}
+
+std::optional<Finding> othersFinding(const PerturbationRecord& record,
+                                     const PerturbationThresholds& bounds) {
+  double largest = -1;
+  std::string name;
+  double amount = 0;
+  for (const PerturbationCase* c : solvedShifts(record)) {
+    for (std::size_t i = 0; i < c->changes_sigma.size(); ++i) {
+      const double change = std::abs(c->changes_sigma[i]);
+      if (record.parameters[i] == "time_offset" || !(change > largest)) continue;
+      largest = change;
+      name = record.parameters[i];
+      amount = c->amount;
+    }
+  }
+  if (largest < 0) return std::nullopt;
+  Finding f;
+  f.rule = "Other parameters under moved IMU stamps";
+  f.level = levelAbove(largest, bounds.change_doubtful_sigma, bounds.change_bad_sigma);
+  f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
+                           name, largest, amount);
+  if (f.level != VerdictLevel::kGood) {
+    f.advice = "the offset leaks into other parameters; record motion that separates them";
+  }
+  f.value = largest;
+  f.threshold = bounds.change_doubtful_sigma;
+  f.unit = "sigma";
+  return f;
+}
+
+Finding failuresFinding(const PerturbationRecord& record) {
+  std::size_t failed = 0;
+  const PerturbationCase* first = nullptr;
+  for (const PerturbationCase& c : record.cases) {
+    if (c.problem.empty()) continue;
+    if (failed++ == 0) first = &c;
+  }
+  Finding f;
+  f.rule = "Cases that were solved";
+  f.level = failed == 0 ? VerdictLevel::kGood : VerdictLevel::kDoubtful;
+  f.evidence =
+      fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size());
+  if (first != nullptr) {
+    f.evidence += fmt::format("; the first that failed, {} {:+g} {}: {}", first->kind,
+                              first->amount, first->unit, first->problem);
+    f.advice = "a perturbation beyond what the calibration can start from, or must refuse, fails";
+  }
+  f.value = static_cast<double>(failed);
+  f.unit = "cases";
+  return f;
+}
+
+}  // namespace
+
+ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound_s) {
+  std::vector<const PerturbationCase*> shifts;
+  for (const PerturbationCase& c : record.cases) {
+    if (isShift(c)) shifts.push_back(&c);
+  }
+  std::sort(shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
+    return std::abs(a->amount) < std::abs(b->amount);
+  });
+  ConvergenceBasin basin;
+  bool open_below = true, open_above = true;
+  for (const PerturbationCase* c : shifts) {
+    bool& open = c->amount < 0 ? open_below : open_above;
+    const bool recovered = c->problem.empty() && std::abs(c->offset_error_s) <= bound_s;
+    if (!recovered) ++basin.failed;
+    open = open && recovered;
+    if (!open) continue;
+    ++basin.inside;
+    basin.from_ms = std::min(basin.from_ms, c->amount);
+    basin.to_ms = std::max(basin.to_ms, c->amount);
+  }
+  return basin;
+}
+
+std::vector<Finding> perturbationFindings(const PerturbationRecord& record,
+                                          const PerturbationThresholds& thresholds) {
+  std::vector<Finding> findings;
+  if (auto f = offsetFinding(record, thresholds)) findings.push_back(std::move(*f));
+  if (auto f = othersFinding(record, thresholds)) findings.push_back(std::move(*f));
+  findings.push_back(failuresFinding(record));
+  return findings;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/studies/perturbation_study.h"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/calibration_parameters.h"
+#include "evaluate/studies/perturbation_findings.h"
+#include "evaluate/workflow/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+/// One calibration of the study.
+struct Solution {
+  Calibration calibration;
+  StageSummary summary;  ///< of the last stage
+  std::vector<TimeNs> frame_stamps;
+};
+
+bool needsImu(PerturbationKind kind) {
+  return kind == PerturbationKind::kImuShift || kind == PerturbationKind::kNoiseDensities ||
+         kind == PerturbationKind::kDroppedImu;
+}
+
+void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& perturbations) {
+  for (const Perturbation& p : perturbations) {
+    if (needsImu(p.kind) && !inputs.session->imu) {
+      throw InputError(
+          fmt::format("{} needs an IMU, and the session has none; add imu0/data.csv "
+                      "and imu.yaml, or leave it out",
+                      toString(p.kind)));
+    }
+    if (p.kind == PerturbationKind::kInitialIntrinsics && inputs.cameras_fixed) {
+      throw InputError(
+          "initial-intrinsics starts the camera stage elsewhere, but --cameras fixes the cameras; "
+          "leave one of them out");
+    }
+  }
+}
+
+std::vector<TimeNs> stampsOf(const std::vector<Frame>& frames) {
+  std::vector<TimeNs> stamps;
+  stamps.reserve(frames.size());
+  for (const Frame& frame : frames) stamps.push_back(frame.t);
+  return stamps;
+}
+
+Failure notConverged(const char* stage, int iterations) {
+  return {FailureReason::kNotConverged,
+          fmt::format("the {} stage did not converge in {} iterations", stage, iterations), ""};
+}
+
+Result<Solution> solveCameras(const Session& session, const CameraStageOptions& options) {
+  auto stage = calibrateCameras(session, options);
+  if (!stage) return stage.failure();
+  if (!stage->summary.converged) return notConverged("camera", stage->summary.iterations);
+  Solution solution;
+  solution.calibration.cameras = std::move(stage.value().cameras);
+  solution.summary = std::move(stage.value().summary);
+  solution.frame_stamps = stampsOf(stage->frames);
+  return solution;
+}
+
+Result<Solution> solveCameraImu(const Session& session,
+                                const std::vector<CameraCalibration>& cameras,
+                                const CameraImuOptions& options) {
+  auto stage = calibrateCameraImu(session, cameras, options);
+  if (!stage) return stage.failure();
+  if (!stage->summary.converged) return notConverged("camera-IMU", stage->summary.iterations);
+  Solution solution;
+  solution.calibration.cameras = std::move(stage.value().cameras);
+  solution.calibration.imu = stage->imu;
+  solution.summary = std::move(stage.value().summary);
+  solution.frame_stamps = stampsOf(stage->frames);
+  return solution;
+}
+
+/// The stages that the inputs ask for, on one thread: cases run beside each other.
+Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
+  changed.camera.threads = 1;
+  changed.camera_imu.threads = 1;
+  const Session& session = changed.session ? *changed.session : *inputs.session;
+  std::vector<CameraCalibration> cameras = inputs.cameras;
+  if (changed.calibrate_cameras) {
+    auto camera = solveCameras(session, changed.camera);
+    if (!camera || !session.imu) return camera;
+    cameras = std::move(camera.value().calibration.cameras);
+  }
+  return solveCameraImu(session, cameras, changed.camera_imu);
+}
+
+PerturbationCase describe(const Perturbation& p) {
+  PerturbationCase c;
+  c.kind = toString(p.kind);
+  c.amount = p.amount;
+  c.unit = unitOf(p.kind);
+  c.seed = isRandom(p.kind) ? p.seed : 0;
+  return c;
+}
+
+void fill(const Solution& solution, PerturbationCase& c) {
+  c.rmse_px = solution.summary.reprojection.rmse_px;
+  c.frames = static_cast<int>(solution.frame_stamps.size());
+  c.iterations = solution.summary.iterations;
+  if (const auto& imu = solution.calibration.imu) {
+    c.time_offset_s = imu->time_offset_s;
+    c.time_offset_std_s = imu->time_offset_std_s;
+  }
+  for (const auto& p : calibrationParameters(solution.calibration)) c.values.push_back(p.value);
+}
+
+void compare(const Solution& solution, const Solution& base, const std::vector<double>& base_std,
+             PerturbationCase& c) {
+  const Eigen::VectorXd change = calibrationChange(solution.calibration, base.calibration);
+  c.changes.assign(change.begin(), change.end());
+  for (std::size_t i = 0; i < base_std.size(); ++i) {
+    c.changes_sigma.push_back(base_std[i] > 0 ? c.changes[i] / base_std[i]
+                                              : std::numeric_limits<double>::quiet_NaN());
+  }
+  if (!solution.calibration.imu || !base.calibration.imu) return;
+  const double injected = c.kind == toString(PerturbationKind::kImuShift) ? c.amount * 1e-3 : 0;
+  c.offset_error_s =
+      solution.calibration.imu->time_offset_s - injected - base.calibration.imu->time_offset_s;
+}
+
+PerturbationRecord startRecord(const Solution& base) {
+  PerturbationRecord record;
+  for (const CalibrationParameter& p : calibrationParameters(base.calibration)) {
+    record.parameters.push_back(p.name);
+    record.units.push_back(p.unit);
+    record.base_std.push_back(p.std.value_or(0));
+  }
+  record.base.kind = "base";
+  fill(base, record.base);
+  return record;
+}
+
+PerturbationCase runCase(const StudyInputs& inputs, const Perturbation& p, const Solution& base,
+                         const std::vector<double>& base_std) {
+  PerturbationCase c = describe(p);
+  PerturbedInputs changed = perturbed(inputs, p);
+  if (p.kind == PerturbationKind::kImuShift) changed.camera_imu.frame_stamps = base.frame_stamps;
+  const auto solution = solve(inputs, std::move(changed));
+  if (!solution) {
+    const Failure& failure = solution.failure();
+    c.problem = failure.cure.empty() ? failure.message : failure.message + "; " + failure.cure;
+    return c;
+  }
+  fill(*solution, c);
+  compare(*solution, base, base_std, c);
+  return c;
+}
+
+Result<Solution> solveBase(StudyInputs& inputs) {
+  PerturbedInputs unchanged{std::nullopt, inputs.camera, inputs.camera_imu, !inputs.cameras_fixed};
+  auto base = solve(inputs, std::move(unchanged));
+  if (base) inputs.cameras = base->calibration.cameras;
+  return base;
+}
+
+}  // namespace
+
+Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
+                                             const std::vector<Perturbation>& perturbations,
+                                             const PerturbationStudyOptions& options) {
+  checkInputs(asked, perturbations);
+  StudyInputs inputs = asked;
+  const auto base = solveBase(inputs);
+  if (!base) return base.failure();
+  PerturbationRecord record = startRecord(*base);
+  record.cases.resize(perturbations.size());
+  std::atomic<std::size_t> done = 0;
+  std::mutex telling;
+  parallelFor(perturbations.size(), options.threads, [&](int, std::size_t i) {
+    record.cases[i] = runCase(inputs, perturbations[i], *base, record.base_std);
+    const std::scoped_lock lock(telling);
+    if (options.progress) options.progress(++done, perturbations.size());
+  });
+  record.verdict = makeVerdict(perturbationFindings(record, options.thresholds));
+  return record;
+}
+
+}  // namespace plumbline

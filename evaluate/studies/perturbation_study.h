@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "evaluate/studies/perturbation.h"
+#include "report/records/perturbation_record.h"
+
+namespace plumbline {
+
+/// From where on a study's findings are doubtful and bad.
+struct PerturbationThresholds {
+  double offset_error_doubtful_s = 1e-6;  ///< |recovered - injected - base|
+  double offset_error_bad_s = 1e-3;
+  double change_doubtful_sigma = 0.1;  ///< of another parameter under moved IMU stamps
+  double change_bad_sigma = 1;
+};
+
+struct PerturbationStudyOptions {
+  int threads = 1;  ///< cases that run at once; results do not depend on it
+  PerturbationThresholds thresholds;
+  /// Told after each case how many are done.
+  std::function<void(std::size_t done, std::size_t all)> progress;
+};
+
+/// Calibrates the session as it is (the base) and once for every perturbation, each from its own
+/// first guess, never from the base's solution. Cameras are calibrated again only where a
+/// perturbation touches them and they were not given. Under a moved IMU the frames are those of the
+/// base, so that
+///   error = recovered - injected - base
+/// compares the same measurements. A case that fails is kept with its problem.
+///
+/// The record has everything but name, provenance and assumptions. Fails where the base does;
+/// throws InputError for amounts out of range and for IMU perturbations of a session without one.
+Result<PerturbationRecord> perturbationStudy(const StudyInputs& inputs,
+                                             const std::vector<Perturbation>& perturbations,
+                                             const PerturbationStudyOptions& options = {});
+
+}  // namespace plumbline

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/studies/write_perturbation.h"
+
+#include <filesystem>
+
+#include "datasets/atomic_file.h"
+#include "evaluate/studies/perturbation_document.h"
+#include "evaluate/workflow/result_folder.h"
+
+namespace plumbline {
+
+void writePerturbation(const PerturbationRecord& record, const std::string& out, bool report) {
+  writeResultFolder(out, {"perturbation.json", "perturbation.csv", "records.sqlite", "report.html"},
+                    [&](const std::filesystem::path& folder) {
+                      const auto write = [&](const char* name, const std::string& text) {
+                        writeFileAtomically((folder / name).string(), text);
+                      };
+                      write("perturbation.json", perturbationDocument(record));
+                      write("perturbation.csv", perturbationTable(record));
+                      (void)report;
+                    });
+}
+
+}  // namespace plumbline

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "report/records/perturbation_record.h"
+
+namespace plumbline {
+
+/// Writes perturbation.json and perturbation.csv (and, as asked, report.html) into `out`, together
+/// or not at all; see writeResultFolder().
+void writePerturbation(const PerturbationRecord& record, const std::string& out, bool report);
+
+}  // namespace plumbline
