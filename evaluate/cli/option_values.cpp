@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/camera/camera.h"
 
 namespace plumbline {
 namespace {
@@ -65,6 +66,9 @@ const ThresholdMembers& thresholdMembers() {
       {"lever_arm_m", &VerdictThresholds::lever_arm_m},
       {"offset_ms", &VerdictThresholds::offset_ms},
       {"principal_point", &VerdictThresholds::principal_point},
+      {"resolution", &VerdictThresholds::resolution},
+      {"unseen_rows", &VerdictThresholds::unseen_rows},
+      {"tag_spacing", &VerdictThresholds::tag_spacing},
       {"frames_without_imu", &VerdictThresholds::frames_without_imu},
       {"imu_gaps", &VerdictThresholds::imu_gaps},
       {"imu_rate", &VerdictThresholds::imu_rate},
@@ -106,10 +110,10 @@ std::vector<CameraModelPair> modelsFrom(const std::string& words) {
     const auto projection = projectionModelFrom(word.substr(0, dash));
     const auto distortion =
         dash == std::string::npos ? std::nullopt : distortionModelFrom(word.substr(dash + 1));
-    if (!projection || !distortion) {
+    if (!projection || !distortion || !isCalibrationSupported(*projection, *distortion)) {
       refuse("--models", word,
-             "pinhole-radtan or pinhole-equidistant, one for each camera, with "
-             "commas between them");
+             "pinhole-radtan or pinhole-equidistant, the models that can be calibrated; one for "
+             "all cameras, or one for each with commas between them");
     }
     models.push_back({*projection, *distortion});
   }

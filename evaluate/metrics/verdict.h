@@ -29,6 +29,12 @@ struct VerdictThresholds {
   Bound offset_ms{100, 1000};           ///< size of the time offset [ms], above
   Bound principal_point{0.1,
                         0.25};  ///< distance from the image's centre, relative to its side, above
+  /// Strip without corners at the right or lower edge of an image that the rest says is smaller, as
+  /// a share of its side, above.
+  Bound resolution{0.04, 0.5};
+  Bound unseen_rows{0, 1e3};  ///< upper rows of tags that no view ever showed, above
+  /// |spacing by the corners / stated - 1|, above; corners of blurred images alone feign 4 %.
+  Bound tag_spacing{0.05, 0.1};
   Bound frames_without_imu{0.1, 0.6};  ///< share of the frames that no IMU samples cover, above
   Bound imu_gaps{0, 50};               ///< pauses of the IMU, above
   Bound imu_rate{0.2, 4};              ///< |measured / stated rate - 1|, above

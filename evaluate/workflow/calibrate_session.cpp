@@ -8,6 +8,7 @@
 #include "calibrator/batch/camera_imu_resample.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration_reader.h"
+#include "evaluate/workflow/check_target.h"
 #include "evaluate/workflow/locate_failure.h"
 #include "evaluate/workflow/match_cameras.h"
 
@@ -32,12 +33,34 @@ ResampleOptions resampleOptions(const CalibrateRequest& request) {
   return options;
 }
 
+// Of a camera stage that failed: the lens may be too wide for the model that was tried.
+Failure withModelCure(Failure failure, const CalibrateRequest& request, const Session& session) {
+  bool radtan = false;
+  bool unstated = false;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    const std::string& word = session.cameras[c].distortion_model;
+    const bool asked = c < request.camera.models.size();
+    unstated = unstated || (!asked && word.empty());
+    radtan = radtan || (asked ? request.camera.models[c].distortion == DistortionModel::kRadtan
+                              : word.empty() || word == toString(DistortionModel::kRadtan));
+  }
+  const bool no_pose =
+      failure.reason == FailureReason::kTooFewViews && failure.input == FaultyInput::kTarget;
+  const bool suspect = no_pose || failure.reason == FailureReason::kNotConverged ||
+                       (failure.reason == FailureReason::kNotObservable && unstated);
+  if (!radtan || !suspect || !request.camera.start.empty()) return failure;
+  failure.cure +=
+      fmt::format("; {}a wide-angle lens (fisheye) needs --models pinhole-equidistant",
+                  unstated ? "no sensor.yaml states the model, so pinhole-radtan was tried: " : "");
+  return failure;
+}
+
 // Fills record.camera (and its resampled spread); nothing where the cameras are given and fixed.
 std::optional<Failure> cameraStage(const CalibrateRequest& request, const LoadedSession& loaded,
                                    const ProgressSink& progress, CalibrationRecord& record) {
   progress("calibrating the cameras", -1);
   auto stage = calibrateCameras(loaded.session, request.camera);
-  if (!stage) return stage.failure();
+  if (!stage) return withModelCure(stage.failure(), request, loaded.session);
   record.camera = std::move(stage).value();
   addLoading(loaded, record.camera->summary.seconds);
   if (request.resamples > 0) {
@@ -95,7 +118,9 @@ CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSessi
 Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
                                            const ProgressSink& progress) {
   CalibrateRequest request = asked;
+  if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   const LoadedSession loaded = loadSession(request.load, progress);
+  checkTargetLayout(loaded, {});
   auto& models = request.camera.models;
   if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());
   CalibrationRecord record = emptyRecord(request, loaded);
@@ -118,6 +143,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
     }
     cameras = record.camera->cameras;
   }
+  checkTargetLayout(loaded, cameras);
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
     if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) {

@@ -10,16 +10,6 @@
 namespace plumbline {
 namespace {
 
-// The line that starts with `key`, from 1; 0 where there is none.
-int lineOf(const std::string& key, const std::string& path) {
-  std::ifstream file(path);
-  std::string text;
-  for (int line = 1; std::getline(file, text); ++line) {
-    if (text.rfind(key, 0) == 0) return line;
-  }
-  return 0;
-}
-
 std::string placeOf(FaultyInput input, const CalibrateRequest& request,
                     const LoadedSession& loaded) {
   switch (input) {
@@ -41,6 +31,15 @@ std::string placeOf(FaultyInput input, const CalibrateRequest& request,
 }
 
 }  // namespace
+
+int lineOf(const std::string& key, const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  for (int line = 1; std::getline(file, text); ++line) {
+    if (text.rfind(key, 0) == 0) return line;
+  }
+  return 0;
+}
 
 Failure locate(Failure failure, const CalibrateRequest& request, const LoadedSession& loaded) {
   failure.message = placeOf(failure.input, request, loaded) + ": " + failure.message;

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "evaluate/metrics/rules/rule.h"
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kLeastRedundancy = 50;         // of residuals that judge a noise density
+constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what the data need
+
+}  // namespace
+
+Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
+                      const VerdictThresholds& t) {
+  Findings findings;
+  if (check.redundancy < kLeastRedundancy) return findings;
+  Rule rule{
+      "Noise density of the " + sensor, "-", t.imu_noise_factor,
+      "The density in imu.yaml is too small for this recording: raise it by that factor, or "
+      "look for vibration, saturation, blur or a wrong IMU scale. Standard deviations are too "
+      "small until then."};
+  VerdictLevel level = levelAbove(check.factor, rule.bound);
+  if (check.factor < kPessimisticFactor) {
+    rule.bound.doubtful = kPessimisticFactor;
+    rule.advice =
+        "The density in imu.yaml is larger than this recording needs: its inertial data get less "
+        "weight than they could bear.";
+    level = VerdictLevel::kDoubtful;
+  }
+  findings.push_back(finding(
+      rule, level, check.factor,
+      fmt::format("the residuals suggest {:.2f} times the assumed density (redundancy {:.0f})",
+                  check.factor, check.redundancy)));
+  return findings;
+}
+
+Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  Findings findings;
+  const double arm = stage.imu.T_SC0.t.norm();
+  findings.push_back(above({"Length of the lever arm", "m", t.lever_arm_m,
+                            "Measure the distance between camera and IMU with a ruler: an "
+                            "impossible lever arm means weak excitation or wrong axes."},
+                           arm, fmt::format("camera 0 is {:.1f} mm from the IMU", 1e3 * arm)));
+  const double offset = 1e3 * std::abs(stage.imu.time_offset_s);
+  findings.push_back(above({"Size of the time offset", "ms", t.offset_ms,
+                            "Check how both sensors are stamped: offsets of this size come from "
+                            "buffering or from stamps taken at arrival."},
+                           offset,
+                           fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.time_offset_s)));
+  return findings;
+}
+
+Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  Findings findings;
+  const int without_imu = stage.frames_without_imu;
+  const int without_pose = stage.frames_without_pose;
+  const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
+  findings.push_back(above({"Frames that the IMU covers", "-", t.frames_without_imu,
+                            "Start the IMU before the cameras and stop it after them, and look for "
+                            "pauses in its driver: "
+                            "frames without IMU samples around them are not used."},
+                           share(without_imu, posed),
+                           fmt::format("{} of {:.0f} frames were left out for want of IMU samples",
+                                       without_imu, posed)));
+  findings.push_back(above(
+      {"Gaps in the IMU's samples", "-", t.imu_gaps,
+       "The chain of motion is broken there, which costs information only; find out why samples "
+       "were lost (driver, bus load, disk)."},
+      stage.imu_gaps, fmt::format("number of gaps: {}", stage.imu_gaps)));
+  findings.push_back(
+      above({"Frames without a pose (camera-IMU)", "-", t.rejected,
+             "So many frames without a plausible pose point to false detections or to intrinsics "
+             "that do not belong to these cameras."},
+            share(without_pose, posed + without_pose),
+            fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
+                        posed + without_pose)));
+  return findings;
+}
+
+Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t) {
+  Findings findings;
+  const CameraImuStageResult& stage = *record.camera_imu;
+  const double stated_hz = stage.imu.noise.rate_hz;
+  if (stage.imu_rate_hz > 0 && stated_hz > 0) {
+    findings.push_back(
+        above({"Rate of the IMU", "-", t.imu_rate,
+               "Correct update_rate in imu.yaml, or look for samples that were lost."},
+              std::abs(stage.imu_rate_hz / stated_hz - 1),
+              fmt::format("samples come at {:.4g} Hz, imu.yaml states {:.4g} Hz", stage.imu_rate_hz,
+                          stated_hz)));
+  }
+  const InertialCheck& check = stage.inertial_check;
+  if (check.gravity_m_s2 <= 0) return findings;
+  const double assumed = record.assumptions.gravity_m_s2;
+  findings.push_back(above(
+      {"Gravity by the accelerometer", "-", t.gravity,
+       "The accelerometer's scale is off, or its axes are not square to each other; the lever arm "
+       "takes the blame."},
+      std::abs(check.gravity_m_s2 / assumed - 1),
+      fmt::format("measured {:.3f} m/s^2, assumed {:.3f}", check.gravity_m_s2, assumed)));
+  findings.push_back(above(
+      {"Size of the target by the IMU", "-", t.target_scale,
+       "Measure the target again (tagSize and tagSpacing in target.yaml); a wrong focal length or "
+       "accelerometer scale looks the same. T_SC0's translation is off by as much."},
+      std::max(0.0, std::abs(check.target_scale - 1) - 2 * check.target_scale_std),
+      fmt::format("the target seems {:.4f} (+- {:.4f}) times as large as stated",
+                  check.target_scale, check.target_scale_std)));
+  return findings;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "calibrator/base/statistics.h"
+#include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/rules/rule.h"
+#include "evaluate/metrics/rules/rules.h"
+#include "evaluate/metrics/target_layout.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kNearEdge = 0.03;   // of the image's side: corners reach this edge
+constexpr double kOffMiddle = 0.02;  // of the image's side: the optical centre is aside
+
+struct Extent {
+  Eigen::Vector2f low = Eigen::Vector2f::Constant(1e9F);
+  Eigen::Vector2f high = Eigen::Vector2f::Constant(-1e9F);
+};
+
+Extent extentOf(const std::vector<CornerResidual>& residuals, int camera) {
+  Extent extent;
+  for (const CornerResidual& r : residuals) {
+    if (r.camera != camera) continue;
+    extent.low = extent.low.cwiseMin(r.uv);
+    extent.high = extent.high.cwiseMax(r.uv);
+  }
+  return extent;
+}
+
+// Share of the image's side beyond the last corner; 0 unless corners start at the first pixels and
+// the optical centre is nearer to those.
+double emptyStrip(double low, double high, double centre, int side) {
+  if (low > kNearEdge * side || centre > (0.5 - kOffMiddle) * side) return 0;
+  return std::max(0.0, (side - 1 - high) / side);
+}
+
+}  // namespace
+
+Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) {
+  Findings findings;
+  const CameraStageResult& stage = *record.camera;
+  for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
+    const CameraCalibration& camera = stage.cameras[i];
+    const int index = static_cast<int>(i);
+    const RegionalErrors regions =
+        regionalErrors(stage.residuals, index, camera.intrinsics.resolution);
+    const double coverage = regions.coverage();
+    findings.push_back(
+        below({fmt::format("Image coverage of {}", camera.name), "-", t.coverage,
+               "Record views in which the target reaches the corners and edges of the image."},
+              coverage, fmt::format("corners in {:.0f} % of the image regions", 100 * coverage)));
+    std::vector<char> seen(stage.frames.size(), 0);
+    for (const CornerResidual& r : stage.residuals) {
+      if (r.camera == index && r.used) seen[r.frame] = 1;
+    }
+    const auto views = std::count(seen.begin(), seen.end(), 1);
+    findings.push_back(below({fmt::format("Views of {}", camera.name), "-", t.views,
+                              "Record more views, differing in distance, tilt and position."},
+                             static_cast<double>(views), fmt::format("{} views used", views)));
+  }
+  const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);
+  findings.push_back(below(
+      {"Tilt of the views", "deg", t.tilt_deg,
+       "Tilt the rig (or the target) by 30 to 45 degrees: frontal views cannot tell focal length "
+       "from distance."},
+      tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
+  return findings;
+}
+
+Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t) {
+  Findings findings;
+  for (const CameraCalibration& camera : stage.cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    const double u = k.projection[k.projection.size() - 2];
+    const double v = k.projection[k.projection.size() - 1];
+    const double off = std::max(std::abs(u / (k.resolution.width - 1) - 0.5),
+                                std::abs(v / (k.resolution.height - 1) - 0.5));
+    findings.push_back(
+        above({fmt::format("Principal point of {}", camera.name), "-", t.principal_point,
+               "Check the resolution in sensor.yaml; only a cropped image has its optical centre "
+               "that far from its middle. Or record views all over the image."},
+              off,
+              fmt::format("({:.1f}, {:.1f}) in an image of {}x{}", u, v, k.resolution.width,
+                          k.resolution.height)));
+  }
+  return findings;
+}
+
+Findings judgeResolutions(const CameraStageResult& stage, const VerdictThresholds& t) {
+  Findings findings;
+  for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
+    const Intrinsics& k = stage.cameras[i].intrinsics;
+    const Extent extent = extentOf(stage.residuals, static_cast<int>(i));
+    const Eigen::Vector2d centre = k.projection.tail<2>();
+    const double empty =
+        std::max(emptyStrip(extent.low.x(), extent.high.x(), centre.x(), k.resolution.width),
+                 emptyStrip(extent.low.y(), extent.high.y(), centre.y(), k.resolution.height));
+    findings.push_back(above(
+        {fmt::format("Resolution of {}", stage.cameras[i].name), "-", t.resolution,
+         "The images seem to be smaller than the resolution stated in sensor.yaml (or by "
+         "option): correct it. If it is right, record views that reach the image's right "
+         "and lower edges."},
+        empty,
+        fmt::format("corners from ({:.0f}, {:.0f}) to ({:.0f}, {:.0f}) and the optical centre "
+                    "at ({:.0f}, {:.0f}) in an image of {}x{}",
+                    extent.low.x(), extent.low.y(), extent.high.x(), extent.high.y(), centre.x(),
+                    centre.y(), k.resolution.width, k.resolution.height)));
+  }
+  return findings;
+}
+
+Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t) {
+  Findings findings;
+  const CameraStageResult& stage = *record.camera;
+  const AprilGrid& target = record.target;
+  const TargetLayout shown = shownLayout(stage.residuals, stage.cameras, target);
+  if (shown.largest_tag >= 0) {
+    const int unseen = target.rows - 1 - shown.largest_tag / target.cols;
+    findings.push_back(
+        above({"Rows of the target", "-", t.unseen_rows,
+               "Check tagRows and tagCols in target.yaml; if they are right, bring "
+               "the whole target into view."},
+              unseen,
+              fmt::format("the largest tag ever seen is {} of 0 to {}: {} of {} rows "
+                          "never showed",
+                          shown.largest_tag, target.tagCount() - 1, unseen, target.rows)));
+  }
+  if (shown.spacing) {
+    findings.push_back(
+        above({"Spacing of the target's tags", "-", t.tag_spacing,
+               "Measure tag and gap on the target and correct tagSpacing (gap / tagSize) in "
+               "target.yaml: a wrong one bends every estimate."},
+              std::abs(*shown.spacing / target.spacing - 1),
+              fmt::format("the corners show gaps of {:.4f} times the tags' size, target.yaml "
+                          "states {:g}",
+                          *shown.spacing, target.spacing)));
+  }
+  return findings;
+}
+
+}  // namespace plumbline

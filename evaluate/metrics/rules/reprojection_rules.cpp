@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/rules/rule.h"
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kLeastCornersOfRegion = 100;
+
+}  // namespace
+
+Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
+                        const VerdictThresholds& t) {
+  const auto& [residuals, summary, cameras] = errors;
+  Findings findings;
+  for (std::size_t i = 0; i < cameras.size() && i < summary.per_camera.size(); ++i) {
+    const std::string& name = cameras[i].name;
+    const double rmse = summary.per_camera[i].rmse_px;
+    findings.push_back(above(
+        {fmt::format("Reprojection error of {} ({})", name, stage), "px", t.rmse_px,
+         "Look at the per-frame errors: blurred or mis-detected frames, a bent target, a wrong "
+         "tagSpacing in target.yaml, a wrong camera model (fisheye: --models pinhole-equidistant), "
+         "or (camera-IMU) wrong intrinsics raise "
+         "it."},
+        rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
+    const RegionalErrors regions =
+        regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
+    const RegionalErrors::Worst worst = regions.worst(kLeastCornersOfRegion);
+    const Resolution& size = cameras[i].intrinsics.resolution;
+    findings.push_back(above(
+        {fmt::format("Systematic error of {} ({})", name, stage), "px", t.regional_error_px,
+         "The model does not bend as the lens does there: try another distortion model or "
+         "--loss none, look for bad detections, or take that region's results with care."},
+        worst.error_px,
+        fmt::format("typical (median) error {:.3f} px in the worst of {} image regions, around "
+                    "pixel ({:.0f}, {:.0f})",
+                    worst.error_px, regions.count.size(),
+                    (worst.column + 0.5) * size.width / RegionalErrors::kColumns,
+                    (worst.row + 0.5) * size.height / RegionalErrors::kRows)));
+  }
+  return findings;
+}
+
+Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,
+                       const VerdictThresholds& t) {
+  Findings findings;
+  const auto rejected =
+      std::count_if(residuals.begin(), residuals.end(), [](const auto& r) { return !r.used; });
+  findings.push_back(
+      above({fmt::format("Rejected corners ({})", stage), "-", t.rejected,
+             "That many outliers point to false detections, motion blur or a wrong target file."},
+            share(static_cast<double>(rejected), static_cast<double>(residuals.size())),
+            fmt::format("{} of {} corners were rejected", rejected, residuals.size())));
+  return findings;
+}
+
+Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& t) {
+  Findings findings;
+  for (const auto& [option, unused] : record.provenance.options) {
+    if (option == "--select-views") return findings;
+  }
+  const std::size_t offered = record.camera->summary.corners_offered;
+  const std::size_t listed = record.camera->residuals.size();
+  if (offered < listed) return findings;
+  findings.push_back(
+      above({"Frames left out (cameras)", "-", t.rejected,
+             "So many frames without a plausible pose point to false detections, too few corners "
+             "in a frame, a wrong target.yaml or an unsuitable camera model."},
+            share(static_cast<double>(offered - listed), static_cast<double>(offered)),
+            fmt::format("frames with {} of {} corners were left out", offered - listed, offered)));
+  return findings;
+}
+
+Findings judgeConvergence(const StageSummary& summary, const std::string& stage) {
+  Findings findings;
+  Finding f;
+  f.rule = fmt::format("Convergence ({})", stage);
+  f.level = summary.converged ? VerdictLevel::kGood : VerdictLevel::kBad;
+  f.evidence =
+      fmt::format("{} after {} iterations", summary.converged ? "converged" : "did not converge",
+                  summary.iterations);
+  if (!summary.converged) {
+    f.advice = "The numbers are those of the last iteration and not an optimum: do not use them.";
+  }
+  f.value = summary.iterations;  // no unit: nothing is compared with a threshold
+  findings.push_back(f);
+  return findings;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrator/base/results.h"
+#include "evaluate/metrics/verdict.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// The rules of the verdict, each as a function from results to findings. `stage` is "cameras" or
+/// "camera-IMU" and only appears in the rules' names.
+using Findings = std::vector<Finding>;
+
+/// Corners and their errors at a stage's solution.
+struct StageErrors {
+  const std::vector<CornerResidual>& residuals;
+  const StageSummary& summary;
+  const std::vector<CameraCalibration>& cameras;
+};
+
+// ---- reprojection and convergence (reprojection_rules.cpp)
+Findings judgeConvergence(const StageSummary& summary, const std::string& stage);
+Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
+                        const VerdictThresholds& t);
+/// Corners rejected as outliers, of those in the frames used.
+Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,
+                       const VerdictThresholds& t);
+/// Corners of frames that the camera stage could not use; those that view selection left out on
+/// purpose do not count.
+Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& t);
+
+// ---- what the recording shows of the target and the image (recording_rules.cpp)
+Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t);
+/// An optical centre far from the image's middle: another resolution, or a cropped image.
+Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t);
+/// A stated resolution that is larger than the image was: corners reach one edge and end well
+/// before the opposite one, and the optical centre lies on their side of the middle.
+Findings judgeResolutions(const CameraStageResult& stage, const VerdictThresholds& t);
+/// tagRows and tagSpacing of target.yaml against the tags that were seen.
+Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t);
+
+// ---- how well the data determine the parameters (observability_rules.cpp)
+Findings judgeCameraSpread(const CalibrationRecord& record, const VerdictThresholds& t);
+Findings judgeImuSpread(const CalibrationRecord& record, const VerdictThresholds& t);
+
+// ---- the IMU (imu_rules.cpp)
+Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// What the files state against what the data say: the IMU's rate, the target's size, gravity.
+Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t);
+Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// One density of imu.yaml against what the residuals say of it, if they say enough.
+Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
+                      const VerdictThresholds& t);
+
+}  // namespace plumbline
