@@ -35,7 +35,6 @@ struct Options {
   std::string outliers = "none";
   double gravity = 9.80655;
   double pixel_sigma = 1;
-  double sync_tolerance_ms = 2;
   int min_corners = 4;
   int resamples = 0;
   std::uint64_t seed = 1;
@@ -62,14 +61,13 @@ void declareEstimation(CLI::App& app, Options& o) {
   app.add_option("--outliers", o.outliers, "none, sigma:K, or kalibr")->capture_default_str();
   app.add_option("--select-views", o.select_views,
                  "Keep only informative views, e.g. mi:0.2bits as Kalibr (default: all views)");
-  app.add_option("--sync-tolerance-ms", o.sync_tolerance_ms,
-                 "Views of different cameras this close belong together [ms]")
-      ->capture_default_str();
   app.add_option("--min-corners", o.min_corners, "Leave out views with fewer corners")
       ->capture_default_str();
   app.add_option("--resample", o.resamples,
                  "Solve again on N draws of time segments and report the spread");
-  app.add_option("--seed", o.seed, "Seed of resampling and view selection")->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of resampling and view selection")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 void declareOutput(CLI::App& app, Options& o) {
@@ -89,7 +87,6 @@ void checkNumbers(const Options& o) {
   positive("--gravity", o.gravity);
   positive("--pixel-sigma", o.pixel_sigma);
   positive("--min-corners", o.min_corners);
-  if (!(o.sync_tolerance_ms >= 0)) throw InputError("--sync-tolerance-ms: expected 0 or more");
   if (o.resamples < 0 || o.resamples == 1) {
     throw InputError(fmt::format("--resample {}: expected 0 (none), or 2 and more", o.resamples));
   }
@@ -107,8 +104,7 @@ CameraStageOptions cameraOptions(const Options& o, const LoadRequest& load) {
   if (o.select_views) {
     options.select_views = ViewSelectionOptions{selectionThresholdFrom(*o.select_views), o.seed};
   }
-  options.frames.tolerance =
-      nanosecondsFromMilliseconds("--sync-tolerance-ms", o.sync_tolerance_ms);
+  options.frames.tolerance = load.read.sync_tolerance;
   options.frames.min_corners = o.min_corners;
   options.threads = threadCount(load.threads);
   return options;

@@ -38,6 +38,7 @@ void declare(CLI::App& app, Options& o) {
                  "IMU), static, fronto-parallel")
       ->capture_default_str();
   app.add_option("--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_flag("--images", o.images, "Render images instead of writing corners");
   app.add_option("--duration", s.duration_s, "Length [s]")->capture_default_str();

@@ -25,6 +25,9 @@ void SessionOptions::declare(CLI::App& app) {
   app.add_option("--from", from_s, "Leave out frames earlier than this [s from the first]");
   app.add_option("--to", to_s, "Leave out frames later than this [s from the first]");
   app.add_option("--stride", stride, "Use every n-th frame")->capture_default_str();
+  app.add_option("--sync-tolerance-ms", sync_tolerance_ms,
+                 "Views of different cameras this close belong together [ms]")
+      ->capture_default_str();
   app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")
       ->capture_default_str();
   app.add_option("--cache", cache, "Folder in which found corners are kept (default: the user's)");
@@ -42,8 +45,11 @@ LoadRequest SessionOptions::request() const {
   request.read.from_s = from_s;
   if (to_s) request.read.to_s = *to_s;
   request.read.stride = stride;
+  request.read.sync_tolerance =
+      nanosecondsFromMilliseconds("--sync-tolerance-ms", sync_tolerance_ms);
   request.detector.border_bits = border_bits;
   request.detector.check();
+  if (sync_tolerance_ms < 0) throw InputError("--sync-tolerance-ms: expected 0 or more");
   if (stride < 1) throw InputError(fmt::format("--stride {}: expected 1 or more", stride));
   if (threads < 0 || threads > kMostThreads) {
     throw InputError(fmt::format("--threads {}: expected 0 to {}", threads, kMostThreads));

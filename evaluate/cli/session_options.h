@@ -20,6 +20,7 @@ struct SessionOptions {
   double from_s = 0;
   std::optional<double> to_s;
   int stride = 1;
+  double sync_tolerance_ms = 2;
   int threads = 0;
   int border_bits = 2;
 

@@ -14,6 +14,7 @@
 namespace plumbline {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::string complaint(const std::function<void()>& action) {
@@ -53,6 +54,11 @@ TEST(ModelsOption, TakesKalibrsWordsAndAliases) {
   EXPECT_EQ(models[0].distortion, DistortionModel::kRadtan);
   EXPECT_EQ(models[1].distortion, DistortionModel::kEquidistant);
   EXPECT_THAT(complaint([] { (void)modelsFrom("fisheye"); }), HasSubstr("pinhole-radtan"));
+  for (const char* word : {"omni-radtan", "ds-none", "pinhole-fov", "pinhole-radtan,eucm-none"}) {
+    EXPECT_THAT(complaint([&] { (void)modelsFrom(word); }),
+                AllOf(HasSubstr("--models"), HasSubstr("pinhole-equidistant")))
+        << word;
+  }
 }
 
 TEST(ResolutionOption, IsWidthByHeight) {
