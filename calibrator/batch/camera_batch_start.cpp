@@ -211,13 +211,28 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
   return start;
 }
 
-Failure tooFewViews(const CameraStream& stream, std::size_t views, int min_corners) {
-  return {
-      FailureReason::kTooFewViews,
-      fmt::format("{} has {} views with at least {} corners (of {} views); {} are needed",
-                  stream.name, views, min_corners, stream.views.size(), kLeastViews),
-      "record more views of the target, tilted and filling the image, or leave this camera out; "
-      "if it does see the target, check tagRows and tagCols in target.yaml"};
+std::size_t mostCorners(const CameraStream& stream) {
+  std::size_t most = 0;
+  for (const ImageView& view : stream.views) most = std::max(most, view.corners.size());
+  return most;
+}
+
+Failure tooFewViews(const CameraStream& stream, std::size_t views,
+                    const CameraStageOptions& options) {
+  const int asked = options.frames.min_corners;
+  const int least = std::max(asked, options.min_start_corners);
+  const std::string what = fmt::format(
+      "{} has {} views with at least {} corners (of {} views, the fullest of which holds {}); {} "
+      "are needed",
+      stream.name, views, least, stream.views.size(), mostCorners(stream), kLeastViews);
+  const std::string record =
+      "record more views of the target, tilted and filling the image, or leave this camera out";
+  if (asked > options.min_start_corners) {
+    return {FailureReason::kTooFewViews, what,
+            fmt::format("--min-corners {} asks for so many: lower it, or {}", asked, record)};
+  }
+  return {FailureReason::kTooFewViews, what,
+          record + "; if it does see the target, check tagRows and tagCols in target.yaml"};
 }
 
 Failure noPose(const CameraStream& stream, std::size_t views) {
@@ -241,7 +256,7 @@ Result<CameraStart> startFromViews(const Session& session, std::span<const Packe
     const CameraStream& stream = session.cameras[c];
     const auto views = startableViews(corners[c], frames, c, options.min_start_corners);
     if (static_cast<int>(views.size()) < kLeastViews) {
-      return tooFewViews(stream, views.size(), options.min_start_corners);
+      return tooFewViews(stream, views.size(), options);
     }
     cameras.intrinsics.push_back(firstIntrinsics(stream, corners[c], views, models[c], options));
     own.push_back(ownPoses(cameras.intrinsics[c], corners[c], frames, c, options));
