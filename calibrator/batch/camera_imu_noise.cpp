@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -21,14 +22,16 @@ using Groups = Eigen::Array<double, kGroups, 1>;
 
 double limited(double factor) { return std::clamp(factor, kLeastFactor, kMostFactor); }
 
-/// Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
-using MotionRows = Eigen::Matrix<double, 9, 28>;
+/// (J | r)'(J | r) of some rows of a link. Columns: state i (15), state j without biases (9),
+/// gravity (2), offset (1), residual (1).
+using LinkGram = Eigen::Matrix<double, 28, 28>;
+constexpr int kResidual = 27;
 
 /// One link, whitened by the assumed densities.
 struct Link {
   int at = 0;  ///< of the earlier frame
   bool inertial = false;
-  MotionRows motion = MotionRows::Zero();
+  std::array<LinkGram, 2> motion;           ///< of its rotation rows, of the other six
   Vector6d walk = Vector6d::Zero();         ///< residual
   Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
 };
@@ -52,9 +55,11 @@ std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
     const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
     if (!motion) return std::nullopt;
     const ImuResidual r = imuResidual(*motion, i, j, gravity);
-    MotionRows J;
+    Eigen::Matrix<double, 9, 28> J;
     J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
-    link.motion = weights[k].sqrt_information.lazyProduct(J);
+    const Eigen::Matrix<double, 9, 28> W = weights[k].sqrt_information.lazyProduct(J);
+    link.motion[0] = W.topRows<3>().transpose().lazyProduct(W.topRows<3>());
+    link.motion[1] = W.bottomRows<6>().transpose().lazyProduct(W.bottomRows<6>());
     link.inertial = true;
   }
   return links;
@@ -66,39 +71,37 @@ struct Factors {
   Groups imu = Groups::Ones();
 };
 
-/// A link whitened by the assumed densities times the factors.
-Link scaled(Link link, const Groups& factors) {
-  link.motion.topRows<3>() /= factors(0);
-  link.motion.bottomRows<6>() /= factors(1);
-  link.walk.head<3>() /= factors(2);
-  link.walk.tail<3>() /= factors(3);
-  link.walk_weight.head<3>() /= factors(2);
-  link.walk_weight.tail<3>() /= factors(3);
-  return link;
+/// One factor for each row of the biases' walk.
+Vector6d walkRows(const Groups& groups) {
+  Vector6d rows;
+  rows << Eigen::Vector3d::Constant(groups(2)), Eigen::Vector3d::Constant(groups(3));
+  return rows;
 }
 
-void addLink(const Link& link, BorderedChain& chain) {
+/// Adds a link, each group of its rows times its factor on the information.
+void addLink(const Link& link, const Groups& information, BorderedChain& chain) {
   const auto at = static_cast<std::size_t>(link.at);
   const int last = chain.border();
-  const Vector6d information = link.walk_weight.cwiseAbs2();
-  const Vector6d b = link.walk_weight.cwiseProduct(link.walk);
-  chain.diagonal[at].diagonal().tail<6>() += information;
-  chain.next[at].diagonal().tail<6>() -= information;
-  chain.diagonal[at + 1].diagonal().tail<6>() += information;
+  const Vector6d weight = walkRows(information).cwiseProduct(link.walk_weight);
+  const Vector6d walk_information = weight.cwiseProduct(link.walk_weight);
+  const Vector6d b = weight.cwiseProduct(link.walk);
+  chain.diagonal[at].diagonal().tail<6>() += walk_information;
+  chain.next[at].diagonal().tail<6>() -= walk_information;
+  chain.diagonal[at + 1].diagonal().tail<6>() += walk_information;
   chain.to_border[at].col(last).tail<6>() -= b;
   chain.to_border[at + 1].col(last).tail<6>() += b;
   if (!link.inertial) return;
-  const Eigen::Matrix<double, 28, 28> G = link.motion.transpose().lazyProduct(link.motion);
+  const LinkGram G = information(0) * link.motion[0] + information(1) * link.motion[1];
   constexpr int kGravity = BorderLayout::kGravity;
   chain.diagonal[at] += G.topLeftCorner<15, 15>();
   chain.next[at].leftCols<9>() += G.block<15, 9>(0, 15);
   chain.diagonal[at + 1].topLeftCorner<9, 9>() += G.block<9, 9>(15, 15);
   chain.to_border[at].middleCols<3>(kGravity) += G.block<15, 3>(0, 24);
-  chain.to_border[at].col(last) += G.block<15, 1>(0, 27);
+  chain.to_border[at].col(last) += G.block<15, 1>(0, kResidual);
   chain.to_border[at + 1].block<9, 3>(0, kGravity) += G.block<9, 3>(15, 24);
-  chain.to_border[at + 1].col(last).head<9>() += G.block<9, 1>(15, 27);
+  chain.to_border[at + 1].col(last).head<9>() += G.block<9, 1>(15, kResidual);
   chain.border_block.block<3, 3>(kGravity, kGravity) += G.block<3, 3>(24, 24);
-  chain.border_gradient.segment<3>(kGravity) += G.block<3, 1>(24, 27);
+  chain.border_gradient.segment<3>(kGravity) += G.block<3, 1>(24, kResidual);
 }
 
 BorderedChain combined(const BorderedChain& cameras, const std::vector<Link>& links,
@@ -109,7 +112,7 @@ BorderedChain combined(const BorderedChain& cameras, const std::vector<Link>& li
   for (ChainBorderRows& C : chain.to_border) C *= scale;
   chain.border_block *= scale;
   chain.border_gradient *= scale;
-  for (const Link& link : links) addLink(scaled(link, factors.imu), chain);
+  for (const Link& link : links) addLink(link, factors.imu.square().inverse(), chain);
   return chain;
 }
 
@@ -121,25 +124,10 @@ struct Evaluation {
   double pose_squares = 0;  ///< see poseSquares(), in units of pixel_sigma whatever the factor
 };
 
-/// Adds a link's rows, `link` whitened by the factors that gave `inverse`.
-void addRows(const Link& link, const ChainInverse& inverse, Evaluation& sum) {
-  const auto at = static_cast<std::size_t>(link.at);
-  const ChainCovariance& S = inverse.covariance;
-  const auto& dx_i = inverse.solution.step[at];
-  const auto& dx_j = inverse.solution.step[at + 1];
-  const Vector6d walk = link.walk + link.walk_weight.cwiseProduct((dx_j - dx_i).tail<6>());
-  const Vector6d variance =
-      (S.diagonal[at] + S.diagonal[at + 1] - 2 * S.next[at]).diagonal().tail<6>();
-  const Vector6d walk_redundancy =
-      (1 - (link.walk_weight.cwiseAbs2().cwiseProduct(variance)).array());
-  for (int g = 0; g < 2; ++g) {
-    sum.squares(2 + g) += walk.segment<3>(3 * g).squaredNorm();
-    sum.redundancy(2 + g) += walk_redundancy.segment<3>(3 * g).sum();
-    sum.rows(2 + g) += 3;
-  }
-  if (!link.inertial) return;
+/// Covariance of the unknowns of link.motion; 0 in the residual's row and column.
+LinkGram jointCovariance(std::size_t at, const ChainCovariance& S) {
   constexpr int kGravity = BorderLayout::kGravity;
-  Eigen::Matrix<double, 27, 27> joint;
+  LinkGram joint = LinkGram::Zero();
   joint.topLeftCorner<15, 15>() = S.diagonal[at];
   joint.block<15, 9>(0, 15) = S.next[at].leftCols<9>();
   joint.block<9, 9>(15, 15) = S.diagonal[at + 1].topLeftCorner<9, 9>();
@@ -147,17 +135,36 @@ void addRows(const Link& link, const ChainInverse& inverse, Evaluation& sum) {
   joint.block<9, 3>(15, 24) = S.to_border[at + 1].block<9, 3>(0, kGravity);
   joint.block<3, 3>(24, 24) = S.border.block<3, 3>(kGravity, kGravity);
   joint.triangularView<Eigen::StrictlyLower>() = joint.transpose();
-  Eigen::Matrix<double, 27, 1> dx;
-  dx << dx_i, dx_j.head<9>(), inverse.solution.border_step.segment<3>(kGravity);
-  const auto J = link.motion.leftCols<27>();
-  const Vector9d r = link.motion.col(27) + J * dx;
-  const Eigen::Matrix<double, 9, 27> JS = J.lazyProduct(joint);
-  const Vector9d redundancy = 1 - JS.cwiseProduct(J).rowwise().sum().array();
-  sum.squares(0) += r.head<3>().squaredNorm();
-  sum.squares(1) += r.tail<6>().squaredNorm();
-  sum.redundancy(0) += redundancy.head<3>().sum();
-  sum.redundancy(1) += redundancy.tail<6>().sum();
-  sum.rows.head<2>() += Eigen::Array2d(3, 6);
+  return joint;
+}
+
+/// Adds a link's rows: (J dx + r)^2 from their Gram, and 1 - J S J' summed as a trace.
+void addRows(const Link& link, const Groups& information, const ChainInverse& inverse,
+             Evaluation& sum) {
+  const auto at = static_cast<std::size_t>(link.at);
+  const ChainCovariance& S = inverse.covariance;
+  const auto& dx_i = inverse.solution.step[at];
+  const auto& dx_j = inverse.solution.step[at + 1];
+  const Vector6d walk = link.walk + link.walk_weight.cwiseProduct((dx_j - dx_i).tail<6>());
+  const Vector6d variance =
+      (S.diagonal[at] + S.diagonal[at + 1] - 2 * S.next[at]).diagonal().tail<6>();
+  const Vector6d explained = link.walk_weight.cwiseAbs2().cwiseProduct(variance);
+  for (int g = 0; g < 2; ++g) {
+    sum.squares(2 + g) += information(2 + g) * walk.segment<3>(3 * g).squaredNorm();
+    sum.redundancy(2 + g) += 3 - information(2 + g) * explained.segment<3>(3 * g).sum();
+    sum.rows(2 + g) += 3;
+  }
+  if (!link.inertial) return;
+  const LinkGram joint = jointCovariance(at, S);
+  Eigen::Matrix<double, 28, 1> x;
+  x << dx_i, dx_j.head<9>(), inverse.solution.border_step.segment<3>(BorderLayout::kGravity), 1;
+  for (int g = 0; g < 2; ++g) {
+    const LinkGram& G = link.motion[static_cast<std::size_t>(g)];
+    const double rows = g == 0 ? 3 : 6;
+    sum.squares(g) += information(g) * x.dot(G.lazyProduct(x));
+    sum.redundancy(g) += rows - information(g) * G.cwiseProduct(joint).sum();
+    sum.rows(g) += rows;
+  }
 }
 
 /// Squared distance of every frame's pose from the one that its corners alone would choose, in the
@@ -183,12 +190,13 @@ class VarianceComponents {
   std::optional<Evaluation> at(const Factors& factors) const {
     const auto inverse = invertChain(combined(cameras_, links_, factors), {0, threads_});
     if (!inverse) return std::nullopt;
+    const Groups information = factors.imu.square().inverse();
     const int count = static_cast<int>(links_.size());
     std::vector<Evaluation> parts(static_cast<std::size_t>(chunkCount(count, kChunk)));
     forChunks(count, kChunk, threads_, [&](const Chunk& chunk) {
       Evaluation& part = parts[static_cast<std::size_t>(chunk.index)];
       for (int k = chunk.begin; k < chunk.end; ++k) {
-        addRows(scaled(links_[static_cast<std::size_t>(k)], factors.imu), *inverse, part);
+        addRows(links_[static_cast<std::size_t>(k)], information, *inverse, part);
       }
     });
     Evaluation sum;
