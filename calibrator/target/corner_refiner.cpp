@@ -34,6 +34,18 @@ bool looksLikeCorner(const GrayImageView& image, const Eigen::Matrix2d& axes,
 
 }  // namespace
 
+CornerRefiner::Patch CornerRefiner::within(const Patch& patch, const Eigen::Vector2d& centre,
+                                           const Eigen::Vector2d& reach) {
+  Patch out;
+  out.x0 = std::max(patch.x0, static_cast<int>(std::ceil(centre.x() - reach.x())));
+  out.y0 = std::max(patch.y0, static_cast<int>(std::ceil(centre.y() - reach.y())));
+  const int x1 = std::min(patch.x0 + patch.width - 1, static_cast<int>(centre.x() + reach.x()));
+  const int y1 = std::min(patch.y0 + patch.height - 1, static_cast<int>(centre.y() + reach.y()));
+  out.width = x1 - out.x0 + 1;
+  out.height = y1 - out.y0 + 1;
+  return out;
+}
+
 void CornerRefiner::fillGradients(const GrayImageView& image, const Patch& patch) {
   // Smoothing (1, 4, 6, 4, 1) across and difference (-1, -2, 0, 2, 1) along, separated: the
   // vertical part of both first, for each column of the patch and two beside it.
@@ -63,27 +75,29 @@ void CornerRefiner::fillGradients(const GrayImageView& image, const Patch& patch
   }
 }
 
-std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch,
-                                                   const Eigen::Matrix2d& inverse_shape,
+std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch, const Window& window,
                                                    const Eigen::Vector2d& p) const {
-  const auto m00 = static_cast<float>(inverse_shape(0, 0));
-  const auto m01 = static_cast<float>(inverse_shape(0, 1) + inverse_shape(1, 0));
-  const auto m11 = static_cast<float>(inverse_shape(1, 1));
+  const auto m00 = static_cast<float>(window.inverse_shape(0, 0));
+  const auto m01 = static_cast<float>(window.inverse_shape(0, 1) + window.inverse_shape(1, 0));
+  const auto m11 = static_cast<float>(window.inverse_shape(1, 1));
+  const Patch part = within(patch, p, window.reach);
   float xx = 0, xy = 0, yy = 0, bx = 0, by = 0;
-  std::size_t i = 0;
-  for (int y = 0; y < patch.height; ++y) {
-    const auto dy = static_cast<float>(patch.y0 + y - p.y());
-    const auto left = static_cast<float>(patch.x0 - p.x());
-    for (int x = 0; x < patch.width; ++x, ++i) {
+  for (int y = 0; y < part.height; ++y) {
+    const auto dy = static_cast<float>(part.y0 + y - p.y());
+    const auto left = static_cast<float>(part.x0 - p.x());
+    const int first = (part.y0 + y - patch.y0) * patch.width + part.x0 - patch.x0;
+    const float* gx = gx_.data() + first;
+    const float* gy = gy_.data() + first;
+    for (int x = 0; x < part.width; ++x) {
       const float dx = left + static_cast<float>(x);
       const float inside = std::max(0.0F, 1 - (m00 * dx * dx + m01 * dx * dy + m11 * dy * dy));
       const float w = inside * inside;
-      const float wx = w * gx_[i];
-      const float wy = w * gy_[i];
-      const float along = gx_[i] * dx + gy_[i] * dy;
-      xx += wx * gx_[i];
-      xy += wx * gy_[i];
-      yy += wy * gy_[i];
+      const float wx = w * gx[x];
+      const float wy = w * gy[x];
+      const float along = gx[x] * dx + gy[x] * dy;
+      xx += wx * gx[x];
+      xy += wx * gy[x];
+      yy += wy * gy[x];
       bx += wx * along;
       by += wy * along;
     }
@@ -101,23 +115,16 @@ std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
   if (!inside) return std::nullopt;
   const Eigen::Matrix2d shape = window.axes * window.axes.transpose() +
                                 kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
-  const double reach_x = std::sqrt(shape(0, 0)) + window.max_shift_px;
-  const double reach_y = std::sqrt(shape(1, 1)) + window.max_shift_px;
-  Patch patch;
-  patch.x0 = std::max(kMargin_px, static_cast<int>(std::ceil(window.start.x() - reach_x)));
-  patch.y0 = std::max(kMargin_px, static_cast<int>(std::ceil(window.start.y() - reach_y)));
-  patch.width =
-      std::min(image.width - 1 - kMargin_px, static_cast<int>(window.start.x() + reach_x)) -
-      patch.x0 + 1;
-  patch.height =
-      std::min(image.height - 1 - kMargin_px, static_cast<int>(window.start.y() + reach_y)) -
-      patch.y0 + 1;
+  const Window ellipse{shape.inverse(), shape.diagonal().cwiseSqrt()};
+  const Patch whole{kMargin_px, kMargin_px, image.width - 2 * kMargin_px,
+                    image.height - 2 * kMargin_px};
+  const Eigen::Vector2d reach = ellipse.reach.array() + window.max_shift_px;
+  const Patch patch = within(whole, window.start, reach);
   if (patch.empty()) return std::nullopt;
   fillGradients(image, patch);
-  const Eigen::Matrix2d inverse_shape = shape.inverse();
   Eigen::Vector2d p = window.start;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const std::optional<Eigen::Vector2d> delta = step(patch, inverse_shape, p);
+    const std::optional<Eigen::Vector2d> delta = step(patch, ellipse, p);
     if (!delta) return std::nullopt;
     p += *delta;
     if (!((p - window.start).norm() <= window.max_shift_px)) return std::nullopt;

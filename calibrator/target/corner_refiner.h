@@ -35,8 +35,16 @@ class CornerRefiner {
     int x0 = 0, y0 = 0, width = 0, height = 0;
     bool empty() const { return width < 3 || height < 3; }
   };
+  /// Ellipse of the weights: they are zero where x' inverse_shape x >= 1.
+  struct Window {
+    Eigen::Matrix2d inverse_shape;
+    Eigen::Vector2d reach;  ///< half of its extent in x and y [px]
+  };
+  /// The pixels of the patch that lie within reach of a point; may be empty.
+  static Patch within(const Patch& patch, const Eigen::Vector2d& centre,
+                      const Eigen::Vector2d& reach);
   void fillGradients(const GrayImageView& image, const Patch& patch);
-  std::optional<Eigen::Vector2d> step(const Patch& patch, const Eigen::Matrix2d& inverse_shape,
+  std::optional<Eigen::Vector2d> step(const Patch& patch, const Window& window,
                                       const Eigen::Vector2d& p) const;
 
   std::vector<float> gx_, gy_, smooth_, slope_;

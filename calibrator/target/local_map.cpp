@@ -15,19 +15,46 @@ using Matrix8 = Eigen::Matrix<double, 8, 8>;
 constexpr int kReachTags = 2;
 
 /// Weighted normal equations of u = (h0 + h1 x + h2 y) / (1 + h6 x + h7 y), v likewise with h3, h4,
-/// h5, multiplied out; (x, y) relative to the place asked for, where the denominator is 1.
-struct HomographyFit {
-  Matrix8 normal = Matrix8::Zero();
-  Vector8 right = Vector8::Zero();
-
+/// h5, multiplied out; (x, y) relative to the place asked for, where the denominator is 1. All
+/// their entries are sums of few products, which are gathered instead.
+class HomographyFit {
+ public:
   void add(const Eigen::Vector2d& xy, const Eigen::Vector2d& uv, double weight) {
     const double x = xy.x(), y = xy.y();
-    Vector8 u_row, v_row;
-    u_row << 1, x, y, 0, 0, 0, -x * uv.x(), -y * uv.x();
-    v_row << 0, 0, 0, 1, x, y, -x * uv.y(), -y * uv.y();
-    normal.noalias() += weight * (u_row * u_row.transpose() + v_row * v_row.transpose());
-    right += weight * (u_row * uv.x() + v_row * uv.y());
+    Vector6 products;
+    products << 1, x, y, x * x, x * y, y * y;
+    const Eigen::RowVector4d weights(1, uv.x(), uv.y(), uv.squaredNorm());
+    sums_.noalias() += products.lazyProduct(weight * weights);
   }
+
+  Matrix8 normal() const {
+    Matrix8 A = Matrix8::Zero();
+    A.topLeftCorner<3, 3>() = A.block<3, 3>(3, 3) = secondMoments(0);
+    A.block<2, 3>(6, 0) = -secondMoments(1).bottomRows<2>();
+    A.block<2, 3>(6, 3) = -secondMoments(2).bottomRows<2>();
+    A.bottomRightCorner<2, 2>() = secondMoments(3).bottomRightCorner<2, 2>();
+    return A.selfadjointView<Eigen::Lower>();
+  }
+
+  Vector8 right() const {
+    Vector8 b;
+    b << sums_.col(1).head<3>(), sums_.col(2).head<3>(), -sums_.col(3).segment<2>(1);
+    return b;
+  }
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+  /// Sum of (1, x, y) (1, x, y)' under one of the weights.
+  Eigen::Matrix3d secondMoments(int weight) const {
+    const auto m = sums_.col(weight);
+    Eigen::Matrix3d M;
+    M << m(0), m(1), m(2), m(1), m(3), m(4), m(2), m(4), m(5);
+    return M;
+  }
+
+  /// 1, x, y, x x, x y, y y times 1, u, v, u u + v v.
+  Eigen::Matrix<double, 6, 4> sums_ = Eigen::Matrix<double, 6, 4>::Zero();
 };
 
 }  // namespace
@@ -65,8 +92,8 @@ std::optional<Eigen::Vector2d> LocalMap::predict(int corner_id, int left_out) co
     ++heard;
   }
   if (heard < 4) return std::nullopt;
-  const auto factor = fit.normal.ldlt();
-  const Vector8 h = factor.solve(fit.right);
+  const auto factor = fit.normal().ldlt();
+  const Vector8 h = factor.solve(fit.right());
   if (factor.info() != Eigen::Success || !h.allFinite() || !(factor.rcond() > 1e-12)) {
     return std::nullopt;
   }
