@@ -44,7 +44,9 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   const std::string topic = "/" + camera.name + "/image_raw";  // Kalibr demands one
   text += fmt::format("  rostopic: {}\n", camera.rostopic.empty() ? topic : camera.rostopic);
   if (calibration.imu) {
-    text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(calibration.imu->time_offset_s));
+    const std::vector<double>& own = calibration.imu->camera_time_offsets_s;
+    const double offset = i < own.size() ? own[i] : calibration.imu->time_offset_s;
+    text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(offset));
   }
   return text;
 }

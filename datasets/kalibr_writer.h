@@ -13,7 +13,8 @@ namespace plumbline {
 // 1e-05 for a word.
 
 /// camchain-imucam.yaml, or camchain.yaml where the calibration has no IMU: T_cam_imu = T_CiC0
-/// T_C0S, T_cn_cnm1 = T_CiC(i-1), timeshift_cam_imu our time offset for every camera. cam_overlaps
+/// T_C0S, T_cn_cnm1 = T_CiC(i-1), timeshift_cam_imu the camera's own time
+/// offset. cam_overlaps
 /// names all other cameras.
 std::string kalibrCamchainText(const Calibration& calibration);
 

@@ -51,7 +51,10 @@ struct CameraCalibration {
 
 struct ImuCalibration {
   Transform T_SC0;           ///< camera 0 in the IMU frame
-  double time_offset_s = 0;  ///< t_imu = t_cam + t_d
+  double time_offset_s = 0;  ///< t_d of camera 0: t_imu = t_cam0 + t_d
+  /// t_d of every camera, t_imu = t_cam_i + t_d_i [s], where cameras were found not to be
+  /// synchronised; empty: time_offset_s is that of all.
+  std::vector<double> camera_time_offsets_s;
   double gravity_m_s2 = 9.80655;
   ImuNoise noise;
   std::string rostopic;

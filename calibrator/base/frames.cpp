@@ -8,19 +8,72 @@
 namespace plumbline {
 namespace {
 
+constexpr std::size_t kFewestForConstant = 10;  // stamps from which a constant shift is taken
+
 struct Stamp {
-  TimeNs t;
+  TimeNs t;  // less the camera's constant shift
   int camera;
   int view;
 };
 
-std::vector<Stamp> usableViews(const std::vector<CameraStream>& cameras, int min_corners) {
+TimeNs medianOf(std::vector<TimeNs> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Stamp of the reference nearest to each of the camera's stamps, as differences.
+std::vector<TimeNs> nearestDifferences(const std::vector<TimeNs>& stamps,
+                                       const std::vector<TimeNs>& reference) {
+  std::vector<TimeNs> differences;
+  for (const TimeNs t : stamps) {
+    auto next = std::lower_bound(reference.begin(), reference.end(), t);
+    if (next == reference.end() || (next != reference.begin() && t - *(next - 1) < *next - t)) {
+      --next;
+    }
+    differences.push_back(t - *next);
+  }
+  return differences;
+}
+
+// The constant of pairFrames(); 0 where there is none or the tolerance does without.
+TimeNs constantShift(const std::vector<TimeNs>& stamps, const std::vector<TimeNs>& reference,
+                     TimeNs tolerance) {
+  if (std::min(stamps.size(), reference.size()) < kFewestForConstant) return 0;
+  std::vector<TimeNs> differences = nearestDifferences(stamps, reference);
+  const TimeNs shift = medianOf(differences);
+  if (std::llabs(shift) <= tolerance) return 0;
+  for (TimeNs& d : differences) d = std::llabs(d - shift);
+  std::vector<TimeNs> intervals;
+  for (std::size_t i = 1; i < reference.size(); ++i) {
+    intervals.push_back(reference[i] - reference[i - 1]);
+  }
+  const bool is_constant = 2 * medianOf(std::move(differences)) < tolerance &&
+                           4 * std::llabs(shift) <= medianOf(std::move(intervals));
+  return is_constant ? shift : 0;
+}
+
+std::vector<TimeNs> usableStamps(const CameraStream& camera, int min_corners) {
+  std::vector<TimeNs> stamps;
+  for (const ImageView& view : camera.views) {
+    if (static_cast<int>(view.corners.size()) >= min_corners) stamps.push_back(view.t);
+  }
+  return stamps;
+}
+
+std::vector<Stamp> usableViews(const std::vector<CameraStream>& cameras,
+                               const FrameOptions& options) {
   std::vector<Stamp> stamps;
+  std::vector<TimeNs> reference;
+  if (!cameras.empty()) reference = usableStamps(cameras[0], options.min_corners);
   for (int c = 0; c < static_cast<int>(cameras.size()); ++c) {
     const auto& views = cameras[c].views;
+    const TimeNs shift = c == 0 ? 0
+                                : constantShift(usableStamps(cameras[c], options.min_corners),
+                                                reference, options.tolerance);
     for (int v = 0; v < static_cast<int>(views.size()); ++v) {
-      if (static_cast<int>(views[v].corners.size()) >= min_corners) {
-        stamps.push_back({views[v].t, c, v});
+      if (static_cast<int>(views[v].corners.size()) >= options.min_corners) {
+        stamps.push_back({views[v].t - shift, c, v});
       }
     }
   }
@@ -83,25 +136,40 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
 
 std::vector<Frame> pairFrames(const std::vector<CameraStream>& cameras,
                               const FrameOptions& options) {
-  const std::vector<Stamp> stamps = usableViews(cameras, options.min_corners);
+  const std::vector<Stamp> stamps = usableViews(cameras, options);
   std::vector<Frame> frames;
   for (const Group& group : groupStamps(stamps, options.tolerance)) {
     if (group.members.empty()) continue;
     Frame frame;
     frame.view.assign(cameras.size(), -1);
-    const TimeNs base = stamps[group.members.front()].t;
-    TimeNs sum = 0;
-    for (int i : group.members) {
-      frame.view[stamps[i].camera] = stamps[i].view;
-      sum += stamps[i].t - base;
-    }
-    frame.t = base + sum / static_cast<TimeNs>(group.members.size());
+    for (int i : group.members) frame.view[stamps[i].camera] = stamps[i].view;
     frames.push_back(std::move(frame));
+  }
+  const std::vector<TimeNs> shifts = stampShifts(cameras, frames);
+  for (Frame& frame : frames) {
+    std::size_t c = 0;
+    while (frame.view[c] < 0) ++c;
+    frame.t = cameras[c].views[static_cast<std::size_t>(frame.view[c])].t - shifts[c];
   }
   std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) {
     return std::tie(a.t, a.view) < std::tie(b.t, b.view);
   });
   return frames;
+}
+
+std::vector<TimeNs> stampShifts(const std::vector<CameraStream>& cameras,
+                                const std::vector<Frame>& frames) {
+  std::vector<TimeNs> shifts(cameras.size(), 0);
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    std::vector<TimeNs> differences;
+    for (const Frame& frame : frames) {
+      if (frame.view[0] < 0 || frame.view[c] < 0) continue;
+      differences.push_back(cameras[c].views[static_cast<std::size_t>(frame.view[c])].t -
+                            cameras[0].views[static_cast<std::size_t>(frame.view[0])].t);
+    }
+    if (!differences.empty()) shifts[c] = medianOf(std::move(differences));
+  }
+  return shifts;
 }
 
 }  // namespace plumbline

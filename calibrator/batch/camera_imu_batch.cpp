@@ -102,7 +102,7 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
     out.gaps = selection.gaps_used;
     out.solution = solveFrom(problem,
                              {startStates(poses, start), start.T_SC0, start.gravity_direction,
-                              start.time_offset_s, cameras},
+                              start.time_offset_s, cameras, posed.own_offsets},
                              options);
     if (out.solution.end != SolverEnd::kLeftSamples) break;
   }

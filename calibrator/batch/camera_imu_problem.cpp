@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "calibrator/batch/camera_imu_exposure.h"
 #include "calibrator/batch/parallel_chunks.h"
 #include "calibrator/residuals/tangent.h"
 
@@ -39,7 +40,7 @@ class Linearisation {
         purpose_(purpose),
         estimate_(estimate),
         weights_(weights),
-        layout_(estimate.cameras, problem.free_cameras),
+        layout_(estimate, problem.free_cameras),
         gravity_{estimate.gravity_direction, problem.gravity_m_s2} {
     if (purpose != Purpose::kStep) gram_.triggs_clamp = 0;
     normals_.chain = BorderedChain(problem.frameCount(), layout_.size);
@@ -88,7 +89,10 @@ class Linearisation {
     const Frame& frame = problem_.frames[static_cast<std::size_t>(i)];
     for (std::size_t c = 0; c < estimate_.cameras.size(); ++c) {
       if (frame.view[c] < 0) continue;
-      if (problem_.free_cameras) {
+      if (exposureDelay(problem_, estimate_, static_cast<std::size_t>(i), c) != 0 ||
+          layout_.own_offset[c] >= 0) {
+        addMovedView(i, c, partial);
+      } else if (problem_.free_cameras) {
         addFreeView(i, c, partial);
       } else {
         addFixedView(i, c, partial);
@@ -145,27 +149,50 @@ class Linearisation {
     b << A.transpose() * g.b, g.b_k;
     H *= scale;
     b *= scale;
-    scatterFreeView(i, c, H, b, partial);
+    std::vector<Part> parts = {{6, BorderLayout::kExtrinsics, 6}, {18, layout_.intrinsics[c], k}};
+    if (layout_.T_C0Ci[c] >= 0) parts.push_back({12, layout_.T_C0Ci[c], 6});
+    scatter({i, 6, parts}, H, b, partial);
     partial.camera_cost += scale * g.cost;
     partial.squared_px += g.squared_error;
   }
 
-  void scatterFreeView(int i, std::size_t c, const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
-                       Partial& partial) {
-    struct Part {
-      int local, border, size;
-    };
-    const int k = static_cast<int>(b.size()) - 18;
-    std::vector<Part> parts = {{6, BorderLayout::kExtrinsics, 6}, {18, layout_.intrinsics[c], k}};
-    if (layout_.T_C0Ci[c] >= 0) parts.push_back({12, layout_.T_C0Ci[c], 6});
-    const auto at = static_cast<std::size_t>(i);
-    normals_.chain.diagonal[at].topLeftCorner<6, 6>() += H.topLeftCorner<6, 6>();
+  /// A view whose exposure is off its frame's instant.
+  void addMovedView(int i, std::size_t c, Partial& partial) {
+    const MovedView view = movedView(problem_, estimate_, gram_, {static_cast<std::size_t>(i), c});
+    std::vector<Part> parts = {{MovedView::kFixed, 0, BorderLayout::kFixed}};
+    if (layout_.own_offset[c] >= 0) parts.push_back({MovedView::kDelay, layout_.own_offset[c], 1});
+    if (problem_.free_cameras) {
+      const int k = static_cast<int>(view.b.size()) - MovedView::kIntrinsics;
+      parts.push_back({MovedView::kIntrinsics, layout_.intrinsics[c], k});
+      if (layout_.T_C0Ci[c] >= 0) parts.push_back({MovedView::kT_C0Ci, layout_.T_C0Ci[c], 6});
+    }
+    const double scale = viewScale(i);
+    scatter({i, kChainBlock, parts}, scale * view.H, scale * view.b, partial);
+    partial.camera_cost += scale * view.cost;
+    partial.squared_px += view.squared_error;
+  }
+
+  /// Columns of a view that stand in the border.
+  struct Part {
+    int local, border, size;
+  };
+  /// Where a view's columns go: the first `state` of them to the frame's own block.
+  struct Places {
+    int frame, state;
+    const std::vector<Part>& parts;
+  };
+
+  void scatter(const Places& places, const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
+               Partial& partial) {
+    const auto at = static_cast<std::size_t>(places.frame);
+    const int n = places.state;
+    normals_.chain.diagonal[at].topLeftCorner(n, n) += H.topLeftCorner(n, n);
     ChainBorderRows& rows = normals_.chain.to_border[at];
-    rows.col(layout_.size).head<6>() += b.head<6>();
-    for (const Part& p : parts) {
-      rows.block(0, p.border, 6, p.size) += H.block(0, p.local, 6, p.size);
+    rows.col(layout_.size).head(n) += b.head(n);
+    for (const Part& p : places.parts) {
+      rows.block(0, p.border, n, p.size) += H.block(0, p.local, n, p.size);
       partial.gradient.segment(p.border, p.size) += b.segment(p.local, p.size);
-      for (const Part& q : parts) {
+      for (const Part& q : places.parts) {
         partial.block.block(p.border, q.border, p.size, q.size) +=
             H.block(p.local, q.local, p.size, q.size);
       }
@@ -261,18 +288,6 @@ class Linearisation {
 
 }  // namespace
 
-BorderLayout::BorderLayout(const std::vector<CameraCalibration>& cameras, bool free_cameras) {
-  if (!free_cameras) return;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    intrinsics.push_back(size);
-    size += static_cast<int>(cameras[c].intrinsics.stacked().size());
-  }
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    T_C0Ci.push_back(c == 0 ? -1 : size);
-    if (c > 0) size += 6;
-  }
-}
-
 std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
                                      const CameraImuEstimate& estimate) {
   ImuWeights weights(problem.links.size());
@@ -314,30 +329,6 @@ CameraImuNormals cameraInformationAt(const CameraImuProblem& problem,
                                      const CameraImuEstimate& estimate) {
   const ImuWeights unused;
   return Linearisation(problem, estimate, unused, Purpose::kCameraInformation).run().value();
-}
-
-CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,
-                        bool free_cameras) {
-  CameraImuEstimate out = estimate;
-  for (std::size_t i = 0; i < out.states.size(); ++i) {
-    out.states[i] = boxplus(estimate.states[i], step.step[i]);
-  }
-  const Eigen::VectorXd& border = step.border_step;
-  out.T_SC0 = boxplus(estimate.T_SC0, Vector6d(border.segment<6>(BorderLayout::kExtrinsics)));
-  out.gravity_direction = boxplusDirection(
-      estimate.gravity_direction, Eigen::Vector2d(border.segment<2>(BorderLayout::kGravity)));
-  out.time_offset_s += border(BorderLayout::kOffset);
-  if (!free_cameras) return out;
-  const BorderLayout layout(estimate.cameras, true);
-  for (std::size_t c = 0; c < out.cameras.size(); ++c) {
-    Intrinsics& k = out.cameras[c].intrinsics;
-    const Eigen::VectorXd stacked = k.stacked();
-    k.setStacked(stacked + border.segment(layout.intrinsics[c], stacked.size()));
-    if (layout.T_C0Ci[c] < 0) continue;
-    out.cameras[c].T_C0Ci =
-        boxplus(estimate.cameras[c].T_C0Ci, Vector6d(border.segment<6>(layout.T_C0Ci[c])));
-  }
-  return out;
 }
 
 }  // namespace plumbline

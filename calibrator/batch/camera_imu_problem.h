@@ -25,10 +25,12 @@ enum class FrameLink {
 /// All measurements of the camera-IMU batch.
 struct CameraImuProblem {
   std::vector<PackedCorners> corners;  ///< per camera, all views of the session
-  std::vector<ImuSample> samples;      ///< stamps shifted by the option
-  std::vector<Frame> frames;           ///< n, ascending in time
-  std::vector<FrameLink> links;        ///< n - 1, between frame i and i + 1
-  std::vector<double> weights;         ///< n, how often a frame (and the link after it) counts
+  /// Per camera and view, the view's stamp; empty: all views are taken at their frames' instants.
+  std::vector<std::vector<TimeNs>> view_stamps;
+  std::vector<ImuSample> samples;  ///< stamps shifted by the option
+  std::vector<Frame> frames;       ///< n, ascending in time
+  std::vector<FrameLink> links;    ///< n - 1, between frame i and i + 1
+  std::vector<double> weights;     ///< n, how often a frame (and the link after it) counts
   ImuNoise noise;
   double gravity_m_s2 = 9.80655;
   double pixel_sigma = 1;
@@ -44,8 +46,14 @@ struct CameraImuEstimate {
   std::vector<ImuState> states;  ///< n
   Transform T_SC0;
   Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();  ///< in F, pointing down
-  double time_offset_s = 0;
+  double time_offset_s = 0;                                       ///< of camera 0
   std::vector<CameraCalibration> cameras;
+  /// Per camera, its time offset less camera 0's [s], where that is estimated; may be shorter.
+  std::vector<std::optional<double>> offset_differences_s;
+
+  bool hasOwnOffset(std::size_t camera) const {
+    return camera < offset_differences_s.size() && offset_differences_s[camera];
+  }
 };
 
 /// Where each parameter stands in the border.
@@ -57,9 +65,10 @@ struct BorderLayout {
 
   std::vector<int> intrinsics;  ///< per camera, first of stacked(); empty unless cameras are free
   std::vector<int> T_C0Ci;      ///< per camera, 6, after all intrinsics; -1 for camera 0
+  std::vector<int> own_offset;  ///< per camera, 1, last; -1 where it is not estimated
   int size = kFixed;
 
-  BorderLayout(const std::vector<CameraCalibration>& cameras, bool free_cameras);
+  BorderLayout(const CameraImuEstimate& estimate, bool free_cameras);
 };
 
 /// Whitening of every interval; all zero where a link is broken.

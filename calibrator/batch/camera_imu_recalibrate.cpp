@@ -55,6 +55,11 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
   estimate.gravity_direction = earlier.gravity_F.normalized();
   estimate.time_offset_s = earlier.imu.time_offset_s;
   estimate.cameras = earlier.cameras;
+  for (const double offset : earlier.imu.camera_time_offsets_s) {
+    const double difference = offset - earlier.imu.time_offset_s;
+    auto& own = estimate.offset_differences_s.emplace_back();
+    if (difference != 0) own = difference;
+  }
   const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
   const FrameSelectionOptions choice = selectionOptions(options, estimate.time_offset_s);
   for (const FrameStretch& stretch : stretches) {

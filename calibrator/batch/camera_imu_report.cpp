@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/batch/camera_imu_exposure.h"
 #include "calibrator/batch/parallel_chunks.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_sanity.h"
@@ -32,7 +33,7 @@ void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& es
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     if (f.view[c] < 0) continue;
     const CameraCalibration& camera = estimate.cameras[c];
-    const Transform T_CF = (estimate.states[at].T_FS * estimate.T_SC0 * camera.T_C0Ci).inverse();
+    const Transform T_CF = targetInCamera(problem, estimate, at, c);
     const PackedView view = problem.corners[c].view(f.view[c]);
     for (int k = 0; k < view.count; ++k) {
       CornerResidual& r = *out++;
@@ -85,12 +86,13 @@ void addIntrinsics(ParameterList& list, const CameraCalibration& camera, std::si
   }
 }
 
-ParameterList parameterList(const std::vector<CameraCalibration>& cameras, bool free_cameras) {
+ParameterList parameterList(const CameraImuEstimate& estimate, bool free_cameras) {
+  const std::vector<CameraCalibration>& cameras = estimate.cameras;
   ParameterList list;
   list.addTransform(BorderLayout::kExtrinsics, "T_SC0");
   list.add(BorderLayout::kOffset, "time_offset", "s");
   if (!free_cameras) return list;
-  const BorderLayout layout(cameras, true);
+  const BorderLayout layout(estimate, true);
   for (std::size_t c = 0; c < cameras.size(); ++c) addIntrinsics(list, cameras[c], c, layout);
   for (std::size_t c = 1; c < cameras.size(); ++c) {
     list.addTransform(layout.T_C0Ci[c], fmt::format("T_C0C{}", c));
@@ -219,7 +221,7 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options) {
   const CameraImuEstimate& estimate = solution.estimate;
-  const ParameterList list = parameterList(estimate.cameras, problem.free_cameras);
+  const ParameterList list = parameterList(estimate, problem.free_cameras);
   const auto normals = informationAt(problem, estimate, solution.weights);
   std::optional<ChainSolution> chain;
   if (normals) chain = solveChain(normals->chain, {0, problem.threads});

@@ -46,11 +46,24 @@ void fillReprojection(const Session& session, CameraImuStageResult& result) {
   }
 }
 
+/// Of every camera; empty where all have camera 0's.
+std::vector<double> cameraTimeOffsets(const CameraImuEstimate& estimate) {
+  std::vector<double> offsets(estimate.cameras.size(), estimate.time_offset_s);
+  bool differ = false;
+  for (std::size_t c = 0; c < offsets.size(); ++c) {
+    if (!estimate.hasOwnOffset(c)) continue;
+    offsets[c] += *estimate.offset_differences_s[c];
+    differ = true;
+  }
+  return differ ? offsets : std::vector<double>();
+}
+
 CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuSolution& solution) {
   const CameraImuEstimate& e = solution.estimate;
   CameraImuStageResult result;
   result.imu.T_SC0 = e.T_SC0;
   result.imu.time_offset_s = e.time_offset_s;
+  result.imu.camera_time_offsets_s = cameraTimeOffsets(e);
   result.imu.gravity_m_s2 = problem.gravity_m_s2;
   result.imu.noise = problem.noise;
   result.gravity_F = problem.gravity_m_s2 * e.gravity_direction;
@@ -96,6 +109,8 @@ CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& opt
   problem.corners.reserve(session.cameras.size());
   for (const CameraStream& camera : session.cameras) {
     problem.corners.emplace_back(session.target, camera.views);
+    auto& stamps = problem.view_stamps.emplace_back();
+    for (const ImageView& view : camera.views) stamps.push_back(view.t);
   }
   problem.samples = shiftedSamples(session.imu->samples, options.imu_shift_ns);
   problem.noise = options.noise.value_or(session.imu->noise);

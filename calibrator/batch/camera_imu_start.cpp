@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "calibrator/base/statistics.h"
 #include "calibrator/batch/parallel_chunks.h"
@@ -13,6 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kPoseIterations = 4;          // a start needs no more
+constexpr TimeNs kSynchronised = 50'000;    // [ns] of median shift between cameras' stamps
 constexpr double kLongestDifference = 0.3;  // [s] over which positions still give a velocity
 
 double medianInterval(std::span<const CameraPose> poses) {
@@ -60,6 +62,17 @@ std::optional<Transform> framePose(const std::vector<CameraCalibration>& cameras
   return refined.T_C0F.inverse();
 }
 
+/// A start for the own offset of every camera whose stamps are off camera 0's.
+std::vector<std::optional<double>> ownOffsets(const Session& session,
+                                              const std::vector<Frame>& frames) {
+  std::vector<std::optional<double>> differences(session.cameras.size());
+  const std::vector<TimeNs> shifts = stampShifts(session.cameras, frames);
+  for (std::size_t c = 1; c < shifts.size(); ++c) {
+    if (std::llabs(shifts[c]) > kSynchronised) differences[c] = 0;
+  }
+  return differences;
+}
+
 }  // namespace
 
 std::vector<TimeNs> PosedFrames::stamps() const {
@@ -93,6 +106,7 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
     out.poses.push_back({all[i].t, *poses[i]});
     out.frames.push_back(std::move(all[i]));
   }
+  out.own_offsets = ownOffsets(session, out.frames);
   return out;
 }
 

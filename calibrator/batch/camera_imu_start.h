@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct PosedFrames {
   std::vector<Frame> frames;
   std::vector<CameraPose> poses;
   int without_pose = 0;  ///< frames left out
+  /// Where a camera's stamps are off camera 0's: the start of its offset_differences_s.
+  std::vector<std::optional<double>> own_offsets;
 
   std::vector<TimeNs> stamps() const;
 };

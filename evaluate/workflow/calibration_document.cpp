@@ -74,6 +74,9 @@ Json cameraImuOf(const CameraImuStageResult& stage) {
   const ImuResidualSummary& imu = stage.imu_summary;
   json["time_offset_s"] = stage.imu.time_offset_s;
   if (stage.imu.time_offset_std_s) json["time_offset_std_s"] = *stage.imu.time_offset_std_s;
+  if (!stage.imu.camera_time_offsets_s.empty()) {
+    json["camera_time_offsets_s"] = stage.imu.camera_time_offsets_s;
+  }
   json["gyro_rms_rad_s"] = imu.gyro_rms_rad_s;
   json["accel_rms_m_s2"] = imu.accel_rms_m_s2;
   json["imu_normalised_rms"] = {{"gyro", imu.gyro_normalised_rms},

@@ -77,6 +77,15 @@ TEST(KalibrFiles, NumbersHaveADecimalPointBeforeTheExponent) {
   EXPECT_THAT(text, Not(HasSubstr(" 1e-05")));
 }
 
+TEST(KalibrFiles, EachCameraHasItsOwnTimeShift) {
+  Calibration rig = threeCameraRig();
+  rig.imu->camera_time_offsets_s = {0.25, 0.5, 0.75};
+  const std::string text = kalibrCamchainText(rig);
+  for (const char* shift : {"0.25", "0.5", "0.75"}) {
+    EXPECT_THAT(text, HasSubstr(std::string("timeshift_cam_imu: ") + shift + "\n"));
+  }
+}
+
 TEST(KalibrFiles, ImuAndTargetComeBack) {
   const TemporaryFolder folder;
   const ImuNoise noise{1.1e-4, 2.2e-5, 3.3e-3, 4.4e-3, 400};

@@ -38,11 +38,34 @@ TEST(PairFrames, SynchronisedCamerasPairOneToOne) {
   EXPECT_EQ(frames[1].t, 50 * kMs);
 }
 
-TEST(PairFrames, AFrameCarriesTheMeanOfItsStampsExactly) {
+TEST(PairFrames, AFrameCarriesTheStampOfCamera0) {
   const TimeNs epoch = 1'700'000'000'000'000'001;
   const auto frames = pairFrames({streamOf({epoch}), streamOf({epoch + 1000})});
   ASSERT_EQ(frames.size(), 1U);
-  EXPECT_EQ(frames[0].t, epoch + 500);
+  EXPECT_EQ(frames[0].t, epoch);
+}
+
+TEST(PairFrames, AFrameWithoutCamera0CarriesTheStampThatItsWouldHave) {
+  const auto frames = pairFrames({streamOf({0, 50 * kMs}), streamOf({kMs, 51 * kMs, 101 * kMs})});
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[2].view, (std::vector<int>{-1, 2}));
+  EXPECT_EQ(frames[2].t, 100 * kMs);
+}
+
+TEST(PairFrames, AConstantShiftAboveTheToleranceIsTakenOut) {
+  std::vector<TimeNs> first, second;
+  for (int i = 0; i < 20; ++i) {
+    first.push_back(i * 50 * kMs);
+    second.push_back(i * 50 * kMs + 3 * kMs + i * 1000);
+  }
+  const auto cameras = std::vector<CameraStream>{streamOf(first), streamOf(second)};
+  const auto frames = pairFrames(cameras);
+  ASSERT_EQ(frames.size(), 20U);
+  EXPECT_EQ(frames[7].view, (std::vector<int>{7, 7}));
+  EXPECT_EQ(frames[7].t, first[7]);
+  EXPECT_NEAR(static_cast<double>(stampShifts(cameras, frames)[1]), 3.01e6, 2e3);
+  for (TimeNs& t : second) t += 20 * kMs;  // half-way between two frames: not the same trigger
+  EXPECT_EQ(pairFrames({streamOf(first), streamOf(second)}).size(), 40U);
 }
 
 TEST(PairFrames, ToleranceIsInclusiveAndNoMore) {

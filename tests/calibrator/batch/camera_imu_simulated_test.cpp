@@ -114,6 +114,56 @@ TEST(CameraImu, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.summary.cost, three.summary.cost);
 }
 
+/// Camera 1's stamps moved by `shift`; its exposures stay where they were.
+SimulatedSession withShiftedCamera1(SimulatedSession s, TimeNs shift) {
+  for (ImageView& view : s.session.cameras[1].views) view.t += shift;
+  return s;
+}
+
+TEST(CameraImu, AConstantShiftOfACamerasStampsIsItsOwnOffset) {
+  const SimulatedSession s = simulate(noisyRecording(4, 10));
+  const CameraImuOptions options = matchedOptions(s, 0.2);
+  const CameraImuStageResult base = solved(s, options);
+  EXPECT_TRUE(base.imu.camera_time_offsets_s.empty());
+  for (const TimeNs shift : {3'000'000, -1'000'000}) {
+    const CameraImuStageResult moved = solved(withShiftedCamera1(s, shift), options);
+    EXPECT_TRUE(moved.summary.converged);
+    ASSERT_EQ(moved.frames.size(), base.frames.size());
+    ASSERT_EQ(moved.imu.camera_time_offsets_s.size(), 2U);
+    EXPECT_EQ(moved.imu.camera_time_offsets_s[0], moved.imu.time_offset_s);
+    // One more parameter: camera 1's own offset, known to some microseconds.
+    const double own = moved.imu.camera_time_offsets_s[1] + static_cast<double>(shift) * 1e-9;
+    EXPECT_NEAR(own, s.truth.imu->time_offset_s, 100e-6) << shift;
+    EXPECT_NEAR(moved.imu.time_offset_s, base.imu.time_offset_s, *base.imu.time_offset_std_s);
+    const Vector6d change = boxminus(moved.imu.T_SC0, base.imu.T_SC0);
+    EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).cwiseAbs().maxCoeff(), 1) << shift;
+    EXPECT_NEAR(moved.summary.reprojection.rmse_px, base.summary.reprojection.rmse_px, 1e-3);
+  }
+}
+
+/// Camera 1 exposed `delay` later than camera 0, and stamped so.
+SimulatedSession withLateCamera1(const SimulationOptions& options, TimeNs delay) {
+  SimulatedSession s = simulate(options);
+  SimulationOptions later = options;
+  later.time_offset_s = s.truth.imu->time_offset_s + secondsBetween(0, delay);
+  s.session.cameras[1].views = simulate(later).session.cameras[1].views;
+  return withShiftedCamera1(std::move(s), delay);
+}
+
+TEST(CameraImu, ACameraThatIsExposedLaterIsTakenAtItsOwnStamps) {
+  SimulationOptions simulation = exactRecording(1600, 10);
+  for (const TimeNs delay : {3'000'000, 1'000'000}) {
+    const SimulatedSession s = withLateCamera1(simulation, delay);
+    const CameraImuStageResult r = solved(s, matchedOptions(s, 1));
+    EXPECT_TRUE(r.summary.converged);
+    EXPECT_LT(r.summary.reprojection.rmse_px, 0.01) << delay;
+    ASSERT_EQ(r.imu.camera_time_offsets_s.size(), 2U);
+    EXPECT_NEAR(r.imu.camera_time_offsets_s[0], s.truth.imu->time_offset_s, 10e-6);
+    EXPECT_NEAR(r.imu.camera_time_offsets_s[1], s.truth.imu->time_offset_s, 10e-6);
+    EXPECT_LT(boxminus(r.imu.T_SC0, s.truth.imu->T_SC0).norm(), 2e-4) << delay;
+  }
+}
+
 // The derivative by the offset holds the noise of single samples, and more of it the higher the
 // rate: plain Gauss-Newton would fall short by up to 7/8 of every step here (0.87 a step left
 // over), and costs under renewed weights do not compare.
