@@ -26,5 +26,9 @@ Command detectCommand();
 Command calibrateCommand();
 Command perturbCommand();
 Command reportCommand();
+Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
+
+/// The subcommands of `evaluate`.
+Command evaluateTrajectoryCommand();
 
 }  // namespace plumbline

@@ -19,7 +19,18 @@ namespace plumbline {
 namespace {
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(), calibrateCommand(), perturbCommand(), reportCommand()};
+  return {simulateCommand(), detectCommand(),  calibrateCommand(),
+          evaluateCommand(), perturbCommand(), reportCommand()};
+}
+
+// " evaluate trajectory": the commands that were chosen, one within the other.
+std::string chosenWords(const CLI::App& app) {
+  std::string words;
+  for (auto chosen = app.get_subcommands(); !chosen.empty();
+       chosen = chosen.front()->get_subcommands()) {
+    words += " " + chosen.front()->get_name();
+  }
+  return words;
 }
 
 int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
@@ -59,9 +70,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
-    const auto chosen = app.get_subcommands();
-    fmt::print(stderr, "plumbline: {}; see plumbline{} --help\n", error.what(),
-               chosen.empty() ? "" : " " + chosen.front()->get_name());
+    fmt::print(stderr, "plumbline: {}; see plumbline{} --help\n", error.what(), chosenWords(app));
     return kBadInput;
   }
   return runChosen(app, handlers);

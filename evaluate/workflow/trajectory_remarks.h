@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/trajectory.h"
+#include "evaluate/metrics/trajectory/association.h"
+
+namespace plumbline {
+
+/// Why nothing, or too little, was paired: both spans in seconds and what most likely differs (the
+/// unit, the epoch, the clock), or how far the nearest stamps are apart. Neither trajectory is
+/// empty.
+Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
+                           const Association& association, const AssociationOptions& options);
+
+/// One sentence for each odd thing about the pairs: a clock offset, poses without a partner or in
+/// gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
+std::vector<std::string> remarksOn(const Association& association);
+
+}  // namespace plumbline

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `plumbline evaluate trajectory` as a user runs it.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class CommandTrajectory : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() / ("plumbline_trajectory_" + std::to_string(getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+    write(folder_ / "truth.txt", circle(100, 1));
+    write(folder_ / "estimate.txt", circle(100, 1.01));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // TUM at 20 Hz from `start` [s]: a circle of radius `radius`; a line for radius 0.
+  static std::string circle(double start, double radius) {
+    std::string text = "# timestamp tx ty tz qx qy qz qw\n";
+    for (int i = 0; i < 100; ++i) {
+      const double a = 0.05 * i;
+      char line[200];
+      std::snprintf(line, sizeof line, "%.9f %.9f %.9f 0 0 0 %.9f %.9f\n", start + a,
+                    radius > 0 ? radius * std::cos(a) : a, radius * std::sin(a), std::sin(a / 2),
+                    std::cos(a / 2));
+      text += line;
+    }
+    return text;
+  }
+  Outcome run(const std::string& options = "") const {
+    return plumbline("evaluate trajectory " + (folder_ / "estimate.txt").string() + " " +
+                     (folder_ / "truth.txt").string() + " " + options);
+  }
+  void expectRefusal(const Outcome& outcome, int exit_code,
+                     const testing::Matcher<std::string>& words) const {
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.text;
+    EXPECT_THAT(outcome.text, words);
+    EXPECT_EQ(outcome.text.find("plumbline: "), 0U) << outcome.text;
+    EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(CommandTrajectory, PrintsATableAndWritesTheFigures) {
+  const fs::path json = folder_ / "figures.json";
+  const Outcome outcome = run("--align none --rpe 1m,1frames --json " + json.string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("rmse"), HasSubstr("ATE translation [m]"),
+                                  HasSubstr("RPE 1 frames rotation [deg]"),
+                                  HasSubstr("100 pairs of 100 estimated and 100 true poses")));
+  const auto figures = nlohmann::json::parse(read(json));
+  EXPECT_NEAR(figures["ate"]["translation_m"]["rmse"], 0.01, 1e-8);
+  EXPECT_EQ(figures["rpe"].size(), 2U);
+  EXPECT_EQ(nlohmann::json::parse(run("--json -").text)["alignment"], "se3");
+}
+
+TEST_F(CommandTrajectory, Sim3FindsTheScale) {
+  const auto figures = nlohmann::json::parse(run("--align sim3 --json -").text);
+  EXPECT_NEAR(figures["scale"], 1 / 1.01, 1e-8);
+  EXPECT_LT(figures["ate"]["translation_m"]["rmse"], 1e-8);
+}
+
+TEST_F(CommandTrajectory, NoOverlapNamesTheFilesAndTheCause) {
+  write(folder_ / "truth.txt", circle(1.4e9, 1));
+  expectRefusal(run(), 1,
+                AllOf(HasSubstr("estimate.txt"), HasSubstr("truth.txt"),
+                      HasSubstr("no overlap in time"), HasSubstr("1970")));
+}
+
+TEST_F(CommandTrajectory, PositionsOnALineAreRefusedUnlessTheAlignmentBearsThem) {
+  write(folder_ / "truth.txt", circle(100, 0));
+  write(folder_ / "estimate.txt", circle(100, 0));
+  expectRefusal(run(), 1, AllOf(HasSubstr("estimate.txt"), HasSubstr("on a line")));
+  EXPECT_EQ(run("--align yaw").exit_code, 0);
+  EXPECT_EQ(run("--align se3-first").exit_code, 0);
+}
+
+TEST_F(CommandTrajectory, BadOptionsAndFilesExitWithTwo) {
+  expectRefusal(run("--align rigid"), 2, AllOf(HasSubstr("--align rigid"), HasSubstr("se3-first")));
+  expectRefusal(run("--association nearest"), 2, HasSubstr("one-to-one"));
+  expectRefusal(run("--rpe 10miles"), 2, HasSubstr("10m"));
+  expectRefusal(run("--rpe 1.5frames"), 2, HasSubstr("1.5frames"));
+  expectRefusal(run("--max-dt -1"), 2, HasSubstr("--max-dt"));
+  expectRefusal(run("--format csv"), 2, HasSubstr("motive"));
+  expectRefusal(plumbline("evaluate"), 2, Not(HasSubstr("unexpected")));
+  expectRefusal(plumbline("evaluate trajectory"), 2,
+                HasSubstr("plumbline evaluate trajectory --help"));
+  expectRefusal(plumbline("evaluate trajectory /nowhere /nowhere"), 2, HasSubstr("/nowhere"));
+}
+
+TEST_F(CommandTrajectory, HelpHasAnExample) {
+  const Outcome outcome = plumbline("evaluate trajectory --help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.text,
+              AllOf(HasSubstr("Example"), HasSubstr("plumbline evaluate trajectory")));
+  EXPECT_THAT(plumbline("evaluate --help").text, HasSubstr("trajectory"));
+}
+
+}  // namespace
+}  // namespace plumbline

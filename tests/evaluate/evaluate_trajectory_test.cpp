@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/workflow/evaluate_trajectory.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "evaluate/workflow/trajectory_document.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// A spiral at 10 Hz from `start_s`, 20 s long.
+Trajectory spiral(double start_s) {
+  Trajectory trajectory;
+  for (int i = 0; i < 200; ++i) {
+    const double a = 0.1 * i;
+    trajectory.poses.push_back(
+        {toNanoseconds(start_s) + 100'000'000LL * i,
+         {2 * std::cos(a), 2 * std::sin(a), 0.1 * a},
+         Eigen::Quaterniond(Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()))});
+  }
+  return trajectory;
+}
+
+Failure refusal(const Trajectory& estimate, const Trajectory& truth) {
+  const auto result = evaluateTrajectories(estimate, truth, {});
+  EXPECT_FALSE(result.ok());
+  return result.ok() ? Failure{} : result.failure();
+}
+
+TEST(EvaluateTrajectories, AnExactEstimateHasNoErrorAndNoRemarks) {
+  TrajectoryMetricOptions options;
+  options.rpe = {{1, RelativeDelta::Unit::kMetres}, {1, RelativeDelta::Unit::kFrames}};
+  const auto result = evaluateTrajectories(spiral(0), spiral(0), options);
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->run.association.matches, 200U);
+  EXPECT_LT(result->run.ate_translation_m.rmse, 1e-12);
+  EXPECT_LT(result->run.ate_rotation_deg.rmse, 1e-10);
+  ASSERT_EQ(result->run.rpe.size(), 2U);
+  EXPECT_GT(result->run.rpe[0].translation_m.n, 150U);
+  EXPECT_DOUBLE_EQ(result->run.coverage, 1);
+  EXPECT_EQ(result->run.error_m.size(), 200U);
+  EXPECT_THAT(result->remarks, IsEmpty());
+}
+
+TEST(EvaluateTrajectories, CoverageLeavesOutHoles) {
+  Trajectory half = spiral(0);
+  half.poses.erase(half.poses.begin() + 50, half.poses.begin() + 149);
+  EXPECT_NEAR(evaluateTrajectories(half, spiral(0), {})->run.coverage, 99 / 199.0, 1e-12);
+}
+
+TEST(EvaluateTrajectories, NoOverlapNamesBothSpansAndTheCause) {
+  const Failure later = refusal(spiral(1000), spiral(1100));
+  EXPECT_EQ(later.reason, FailureReason::kNoOverlap);
+  EXPECT_THAT(later.message, AllOf(HasSubstr("no overlap in time"), HasSubstr("from 1000.000"),
+                                   HasSubstr("to 1019.900"), HasSubstr("from 1100.000")));
+  EXPECT_THAT(later.cure, HasSubstr("--time-offset 100"));
+  EXPECT_THAT(refusal(spiral(1.4e6), spiral(1.4e9)).cure, HasSubstr("unit"));
+  EXPECT_THAT(refusal(spiral(12), spiral(1.4e9)).cure, HasSubstr("epoch"));
+  EXPECT_THAT(refusal(spiral(1.4e9 + 7200), spiral(1.4e9)).cure, HasSubstr("time zone"));
+}
+
+TEST(EvaluateTrajectories, TooFewPairsSayHowFarTheStampsAreApart) {
+  const Failure between = refusal(spiral(0.05), spiral(0));
+  EXPECT_EQ(between.reason, FailureReason::kNotObservable);
+  EXPECT_THAT(between.message, AllOf(HasSubstr("0 of 200"), HasSubstr("0.05")));
+  EXPECT_THAT(between.cure, HasSubstr("interpolate"));
+  TrajectoryMetricOptions options;
+  options.association.rule = AssociationRule::kInterpolate;
+  EXPECT_EQ(evaluateTrajectories(spiral(0.05), spiral(0), options)->run.association.matches, 199U);
+  options.association.max_gap_s = 0.05;
+  EXPECT_THAT(evaluateTrajectories(spiral(0.05), spiral(0), options).failure().message,
+              HasSubstr("199 stamps lie in gaps"));
+}
+
+TEST(EvaluateTrajectories, RemarksNameTheClockOffset) {
+  const auto result = evaluateTrajectories(spiral(0.004), spiral(0), {});
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("+4.000 ms")));
+}
+
+TEST(EvaluateTrajectories, RemarksNamePosesThatEvoUsesTwice) {
+  Trajectory estimate = spiral(0);
+  estimate.poses.insert(estimate.poses.begin() + 7, estimate.poses[7]);
+  estimate.poses.pop_back();
+  TrajectoryMetricOptions options;
+  options.association.rule = AssociationRule::kEvo;
+  const auto result = evaluateTrajectories(estimate, spiral(0), options);
+  EXPECT_EQ(result->run.association.estimate_duplicates, 1U);
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("1 poses twice")));
+  EXPECT_THAT(evaluateTrajectories(estimate, spiral(0), {})->remarks, IsEmpty());
+}
+
+TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
+  Trajectory estimate = spiral(0);
+  const Eigen::Quaterniond q_BC(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
+  for (StampedPose& pose : estimate.poses) pose.q = pose.q * q_BC;
+  EXPECT_THAT(evaluateTrajectories(estimate, spiral(0), {})->remarks,
+              Contains(HasSubstr("bodies' frames")));
+}
+
+TEST(EvaluateTrajectories, WithoutOrientationsOnlyPositionsAreJudged) {
+  Trajectory truth = spiral(0);
+  truth.has_orientation = false;
+  TrajectoryMetricOptions options;
+  options.rpe = {{1, RelativeDelta::Unit::kMetres}};
+  const auto result = evaluateTrajectories(spiral(0), truth, options);
+  EXPECT_EQ(result->run.ate_translation_m.n, 200U);
+  EXPECT_EQ(result->run.ate_rotation_deg.n, 0U);
+  EXPECT_THAT(result->run.rpe, IsEmpty());
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("no orientations")));
+  options.alignment.kind = AlignmentKind::kSe3First;
+  EXPECT_THAT(evaluateTrajectories(spiral(0), truth, options).failure().message,
+              HasSubstr("needs orientations"));
+}
+
+TEST(TrajectoryDocument, HoldsTheFieldsThatScriptsRead) {
+  TrajectoryMetricOptions options;
+  options.rpe = {{2, RelativeDelta::Unit::kSeconds}};
+  const auto json = nlohmann::json::parse(
+      trajectoryDocument(*evaluateTrajectories(spiral(0), spiral(0), options)));
+  EXPECT_EQ(json["n"], 200);
+  EXPECT_EQ(json["association"], "one-to-one");
+  EXPECT_EQ(json["alignment"], "se3");
+  EXPECT_EQ(json["scale"], 1);
+  EXPECT_NEAR(json["R"][2][2], 1, 1e-12);
+  EXPECT_EQ(json["t"].size(), 3U);
+  for (const char* name : {"rmse", "mean", "median", "std", "min", "max", "sse", "n"}) {
+    EXPECT_TRUE(json["ate"]["translation_m"].contains(name)) << name;
+    EXPECT_TRUE(json["ate"]["rotation_deg"].contains(name)) << name;
+    EXPECT_TRUE(json["rpe"][0]["translation_m"].contains(name)) << name;
+  }
+  EXPECT_EQ(json["rpe"][0]["delta"], 2);
+  EXPECT_EQ(json["rpe"][0]["unit"], "s");
+}
+
+}  // namespace
+}  // namespace plumbline
