@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exports of motion capture systems: Motive's rigid bodies and Vicon's objects.
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/trajectory_reader.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+TrajectoryFile read(const std::string& text, const std::string& body = "") {
+  const TemporaryFolder folder;
+  TrajectoryReadOptions options;
+  options.body = body;
+  return readTrajectory(folder.write("take.csv", text), options);
+}
+
+std::string refusal(const std::string& text, const std::string& body = "") {
+  try {
+    read(text, body);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "was accepted";
+}
+
+struct MotiveHeader {
+  std::string units = "Millimeters";
+  std::string rotation = "Quaternion";
+  std::string rate = "360.000000";
+  std::string space = "Global";
+};
+
+// The first line as Motive writes it with format 1.23, and the empty one after it.
+std::string motiveHeader(const MotiveHeader& header = {}) {
+  return fmt::format(
+      "Format Version,1.23,Take Name,test,Take Notes,,Capture Frame Rate,360.000000,Export Frame "
+      "Rate,{},Capture Start Time,2023-11-28 10.27.58.765 DU.,Capture Start Frame,78593,Total "
+      "Frames in Take,3,Total Exported Frames,3,Rotation Type,{},Length Units,{},Coordinate "
+      "Space,{}\n\n",
+      header.rate, header.rotation, header.units, header.space);
+}
+
+constexpr const char* kOneBody =
+    ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
+    "Body\n"
+    ",Name,Drone,Drone,Drone,Drone,Drone,Drone,Drone,Drone\n"
+    ",ID,\"9\",\"9\",\"9\",\"9\",\"9\",\"9\",\"9\",\"9\"\n"
+    ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Mean Marker Error\n"
+    "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,\n";
+
+TEST(MotiveExport, TakesUnitsOrderAndTimeFromTheHeader) {
+  const TrajectoryFile file =
+      read(motiveHeader() + kOneBody +
+           "0,0.000000,0.6,0,0,0.8,1000,2500,-3,0.2\n1,0.003000,0,0,0,1,1001,2500,-3,0.2\n"
+           "2,0.006000,0,0.6,0,-0.8,1002,2500,-3,0.2\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kMotive);
+  ASSERT_EQ(file.trajectory.poses.size(), 3U);
+  EXPECT_EQ(file.trajectory.poses[1].t, 2'777'778);  // 1/360 s, not the rounded 3 ms
+  EXPECT_EQ(file.trajectory.poses[2].t, 5'555'556);
+  EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 2.5, -0.003));
+  EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0.6, 0, 0, 0.8));
+  EXPECT_EQ(file.trajectory.poses[2].q.coeffs(), Eigen::Vector4d(0, 0.6, 0, -0.8));
+  EXPECT_THAT(file.remarks, Contains(HasSubstr("'Drone'")));
+}
+
+TEST(MotiveExport, TheAxesRowDecidesTheColumns) {
+  std::string columns = kOneBody;
+  const auto at = columns.find("X,Y,Z,W,");
+  columns.replace(at, 8, "W,X,Y,Z,");
+  const TrajectoryFile file =
+      read(motiveHeader({"Meters"}) + columns + "0,0.0,0.8,0.6,0,0,1,2,3,0\n");
+  EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0.6, 0, 0, 0.8));
+  EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(MotiveExport, FramesWithoutTheBodyAreSkippedAndCounted) {
+  const TrajectoryFile file = read(motiveHeader() + kOneBody +
+                                   "0,0.000000,0,0,0,1,0,0,0,0\n1,0.003000,,,,,,,,\n"
+                                   "2,0.006000,0,0,0,1,5,0,0,0\n");
+  ASSERT_EQ(file.trajectory.poses.size(), 2U);
+  EXPECT_EQ(file.trajectory.poses[1].t, 5'555'556);
+  EXPECT_THAT(file.remarks, Contains(HasSubstr("1 of 3 frames")));
+}
+
+// Two bodies and the markers of the first, as Motive orders them.
+const std::string kTwoBodies =
+    ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
+    "Body,Rigid Body Marker,Rigid Body Marker,Rigid Body Marker,Rigid Body,Rigid Body,Rigid "
+    "Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body\n"
+    ",Name,A,A,A,A,A,A,A,A,A:M1,A:M1,A:M1,B b,B b,B b,B b,B b,B b,B b,B b\n"
+    ",ID,1,1,1,1,1,1,1,1,2,2,2,3,3,3,3,3,3,3,3\n"
+    ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Mean Marker "
+    "Error,Position,Position,Position,Rotation,Rotation,Rotation,Rotation,Position,Position,"
+    "Position,Mean Marker Error\n"
+    "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,,X,Y,Z,X,Y,Z,W,X,Y,Z,\n"
+    "0,0.000000,0,0,0,1,1,2,3,0,7,7,7,0,0.6,0,0.8,4,5,6,0\n";
+
+TEST(MotiveExport, TheBodyIsChosenByName) {
+  const TrajectoryFile file = read(motiveHeader({"Meters"}) + kTwoBodies, "B b");
+  EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0, 0.6, 0, 0.8));
+  EXPECT_EQ(read(motiveHeader({"Meters"}) + kTwoBodies, "A").trajectory.poses[0].p,
+            Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(MotiveExport, SaysWhichBodiesThereAre) {
+  EXPECT_THAT(refusal(motiveHeader() + kTwoBodies), HasSubstr("one of: A, B b"));
+  EXPECT_THAT(refusal(motiveHeader() + kTwoBodies, "C"), HasSubstr("no body 'C'"));
+}
+
+TEST(MotiveExport, WithoutARigidBodyIsRefused) {
+  const std::string empty = ",Type\n,Name\n,ID\n,\nFrame,Time (Seconds)\n0,0.000000\n";
+  EXPECT_THAT(refusal(motiveHeader() + empty), HasSubstr("has no rigid body (0 columns"));
+  const std::string markers =
+      ",Type,Marker,Marker,Marker\n,Name,U 1,U 1,U 1\n,ID,\"1\",\"1\",\"1\"\n"
+      ",,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n"
+      "0,0.000000,1,2,3\n";
+  EXPECT_THAT(refusal(motiveHeader() + markers), HasSubstr("has no rigid body (3 columns"));
+}
+
+TEST(MotiveExport, OtherConventionsAreRefusedByName) {
+  const std::string row = "0,0.0,0,0,0,1,0,0,0,0\n";
+  const auto with = [&](const MotiveHeader& h) {
+    return refusal(motiveHeader(h) + kOneBody + row);
+  };
+  EXPECT_THAT(with({"Inches"}), HasSubstr("'Inches'"));
+  EXPECT_THAT(with({"Meters", "XYZ"}), HasSubstr("'XYZ'; expected Quaternion"));
+  EXPECT_THAT(with({"Meters", "Quaternion", "0"}), HasSubstr("rate is '0'"));
+  EXPECT_THAT(with({"Meters", "Quaternion", "360", "Local"}), HasSubstr("'Local'"));
+}
+
+TEST(MotiveExport, FramesThatDisagreeWithTheTimesAreRefused) {
+  EXPECT_THAT(refusal(motiveHeader({"Meters", "Quaternion", "120"}) + kOneBody +
+                      "0,0.0,0,0,0,1,0,0,0,0\n360,1.0,0,0,0,1,0,0,0,0\n"),
+              HasSubstr("the frames span 3.000 s"));
+}
+
+TEST(MotiveExport, ACutRowNamesItsLine) {
+  const std::string what =
+      refusal(motiveHeader() + kOneBody + "0,0.0,0,0,0,1,0,0,0,0\n1,0.003,0,0");
+  EXPECT_THAT(what, HasSubstr("take.csv:9: "));
+  EXPECT_THAT(what, HasSubstr("truncated"));
+}
+
+std::string vicon(const std::string& rotation, const std::string& units, const std::string& rows) {
+  return "Objects\n200\n,,Global Angle rig,,,,,,\nFrame,Sub Frame," + rotation + ",TX,TY,TZ\n,," +
+         units + "\n" + rows;
+}
+
+TEST(ViconExport, ReadsRotationVectorsInRadians) {
+  const TrajectoryFile file = read(vicon(
+      "RX,RY,RZ", "rad,rad,rad,mm,mm,mm",
+      fmt::format("1,0,0,0,{:.17g},1000,2000,3000\n2,0,0,0,0,1,2,3\n", std::numbers::pi / 2)));
+  EXPECT_EQ(file.format, TrajectoryFormat::kVicon);
+  ASSERT_EQ(file.trajectory.poses.size(), 2U);
+  EXPECT_EQ(file.trajectory.poses[0].t, 5'000'000);
+  EXPECT_LT((file.trajectory.poses[0].p - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
+  const double h = std::sqrt(0.5);
+  EXPECT_LT((file.trajectory.poses[0].q.coeffs() - Eigen::Vector4d(0, 0, h, h)).norm(), 1e-15);
+  EXPECT_EQ(file.trajectory.poses[1].q.coeffs(), Eigen::Vector4d(0, 0, 0, 1));
+  EXPECT_THAT(file.remarks, Contains(HasSubstr("rotation vector")));
+  EXPECT_THAT(file.remarks, Contains(HasSubstr("'rig'")));
+}
+
+// A vector of (60, 60, 60) degrees turns by 103.9 degrees about the diagonal; as Euler angles it
+// would not.
+TEST(ViconExport, ReadsDegrees) {
+  const TrajectoryFile file =
+      read(vicon("RX,RY,RZ", "deg,deg,deg,mm,mm,mm", "1,0,60,60,60,0,0,1\n"));
+  const Eigen::AngleAxisd turn(file.trajectory.poses[0].q);
+  EXPECT_NEAR(turn.angle(), std::sqrt(3.0) * std::numbers::pi / 3, 1e-14);
+  EXPECT_LT((turn.axis() - Eigen::Vector3d::Constant(1 / std::sqrt(3.0))).norm(), 1e-14);
+}
+
+TEST(ViconExport, ReadsQuaternions) {
+  const TrajectoryFile file = read(vicon("RX,RY,RZ,RW", ",,,,m,m,m", "10,0,0.6,0,0,0.8,1,2,3\n"));
+  EXPECT_EQ(file.trajectory.poses[0].t, 50'000'000);
+  EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0.6, 0, 0, 0.8));
+}
+
+TEST(ViconExport, SkipsFramesWithoutTheObjectAndStopsAtTheSectionsEnd) {
+  const TrajectoryFile file =
+      read(vicon("RX,RY,RZ", "rad,rad,rad,mm,mm,mm",
+                 "1,0,0,0,0,1,1,1\n2,0,,,,,,\n3,0,0,0,0,0,0,0\n4,0,0,0,0,2,2,2\n\n"
+                 "Trajectories\n200\n,,rig:m1\nFrame,Sub Frame,X,Y,Z\n"));
+  EXPECT_EQ(file.trajectory.poses.size(), 2U);
+  EXPECT_THAT(file.remarks, Contains(HasSubstr("2 of 4 frames")));
+}
+
+TEST(ViconExport, ChoosesAnObjectOfSegments) {
+  const std::string text =
+      "Segments\n100\n,,S:Head,,,,,,S:Hand,,,,,\n"
+      "Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ,RX,RY,RZ,TX,TY,TZ\n"
+      ",,deg,deg,deg,mm,mm,mm,deg,deg,deg,mm,mm,mm\n1,0,0,0,0,1,1,1,90,0,0,2000,0,0\n";
+  const TrajectoryFile file = read(text, "S:Hand");
+  EXPECT_NEAR(file.trajectory.poses[0].p.x(), 2, 1e-12);
+  EXPECT_NEAR(file.trajectory.poses[0].q.x(), std::sqrt(0.5), 1e-15);
+  EXPECT_THAT(refusal(text), HasSubstr("S:Head, S:Hand"));
+}
+
+TEST(ViconExport, RefusesWhatItCannotKnow) {
+  const std::string rad = "rad,rad,rad,mm,mm,mm";
+  EXPECT_THAT(refusal(vicon("RX,RY,RZ", rad, "1,0,90,0,0,1,1,1\n")),
+              testing::AllOf(HasSubstr("take.csv:6: "), HasSubstr("Euler angles")));
+  EXPECT_THAT(refusal(vicon("RX,RY,RZ", "rad,rad,rad,ft,ft,ft", "1,0,0,0,0,1,1,1\n")),
+              HasSubstr("unit 'ft'"));
+  EXPECT_THAT(refusal(vicon("RX,RY", "rad,rad,mm,mm,mm", "1,0,0,0,1,1,1\n")),
+              HasSubstr("lacks columns"));
+  EXPECT_THAT(refusal(vicon("RX,RY,RZ", rad, "1,1,0,0,0,1,1,1\n")), HasSubstr("sub frame"));
+  EXPECT_THAT(refusal(vicon("RX,RY,RZ", rad, "1,0,0,x,0,1,1,1\n")), HasSubstr("column 4 is 'x'"));
+  EXPECT_THAT(refusal("Trajectories\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n"),
+              HasSubstr("no section 'Objects'"));
+  EXPECT_THAT(refusal("Objects\n200\n"), HasSubstr("truncated"));
+  EXPECT_THAT(refusal("Objects\nfast\n"), HasSubstr("rate is 'fast'"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Tables of poses: TUM, OpenVINS, EuRoC, KITTI, and what is said about them.
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "datasets/trajectory_reader.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TrajectoryFile read(const std::string& text, const TrajectoryReadOptions& options = {}) {
+  const TemporaryFolder folder;
+  return readTrajectory(folder.write("run 1.txt", text), options);
+}
+
+void expectQuaternion(const Eigen::Quaterniond& q, const Eigen::Vector4d& xyzw) {
+  EXPECT_EQ(q.coeffs(), xyzw);
+}
+
+TEST(TumTrajectory, IsReadExactly) {
+  const TrajectoryFile file = read(
+      "# ground truth\n# timestamp tx ty tz qx qy qz qw\n"
+      "1403636579.763555584 1 -2.5 3e-1 0.1 0.2 0.3 0.927361849549570\n"
+      "1403636579.813555456\t4 5 6\t0 0 0 1\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kTum);
+  EXPECT_EQ(file.trajectory.name, "run 1");
+  EXPECT_TRUE(file.trajectory.has_orientation);
+  EXPECT_THAT(file.trajectory.covariances, IsEmpty());
+  EXPECT_THAT(file.remarks, IsEmpty());
+  ASSERT_EQ(file.trajectory.poses.size(), 2U);
+  const StampedPose& pose = file.trajectory.poses[0];
+  EXPECT_EQ(pose.t, 1403636579763555584);
+  EXPECT_EQ(pose.p, Eigen::Vector3d(1, -2.5, 0.3));
+  expectQuaternion(pose.q, {0.1, 0.2, 0.3, 0.927361849549570});
+  EXPECT_EQ(file.trajectory.poses[1].t, 1403636579813555456);
+}
+
+TEST(TumTrajectory, KeepsQuaternionsAsTheyAre) {
+  const TrajectoryFile file = read("1 0 0 0 0 0 0 1.0001\n2 0 0 0 0 0 0.71 0.71\n");
+  expectQuaternion(file.trajectory.poses[0].q, {0, 0, 0, 1.0001});
+  expectQuaternion(file.trajectory.poses[1].q, {0, 0, 0.71, 0.71});
+}
+
+TEST(TumTrajectory, AcceptsExponentsOtherLineEndsAndNoLastNewline) {
+  const TrajectoryFile file = read(
+      "\xEF\xBB\xBF# x\r\n1.403715529112143517e+09 0 0 0 0 0 0 1\r\n\r\n"
+      "1.403715529212143517e+09 1 0 0 0 0 0 1");
+  ASSERT_EQ(file.trajectory.poses.size(), 2U);
+  EXPECT_EQ(file.trajectory.poses[1].t, 1403715529212143517);
+}
+
+TEST(TumTrajectory, MayNameItsColumnsInAnotherOrder) {
+  const std::string rows = "1 10 20 30 0.5 0.5 0.5 0.5\n1.1 11 21 31 0.6 0 0 0.8\n";
+  const TrajectoryFile file = read("# timestamp [s] tx ty tz qw qx qy qz\n" + rows);
+  expectQuaternion(file.trajectory.poses[1].q, {0, 0, 0.8, 0.6});
+  const TrajectoryFile first = read("timestamp,qx,qy,qz,qw,tx,ty,tz\n1,0,0,0.6,0.8,10,20,30\n");
+  expectQuaternion(first.trajectory.poses[0].q, {0, 0, 0.6, 0.8});
+  EXPECT_EQ(first.trajectory.poses[0].p, Eigen::Vector3d(10, 20, 30));
+}
+
+TEST(TumTrajectory, NanosecondsSince1970AreRecognisedAndSaid) {
+  const TrajectoryFile file = read(
+      "1403636579763555584.000000 0 0 0 -0.0 -0.0 -0.0 1.0\n"
+      "1403636579813555456.000000 1 0 0 0 0 0 1\n");
+  EXPECT_EQ(file.trajectory.poses[0].t, 1403636579763555584);
+  EXPECT_EQ(file.trajectory.poses[1].t, 1403636579813555456);
+  EXPECT_THAT(file.remarks, ElementsAre(HasSubstr("read as nanoseconds")));
+}
+
+TEST(TumTrajectory, AStatedUnitIsTaken) {
+  const TrajectoryFile ms = read(
+      "#time [ms] x y z qx qy qz qw\n"
+      "1403636579763.5 0 0 0 0 0 0 1\n1403636579813.5 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(ms.trajectory.poses[0].t, 1403636579763500000);
+  const TrajectoryFile us = read("#time [us] x y z qx qy qz qw\n50 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(us.trajectory.poses[0].t, 50'000);
+}
+
+TEST(TumTrajectory, EqualStampsAndGapsAreSaid) {
+  std::string text;
+  for (int i = 0; i < 20; ++i) text += fmt::format("{} 0 0 0 0 0 0 1\n", 5 + 0.05 * i);
+  const TrajectoryFile file = read(text + "5.95 1 0 0 0 0 0 1\n8 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(file.trajectory.poses.size(), 22U);
+  EXPECT_THAT(file.remarks,
+              ElementsAre(AllOf(HasSubstr("1 pose has the stamp"), HasSubstr("line 21")),
+                          AllOf(HasSubstr("1 gap"), HasSubstr("2.050 s"), HasSubstr("0.950 s"))));
+}
+
+TEST(TumTrajectory, OrientationsNearHalfATurnAreSaid) {
+  const std::string rows = "1 0 0 0 0.99 0.1 0.1 0\n2 0 0 0 0.999 0 0.01 0.02\n";
+  EXPECT_THAT(read(rows).remarks, ElementsAre(HasSubstr("near half a turn")));
+  EXPECT_THAT(read("# t x y z qx qy qz qw\n" + rows).remarks, IsEmpty());
+}
+
+TEST(TumTrajectory, AskedForIsNotDoubted) {
+  TrajectoryReadOptions options;
+  options.format = TrajectoryFormat::kTum;
+  expectQuaternion(read("1 0 0 0 1 0 0 0\n", options).trajectory.poses[0].q, {1, 0, 0, 0});
+}
+
+// R_true = R Exp(e) with Cov(e) in the body, so our da = R e. A body turned by 90 degrees about z
+// swaps the variances of x and y; the position's stay in the world.
+TEST(OpenVinsTrajectory, CovariancesAreTurnedIntoOurTangent) {
+  const double h = std::sqrt(0.5);
+  const TrajectoryFile file = read(fmt::format(
+      "# timestamp(s) tx ty tz qx qy qz qw Pr11 Pr12 Pr13 Pr22 Pr23 Pr33 Pt11 Pt12 Pt13 Pt22 Pt23 "
+      "Pt33\n1 0 0 0 0 0 {:.17g} {:.17g} 1 0.1 0.2 4 0.3 9 10 0.4 0.5 20 0.6 30\n",
+      h, h));
+  ASSERT_EQ(file.trajectory.covariances.size(), 1U);
+  Matrix6d expected = Matrix6d::Zero();
+  expected.topLeftCorner<3, 3>() << 10, 0.4, 0.5, 0.4, 20, 0.6, 0.5, 0.6, 30;
+  expected.bottomRightCorner<3, 3>() << 4, -0.1, -0.3, -0.1, 1, 0.2, -0.3, 0.2, 9;
+  EXPECT_LT((file.trajectory.covariances[0] - expected).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+TEST(OpenVinsTrajectory, HeaderOfTwentyMayStandOverRowsOfEight) {
+  const TrajectoryFile file = read(
+      "# timestamp(s) tx ty tz qx qy qz qw Pr11 Pr12 Pr13 Pr22 Pr23 "
+      "Pr33 Pt11 Pt12 Pt13 Pt22 Pt23 Pt33\n1 2 3 4 0 0 0 1\n");
+  EXPECT_THAT(file.trajectory.covariances, IsEmpty());
+  EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(2, 3, 4));
+}
+
+TEST(EurocTrajectory, StateGroundTruthIsScalarFirst) {
+  const TrajectoryFile file = read(
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], "
+      "b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], "
+      "b_a_RS_S_z [m s^-2]\n"
+      "1403715524907143168,0.5,1.9,0.9,0.8,0.6,0,0,nan,0,0,0,0,0,0,0,0\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kEuroc);
+  EXPECT_EQ(file.trajectory.poses[0].t, 1403715524907143168);
+  expectQuaternion(file.trajectory.poses[0].q, {0.6, 0, 0, 0.8});
+}
+
+TEST(EurocTrajectory, NeedsNoHeader) {
+  const std::string row = "1403715524907143168,0.5,1.9,0.9,0.8,0.6,0,0";
+  for (const char* rest : {"\n", ",1,2,3\n", ",1,2,3,4,5,6,7,8,9\n"}) {
+    const TrajectoryFile file = read(row + rest);
+    EXPECT_EQ(file.format, TrajectoryFormat::kEuroc);
+    expectQuaternion(file.trajectory.poses[0].q, {0.6, 0, 0, 0.8});
+  }
+}
+
+TEST(EurocTrajectory, LeicaHasNoOrientation) {
+  const TrajectoryFile file = read(
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m]\n"
+      "1403636579758555392,4.6,-1.8,0.7\n1403636579808555392,5,6,7\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kEuroc);
+  EXPECT_FALSE(file.trajectory.has_orientation);
+  EXPECT_EQ(file.trajectory.poses[1].p, Eigen::Vector3d(5, 6, 7));
+  EXPECT_EQ(file.trajectory.poses[1].t, 1403636579808555392);
+  expectQuaternion(file.trajectory.poses[1].q, {0, 0, 0, 1});
+}
+
+TEST(EurocTrajectory, BlanksAndDecimalsAreReadToo) {
+  const TrajectoryFile file = read(
+      "#timestamp [ns] p_RS_R_x [m] p_RS_R_y [m] p_RS_R_z [m] q_RS_w "
+      "[] q_RS_x [] q_RS_y [] q_RS_z []\n"
+      "1403636580863555584.0000000000 4 -1 0 0.8 0.6 0 0\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kEuroc);
+  EXPECT_EQ(file.trajectory.poses[0].t, 1403636580863555584);
+  expectQuaternion(file.trajectory.poses[0].q, {0.6, 0, 0, 0.8});
+}
+
+TEST(KittiTrajectory, BecomesPosesWithFrameNumbersOrTimes) {
+  const std::string poses = "1 0 0 1 0 1 0 2 0 0 1 3\n0 -1 0 4 1 0 0 5 0 0 1 6\n";
+  const TrajectoryFile plain = read(poses);
+  EXPECT_EQ(plain.format, TrajectoryFormat::kKitti);
+  EXPECT_EQ(plain.trajectory.poses[1].t, 1'000'000'000);
+  EXPECT_EQ(plain.trajectory.poses[1].p, Eigen::Vector3d(4, 5, 6));
+  EXPECT_THAT(plain.remarks, ElementsAre(HasSubstr("no stamps")));
+  Eigen::Matrix3d quarter;  // about z: x goes to y
+  quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  EXPECT_LT((plain.trajectory.poses[1].transform().R - quarter).norm(), 1e-15);
+  const TemporaryFolder folder;
+  TrajectoryReadOptions options;
+  options.times = folder.write("times.txt", "0.000000e+00\n1.036224e-01\n");
+  const TrajectoryFile timed = readTrajectory(folder.write("00.txt", poses), options);
+  EXPECT_EQ(timed.trajectory.poses[1].t, 103'622'400);
+  EXPECT_THAT(timed.remarks, IsEmpty());
+}
+
+}  // namespace
+}  // namespace plumbline
