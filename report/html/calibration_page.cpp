@@ -292,10 +292,12 @@ std::string renderCalibrationPage(const CalibrationRecord& record) {
   page.set("script", embedded::page_script());
   page.set("toc", contents(record, sections));
   setVerdict(page, record.verdict);
-  page.set(
-      "cards", listOf(keyFigures(record), [](const Card& c) {
-        return object({{"label", c.label}, {"value", c.value}, {"unit", c.unit}, {"note", c.note}});
-      }));
+  page.set("cards", listOf(keyFigures(record), [](const Card& c) {
+             data d = object(
+                 {{"label", c.label}, {"value", c.value}, {"unit", c.unit}, {"note", c.note}});
+             d.set("wide", flag(c.wide));
+             return d;
+           }));
   setScene(page, record);
   setParameters(page, record);
   setOffset(page, record);

@@ -18,6 +18,26 @@ std::string share(std::size_t used, std::size_t offered) {
                      grouped(offered));
 }
 
+// What an entropy takes for granted besides its list of parameters.
+std::string noiseAssumed(const Assumptions& a, bool with_imu) {
+  std::string text = fmt::format("assumes {:g} px per corner coordinate", a.pixel_sigma_px);
+  if (with_imu && a.imu_noise) {
+    text += fmt::format(
+        ", {:.5g} rad/s/\u221aHz (walk {:.5g} rad/s\u00b2/\u221aHz) and {:.5g} m/s\u00b2/\u221aHz "
+        "(walk {:.5g} m/s\u00b3/\u221aHz)",
+        a.imu_noise->gyro_density, a.imu_noise->gyro_random_walk, a.imu_noise->accel_density,
+        a.imu_noise->accel_random_walk);
+  }
+  return text + ", loss " + a.loss;
+}
+
+Card entropyCard(const std::string& stage, const StageSummary& s, const std::string& noise) {
+  return {"Entropy, " + stage, fmt::format("{:.2f}", s.entropy_nats), "nats",
+          fmt::format("of {} parameters: {}; {}", s.covariance.names.size(),
+                      parameterList(s.covariance), noise),
+          true};
+}
+
 void addStageCards(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,
                    const std::vector<CameraCalibration>& cameras) {
   std::string each;
@@ -34,8 +54,6 @@ void addStageCards(std::vector<Card>& cards, const std::string& stage, const Sta
   cards.push_back(
       {"Views used, " + stage, grouped(static_cast<std::size_t>(s.views_used)), "",
        share(static_cast<std::size_t>(s.views_used), static_cast<std::size_t>(s.views_offered))});
-  cards.push_back({"Entropy, " + stage, fmt::format("{:.2f}", s.entropy_nats), "nats",
-                   fmt::format("of {} parameters", s.covariance.names.size())});
 }
 
 std::string groupOf(const std::string& parameter) {
@@ -78,12 +96,35 @@ void addNoise(std::vector<Pair>& rows, const ImuNoise& n) {
 
 }  // namespace
 
+std::string parameterList(const ParameterCovariance& covariance) {
+  std::string text;
+  std::string owner;
+  const std::size_t n = covariance.names.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string& name = covariance.names[i];
+    const auto dot = name.find('.');
+    const std::string of = dot == std::string::npos ? "" : name.substr(0, dot);
+    const bool same_owner = i > 0 && of == owner && !of.empty();
+    if (i > 0) text += same_owner ? ", " : "; ";
+    text += same_owner || of.empty() ? name.substr(dot + 1) : of + ": " + name.substr(dot + 1);
+    owner = of;
+    const bool run_goes_on = i + 1 < n && covariance.units[i + 1] == covariance.units[i] &&
+                             !of.empty() && covariance.names[i + 1].rfind(of + ".", 0) == 0;
+    if (!run_goes_on) text += fmt::format(" [{}]", covariance.units[i]);
+  }
+  return text;
+}
+
 std::vector<Card> keyFigures(const CalibrationRecord& record) {
   std::vector<Card> cards;
-  if (const auto& s = record.camera) addStageCards(cards, "cameras", s->summary, s->cameras);
+  if (const auto& s = record.camera) {
+    addStageCards(cards, "cameras", s->summary, s->cameras);
+    cards.push_back(entropyCard("cameras", s->summary, noiseAssumed(record.assumptions, false)));
+  }
   const auto& s = record.camera_imu;
   if (!s) return cards;
   addStageCards(cards, "camera-IMU", s->summary, s->cameras);
+  cards.push_back(entropyCard("camera-IMU", s->summary, noiseAssumed(record.assumptions, true)));
   const double offset_std = 1e3 * s->imu.time_offset_std_s.value_or(0);
   cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.time_offset_s, offset_std), "ms",
                    offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});

@@ -9,11 +9,16 @@
 
 namespace plumbline::html_internal {
 
-/// A number at the top of the page.
+/// A number at the top of the page; a wide one has room for a long note.
 struct Card {
   std::string label, value, unit, note;
+  bool wide = false;
 };
 std::vector<Card> keyFigures(const CalibrationRecord& record);
+
+/// "cam0: fu, fv [px], k1 [-]; T_C0C1: tx [m]": the parameters of a covariance by owner, a unit
+/// after the last of its run.
+std::string parameterList(const ParameterCovariance& covariance);
 
 struct ParameterRow {
   std::string name, value, std, unit, spread, ratio;

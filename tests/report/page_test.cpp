@@ -125,6 +125,33 @@ TEST(OffsetRows, TurnTheSignWhereAToolDoes) {
   EXPECT_EQ(value("ORB-SLAM3"), "0.012300 s");
 }
 
+TEST(ParameterList, NamesEachByOwnerAndUnit) {
+  ParameterCovariance covariance;
+  EXPECT_EQ(html_internal::parameterList(covariance), "");
+  covariance.names = {"cam0.fu",   "cam0.k1",   "cam1.fu",    "T_C0C1.tx",
+                      "T_C0C1.ty", "T_C0C1.rx", "time_offset"};
+  covariance.units = {"px", "-", "px", "m", "m", "rad", "s"};
+  EXPECT_EQ(html_internal::parameterList(covariance),
+            "cam0: fu [px], k1 [-]; cam1: fu [px]; T_C0C1: tx, ty [m], rx [rad]; time_offset [s]");
+}
+
+TEST(KeyFigures, EntropyStandsWithItsParametersAndNoise) {
+  CalibrationRecord record = syntheticRecord({.frames = 4});
+  record.assumptions.pixel_sigma_px = 0.25;
+  record.assumptions.imu_noise = ImuNoise{0.125, 1, 1, 1, 200};
+  int entropies = 0;
+  for (const html_internal::Card& card : html_internal::keyFigures(record)) {
+    if (card.label.rfind("Entropy", 0) != 0) continue;
+    ++entropies;
+    const bool cameras = card.label == "Entropy, cameras";
+    EXPECT_THAT(card.note, HasSubstr("assumes 0.25 px"));
+    EXPECT_THAT(card.note, HasSubstr(cameras ? "T_C0C1: tx, ty, tz [m], rx, ry, rz [rad]"
+                                             : "T_SC0: tx, ty, tz [m], rx, ry, rz [rad]"));
+    EXPECT_EQ(card.note.find("0.125 rad/s") == std::string::npos, cameras);
+  }
+  EXPECT_EQ(entropies, 2);
+}
+
 TEST(JudgeDensity, SaysWhichWayTheAssumptionErrs) {
   const auto words = [](double factor, double redundancy) {
     return html_internal::judgeDensity("Gyro", {0.5, factor, redundancy});
