@@ -157,6 +157,72 @@ TEST_F(CommandLine, TargetsOfAnotherSizeAreNeverGood) {
               AllOf(HasSubstr("DOUBTFUL"), HasSubstr("Size of the target by the IMU")));
 }
 
+TEST_F(CommandLine, AWrongSpacingIsRefusedByItsOwnLine) {
+  const std::string target = read(session() / "target.yaml");
+  for (const char* spacing : {"0.15", "0.26", "0.34", "0.5"}) {
+    const fs::path copy = spoiled();
+    write(copy / "target.yaml",
+          replaced(target, "Spacing: 0.3", std::string("Spacing: ") + spacing));
+    expectRefusal(
+        calibrate(copy), 2,
+        AllOf(HasSubstr("target.yaml:5: "), HasSubstr(std::string("tagSpacing is ") + spacing),
+              HasSubstr("0.3 times")));
+    fs::remove_all(scratch());
+  }
+  const fs::path copy = spoiled();
+  write(copy / "target.yaml", replaced(target, "Spacing: 0.3", "Spacing: 0.28"));
+  EXPECT_THAT(calibrate(copy, "--no-report --no-imu").text,
+              AllOf(HasSubstr("Spacing of the target's tags"), HasSubstr("states 0.28"),
+                    HasSubstr("times the tags' size")));
+}
+
+TEST_F(CommandLine, AWrongNumberOfColumnsOrRowsIsNamed) {
+  const std::string target = read(session() / "target.yaml");
+  const fs::path columns = spoiled();
+  write(columns / "target.yaml", replaced(target, "tagCols: 6", "tagCols: 7"));
+  expectRefusal(calibrate(columns), 2,
+                AllOf(HasSubstr("target.yaml:"), HasSubstr("tagCols is 7"), HasSubstr("in line")));
+  fs::remove_all(scratch());
+  const fs::path rows = spoiled();
+  write(rows / "target.yaml", replaced(target, "tagRows: 6", "tagRows: 8"));
+  EXPECT_THAT(
+      calibrate(rows, "--no-report --no-imu").text,
+      AllOf(HasSubstr("Rows of the target"), HasSubstr("35 of 0 to 47"), HasSubstr("2 of 8 rows")));
+}
+
+TEST_F(CommandLine, AResolutionThatTheCornersContradictIsSaid) {
+  const fs::path copy = spoiled();
+  const fs::path sensor = copy / "mav0/cam0/sensor.yaml";
+  const std::string good = read(sensor);
+  write(sensor, replaced(good, "752, 480", "800, 600"));
+  EXPECT_THAT(
+      calibrate(copy, "--only cam0 --no-imu --no-report").text,
+      AllOf(HasSubstr("Resolution of cam0"), HasSubstr("800x600"), HasSubstr("optical centre")));
+  fs::remove_all(scratch() / "out");
+  write(sensor, replaced(good, "752, 480", "640, 480"));
+  expectRefusal(
+      calibrate(copy, "--only cam0 --no-imu"), 2,
+      AllOf(HasSubstr("corners.csv:"), HasSubstr("outside the image"), HasSubstr("sensor.yaml")));
+}
+
+// A fisheye whose model nobody states is taken for pinhole-radtan.
+TEST_F(CommandLine, AFisheyeOfUnknownModelIsToldItsCure) {
+  const fs::path folder = scratch() / "fisheye";
+  fs::create_directories(scratch());
+  ASSERT_EQ(
+      plumbline("simulate --rig tumvi --seed 3 --duration 8 --out " + folder.string()).exit_code,
+      0);
+  for (const char* camera : {"cam0", "cam1"}) {
+    fs::remove(folder / "mav0" / camera / "sensor.yaml");
+  }
+  const Outcome outcome = calibrate(folder, "--resolution 512x512 --no-report");
+  EXPECT_THAT(outcome.text, HasSubstr("--models pinhole-equidistant"));
+  EXPECT_THAT(outcome.text, Not(HasSubstr("Verdict: GOOD")));
+  const Outcome cured =
+      calibrate(folder, "--resolution 512x512 --no-report --models pinhole-equidistant");
+  EXPECT_EQ(cured.exit_code, 0) << cured.text;
+}
+
 // ---- motion that leaves parameters free
 
 TEST_F(CommandLine, MotionsThatLeaveParametersFreeAreNamedInWords) {

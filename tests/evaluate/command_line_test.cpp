@@ -2,10 +2,17 @@
 // The program as a user runs it: exit codes, messages, files left behind.
 #include "tests/evaluate/command_line.h"
 
+#include <set>
 #include <vector>
 
 namespace plumbline {
 namespace {
+
+// The whole number after the first `words`; -1 without them.
+int numberAfter(const std::string& text, const std::string& words) {
+  const auto at = text.find(words);
+  return at == std::string::npos ? -1 : std::atoi(text.c_str() + at + words.size());
+}
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -29,8 +36,76 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
   expectRefusal(calibrate(session(), "--loss huber"), 2, HasSubstr("cauchy:1.5"));
   expectRefusal(calibrate(session(), "--stride 0"), 2, HasSubstr("--stride"));
   expectRefusal(calibrate(session(), "--only cam7"), 2, HasSubstr("cam0, cam1"));
-  expectRefusal(calibrate(session(), "--models omni-radtan"), 2, HasSubstr("omni-radtan"));
+  expectRefusal(calibrate(session(), "--models omni-radtan"), 2,
+                AllOf(HasSubstr("--models omni-radtan"), HasSubstr("pinhole-equidistant")));
+  expectRefusal(calibrate(session(), "--seed -1"), 2, HasSubstr("--seed"));
+  expectRefusal(plumbline("simulate --seed -1 --out " + (scratch() / "out").string()), 2,
+                HasSubstr("--seed"));
   expectRefusal(calibrate("/nowhere"), 2, HasSubstr("/nowhere"));
+}
+
+TEST_F(CommandLine, EveryCommandExitsWithTwoOnBadInput) {
+  const std::string out = " --out " + (scratch() / "out").string();
+  for (const std::string& words : {"simulate --rig unknown" + out, "simulate --motion circle" + out,
+                                   "detect /nowhere" + out, "calibrate /nowhere" + out,
+                                   "report /nowhere" + out, "report " + session().string() + out}) {
+    expectRefusal(plumbline(words), 2, testing::Not(IsEmpty()));
+  }
+}
+
+// ---- options that choose data
+
+TEST_F(CommandLine, OnlyTheCamerasAskedForAreCalibrated) {
+  const Outcome outcome = calibrate(session(), "--only cam1 --no-imu --no-report");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const std::string json = read(scratch() / "out/calibration.json");
+  EXPECT_THAT(json, HasSubstr("\"cam1.fu\""));
+  EXPECT_THAT(json, testing::Not(HasSubstr("cam0.fu")));
+}
+
+TEST_F(CommandLine, SelectedViewsAreFewerAndTheSeedIsKept) {
+  const Outcome outcome =
+      calibrate(session(), "--only cam0 --no-imu --no-report --select-views mi:0.2bits --seed 9");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const std::string json = read(scratch() / "out/calibration.json");
+  const int used = numberAfter(json, "\"views_used\": ");
+  EXPECT_GE(used, 5);
+  EXPECT_LT(4 * used, numberAfter(json, "\"views_offered\": "));
+  EXPECT_THAT(json, HasSubstr("\"--seed\": \"9\""));
+}
+
+TEST_F(CommandLine, ResamplingReportsItsSpread) {
+  const Outcome outcome = calibrate(session(), "--only cam0 --no-imu --no-report --resample 4");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const std::string json = read(scratch() / "out/calibration.json");
+  EXPECT_EQ(numberAfter(json, "\"resamples\": "), 4);
+  fs::remove_all(scratch());
+  expectRefusal(calibrate(session(), "--resample 1"), 2, HasSubstr("--resample"));
+}
+
+TEST_F(CommandLine, MoreCornersThanAViewHoldsAreAskedForByOption) {
+  expectRefusal(calibrate(session(), "--min-corners 200"), 1,
+                AllOf(HasSubstr("--min-corners 200"), HasSubstr("at least 200 corners"),
+                      HasSubstr("holds 144")));
+}
+
+TEST_F(CommandLine, EveryFileReadIsInTheHash) {
+  const auto hash = [&](const std::string& options) {
+    const Outcome outcome = calibrate(session(), "--no-report " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    const std::string json = read(scratch() / "out/calibration.json");
+    return json.substr(json.find("xxh64:"), 22);
+  };
+  const std::string plain = hash("");
+  fs::rename(scratch() / "out", scratch() / "first");
+  const fs::path camchain = scratch() / "first/camchain-imucam.yaml";
+  const std::string given = hash("--cameras " + camchain.string());
+  write(camchain, read(camchain) + "\n# another file\n");
+  const std::string changed = hash("--cameras " + camchain.string());
+  const fs::path imu = scratch() / "imu.yaml";
+  write(imu, read(session() / "imu.yaml") + "# another\n");
+  EXPECT_EQ((std::set<std::string>{plain, given, changed, hash("--imu " + imu.string())}).size(),
+            4U);
 }
 
 TEST_F(CommandLine, CalibrateLeavesAllResultsAndTheRecordingAsItWas) {
@@ -66,6 +141,38 @@ TEST_F(CommandLine, ReportIsMadeAgainFromTheRecordsAlone) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_EQ(read(again), page);
   EXPECT_EQ(plumbline("report " + session().string() + " --out x.html").exit_code, 2);
+}
+
+TEST_F(CommandLine, ReportGivesTheDocumentAgainToMachines) {
+  ASSERT_EQ(calibrate(session(), "--no-report").exit_code, 0);
+  const fs::path out = scratch() / "out";
+  const std::string document = read(out / "calibration.json");
+  const Outcome piped = plumbline("report " + out.string() + " --json -");
+  EXPECT_EQ(piped.exit_code, 0);
+  EXPECT_EQ(piped.text, document);
+  const fs::path file = scratch() / "again.json";
+  ASSERT_EQ(plumbline("report " + out.string() + " --json " + file.string()).exit_code, 0);
+  EXPECT_EQ(read(file), document);
+  EXPECT_EQ(plumbline("report " + out.string()).exit_code, 2);
+}
+
+TEST_F(CommandLine, ResultsAreWrittenTogetherOrNotAtAll) {
+  const fs::path out = scratch() / "out";
+  fs::create_directories(out / "report.html");  // in the way of the last file
+  write(out / "calibration.json", "earlier");
+  const Outcome outcome = calibrate(session());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("report.html: is a folder"));
+  EXPECT_EQ(read(out / "calibration.json"), "earlier");
+  EXPECT_EQ(contents(out).size(), 1U);
+  fs::remove(out / "report.html");
+  ASSERT_EQ(calibrate(session()).exit_code, 0);
+  for (const auto& [name, text] : contents(out)) EXPECT_EQ(name.find('.') == 0, false) << name;
+  EXPECT_NE(read(out / "calibration.json"), "earlier");
+  ASSERT_EQ(calibrate(session(), "--no-imu --no-report").exit_code, 0);
+  for (const char* name : {"report.html", "imu.yaml", "camchain-imucam.yaml"}) {
+    EXPECT_FALSE(fs::exists(out / name)) << name << " is of an earlier run";
+  }
 }
 
 TEST_F(CommandLine, ItsOwnCalibrationIsAStartForTheNext) {

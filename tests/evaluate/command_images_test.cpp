@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From rendered images to a calibration, as a user runs it: detection, its cache, and what the
+// images say of a wrong target.yaml.
+#include <cmath>
+#include <regex>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A short simulated session of images; cam0 alone is used, to be quick.
+class CommandImages : public CommandLine {
+ protected:
+  static void SetUpTestSuite() {
+    CommandLine::SetUpTestSuite();
+    const Outcome outcome =
+        plumbline("simulate --rig euroc --seed 5 --images --duration 6 --camera-rate 4 --out " +
+                  images().string());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  }
+
+  static fs::path images() { return root_ / "images"; }
+  std::string cache() const { return " --cache " + (scratch() / "cache").string(); }
+  // Calibrates cam0's images (or corners) without the IMU into scratch()/`out`.
+  Outcome calibrateCam0(const fs::path& folder, const std::string& out,
+                        const std::string& options) const {
+    return plumbline("calibrate " + folder.string() + " --only cam0 --no-imu --no-report --out " +
+                     (scratch() / out).string() + " " + options);
+  }
+  // fu of the first camera of a camchain.
+  static double focalOf(const fs::path& camchain) {
+    std::smatch found;
+    const std::string text = read(camchain);
+    if (!std::regex_search(text, found, std::regex(R"(intrinsics:\s*\[\s*([0-9.eE+]+))"))) {
+      return std::nan("");
+    }
+    return std::stod(found[1]);
+  }
+};
+
+constexpr double kFocal_px = 458.654;  // of cam0 of the euroc rig
+
+TEST_F(CommandImages, CalibrateToTheTruthAndTheSecondRunSkipsDetection) {
+  fs::create_directories(scratch());
+  const Outcome first = calibrateCam0(images(), "first", cache());
+  ASSERT_EQ(first.exit_code, 0) << first.text;
+  const double focal = focalOf(scratch() / "first/camchain.yaml");
+  EXPECT_NEAR(focal, kFocal_px, 0.01 * kFocal_px);
+  const auto kept = contents(scratch() / "cache");
+  EXPECT_EQ(kept.size(), 24U);  // one for each image
+  const Outcome second = calibrateCam0(images(), "second", cache());
+  ASSERT_EQ(second.exit_code, 0) << second.text;
+  EXPECT_EQ(read(scratch() / "second/camchain.yaml"), read(scratch() / "first/camchain.yaml"));
+  EXPECT_EQ(contents(scratch() / "cache"), kept);
+}
+
+TEST_F(CommandImages, DetectWritesASessionThatCalibratesTheSame) {
+  fs::create_directories(scratch());
+  const fs::path corners = scratch() / "corners";
+  const std::string detect =
+      "detect " + images().string() + " --only cam0 --out " + corners.string() + cache();
+  const Outcome outcome = plumbline(detect);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("in 24 of 24 images"));
+  EXPECT_THAT(read(corners / "detection.json"),
+              AllOf(HasSubstr("\"views_with_corners\": 24"), HasSubstr("\"input_hash\"")));
+  ASSERT_EQ(calibrateCam0(images(), "images", cache()).exit_code, 0);
+  ASSERT_EQ(calibrateCam0(corners, "again", "").exit_code, 0);
+  EXPECT_NEAR(focalOf(scratch() / "again/camchain.yaml"),
+              focalOf(scratch() / "images/camchain.yaml"), 1e-4);
+  EXPECT_EQ(plumbline(detect).exit_code, 2);  // never over what is there
+}
+
+TEST_F(CommandImages, AWrongSpacingIsRefusedByItsLineWhereverItShows) {
+  const std::string target = read(images() / "target.yaml");
+  for (const char* spacing : {"0.2", "0.26", "0.45"}) {
+    fs::create_directories(scratch());
+    const fs::path wrong = scratch() / "wrong.yaml";
+    write(wrong, replaced(target, "tagSpacing: 0.3", std::string("tagSpacing: ") + spacing));
+    for (int run = 0; run < 2; ++run) {  // with the images, then with the cache
+      const Outcome outcome =
+          calibrateCam0(images(), "out", cache() + " --target " + wrong.string());
+      expectRefusal(
+          outcome, 2,
+          AllOf(HasSubstr("wrong.yaml:5: "), HasSubstr(std::string("tagSpacing is ") + spacing),
+                HasSubstr("gaps of 0.3")));
+    }
+    fs::remove_all(scratch());
+  }
+}
+
+TEST_F(CommandImages, ImagesOfAnotherSizeThanStatedAreNamed) {
+  const fs::path copy = scratch() / "copy";
+  fs::create_directories(scratch());
+  fs::copy(images(), copy, fs::copy_options::recursive);
+  const fs::path sensor = copy / "mav0/cam0/sensor.yaml";
+  write(sensor, replaced(read(sensor), "752, 480", "800, 600"));
+  expectRefusal(calibrateCam0(copy, "out", "--no-cache"), 2,
+                AllOf(HasSubstr(".png"), HasSubstr("752x480"), HasSubstr("800x600")));
+}
+
+}  // namespace
+}  // namespace plumbline
