@@ -8,14 +8,14 @@
 
 namespace plumbline {
 
-/// Kalibr's filter: rejects corners of the views of `frames` whose error, with only the view's pose
-/// free, is above mean + 2 std of the view's errors and above 0.2 px. Returns how many.
+/// CornerFilter::kKalibr (see kalibrOutliers()) for the views of `frames`, each from its own
+/// homography. Returns how many corners it rejected.
 std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners,
                              const std::vector<CameraCalibration>& cameras,
                              const std::vector<Frame>& frames, int threads);
 
-/// Rejects corners of the problem's frames with |e| above `sigmas` times their camera's RMS per
-/// axis, sqrt(mean |e|^2 / 2) over used corners, at the estimate. Returns how many.
+/// CornerFilter::kSigma (see rejectAboveSigma() of corner_outliers.h) over all cameras and frames
+/// at the estimate. Returns how many corners it rejected.
 std::size_t rejectAboveSigma(CameraImuProblem& problem, const CameraImuEstimate& estimate,
                              double sigmas);
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu_resample.h"
 
-#include <algorithm>
 #include <optional>
 #include <vector>
-
-#include "calibrator/batch/parallel_chunks.h"
 
 namespace plumbline {
 namespace {
@@ -37,28 +34,13 @@ Result<ResampleSummary> resampleCameraImu(const Session& session,
                                           const CameraImuOptions& options) {
   CameraImuOptions one_thread = options;
   one_thread.threads = 1;
-  std::vector<std::optional<Eigen::VectorXd>> solved(
-      static_cast<std::size_t>(std::max(0, resample.draws)));
-  const int frames = static_cast<int>(earlier.frames.size());
-  forChunks(static_cast<int>(solved.size()), 1, resample.threads, [&](const Chunk& chunk) {
-    const auto stretches = drawStretches(frames, resample, chunk.index);
+  const auto solve = [&](const std::vector<FrameStretch>& stretches) {
     const auto again = recalibrateCameraImu(session, earlier, stretches, one_thread);
-    if (!again || !again->summary.converged) return;
-    solved[static_cast<std::size_t>(chunk.index)] =
-        difference(*again, earlier, options.free_cameras);
-  });
-  const ParameterCovariance& parameters = earlier.summary.covariance;
-  Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()), resample.draws);
-  int count = 0;
-  for (const auto& draw : solved) {
-    if (draw) draws.col(count++) = *draw;
-  }
-  if (count < 2) {
-    return Failure{FailureReason::kTooFewViews,
-                   "fewer than two of the resampled camera-IMU problems have a solution",
-                   "record longer, or leave out --resample"};
-  }
-  return summariseDraws(parameters, draws.leftCols(count), resample.draws - count);
+    if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
+    return std::optional(difference(*again, earlier, options.free_cameras));
+  };
+  return solveDraws(earlier.summary.covariance, static_cast<int>(earlier.frames.size()), resample,
+                    "camera-IMU", solve);
 }
 
 }  // namespace plumbline

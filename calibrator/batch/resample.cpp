@@ -70,32 +70,41 @@ ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eige
   return summary;
 }
 
-Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
-                                        const ResampleOptions& resample,
-                                        const CameraStageOptions& options) {
-  CameraStageOptions one_thread = options;
-  one_thread.threads = 1;
+Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int frame_count,
+                                   const ResampleOptions& options, const std::string& stage,
+                                   const DrawSolver& solve) {
   std::vector<std::optional<Eigen::VectorXd>> solved(
-      static_cast<std::size_t>(std::max(0, resample.draws)));
-  const int frames = static_cast<int>(earlier.frames.size());
-  forChunks(static_cast<int>(solved.size()), 1, resample.threads, [&](const Chunk& chunk) {
-    const auto stretches = drawStretches(frames, resample, chunk.index);
-    const auto again = recalibrateCameras(session, earlier, stretches, one_thread);
-    if (!again || !again->summary.converged) return;
-    solved[static_cast<std::size_t>(chunk.index)] = difference(again->cameras, earlier.cameras);
+      static_cast<std::size_t>(std::max(0, options.draws)));
+  forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {
+    solved[static_cast<std::size_t>(chunk.index)] =
+        solve(drawStretches(frame_count, options, chunk.index));
   });
-  const ParameterCovariance& parameters = earlier.summary.covariance;
-  Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()), resample.draws);
+  Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()),
+                        static_cast<Eigen::Index>(solved.size()));
   int count = 0;
   for (const auto& draw : solved) {
     if (draw) draws.col(count++) = *draw;
   }
   if (count < 2) {
     return Failure{FailureReason::kTooFewViews,
-                   "fewer than two of the resampled camera problems have a solution",
+                   "fewer than two of the resampled " + stage + " problems have a solution",
                    "record longer, or leave out --resample"};
   }
-  return summariseDraws(parameters, draws.leftCols(count), resample.draws - count);
+  return summariseDraws(parameters, draws.leftCols(count), options.draws - count);
+}
+
+Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
+                                        const ResampleOptions& resample,
+                                        const CameraStageOptions& options) {
+  CameraStageOptions one_thread = options;
+  one_thread.threads = 1;
+  const auto solve = [&](const std::vector<FrameStretch>& stretches) {
+    const auto again = recalibrateCameras(session, earlier, stretches, one_thread);
+    if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
+    return std::optional(difference(again->cameras, earlier.cameras));
+  };
+  return solveDraws(earlier.summary.covariance, static_cast<int>(earlier.frames.size()), resample,
+                    "camera", solve);
 }
 
 }  // namespace plumbline

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,16 @@ std::vector<FrameStretch> drawStretches(int frame_count, const ResampleOptions& 
 /// Standard deviations over the columns of `draws`; `failed` counts those left out before.
 ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eigen::MatrixXd& draws,
                                int failed);
+
+/// Differences of the parameters of one draw from the full solution's; empty where it has none.
+using DrawSolver = std::function<std::optional<Eigen::VectorXd>(const std::vector<FrameStretch>&)>;
+
+/// Solves every draw of `frame_count` frames, shared out over the options' threads, and summarises
+/// them; the order does not matter. Fails with kTooFewViews if fewer than two have a solution;
+/// `stage` names it in the message.
+Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int frame_count,
+                                   const ResampleOptions& options, const std::string& stage,
+                                   const DrawSolver& solve);
 
 /// Solves the camera batch again on every draw, each started from `earlier`.
 /// Fails with kTooFewViews if fewer than two draws have a solution.

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/corner_outliers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibrator/base/statistics.h"
+#include "calibrator/batch/camera_view_errors.h"
+#include "calibrator/initialise/camera_poses.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kKalibrSigmas = 2;
+constexpr double kKalibrLeast = 0.2;                    // [px]
+constexpr int kKalibrIterations = 20;                   // of a view's own pose
+constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2)
+
+/// |e| of every corner of a view.
+std::vector<double> errorNorms(const Intrinsics& camera, const Transform& T_CF,
+                               const PackedView& view) {
+  std::vector<double> norms;
+  norms.reserve(static_cast<std::size_t>(view.count));
+  for (const Eigen::Vector2d& e : viewErrors(camera, T_CF, view)) norms.push_back(e.norm());
+  return norms;
+}
+
+/// Positions of the used corners with |e| above the limit.
+std::vector<int> above(double limit, const std::vector<double>& errors, const PackedView& view) {
+  std::vector<int> positions;
+  for (int k = 0; k < view.count; ++k) {
+    if (view.w[k] > 0 && errors[static_cast<std::size_t>(k)] > limit) positions.push_back(k);
+  }
+  return positions;
+}
+
+std::vector<double> usedOnly(const std::vector<double>& errors, const PackedView& view) {
+  std::vector<double> used;
+  for (int k = 0; k < view.count; ++k) {
+    if (view.w[k] > 0) used.push_back(errors[static_cast<std::size_t>(k)]);
+  }
+  return used;
+}
+
+double kalibrLimit(const std::vector<double>& used) {
+  if (used.empty()) return kKalibrLeast;
+  const auto n = static_cast<double>(used.size());
+  double mean = 0;
+  for (const double e : used) mean += e / n;
+  double variance = 0;
+  for (const double e : used) variance += (e - mean) * (e - mean) / n;
+  return std::max(mean + kKalibrSigmas * std::sqrt(variance), kKalibrLeast);
+}
+
+}  // namespace
+
+std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
+                             const std::vector<PosedView>& views, double sigmas) {
+  std::vector<std::vector<double>> errors;
+  std::vector<double> used;
+  for (const PosedView& posed : views) {
+    const PackedView view = corners.view(posed.view);
+    errors.push_back(errorNorms(camera, posed.T_CF, view));
+    const std::vector<double> of_view = usedOnly(errors.back(), view);
+    used.insert(used.end(), of_view.begin(), of_view.end());
+  }
+  if (used.empty()) return 0;
+  const double limit = sigmas * quantile(std::move(used), 0.5) / kRayleighMedian;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (const int k : above(limit, errors[i], corners.view(views[i].view))) {
+      corners.setWeight(views[i].view, k, 0);
+      ++count;
+    }
+  }
+  return count;
+}
+
+std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view,
+                                const Transform& start) {
+  PoseRefinementOptions options;
+  options.max_iterations = kKalibrIterations;
+  const Transform T_CF = refinePose({{&camera, view, Transform()}}, start, options).T_C0F;
+  const std::vector<double> errors = errorNorms(camera, T_CF, view);
+  return above(kalibrLimit(usedOnly(errors, view)), errors, view);
+}
+
+}  // namespace plumbline
