@@ -210,6 +210,17 @@ ImuCalibration ourImu(const YamlMap& map) {
   return imu;
 }
 
+// They stand with the stage that estimated them; empty where all cameras share one.
+std::vector<double> ourTimeOffsets(const YamlMap& file) {
+  const char* key = "camera_time_offsets_s";
+  if (!file.has("stages")) return {};
+  const YamlMap stages = file.map("stages", "the stages' results");
+  if (!stages.has("camera_imu")) return {};
+  const YamlMap stage = stages.map("camera_imu", "the camera-IMU stage's results");
+  return stage.has(key) ? stage.numbers(key, "seconds, one for each camera")
+                        : std::vector<double>();
+}
+
 Calibration readOurs(const YamlMap& file) {
   if (file.integer("schema", "1") != 1) {
     throw file.fault("schema", {"unknown schema", "1", "use the version that wrote the file"});
@@ -218,7 +229,10 @@ Calibration readOurs(const YamlMap& file) {
   for (const YamlMap& camera : file.maps("cameras", "a list of cameras")) {
     calibration.cameras.push_back(ourCamera(camera));
   }
-  if (file.has("imu")) calibration.imu = ourImu(file.map("imu", "the IMU"));
+  if (file.has("imu")) {
+    calibration.imu = ourImu(file.map("imu", "the IMU"));
+    calibration.imu->camera_time_offsets_s = ourTimeOffsets(file);
+  }
   return calibration;
 }
 
