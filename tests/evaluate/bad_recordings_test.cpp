@@ -166,7 +166,7 @@ TEST_F(CommandLine, AWrongSpacingIsRefusedByItsOwnLine) {
     expectRefusal(
         calibrate(copy), 2,
         AllOf(HasSubstr("target.yaml:5: "), HasSubstr(std::string("tagSpacing is ") + spacing),
-              HasSubstr("0.3 times")));
+              HasSubstr("gaps of 0.3")));
     fs::remove_all(scratch());
   }
   const fs::path copy = spoiled();
