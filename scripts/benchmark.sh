@@ -34,3 +34,13 @@ fi
 /usr/bin/python3 scripts/benchmark/compare.py --plumbline "$plumbline" \
   --detector-benchmark "$build/tests/benchmarks/detector_benchmark" --work "$work" \
   "$@" "${arguments[@]}"
+
+# Trajectories: beside evo's work in numpy.
+estimate=$data/trajectories/vio_stereo_V2_02_stamped_traj_estimate.txt
+truth=$data/trajectories/V2_02_medium.txt
+if [ -f "$estimate" ] && [ -f "$truth" ]; then
+  echo
+  /usr/bin/python3 scripts/benchmark/trajectories.py --plumbline "$plumbline" "$estimate" "$truth"
+else
+  echo "No $data/trajectories: trajectory errors are left out" >&2
+fi

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -63,20 +62,21 @@ void declareFiles(CLI::App& app, Options& o) {
   app.add_option("--json", o.json, "File to write the figures to; - for standard output");
 }
 
-double atLeastZero(const char* name, double value) {
-  if (!(value >= 0) || std::isinf(value)) {
-    throw InputError(fmt::format("{} {}: expected seconds, zero or more", name, value));
+constexpr double kLongest = 4e9;  // [s], more than any two clocks differ; holds as nanoseconds
+
+double secondsFrom(const char* name, double value, double least) {
+  if (!(value >= least && value <= kLongest)) {
+    throw InputError(
+        fmt::format("{} {}: expected seconds, from {:g} to {:g}", name, value, least, kLongest));
   }
   return value;
 }
 
 TrajectoryMetricOptions metricsOf(const Options& o) {
   TrajectoryMetricOptions metrics;
-  metrics.association = {associationFrom(o.association), atLeastZero("--max-dt", o.max_dt_s),
-                         atLeastZero("--max-gap", o.max_gap_s), o.time_offset_s};
-  if (!(std::abs(o.time_offset_s) < 1e10)) {
-    throw InputError(fmt::format("--time-offset {}: expected seconds", o.time_offset_s));
-  }
+  metrics.association = {associationFrom(o.association), secondsFrom("--max-dt", o.max_dt_s, 0),
+                         secondsFrom("--max-gap", o.max_gap_s, 0),
+                         secondsFrom("--time-offset", o.time_offset_s, -kLongest)};
   if (o.align_first < 0) {
     throw InputError(
         fmt::format("--align-first {}: expected a number of pairs, or 0 for all", o.align_first));

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 
 namespace plumbline {
@@ -25,18 +24,18 @@ std::vector<IndexPair> overlappingFrames(std::size_t poses, std::size_t step);
 /// (0, step), (step, 2 step), ...: evo's default, which leaves out all but every step-th pose.
 std::vector<IndexPair> consecutiveFrames(std::size_t poses, std::size_t step);
 
-/// From every pose i to the pose j whose distance along the path, path[j] - path[i], is nearest to
-/// `length`, j > i or j >= i by `may_stay`, and within `tolerance` of it (or equal to it where
-/// `inclusive`). O(n log n).
+/// Which ends subTrajectories() accepts.
 struct SubTrajectoryRule {
-  double length = 1;     ///< [unit of path]
-  double tolerance = 0;  ///< largest difference from `length`
-  bool inclusive = true;
-  bool may_stay = false;
+  double length = 1;      ///< [unit of the path]
+  double tolerance = 0;   ///< largest difference from `length`
+  bool inclusive = true;  ///< a difference of exactly `tolerance` is accepted
+  bool may_stay = false;  ///< a pose may be its own end (j >= i instead of j > i)
 };
 
-/// rpg and ov_eval: strictly within the tolerance, j >= i, along the truth. evo's all pairs:
-/// inclusive, j > i, along the estimate. `path` does not descend.
+/// From every pose i to the pose j whose distance along the path, path[j] - path[i], is nearest to
+/// the rule's length, where it is within the rule's tolerance. rpg and ov_eval exclude the
+/// tolerance, let a pose stay and go along the truth; evo's all pairs are the defaults, along the
+/// estimate. `path` does not descend. O(n log n).
 std::vector<IndexPair> subTrajectories(const std::vector<double>& path,
                                        const SubTrajectoryRule& rule);
 
