@@ -79,12 +79,9 @@ std::string objectName(std::string_view cell) {
 std::vector<Object> objectsOf(const Header& header) {
   std::vector<Object> objects;
   for (std::size_t c = 2; c < header.columns.size(); ++c) {
-    if (!cellAt(header.names, c).empty()) objects.push_back({objectName(header.names[c]), {}, {}});
+    const std::string_view name = cellAt(header.names, c);
+    if (!name.empty()) objects.emplace_back().name = objectName(name);
     if (objects.empty() || header.columns[c].size() != 2) continue;
-    if (!cellAt(header.names, c).empty()) {
-      objects.back().translation.fill(kNone);
-      objects.back().rotation.fill(kNone);
-    }
     const std::size_t axis = std::string_view("XYZW").find(header.columns[c][1]);
     if (axis == std::string_view::npos) continue;
     if (header.columns[c][0] == 'R') objects.back().rotation[axis] = c;
@@ -106,7 +103,7 @@ Object chooseObject(const TrajectorySource& source, const Header& header,
   const std::vector<Object> objects = objectsOf(header);
   std::vector<std::string> names;
   for (const Object& object : objects) names.push_back(object.name);
-  const Object object = objects.at(chooseBody(source, names, wanted));
+  const Object& object = objects.at(chooseBody(source, names, wanted));
   const auto missing = std::count(object.translation.begin(), object.translation.end(), kNone) +
                        std::count(object.rotation.begin(), object.rotation.begin() + 3, kNone);
   if (missing == 0) return object;
