@@ -21,6 +21,7 @@ struct BadTrajectory {
   std::vector<std::string> words;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name
 void PrintTo(const BadTrajectory& bad, std::ostream* out) { *out << bad.name; }
 
 class Refused : public testing::TestWithParam<BadTrajectory> {};
