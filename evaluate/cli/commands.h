@@ -26,6 +26,7 @@ Command detectCommand();
 Command calibrateCommand();
 Command perturbCommand();
 Command reportCommand();
+Command exportCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
 /// The subcommands of `evaluate`.

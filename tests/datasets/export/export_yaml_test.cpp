@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Kalibr's files through our reader, ROS' camera_info through yaml-cpp (which ROS reads it with).
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -105,6 +106,17 @@ TEST(UnlikeTimeOffsets, AreWrittenOrTheShiftIsNamed) {
   EXPECT_EQ(chain["cam1"]["timeshift_cam_imu"].as<double>(), truth.imu->time_offset_s + 0.003);
   const Calibration second = selectCameras(truth, {"cam1"}, "rig.json");
   EXPECT_EQ(second.imu->time_offset_s, truth.imu->time_offset_s + 0.003);
+}
+
+TEST(UnlikeTimeOffsets, AreReadFromOurCalibration) {
+  std::ifstream file(PLUMBLINE_SOURCE_DIR "/third_party_configs/source/calibration.json");
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string stages =
+      R"({"stages": {"camera_imu": {"camera_time_offsets_s": [0.0021, 0.5]}},)";
+  const TemporaryFolder folder;
+  const Calibration read =
+      readCalibration(folder.write("calibration.json", text.replace(0, 1, stages)));
+  EXPECT_EQ(read.imu->camera_time_offsets_s, (std::vector<double>{0.0021, 0.5}));
 }
 
 }  // namespace

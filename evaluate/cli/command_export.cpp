@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/workflow/export_calibration.h"
+
+namespace plumbline {
+namespace {
+
+struct Options {
+  ExportRequest request;
+  std::string to;
+  bool json = false;
+};
+
+std::string knownTools() {
+  std::vector<std::string> words;
+  for (const ExportTool tool : exportTools()) words.push_back(toString(tool));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+void declare(CLI::App& app, Options& o) {
+  ExportRequest& r = o.request;
+  app.add_option("calibration", r.calibration,
+                 "Calibration: calibration.json of ours, or Kalibr's camchain*.yaml")
+      ->required();
+  app.add_option("--to", o.to, "Tool: " + knownTools())->required();
+  app.add_option("--out", r.out, "Folder for the files")->required();
+  app.add_option("--imu", r.imu,
+                 "Kalibr's imu.yaml, for noise densities that the calibration does not state");
+  app.add_option("--only", r.only, "Cameras to export, e.g. cam0,cam1 (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_option("--camera-rate", r.camera_rate_hz,
+                 "Rate of the images [Hz], for tools that ask for it (orbslam3; default: 20)");
+  app.add_flag("--json", o.json, "Print the files and the warnings as JSON");
+}
+
+ExportRequest requestOf(const Options& o) {
+  ExportRequest request = o.request;
+  const auto tool = exportToolFrom(o.to);
+  if (!tool) throw InputError(fmt::format("--to {}: expected one of {}", o.to, knownTools()));
+  request.tool = *tool;
+  const double rate = request.camera_rate_hz.value_or(1);
+  if (!(rate > 0) || !std::isfinite(rate) || rate > 1e6) {
+    throw InputError(fmt::format("--camera-rate {}: expected a positive number of Hz", rate));
+  }
+  return request;
+}
+
+int exportFiles(const Options& o) {
+  const ExportOutcome outcome = exportCalibrationFile(requestOf(o));
+  if (o.json) {
+    const nlohmann::ordered_json json{
+        {"tool", o.to}, {"files", outcome.paths}, {"warnings", outcome.warnings}};
+    fmt::print("{}\n", json.dump(2));
+    return kDone;
+  }
+  for (const std::string& path : outcome.paths) fmt::print("{}\n", path);
+  for (const std::string& warning : outcome.warnings) fmt::print("warning: {}\n", warning);
+  return kDone;
+}
+
+}  // namespace
+
+Command exportCommand() {
+  return {"export", "Write a calibration in the format of another tool",
+          "plumbline export result/calibration.json --to openvins --out openvins_config",
+          [](CLI::App& app) {
+            auto options = std::make_shared<Options>();
+            declare(app, *options);
+            return std::function<int()>([options] { return exportFiles(*options); });
+          }};
+}
+
+}  // namespace plumbline

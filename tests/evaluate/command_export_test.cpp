@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// plumbline export as a user runs it: files, messages, what is left alone. What the files say is
+// export_test's.
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const fs::path kConfigs = fs::path(PLUMBLINE_SOURCE_DIR) / "third_party_configs";
+
+class CommandExport : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::temp_directory_path() / ("plumbline_export_" + std::to_string(getpid()));
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  fs::path out() const { return root_ / "out"; }
+  Outcome exported(const fs::path& calibration, const std::string& options) const {
+    return plumbline("export " + calibration.string() + " --out " + out().string() + " " + options);
+  }
+  Outcome exportedSource(const std::string& options) const {
+    return exported(kConfigs / "source/calibration.json", options);
+  }
+  // One line, exit 2, and no folder that was not there.
+  void expectRefusal(const Outcome& outcome, const testing::Matcher<std::string>& words) const {
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+    EXPECT_THAT(outcome.text, AllOf(testing::StartsWith("plumbline: "), words));
+    EXPECT_FALSE(fs::exists(out()));
+  }
+
+  fs::path root_;
+};
+
+TEST_F(CommandExport, WritesEveryToolsFilesAndNamesThem) {
+  for (const char* tool :
+       {"kalibr", "orbslam3", "openvins", "vins-fusion", "okvis2", "basalt", "camera_info"}) {
+    const Outcome outcome = exportedSource(std::string("--camera-rate 20 --to ") + tool);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+    const auto goldens = contents(kConfigs / tool);
+    const auto written = contents(out());
+    ASSERT_EQ(written.size(), goldens.size()) << tool;
+    for (const auto& [name, text] : written) {
+      EXPECT_EQ(goldens.count(name), 1U) << name;
+      EXPECT_THAT(outcome.text, HasSubstr((out() / name).string()));
+    }
+    fs::remove_all(out());
+  }
+}
+
+TEST_F(CommandExport, JsonListsFilesAndWarnings) {
+  const Outcome outcome = exportedSource("--to orbslam3 --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const auto json = nlohmann::json::parse(outcome.text);
+  EXPECT_EQ(json["tool"], "orbslam3");
+  EXPECT_EQ(json["files"], nlohmann::json{(out() / "orbslam3.yaml").string()});
+  EXPECT_EQ(json["warnings"].size(), 3U) << outcome.text;  // time, camera 2, rate
+}
+
+TEST_F(CommandExport, ReplacesItsOwnFilesAndNoOthers) {
+  ASSERT_EQ(exportedSource("--to basalt").exit_code, 0);
+  EXPECT_EQ(exportedSource("--to basalt").exit_code, 0);
+  write(out() / "orbslam3.yaml", "mine");
+  const auto before = contents(out());
+  const Outcome outcome = exportedSource("--to orbslam3");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("orbslam3.yaml"), HasSubstr("--out")));
+  EXPECT_EQ(contents(out()), before);
+  // A JSON file has no mark of its own: without its notes it is somebody's.
+  fs::remove(out() / "basalt_notes.txt");
+  EXPECT_EQ(exportedSource("--to basalt").exit_code, 2);
+  EXPECT_FALSE(fs::exists(out() / "basalt_notes.txt"));
+}
+
+TEST_F(CommandExport, KalibrsCamchainNeedsTheNoise) {
+  const fs::path camchain = kConfigs / "kalibr/camchain-imucam.yaml";
+  expectRefusal(exported(camchain, "--to openvins"), HasSubstr("--imu imu.yaml"));
+  const std::string imu = " --imu " + (kConfigs / "kalibr/imu.yaml").string();
+  ASSERT_EQ(exported(camchain, "--to openvins" + imu).exit_code, 0);
+  EXPECT_THAT(read(out() / "kalibr_imu_chain.yaml"),
+              HasSubstr("gyroscope_noise_density: 0.00016968\n"));
+}
+
+TEST_F(CommandExport, OnlyOneCamera) {
+  ASSERT_EQ(exportedSource("--to camera_info --only cam1").exit_code, 0);
+  EXPECT_TRUE(fs::exists(out() / "cam1.yaml"));
+  EXPECT_FALSE(fs::exists(out() / "cam0.yaml"));
+}
+
+TEST_F(CommandExport, RefusalsLeaveNothingBehind) {
+  expectRefusal(exportedSource("--to rtabmap"), HasSubstr("vins-fusion"));
+  expectRefusal(exportedSource("--to orbslam3 --camera-rate 0"), HasSubstr("--camera-rate"));
+  expectRefusal(exportedSource("--to orbslam3 --only cam7"), HasSubstr("cam0, cam1"));
+  expectRefusal(exported(root_ / "nowhere.json", "--to kalibr"), HasSubstr("nowhere.json"));
+  expectRefusal(exported(kConfigs / "targets/target_6x6.yaml", "--to kalibr"),
+                HasSubstr("target_6x6.yaml"));
+  fs::path omni = root_ / "omni.yaml";
+  write(omni,
+        "cam0:\n  camera_model: omni\n  intrinsics: [1.8, 1100.0, 1100.0, 370.0, 240.0]\n"
+        "  distortion_model: radtan\n  distortion_coeffs: [-0.1, 0.2, 0.001, 0.001]\n"
+        "  resolution: [752, 480]\n  rostopic: /cam0/image_raw\n");
+  expectRefusal(exported(omni, "--to orbslam3"),
+                AllOf(HasSubstr("ORB-SLAM3"), HasSubstr("omni-radtan"), HasSubstr("export")));
+}
+
+TEST_F(CommandExport, HelpHasAnExample) {
+  const Outcome outcome = plumbline("export --help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("Example"), HasSubstr("plumbline export result")));
+}
+
+}  // namespace
+}  // namespace plumbline
