@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lists and ranges of amounts on the command line.
+#include "evaluate/cli/amount_list.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(AmountList, TakesSignedAndFractionalNumbers) {
+  EXPECT_THAT(amountsFrom("--x", "100,-3.21,+0.5,1e-3"), ElementsAre(100, -3.21, 0.5, 1e-3));
+}
+
+TEST(AmountList, RangesIncludeBothEndsInEitherDirection) {
+  EXPECT_THAT(amountsFrom("--x", "-100:50:100"), ElementsAre(-100, -50, 0, 50, 100));
+  EXPECT_THAT(amountsFrom("--x", "2:-1:0"), ElementsAre(2, 1, 0));
+  EXPECT_THAT(amountsFrom("--x", "0.1:0.1:0.3"), ElementsAre(0.1, 0.2, 0.3));
+  EXPECT_THAT(amountsFrom("--x", "1:2:4,7"), ElementsAre(1, 3, 7));
+}
+
+TEST(AmountList, RefusesEverythingElseByName) {
+  for (const char* words : {"", "1,", "a", "1:2", "1:2:3:4", "0:0:1", "0:-1:5", "nan", "inf",
+                            "1e9x", "0:1e-9:1", "1 2"}) {
+    try {
+      (void)amountsFrom("--offsets-ms", words);
+      ADD_FAILURE() << words;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("--offsets-ms")) << words;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

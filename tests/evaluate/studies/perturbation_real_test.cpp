@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Time offsets injected into EuRoC's imu_april, between and beyond multiples of the IMU's period.
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "evaluate/studies/perturb_session.h"
+
+namespace plumbline {
+namespace {
+
+TEST(PerturbationOfEuroc, OffsetsOfUpToHalfASecondComeBackToATenthOfAMicrosecond) {
+  const std::string data = PLUMBLINE_SHARED_DATA;
+  ASSERT_TRUE(std::filesystem::is_directory(data))
+      << data << " is missing: configure with -DPLUMBLINE_SHARED_DATA=FOLDER";
+  PerturbRequest request;
+  request.load.session = data + "/euroc_imu_april";
+  request.cameras_file = request.load.session + "/kalibr/camchain-imucam.yaml";
+  request.camera.cauchy_px = request.camera_imu.cauchy_px = 0;
+  for (int ms = -500; ms <= 500; ms += 125) {
+    request.perturbations.push_back({PerturbationKind::kImuShift, ms + 0.37, 0});
+  }
+  for (const double ms : {100.0, 10.0, 1.0, 37.3, -3.21, 0.5, 2.5}) {
+    request.perturbations.push_back({PerturbationKind::kImuShift, ms, 0});
+  }
+  const auto record = perturbSession(request, [](const std::string&, double) {});
+  ASSERT_TRUE(record) << record.failure().message;
+  EXPECT_EQ(record->base.frames, 1415);
+  for (const PerturbationCase& c : record->cases) {
+    EXPECT_EQ(c.problem, "") << c.amount;
+    EXPECT_LT(std::abs(c.offset_error_s), 0.1e-6) << c.amount;
+  }
+  EXPECT_EQ(record->verdict.level, VerdictLevel::kGood);
+}
+
+}  // namespace
+}  // namespace plumbline

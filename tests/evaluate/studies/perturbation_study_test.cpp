@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Studies of a simulated recording: what must come back, what must move and by how much.
+#include "evaluate/studies/perturbation_study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/studies/perturbation_document.h"
+#include "evaluate/studies/perturbation_findings.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using Kind = PerturbationKind;
+
+constexpr double kCornerSigma = 0.2;
+
+const SimulatedSession& simulated() {
+  static const SimulatedSession s = [] {
+    SimulationOptions options;
+    options.duration_s = 6;
+    options.corner_sigma_px = kCornerSigma;
+    return simulateSession(simulatedRig("euroc"), options);
+  }();
+  return s;
+}
+
+StudyInputs inputs(bool cameras_fixed) {
+  StudyInputs in;
+  in.session = &simulated().session;
+  if (cameras_fixed) in.cameras = simulated().truth.cameras;
+  in.cameras_fixed = cameras_fixed;
+  in.camera.pixel_sigma = in.camera_imu.pixel_sigma = kCornerSigma;
+  in.camera.cauchy_px = in.camera_imu.cauchy_px = 0;
+  in.camera_imu.gravity_m_s2 = simulated().gravity_F.norm();
+  return in;
+}
+
+PerturbationRecord study(bool cameras_fixed, const std::vector<Perturbation>& cases,
+                         int threads = 2) {
+  PerturbationStudyOptions options;
+  options.threads = threads;
+  auto record = perturbationStudy(inputs(cameras_fixed), cases, options);
+  if (!record) throw std::runtime_error(record.failure().message);
+  return std::move(record).value();
+}
+
+std::size_t indexOf(const PerturbationRecord& record, const std::string& name) {
+  const auto found = std::find(record.parameters.begin(), record.parameters.end(), name);
+  EXPECT_NE(found, record.parameters.end()) << name;
+  return static_cast<std::size_t>(found - record.parameters.begin());
+}
+
+double largestChange(const PerturbationRecord& record, const PerturbationCase& c,
+                     const std::string& but) {
+  double largest = 0;
+  for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
+    if (record.parameters[i] == but || !(record.base_std[i] > 0)) continue;
+    largest = std::max(largest, std::abs(c.changes_sigma[i]));
+  }
+  return largest;
+}
+
+TEST(PerturbationStudy, InjectedOffsetsComeBackAndNothingElseMoves) {
+  const auto record =
+      study(true, {{Kind::kImuShift, 100}, {Kind::kImuShift, -3.21}, {Kind::kImuShift, 0.0004}});
+  for (const PerturbationCase& c : record.cases) {
+    ASSERT_EQ(c.problem, "") << c.amount;
+    EXPECT_EQ(c.frames, record.base.frames);
+    EXPECT_LT(std::abs(c.offset_error_s), 1e-8) << c.amount;
+    EXPECT_NEAR(c.time_offset_s - record.base.time_offset_s, 1e-3 * c.amount, 1e-8);
+    EXPECT_LT(largestChange(record, c, "time_offset"), 0.01) << c.amount;
+  }
+  EXPECT_EQ(record.verdict.level, VerdictLevel::kGood);
+}
+
+TEST(PerturbationStudy, ALargerTargetWidensTheBaselineInProportion) {
+  const auto record = study(false, {{Kind::kTargetSize, 0.5}});
+  const PerturbationCase& c = record.cases[0];
+  ASSERT_EQ(c.problem, "");
+  const auto tx = indexOf(record, "T_C0C1.tx");
+  EXPECT_NEAR(c.values[tx] / record.base.values[tx], 1.005, 1e-7);
+  // A plane of another size, seen from as much further away, looks the same.
+  EXPECT_LT(std::abs(c.changes_sigma[indexOf(record, "cam0.fu")]), 1e-3);
+}
+
+TEST(PerturbationStudy, ATargetOfImpossibleSizeIsRefusedAndKeptAsAFailure) {
+  const auto record = study(false, {{Kind::kTargetSize, 100}});
+  EXPECT_THAT(record.cases[0].problem, HasSubstr("target"));
+  EXPECT_EQ(record.verdict.level, VerdictLevel::kDoubtful);
+  EXPECT_THAT(record.verdict.findings.back().evidence, HasSubstr("0 of 1"));
+}
+
+TEST(PerturbationStudy, NoisierDensitiesWidenTheDeviations) {
+  const auto record = study(true, {{Kind::kNoiseDensities, 1}, {Kind::kNoiseDensities, 4}});
+  EXPECT_LT(largestChange(record, record.cases[0], ""), 1e-6);
+  EXPECT_EQ(record.cases[0].time_offset_std_s, record.base.time_offset_std_s);
+  EXPECT_GT(*record.cases[1].time_offset_std_s, 1.5 * *record.base.time_offset_std_s);
+}
+
+TEST(PerturbationStudy, AnotherStartEndsInTheSameMinimum) {
+  const auto record =
+      study(false, {{Kind::kInitialIntrinsics, 10}, {Kind::kInitialIntrinsics, -10}});
+  for (const PerturbationCase& c : record.cases) {
+    ASSERT_EQ(c.problem, "") << c.amount;
+    EXPECT_LT(largestChange(record, c, ""), 1e-3) << c.amount;
+  }
+}
+
+TEST(PerturbationStudy, HalfOfTheFramesGiveTheSameWithinTheirNoise) {
+  const auto record = study(false, {{Kind::kDroppedFrames, 50, 1}});
+  const PerturbationCase& c = record.cases[0];
+  ASSERT_EQ(c.problem, "");
+  EXPECT_NEAR(c.frames, 0.5 * record.base.frames, 0.15 * record.base.frames);
+  // Half of the information: the change has the base's own deviation, and there are 30 of them.
+  EXPECT_GT(largestChange(record, c, ""), 0.1);
+  EXPECT_LT(largestChange(record, c, ""), 4.5);
+}
+
+TEST(PerturbationStudy, MissingImuSamplesAreBridged) {
+  const auto record = study(true, {{Kind::kDroppedImu, 5, 1}});
+  const PerturbationCase& c = record.cases[0];
+  ASSERT_EQ(c.problem, "");
+  EXPECT_LT(largestChange(record, c, ""), 4.5);
+}
+
+TEST(PerturbationStudy, AddedCornerNoiseShowsInTheRmse) {
+  const auto record = study(false, {{Kind::kCornerNoise, 0.5, 1}, {Kind::kCornerNoise, 0.5, 2}});
+  const double expected = std::sqrt(2 * (0.2 * 0.2 + 0.5 * 0.5));
+  for (const PerturbationCase& c : record.cases) EXPECT_NEAR(c.rmse_px, expected, 0.03 * expected);
+  EXPECT_NE(record.cases[0].values, record.cases[1].values);
+}
+
+TEST(PerturbationStudy, DoesNotDependOnThreads) {
+  const std::vector<Perturbation> cases{{Kind::kImuShift, 10},
+                                        {Kind::kCornerNoise, 0.1, 1},
+                                        {Kind::kDroppedImu, 5, 1},
+                                        {Kind::kImuShift, -10}};
+  EXPECT_EQ(perturbationDocument(study(true, cases, 1)),
+            perturbationDocument(study(true, cases, 3)));
+}
+
+TEST(PerturbationStudy, SaysWhatASessionCannotGive) {
+  Session blind = simulated().session;
+  blind.imu.reset();
+  StudyInputs in = inputs(false);
+  in.session = &blind;
+  EXPECT_THROW((void)perturbationStudy(in, {{Kind::kImuShift, 1}}), InputError);
+  EXPECT_THROW((void)perturbationStudy(inputs(true), {{Kind::kInitialIntrinsics, 1}}), InputError);
+  const auto cameras_only = perturbationStudy(in, {{Kind::kCornerNoise, 0.1, 1}});
+  ASSERT_TRUE(cameras_only);
+  EXPECT_EQ(cameras_only->cases[0].problem, "");
+  EXPECT_EQ(cameras_only->parameters.size(), 8u + 8 + 6);
+}
+
+PerturbationCase shift(double amount_ms, double error_s, const std::string& problem = "") {
+  PerturbationCase c;
+  c.kind = "imu-shift";
+  c.unit = "ms";
+  c.amount = amount_ms;
+  c.offset_error_s = error_s;
+  c.problem = problem;
+  return c;
+}
+
+TEST(ConvergenceBasin, EndsAtTheFirstOffsetThatIsNotRecovered) {
+  PerturbationRecord record;
+  record.cases = {shift(-300, 0), shift(-200, 0.2), shift(-100, 1e-7),
+                  shift(100, 0),  shift(200, 0),    shift(300, 0, "did not converge")};
+  const ConvergenceBasin basin = convergenceBasin(record, 1e-3);
+  EXPECT_EQ(basin.from_ms, -100);
+  EXPECT_EQ(basin.to_ms, 200);
+  EXPECT_EQ(basin.inside, 3);
+  EXPECT_EQ(basin.failed, 2);
+}
+
+}  // namespace
+}  // namespace plumbline
