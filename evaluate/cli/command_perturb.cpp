@@ -11,6 +11,7 @@
 #include "evaluate/cli/amount_list.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
+#include "evaluate/cli/failure.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/studies/perturb_session.h"
@@ -109,11 +110,7 @@ int perturb(const Options& o, const CLI::App& app) {
   refuseInside(o.out, o.session.session, "--out");
   const auto record = perturbSession(requestOf(o, app), bar.sink());
   bar.clear();
-  if (!record) {
-    const Failure& failure = record.failure();
-    fmt::print(stderr, "plumbline: {}; {}\n", failure.message, failure.cure);
-    return failure.reason == FailureReason::kImplausible ? kBadInput : kFailed;
-  }
+  if (!record) return tellFailure(record.failure());
   writePerturbation(*record, o.out, !o.no_report);
   fmt::print("{}", perturbationSummary(*record));
   fmt::print("\nResult: {}/{}\n", o.out, o.no_report ? "perturbation.json" : "report.html");
