@@ -178,7 +178,8 @@ void expectStatistics(const Json& entry, std::size_t index, const std::vector<do
   for (const auto& [name, value] : ours) {
     if (name == "gauss_p99" && !entry.contains(name)) continue;
     const double expected = entry.at(name);
-    const bool rounding = name == "min" && kMinIsRounding.contains(index);
+    // A minimum of exactly zero comes from the same cause; another compiler may round it otherwise.
+    const bool rounding = name == "min" && (expected == 0 || kMinIsRounding.contains(index));
     const double tolerance = rounding ? kRounding : kRelative * std::abs(expected);
     EXPECT_NEAR(value, expected, tolerance) << name;
   }
