@@ -7,14 +7,18 @@
 
 namespace plumbline {
 
-/// Reads a calibration, ours (calibration.json) or Kalibr's (camchain*.yaml), told by its content.
+/// Reads a calibration, told by its content: ours (calibration.json), Kalibr's (camchain*.yaml) or
+/// yac's (its results of camera and of camera-IMU calibration).
 ///
 /// Kalibr: T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; a chain is
-/// resolved to T_C0Ci. The IMU is there if cam0 has T_cam_imu; the time offset is the mean of the
-/// cameras' timeshift_cam_imu. Its noise is not in that file.
-/// Throws InputError, with file and line, for a file that is neither, missing keys, transforms that
-/// are not rigid or contradict each other by more than 1 mm or 0.1 degrees, a rolling shutter
-/// (line_delay), and models whose number of parameters is wrong.
+/// resolved to T_C0Ci. The IMU is there if cam0 has T_cam_imu; the time offset is that of camera 0,
+/// with those of all where they differ. Its noise is not in that file (see
+/// datasets/kalibr/run.h for all files of a run).
+/// yac: T_cam0_cam1 and T_imu0_cam0 are our T_C0C1 and T_SC0, time_delay our time offset
+/// (imu_timestamp = camera_timestamp + time_delay); densities sigma_*_c are continuous-time ones.
+/// Throws InputError, with file and line, for a file that is none of these, missing keys,
+/// transforms that are not rigid or contradict each other by more than 1 mm or 0.1 degrees, a
+/// rolling shutter (line_delay), and models whose number of parameters is wrong.
 Calibration readCalibration(const std::string& path);
 
 }  // namespace plumbline

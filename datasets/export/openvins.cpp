@@ -70,7 +70,7 @@ std::string imuText(const ImuCalibration& imu) {
          numberLine("  gyroscope_noise_density", imu.noise.gyro_density) +
          numberLine("  gyroscope_random_walk", imu.noise.gyro_random_walk) +
          "  rostopic: " + topicOf(imu) + "\n" + numberLine("  time_offset", 0) +
-         numberLine("  update_rate", imu.noise.rate_hz) + "  model: \"kalibr\"\n" +
+         numberLine("  update_rate", imu.noise.rate_hz) + "  model: \"calibrated\"\n" +
          matrix("Tw", I) + matrix("R_IMUtoGYRO", I) + matrix("Ta", I) + matrix("R_IMUtoACC", I) +
          matrix("Tg", Eigen::Matrix3d::Zero());
 }
@@ -92,7 +92,8 @@ ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions
   }
   const std::string densities =
       "Continuous-time noise densities; scale, misalignment and gravity sensitivity are those of "
-      "an IMU without any.";
+      "an IMU without any. model \"kalibr\" in place of \"calibrated\" lets OpenVINS refine "
+      "them.";
   out.files = {{"kalibr_imucam_chain.yaml", cameras},
                {"kalibr_imu_chain.yaml", opencvHeader(options, {densities}) + "\n" + imuText(imu)}};
   return out;

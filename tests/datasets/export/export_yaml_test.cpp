@@ -35,6 +35,24 @@ TEST(ExportKalibr, ReadsBack) {
   EXPECT_EQ(imu.noise.gyro_density, truth.imu->noise.gyro_density);
 }
 
+// OpenVINS' files are Kalibr's but for the direction: our reader takes them too.
+TEST(ExportOpenVins, IsACalibrationThatWeRead) {
+  const Calibration truth = rig("tumvi");
+  const auto files = exportCalibration(truth, ExportTool::kOpenVins, exportOptions());
+  const TemporaryFolder folder;
+  const Calibration read = readCalibration(
+      folder.write("kalibr_imucam_chain.yaml", fileText(files, "kalibr_imucam_chain.yaml")));
+  ASSERT_EQ(read.cameras.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.cameras[i].intrinsics.stacked(), truth.cameras[i].intrinsics.stacked());
+    EXPECT_LT(difference(placeOf(truth, i).matrix(), placeOf(read, i)), 1e-12);
+  }
+  EXPECT_EQ(read.imu->time_offset_s, truth.imu->time_offset_s);
+  const auto imu =
+      readImuDescription(folder.write("imu.yaml", fileText(files, "kalibr_imu_chain.yaml")));
+  EXPECT_EQ(imu.noise.gyro_random_walk, truth.imu->noise.gyro_random_walk);
+}
+
 TEST(ExportKalibr, UnknownNoiseIsNotInvented) {
   ExportOptions options = exportOptions();
   options.noise_known = false;
