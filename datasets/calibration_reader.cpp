@@ -20,7 +20,8 @@ CameraCalibration ourCamera(const YamlMap& map) {
   const int m = static_cast<int>(camera.intrinsics.distortion.size());
   if (map.has("intrinsics_std")) {
     Eigen::VectorXd std(n + m);
-    std << parametersField(map, "intrinsics_std", n), parametersField(map, "distortion_coeffs_std", m);
+    std << parametersField(map, "intrinsics_std", n),
+        parametersField(map, "distortion_coeffs_std", m);
     camera.intrinsics_std = std;
   }
   if (map.has("T_C0Ci_std")) camera.T_C0Ci_std = parametersField(map, "T_C0Ci_std", 6);
@@ -76,7 +77,8 @@ Calibration readOurs(const YamlMap& file) {
 
 Calibration readCalibration(const std::string& path) {
   const std::string what =
-      "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, or a result of yac";
+      "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, or a result of "
+      "yac";
   const YamlMap file = YamlMap::load(path, what);
   if (isYacResult(file)) return readYacResult(file);
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+
+namespace plumbline {
+
+/// One camN of a camchain as the file states it: nothing resolved, nothing checked against others.
+struct KalibrCamera {
+  std::string name;      ///< "cam0", ...
+  std::string rostopic;  ///< empty if the file does not say
+  Intrinsics intrinsics;
+  std::optional<Transform> T_cam_imu;       ///< IMU into this camera
+  std::optional<Transform> T_cn_cnm1;       ///< the previous camera into this one
+  std::optional<double> timeshift_cam_imu;  ///< t_imu = t_cam + shift [s]
+  double line_delay_s = 0;                  ///< of a rolling shutter
+  int line = 0;                             ///< of the camera in the file, from 1
+  int T_cam_imu_line = 0;
+  int T_cn_cnm1_line = 0;
+  int line_delay_line = 0;
+};
+
+/// Kalibr's camchain*.yaml; also OpenVINS' kalibr_imucam_chain.yaml, whose T_imu_cam is inverted
+/// here.
+struct KalibrCamchain {
+  std::string path;
+  std::vector<KalibrCamera> cameras;
+
+  bool hasImu() const { return !cameras.empty() && cameras.front().T_cam_imu.has_value(); }
+};
+
+/// Reads cam0, cam1, ... Throws InputError, with file and line, for missing keys, numbers that are
+/// not finite, transforms that are not rigid, and models whose number of parameters is wrong.
+KalibrCamchain readKalibrCamchain(const std::string& path);
+
+/// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or T_cam_imu where that is missing;
+/// time_offset_s is camera 0's shift, and camera_time_offsets_s has each one where they differ
+/// (meanTimeOffset() for their mean). The IMU's noise is not in this file.
+/// Throws InputError for a rolling shutter, a camera without a place, and transforms that
+/// contradict each other by more than 1 mm or 0.1 degrees; the message says which one, read in the
+/// other direction, would agree.
+Calibration calibrationOf(const KalibrCamchain& chain);
+
+/// How T_cam_imu of camera `i` (> 0) and its T_cn_cnm1 contradict each other, and which of them,
+/// read in the other direction, would agree.
+struct ChainContradiction {
+  double translation_m = 0;
+  double rotation_rad = 0;
+  enum class Suspect { kNone, kChain, kThisCamera, kPreviousCamera, kAllCameras };
+  Suspect suspect = Suspect::kNone;
+};
+/// Empty where they agree to 1 mm and 0.1 degrees, or where one of them is missing.
+std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain, std::size_t i);
+
+}  // namespace plumbline
