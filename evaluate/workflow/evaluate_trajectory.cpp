@@ -16,8 +16,7 @@ namespace {
 
 constexpr std::size_t kFewestPairs = 3;
 constexpr std::size_t kPlotted = 2000;
-constexpr double kOtherBodyDeg = 15;  // after alignment, a rotation error that no estimator has
-constexpr int kGapFactor = 10;        // an interval so many times the median one is a hole
+constexpr int kGapFactor = 10;  // an interval so many times the median one is a hole
 
 bool standsOnRotation(AlignmentKind kind) {
   return kind == AlignmentKind::kOrigin || kind == AlignmentKind::kSe3First ||
@@ -103,13 +102,6 @@ std::vector<std::string> remarksOnErrors(const TrajectoryRun& run, bool with_rot
         fmt::format("there are no orientations: no rotation errors{}",
                     deltas > 0 ? ", and no relative ones, which need the body's frame" : ""));
   }
-  if (run.ate_rotation_deg.median > kOtherBodyDeg) {
-    remarks.push_back(
-        fmt::format("the rotations differ by {:.1f} deg in the median: the bodies' frames probably "
-                    "differ (a camera "
-                    "against an IMU?), which spoils rotation and relative errors",
-                    run.ate_rotation_deg.median));
-  }
   for (const RelativeErrorRecord& rpe : run.rpe) {
     if (rpe.translation_m.n > 0) continue;
     remarks.push_back(fmt::format("no poses are {} {} apart: no relative error over that distance",
@@ -144,6 +136,11 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
   run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
   std::vector<std::string> remarks =
       joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));
+  if (with_rotation) {
+    const std::string rotations =
+        remarkOnRotations(alignedPoses(association.pairs, *alignment), *alignment);
+    if (!rotations.empty()) remarks.push_back(rotations);
+  }
   return TrajectoryEvaluation{std::move(run), std::move(remarks)};
 }
 

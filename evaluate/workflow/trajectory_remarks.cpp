@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/workflow/trajectory_remarks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
+
+#include "evaluate/metrics/trajectory/absolute_error.h"
+#include "evaluate/metrics/trajectory/body_frame.h"
 
 namespace plumbline {
 namespace {
@@ -72,6 +76,8 @@ std::size_t usedTwice(const std::vector<PosePair>& pairs) {
 
 constexpr double kNoticeableOffset = 1e-3;  // [s]
 constexpr double kManyWithout = 0.05;       // of the estimate's poses
+constexpr double kOtherBodyDeg = 15;        // after alignment, more than an estimator errs
+constexpr double kRigidDeg = 5;             // spread about a body rotation that is believed
 
 }  // namespace
 
@@ -132,6 +138,34 @@ std::vector<std::string> remarksOn(const Association& association) {
     }
   }
   return remarks;
+}
+
+std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment) {
+  const double median =
+      sampleStatistics(absoluteErrors(poses, AbsoluteMeasure::kRotationDeg)).median;
+  if (poses.truth.empty() || median < kOtherBodyDeg) return {};
+  const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
+  std::string remark = fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
+  const BodyRotation as_read = bodyRotation(poses, R, false, false);
+  const BodyRotation truth_inverted = bodyRotation(poses, R, true, false);
+  const BodyRotation estimate_inverted = bodyRotation(poses, R, false, true);
+  if (as_read.spread_deg < kRigidDeg) {
+    remark += fmt::format("as body frames turned by {:.1f} deg would (a camera against an IMU?)",
+                          as_read.angle_deg);
+  } else if (std::min(truth_inverted.spread_deg, estimate_inverted.spread_deg) < kRigidDeg) {
+    // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
+    const bool truth = truth_inverted.spread_deg < kRigidDeg;
+    const bool estimate = estimate_inverted.spread_deg < kRigidDeg;
+    remark += fmt::format(
+        "but by {:.1f} deg were the quaternions of the {} inverted: they probably map the world "
+        "into "
+        "the body, whatever the header says",
+        std::min(truth_inverted.spread_deg, estimate_inverted.spread_deg),
+        truth && estimate ? "truth or of the estimate" : (truth ? "truth" : "estimate"));
+  } else {
+    remark += "and no constant turn of the body explains it";
+  }
+  return remark + "; positions are judged rightly, rotation and relative errors are not";
 }
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/trajectory.h"
+#include "evaluate/metrics/trajectory/aligned_poses.h"
 #include "evaluate/metrics/trajectory/association.h"
 
 namespace plumbline {
@@ -19,5 +20,10 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
 /// One sentence for each odd thing about the pairs: a clock offset, poses without a partner or in
 /// gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
 std::vector<std::string> remarksOn(const Association& association);
+
+/// Why the rotations of aligned poses disagree widely: another body frame (a camera against an
+/// IMU), or quaternions that one file has inverted; "" where they agree within 15 degrees in the
+/// median.
+std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment);
 
 }  // namespace plumbline

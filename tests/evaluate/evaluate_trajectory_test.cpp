@@ -103,7 +103,24 @@ TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
   const Eigen::Quaterniond q_BC(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
   for (StampedPose& pose : estimate.poses) pose.q = pose.q * q_BC;
   EXPECT_THAT(evaluateTrajectories(estimate, spiral(0), {})->remarks,
-              Contains(HasSubstr("bodies' frames")));
+              Contains(HasSubstr("body frames turned by 68.8 deg")));
+}
+
+TEST(EvaluateTrajectories, RemarksNameInvertedQuaternions) {
+  for (const bool of_truth : {true, false}) {
+    Trajectory truth = spiral(0);
+    for (std::size_t i = 0; i < truth.poses.size(); ++i) {  // about one axis it could be either
+      const double tilt = std::sin(0.3 * static_cast<double>(i));
+      truth.poses[i].q *= Eigen::Quaterniond(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()));
+    }
+    Trajectory estimate = truth;
+    const Eigen::Quaterniond q_WE(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 1, 0).normalized()));
+    for (StampedPose& pose : estimate.poses) pose = {pose.t, q_WE * pose.p, q_WE * pose.q};
+    for (StampedPose& pose : (of_truth ? truth : estimate).poses) pose.q = pose.q.conjugate();
+    EXPECT_THAT(evaluateTrajectories(estimate, truth, {})->remarks,
+                Contains(AllOf(HasSubstr("inverted"),
+                               HasSubstr(of_truth ? "of the truth inv" : "of the estimate inv"))));
+  }
 }
 
 TEST(EvaluateTrajectories, WithoutOrientationsOnlyPositionsAreJudged) {
