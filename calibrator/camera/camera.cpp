@@ -6,42 +6,32 @@
 namespace plumbline {
 namespace {
 
-// fu fv pu pv, which every model has.
-struct Lens {
-  double fu, fv, pu, pv;
-  explicit Lens(const Intrinsics& camera)
-      : fu(camera.projection[0]),
-        fv(camera.projection[1]),
-        pu(camera.projection[2]),
-        pv(camera.projection[3]) {}
-};
-
 template <CameraModel Model>
 std::optional<Eigen::Vector2d> projectAs(Model, const Intrinsics& camera,
                                          const Eigen::Vector3d& p_C) {
-  const double* k = camera.distortion.data();
+  const CameraValues lens(camera);
+  const double* k = lens.k.data();
   if (!Model::isInDomain(k, p_C.x(), p_C.y(), p_C.z())) return std::nullopt;
   const auto m = Model::image(k, p_C.x(), p_C.y(), p_C.z());
-  const Lens lens(camera);
   return Eigen::Vector2d(lens.fu * m.x + lens.pu, lens.fv * m.y + lens.pv);
 }
 
 template <CameraModel Model>
 std::optional<Projection> projectWithJacobiansAs(Model, const Intrinsics& camera,
                                                  const Eigen::Vector3d& p_C) {
-  const double* k = camera.distortion.data();
+  const CameraValues lens(camera);
+  const double* k = lens.k.data();
   if (!Model::isInDomain(k, p_C.x(), p_C.y(), p_C.z())) return std::nullopt;
   const auto m = Model::image(k, p_C.x(), p_C.y(), p_C.z());
-  const Lens lens(camera);
   Projection out;
   out.uv << lens.fu * m.x + lens.pu, lens.fv * m.y + lens.pv;
   for (int j = 0; j < 3; ++j) {
     out.J_point.col(j) << lens.fu * m.J_point[0][j], lens.fv * m.J_point[1][j];
   }
   out.J_intrinsics.setZero(2, 4 + Model::kShape);
-  out.J_intrinsics.topLeftCorner<2, 4>() << m.x, 0, 1, 0, 0, m.y, 0, 1;
+  out.J_intrinsics.middleCols<4>(Model::kLeading) << m.x, 0, 1, 0, 0, m.y, 0, 1;
   for (int j = 0; j < Model::kShape; ++j) {
-    out.J_intrinsics.col(4 + j) << lens.fu * m.J_k[0][j], lens.fv * m.J_k[1][j];
+    out.J_intrinsics.col(shapeColumn<Model>(j)) << lens.fu * m.J_k[0][j], lens.fv * m.J_k[1][j];
   }
   return out;
 }
@@ -49,9 +39,9 @@ std::optional<Projection> projectWithJacobiansAs(Model, const Intrinsics& camera
 template <CameraModel Model>
 std::optional<Eigen::Vector3d> unprojectAs(Model, const Intrinsics& camera,
                                            const Eigen::Vector2d& uv) {
-  const Lens lens(camera);
-  const auto ray = Model::ray(camera.distortion.data(), (uv.x() - lens.pu) / lens.fu,
-                              (uv.y() - lens.pv) / lens.fv);
+  const CameraValues lens(camera);
+  const auto ray =
+      Model::ray(lens.k.data(), (uv.x() - lens.pu) / lens.fu, (uv.y() - lens.pv) / lens.fv);
   if (!ray) return std::nullopt;
   return Eigen::Vector3d((*ray)[0], (*ray)[1], (*ray)[2]).normalized();
 }

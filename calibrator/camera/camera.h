@@ -26,8 +26,9 @@ struct Projection {
 bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion);
 
 /// Projects a point of the camera frame [m] to pixels. Empty where the model does not define it:
-/// behind the camera, or beyond the radius at which the distortion stops growing (folding back).
-/// Throws InputError for a model without implementation.
+/// behind the camera (wide-angle models: beyond their own limit), or beyond the radius at which the
+/// distortion stops growing (folding back). Every model that Kalibr writes projects; throws
+/// InputError for another pair of models, or a wrong number of parameters.
 std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Vector3d& p_C);
 
 /// project() with analytic Jacobians.

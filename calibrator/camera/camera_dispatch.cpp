@@ -15,7 +15,7 @@ void visitMembers(const std::variant<Models...>*, const Visit& visit) {
   (visit(Models{}), ...);
 }
 
-// Calls visit(Model{}) for every model that can be calibrated.
+// Calls visit(Model{}) for every model.
 template <class Visit>
 void forEachModel(const Visit& visit) {
   visitMembers(static_cast<const AnyCameraModel*>(nullptr), visit);
@@ -41,14 +41,23 @@ std::string supportedNames() {
   return names;
 }
 
-int shapeOf(const AnyCameraModel& model) {
-  return std::visit([]<class Model>(Model) { return Model::kShape; }, model);
+/// How many parameters stand in Intrinsics::projection and distortion.
+struct Sizes {
+  int projection, distortion;
+};
+Sizes sizesOf(const AnyCameraModel& model) {
+  return std::visit(
+      []<class Model>(Model) {
+        return Sizes{4 + Model::kLeading, Model::kShape - Model::kLeading};
+      },
+      model);
 }
 
 }  // namespace
 
 bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion) {
-  return find(projection, distortion).has_value();
+  const auto model = find(projection, distortion);
+  return model && std::visit([]<class Model>(Model) { return kIsCalibrated<Model>; }, *model);
 }
 
 AnyCameraModel cameraModelOf(const Intrinsics& camera) {
@@ -58,12 +67,16 @@ AnyCameraModel cameraModelOf(const Intrinsics& camera) {
                      "' is not supported; supported are: " + supportedNames() +
                      "; recalibrate the camera with one of them");
   }
-  if (camera.projection.size() != 4 || camera.distortion.size() != shapeOf(*model)) {
+  const Sizes sizes = sizesOf(*model);
+  if (camera.projection.size() != sizes.projection ||
+      camera.distortion.size() != sizes.distortion) {
     throw InputError("camera model '" + nameOf(camera.projection_model, camera.distortion_model) +
-                     "' needs 4 projection and " + std::to_string(shapeOf(*model)) +
-                     " distortion parameters, but " + std::to_string(camera.projection.size()) +
-                     " and " + std::to_string(camera.distortion.size()) +
-                     " were given; give fu fv pu pv and the model's coefficients");
+                     "' needs " + std::to_string(sizes.projection) + " projection and " +
+                     std::to_string(sizes.distortion) + " distortion parameters, but " +
+                     std::to_string(camera.projection.size()) + " and " +
+                     std::to_string(camera.distortion.size()) +
+                     " were given; give the projection's own, then fu fv pu pv, and the "
+                     "distortion's coefficients");
   }
   return *model;
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <variant>
 
 #include <ceres/autodiff_cost_function.h>
@@ -49,10 +50,15 @@ struct Reprojection {
   template <class T>
   bool projectInto(const T* intrinsics, const T* T_C0Ci, const Vector3<T>& p_C0, T* e) const {
     const Vector3<T> p_C = throughInverse<T>(T_C0Ci, p_C0);
-    if (!(p_C.z() > T(0))) return false;
-    const auto m = Model::image(intrinsics + 4, p_C.x(), p_C.y(), p_C.z());
-    e[0] = intrinsics[0] * m.x + intrinsics[2] - corner.uv.x();
-    e[1] = intrinsics[1] * m.y + intrinsics[3] - corner.uv.y();
+    std::array<T, CameraValues::kMostShape> k;
+    for (int i = 0; i < Model::kShape; ++i) {
+      k[static_cast<std::size_t>(i)] = intrinsics[shapeColumn<Model>(i)];
+    }
+    if (!Model::isProjectable(k.data(), p_C.x(), p_C.y(), p_C.z())) return false;
+    const auto m = Model::image(k.data(), p_C.x(), p_C.y(), p_C.z());
+    const T* lens = intrinsics + Model::kLeading;  // fu fv pu pv
+    e[0] = lens[0] * m.x + lens[2] - corner.uv.x();
+    e[1] = lens[1] * m.y + lens[3] - corner.uv.y();
     return true;
   }
 };

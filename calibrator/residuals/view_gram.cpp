@@ -7,6 +7,7 @@
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/gram_kernel.h"
 #include "calibrator/residuals/instruction_set.h"
+#include "calibrator/residuals/plain_gram.h"
 
 #if defined(__x86_64__)
 #define PLUMBLINE_AVX2 [[gnu::target("avx2,fma")]]
@@ -63,6 +64,7 @@ gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const Packe
   assert(options.triggs_clamp >= 0 && options.triggs_clamp <= 2);
   gram::Input in;
   in.T_CF = T_CF;
+  // Models of the kernel are pinholes: no coefficient stands before fu.
   in.fu = camera.projection[0];
   in.fv = camera.projection[1];
   in.pu = camera.projection[2];
@@ -86,16 +88,21 @@ double chargeAll(const PackedView& view) {
   return used * kInvalidSquaredError;
 }
 
-// Calls job(Version<Model, kRobust>{}) for the version, model and loss at hand.
+/// Calls job(Version<Model, kRobust>{}) for the version, model and loss at hand. False, and no
+/// call, for a model that the kernel is not compiled for: it goes the plain way (plain_gram.h).
 template <class Job>
-auto dispatch(InstructionSet set, const AnyCameraModel& model, bool robust, const Job& job) {
+bool dispatch(InstructionSet set, const AnyCameraModel& model, bool robust, const Job& job) {
   assert(isAvailable(set));
   return std::visit(
       [&]<class Model>(Model) {
-        if (set == InstructionSet::kAvx2) {
-          return robust ? job(Avx2<Model, true>{}) : job(Avx2<Model, false>{});
+        if constexpr (!kIsCalibrated<Model>) {
+          return false;
+        } else if (set == InstructionSet::kAvx2) {
+          robust ? job(Avx2<Model, true>{}) : job(Avx2<Model, false>{});
+        } else {
+          robust ? job(Baseline<Model, true>{}) : job(Baseline<Model, false>{});
         }
-        return robust ? job(Baseline<Model, true>{}) : job(Baseline<Model, false>{});
+        return kIsCalibrated<Model>;
       },
       model);
 }
@@ -124,7 +131,9 @@ PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transf
     return out;
   }
   const gram::Input in = inputOf(camera, T_CF, view, options);
-  dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.pose(in, out); });
+  const bool done =
+      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.pose(in, out); });
+  if (!done) return plain::poseGram({model, camera, T_CF, view, options});
   return out;
 }
 
@@ -141,7 +150,9 @@ ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transf
     return out;
   }
   const gram::Input in = inputOf(camera, T_CF, view, options);
-  dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.view(in, out); });
+  const bool done =
+      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.view(in, out); });
+  if (!done) return plain::viewGram({model, camera, T_CF, view, options});
   return out;
 }
 
@@ -150,8 +161,10 @@ double viewCostWith(InstructionSet set, const Intrinsics& camera, const Transfor
   const AnyCameraModel model = cameraModelOf(camera);
   if (!allFinite(camera, T_CF)) return chargeAll(view);
   const gram::Input in = inputOf(camera, T_CF, view, options);
-  return dispatch(set, model, options.cauchy_px > 0,
-                  [&](auto version) { return version.cost(in); });
+  double cost = 0;
+  const bool done =
+      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { cost = version.cost(in); });
+  return done ? cost : plain::cost({model, camera, T_CF, view, options});
 }
 
 PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,

@@ -54,12 +54,15 @@ TEST(Project, WithoutDistortionAPinholeIsAPinhole) {
 }
 
 TEST(Project, TheAxisMeetsThePrincipalPoint) {
-  for (const Intrinsics& camera : testing::allCameras()) {
-    expectPixel(project(camera, {0, 0, 2}), camera.projection[2], camera.projection[3]);
+  for (const Intrinsics& camera : testing::everyModel()) {
+    const Eigen::Vector4d lens = camera.projection.tail<4>();
+    expectPixel(project(camera, {0, 0, 2}), lens[2], lens[3]);
     const Projection projection = projectWithJacobians(camera, {0, 0, 2}).value();
-    EXPECT_NEAR(projection.J_point(0, 0), camera.projection[0] / 2, 1e-12);
-    EXPECT_NEAR(projection.J_point(1, 1), camera.projection[1] / 2, 1e-12);
+    // On the axis the picture is a pinhole's, of focal lengths in the same ratio.
+    EXPECT_NEAR(projection.J_point(0, 0) / lens[0], projection.J_point(1, 1) / lens[1], 1e-12);
+    EXPECT_TRUE(projection.J_point.col(2).isZero(0));
     EXPECT_TRUE(projection.J_intrinsics.allFinite());
+    EXPECT_EQ(projection.J_intrinsics.cols(), camera.stacked().size());
   }
 }
 
@@ -70,6 +73,77 @@ TEST(Project, EmptyBehindTheCameraAndForNaN) {
     EXPECT_FALSE(project(camera, {0.1, 0.1, 0}).has_value());
     EXPECT_FALSE(project(camera, {nan, 0.1, 1}).has_value());
     EXPECT_FALSE(projectWithJacobians(camera, {0.1, 0.1, -1}).has_value());
+  }
+  for (const Intrinsics& camera : testing::everyModel()) {
+    EXPECT_FALSE(project(camera, {0.1, 0.1, -10}).has_value());
+    EXPECT_FALSE(project(camera, {nan, 0.1, 1}).has_value());
+    EXPECT_FALSE(project(camera, {0, 0, 0}).has_value());
+  }
+}
+
+// The largest angle to the axis that projects, on a circle about it [rad].
+double widestAngle(const Intrinsics& camera) {
+  double low = 0;
+  double high = std::numbers::pi;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    const Eigen::Vector3d p(0.6 * std::sin(middle), -0.8 * std::sin(middle), std::cos(middle));
+    (project(camera, p) ? low : high) = middle;
+  }
+  return low;
+}
+
+TEST(Project, WideModelsEndWhereTheirImageStopsGrowing) {
+  using P = ProjectionModel;
+  const auto wide = [](P projection, std::initializer_list<double> values) {
+    return testing::cameraOf(projection, DistortionModel::kNone, values, {});
+  };
+  // Omni: cos = -xi, and -1/xi above 1. EUCM, beta 1: cos = -w. DS, xi 0: the same.
+  EXPECT_NEAR(widestAngle(wide(P::kOmni, {0.6, 100, 100, 0, 0})), std::acos(-0.6), 1e-9);
+  EXPECT_NEAR(widestAngle(wide(P::kOmni, {1.25, 100, 100, 0, 0})), std::acos(-0.8), 1e-9);
+  EXPECT_NEAR(widestAngle(wide(P::kEucm, {0.25, 1, 100, 100, 0, 0})), std::acos(-1.0 / 3), 1e-9);
+  EXPECT_NEAR(widestAngle(wide(P::kEucm, {0.75, 1, 100, 100, 0, 0})), std::acos(-1.0 / 3), 1e-9);
+  EXPECT_NEAR(widestAngle(wide(P::kDs, {0, 0.75, 100, 100, 0, 0})), std::acos(-1.0 / 3), 1e-9);
+  EXPECT_NEAR(widestAngle(wide(P::kDs, {-0.2, 0, 100, 100, 0, 0})), std::acos(0.2), 1e-9);
+  EXPECT_NEAR(widestAngle(wide(P::kDs, {0.2, 0, 100, 100, 0, 0})), std::acos(-0.2), 1e-9);
+  // Within those limits the radius grows, up to the limit.
+  for (const Intrinsics& camera : testing::everyModel()) {
+    double last = -1;
+    const double end = widestAngle(camera);
+    ASSERT_GT(end, 0.9);
+    for (double angle = 0; angle < 0.999 * end; angle += 0.002) {
+      const auto uv = project(camera, {std::sin(angle), 0, std::cos(angle)});
+      ASSERT_TRUE(uv.has_value()) << angle;
+      const double radius = uv->x() - camera.projection[camera.projection.size() - 2];
+      EXPECT_GT(radius, last) << camera.projection.transpose() << " at " << angle;
+      last = radius;
+    }
+  }
+}
+
+TEST(Project, WideModelsContainThePinhole) {
+  const Eigen::Vector3d p(0.3, -0.2, 0.9);
+  const auto pinhole = project(testing::cameraOf(ProjectionModel::kPinhole, DistortionModel::kNone,
+                                                 {100, 200, 10, 20}, {}),
+                               p)
+                           .value();
+  const auto same = [&](const Intrinsics& camera) {
+    return (project(camera, p).value() - pinhole).norm() < 1e-12;
+  };
+  const auto none = DistortionModel::kNone;
+  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kOmni, none, {0, 100, 200, 10, 20}, {})));
+  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kEucm, none, {0, 3, 100, 200, 10, 20}, {})));
+  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kDs, none, {0, 0, 100, 200, 10, 20}, {})));
+  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov,
+                                     {100, 200, 10, 20}, {0})));
+  // EUCM with beta = 1 and DS with xi = 0 are the unified model: xi = alpha / (1 - alpha), the
+  // focal lengths over 1 - alpha.
+  const auto unified = testing::cameraOf(ProjectionModel::kOmni, none, {1.5, 250, 500, 10, 20}, {});
+  const Eigen::Vector2d uv = project(unified, p).value();
+  for (const auto& camera :
+       {testing::cameraOf(ProjectionModel::kEucm, none, {0.6, 1, 100, 200, 10, 20}, {}),
+        testing::cameraOf(ProjectionModel::kDs, none, {0, 0.6, 100, 200, 10, 20}, {})}) {
+    EXPECT_LT((project(camera, p).value() - uv).norm(), 1e-12);
   }
 }
 
@@ -98,22 +172,24 @@ TEST(Project, EquidistantEndsWhereTheAngleStopsGrowing) {
 }
 
 bool isBeyondNinetyDegrees(const Intrinsics& camera, double u, double v) {
-  return camera.distortion_model == DistortionModel::kEquidistant &&
+  return camera.projection_model == ProjectionModel::kPinhole &&
+         camera.distortion_model == DistortionModel::kEquidistant &&
          (Eigen::Vector2d(u, v) - camera.projection.tail<2>()).norm() > 295;
 }
 
-TEST(Unproject, InvertsProjectOverTheImage) {
-  for (const Intrinsics& camera : testing::allCameras()) {
+TEST(Unproject, InvertsProjectOverTheImageForEveryModel) {
+  for (const Intrinsics& camera : testing::everyModel()) {
+    const double focal = camera.projection[camera.projection.size() - 4];
     for (int u = 0; u < camera.resolution.width; u += 37) {
       for (int v = 0; v < camera.resolution.height; v += 29) {
         // TUM-VI's corners lie beyond 90 degrees, 296 px from the centre.
         if (isBeyondNinetyDegrees(camera, u, v)) continue;
         const auto ray = unproject(camera, Eigen::Vector2d(u, v));
-        ASSERT_TRUE(ray.has_value()) << u << ", " << v;
+        ASSERT_TRUE(ray.has_value()) << u << ", " << v << " " << camera.projection.transpose();
         EXPECT_NEAR(ray->norm(), 1, 1e-15);
         const auto uv = project(camera, 3.7 * *ray);
         ASSERT_TRUE(uv.has_value());
-        EXPECT_LT((*uv - Eigen::Vector2d(u, v)).norm(), 1e-12 * camera.projection[0]);
+        EXPECT_LT((*uv - Eigen::Vector2d(u, v)).norm(), 1e-12 * focal);
       }
     }
   }
@@ -142,20 +218,29 @@ TEST(Unproject, EmptyBeyondNinetyDegrees) {
 }
 
 TEST(Models, RefusalNamesWhatIsSupported) {
-  Intrinsics camera = testing::radtanCamera();
-  camera.projection_model = ProjectionModel::kOmni;
-  EXPECT_FALSE(isCalibrationSupported(camera.projection_model, camera.distortion_model));
+  Intrinsics camera = testing::doubleSphereCamera();
+  camera.distortion_model = DistortionModel::kRadtan;
   try {
     (void)project(camera, {0, 0, 1});
-    FAIL() << "an omni camera was projected";
+    FAIL() << "a double sphere with radtan was projected";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("omni-radtan"), HasSubstr("pinhole-radtan"),
-                                    HasSubstr("pinhole-equidistant"), HasSubstr("recalibrate")));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("ds-radtan"), HasSubstr("pinhole-radtan"),
+                                    HasSubstr("omni-radtan"), HasSubstr("recalibrate")));
   }
-  camera = testing::radtanCamera();
   camera.distortion_model = DistortionModel::kFov;
   EXPECT_THROW((void)projectWithJacobians(camera, {0, 0, 1}), InputError);
   EXPECT_THROW((void)unproject(camera, {0, 0}), InputError);
+}
+
+TEST(Models, OnlyPinholesWithRadtanOrEquidistantAreCalibrated) {
+  int calibrated = 0;
+  for (const Intrinsics& camera : testing::everyModel()) {
+    calibrated += isCalibrationSupported(camera.projection_model, camera.distortion_model) ? 1 : 0;
+  }
+  EXPECT_EQ(calibrated, 2);
+  EXPECT_TRUE(isCalibrationSupported(ProjectionModel::kPinhole, DistortionModel::kRadtan));
+  EXPECT_TRUE(isCalibrationSupported(ProjectionModel::kPinhole, DistortionModel::kEquidistant));
+  EXPECT_FALSE(isCalibrationSupported(ProjectionModel::kOmni, DistortionModel::kRadtan));
 }
 
 TEST(Models, RefuseAWrongNumberOfParameters) {

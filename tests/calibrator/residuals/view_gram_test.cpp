@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/instruction_set.h"
+#include "calibrator/residuals/plain_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
 #include "tests/calibrator/residuals/example_view.h"
 #include "tests/calibrator/residuals/naive_gram.h"
@@ -112,6 +114,56 @@ TEST(ViewGram, PoseOnlyAndCostOnlyAreItsParts) {
         EXPECT_NEAR(cost, whole.cost, 1e-13 * whole.cost);
       }
     }
+  }
+}
+
+TEST(ViewGram, ThePlainWayEqualsTheKernel) {
+  const Transform T_CF = testing::examplePose();
+  for (const Intrinsics& camera : testing::allCameras()) {
+    const ImageView view = testing::noisyView(kTarget, camera, T_CF, 101, 1.0, 3);
+    PackedCorners corners(kTarget, {view});
+    corners.setWeight(0, 7, 0);
+    const AnyCameraModel model = cameraModelOf(camera);
+    for (const GramOptions& options : allOptions()) {
+      const ViewGram kernel = viewGram(camera, T_CF, corners.view(0), options);
+      const ViewGram plain = plain::viewGram({model, camera, T_CF, corners.view(0), options});
+      const PoseGram pose = plain::poseGram({model, camera, T_CF, corners.view(0), options});
+      EXPECT_LT(scaledDifference(assembled(kernel), assembled(plain)), 1e-12);
+      EXPECT_TRUE(gradient(plain).isApprox(gradient(kernel), 1e-10));
+      EXPECT_TRUE(pose.H.isApprox(kernel.H, 1e-12));
+      EXPECT_NEAR(plain.cost, kernel.cost, 1e-12 * kernel.cost);
+      EXPECT_NEAR(plain.squared_error, kernel.squared_error, 1e-12 * kernel.squared_error);
+      EXPECT_NEAR(pose.cost, kernel.cost, 1e-12 * kernel.cost);
+    }
+    Transform behind = T_CF;
+    behind.t.z() = -1.1;
+    EXPECT_EQ(plain::viewGram({model, camera, behind, corners.view(0), {}}).cost,
+              100 * kInvalidSquaredError);
+  }
+}
+
+TEST(ViewGram, HasTheGradientOfItsCostForEveryModel) {
+  const Transform T_CF = testing::examplePose();
+  const GramOptions options{.cauchy_px = 1.5, .triggs_clamp = 0};
+  for (const Intrinsics& camera : testing::everyModel()) {
+    const ImageView view = testing::noisyView(kTarget, camera, T_CF, 60, 1.0, 3);
+    ASSERT_GT(view.corners.size(), 40U);
+    const PackedCorners corners(kTarget, {view});
+    const ViewGram gram = viewGram(camera, T_CF, corners.view(0), options);
+    const Eigen::VectorXd k = camera.stacked();
+    ASSERT_EQ(gram.b_k.size(), k.size());
+    for (Eigen::Index i = 0; i < k.size(); ++i) {
+      const auto costAt = [&](double step) {
+        Intrinsics moved = camera;
+        moved.setStacked(k + step * Eigen::VectorXd::Unit(k.size(), i));
+        return viewCost(moved, T_CF, corners.view(0), options);
+      };
+      // rho' weighs the gradient of rho(|e|^2), twice that of the halves that b sums.
+      const double slope = (costAt(1e-5) - costAt(-1e-5)) / 2e-5;
+      EXPECT_NEAR(2 * gram.b_k[i], slope, 1e-5 * std::sqrt(gram.H_k(i, i) * gram.cost))
+          << toString(camera.projection_model) << " " << i;
+    }
+    EXPECT_NEAR(viewCost(camera, T_CF, corners.view(0), options), gram.cost, 1e-13 * gram.cost);
   }
 }
 

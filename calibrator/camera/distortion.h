@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace plumbline {
+
+/// Distorted plane coordinates with derivatives. A distortion is a type without state: distort()
+/// gives this; radial() is the radius after its radial part; squaredRadiusLimit() the square of the
+/// radius at which that stops growing (infinite where it never does).
+template <class T, int kCoefficients>
+struct Distorted {
+  T x, y;                                           ///< [-]
+  T J_xx, J_xy, J_yx, J_yy;                         ///< J_ab = d distorted a / d undistorted b
+  T J_k[2][kCoefficients > 0 ? kCoefficients : 1];  ///< d (x, y) / d coefficients
+};
+
+/// The undistorted radius whose radial distortion is `target`, by bisection: a start for Newton
+/// that is on the right side of the fold.
+template <class Distortion>
+double startRadius(const double* k, double target) {
+  constexpr double kWidest = 1e4;
+  constexpr int kSteps = 50;
+  double low = 0;
+  double high = std::min(kWidest, std::sqrt(Distortion::squaredRadiusLimit(k)));
+  if (Distortion::radial(k, high) <= target) return high * (1 - 1e-6);
+  for (int i = 0; i < kSteps; ++i) {
+    const double middle = 0.5 * (low + high);
+    (Distortion::radial(k, middle) < target ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// The plane point (x, y) with distort(x, y) = (m_x, m_y), by Newton's method, to 1e-12; empty
+/// where there is none below the limit of the radius.
+template <class Distortion>
+std::optional<std::array<double, 2>> undistorted(const double* k, double m_x, double m_y) {
+  constexpr int kMostSteps = 50;
+  const double radius = std::hypot(m_x, m_y);
+  if (!std::isfinite(radius)) return std::nullopt;
+  const double scale = radius > 0 ? startRadius<Distortion>(k, radius) / radius : 0;
+  double x = scale * m_x;
+  double y = scale * m_y;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMostSteps; ++i) {
+    const auto d = Distortion::distort(k, x, y);
+    const double miss_x = d.x - m_x;
+    const double miss_y = d.y - m_y;
+    const double miss = std::hypot(miss_x, miss_y);
+    // Done at rounding, or where it no longer improves.
+    if (miss <= 4e-15 * (1 + radius) || (miss < 1e-12 && miss >= last)) {
+      if (x * x + y * y < Distortion::squaredRadiusLimit(k)) return std::array<double, 2>{x, y};
+      return std::nullopt;
+    }
+    last = miss;
+    const double determinant = d.J_xx * d.J_yy - d.J_xy * d.J_yx;
+    x -= (d.J_yy * miss_x - d.J_xy * miss_y) / determinant;
+    y -= (d.J_xx * miss_y - d.J_yx * miss_x) / determinant;
+    if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/plain_gram.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "calibrator/base/lie.h"
+
+namespace plumbline::plain {
+namespace {
+
+constexpr double kFarthest = 1e9;  // [m]
+
+/// The loss at one corner: its cost, and the 2x2 weight of its squares (see GramOptions).
+struct Weighted {
+  double cost = 0;
+  double slope = 1;
+  Eigen::Matrix2d M = Eigen::Matrix2d::Identity();
+
+  Weighted(const Eigen::Vector2d& e, const GramOptions& options) {
+    const double e2 = e.squaredNorm();
+    cost = e2;
+    if (options.cauchy_px == 0) return;
+    const double c2 = options.cauchy_px * options.cauchy_px;
+    cost = c2 * std::log1p(e2 / c2);
+    slope = 1 / (1 + e2 / c2);
+    // beta over |e|^2, so that no direction is needed where e vanishes.
+    const double beta = std::min(2 * slope / c2, options.triggs_clamp / (e2 + 1e-30));
+    M = slope * (M - beta * e * e.transpose());
+  }
+};
+
+/// One corner's error and derivatives; what cannot be projected has none.
+template <class Model, bool kIntrinsics>
+struct Corner {
+  static constexpr int kColumns = 6 + (kIntrinsics ? 4 + Model::kShape : 0);
+  bool valid = false;
+  Eigen::Vector2d e = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, kColumns> J;
+
+  Corner(const CameraValues& lens, const Eigen::Vector3d& p, const Eigen::Vector2d& uv) {
+    if (!Model::isProjectable(lens.k.data(), p.x(), p.y(), p.z())) return;
+    if (!(p.squaredNorm() < kFarthest * kFarthest)) return;
+    const auto m = Model::image(lens.k.data(), p.x(), p.y(), p.z());
+    e << lens.fu * m.x + lens.pu - uv.x(), lens.fv * m.y + lens.pv - uv.y();
+    valid = e.squaredNorm() < kInvalidSquaredError;
+    Eigen::Matrix<double, 2, 3> J_point;
+    for (int i = 0; i < 3; ++i) {
+      J_point.col(i) << lens.fu * m.J_point[0][i], lens.fv * m.J_point[1][i];
+    }
+    J.template leftCols<3>() = J_point;
+    J.template middleCols<3>(3) = -J_point * skew(p);
+    if constexpr (kIntrinsics) {
+      J.template middleCols<4>(6 + Model::kLeading) << m.x, 0, 1, 0, 0, m.y, 0, 1;
+      for (int i = 0; i < Model::kShape; ++i) {
+        J.col(6 + shapeColumn<Model>(i)) << lens.fu * m.J_k[0][i], lens.fv * m.J_k[1][i];
+      }
+    }
+  }
+};
+
+template <int N>
+struct Sums {
+  Eigen::Matrix<double, N, N> H = Eigen::Matrix<double, N, N>::Zero();
+  Eigen::Matrix<double, N, 1> b = Eigen::Matrix<double, N, 1>::Zero();
+  double squared_error = 0;
+  double cost = 0;
+};
+
+template <class Model, bool kIntrinsics>
+auto sumView(const View& view) {
+  using C = Corner<Model, kIntrinsics>;
+  Sums<C::kColumns> sums;
+  const CameraValues lens(view.camera);
+  const PackedView& v = view.corners;
+  for (int j = 0; j < v.count; ++j) {
+    if (!(v.w[j] > 0)) continue;
+    const Eigen::Vector3d p =
+        view.T_CF.R.col(0) * v.x[j] + view.T_CF.R.col(1) * v.y[j] + view.T_CF.t;
+    const C corner(lens, p, {v.u[j], v.v[j]});
+    if (!corner.valid) {
+      sums.squared_error += kInvalidSquaredError;
+      sums.cost += kInvalidSquaredError;
+      continue;
+    }
+    const Weighted w(corner.e, view.options);
+    const Eigen::Matrix<double, 2, C::kColumns> MJ = w.M * corner.J;
+    sums.H.noalias() += corner.J.transpose().lazyProduct(MJ);
+    sums.b.noalias() += corner.J.transpose().lazyProduct(w.slope * corner.e);
+    sums.squared_error += corner.e.squaredNorm();
+    sums.cost += w.cost;
+  }
+  return sums;
+}
+
+template <int N>
+void writePose(const Sums<N>& sums, PoseGram& out) {
+  out.H = sums.H.template topLeftCorner<6, 6>();
+  out.b = sums.b.template head<6>();
+  out.squared_error = sums.squared_error;
+  out.cost = sums.cost;
+}
+
+}  // namespace
+
+PoseGram poseGram(const View& view) {
+  PoseGram out;
+  std::visit([&]<class Model>(Model) { writePose(sumView<Model, false>(view), out); }, view.model);
+  return out;
+}
+
+ViewGram viewGram(const View& view) {
+  ViewGram out;
+  std::visit(
+      [&]<class Model>(Model) {
+        const auto sums = sumView<Model, true>(view);
+        constexpr int K = 4 + Model::kShape;
+        writePose(sums, out);
+        out.H_pose_k = sums.H.template topRightCorner<6, K>();
+        out.H_k = sums.H.template bottomRightCorner<K, K>();
+        out.b_k = sums.b.template tail<K>();
+      },
+      view.model);
+  return out;
+}
+
+double cost(const View& view) { return poseGram(view).cost; }
+
+}  // namespace plumbline::plain

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Internal to view_gram.cpp: a view's Gram terms in plain arithmetic, corner by corner, for any
+// camera model. Several times slower than the vectorised kernel, which is compiled for the models
+// that are calibrated; the same definitions (view_gram.h), and equal to it up to rounding.
+
+#include "calibrator/base/transform.h"
+#include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/residuals/packed_corners.h"
+#include "calibrator/residuals/view_gram.h"
+
+namespace plumbline::plain {
+
+/// What is summed over: a camera of the model, its pose, corners and their weighting.
+struct View {
+  const AnyCameraModel& model;
+  const Intrinsics& camera;
+  const Transform& T_CF;
+  const PackedView& corners;
+  const GramOptions& options;
+};
+
+PoseGram poseGram(const View& view);
+ViewGram viewGram(const View& view);
+double cost(const View& view);
+
+}  // namespace plumbline::plain
