@@ -11,6 +11,7 @@
 #include "calibrator/batch/camera_batch_solver.h"
 #include "calibrator/batch/camera_batch_start.h"
 #include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/batch/used_corners.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/view_selection.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -84,15 +85,6 @@ void checkCameras(const Session& session, const std::vector<CameraCalibration>& 
   if (cameras.size() == session.cameras.size()) return;
   throw InputError(fmt::format("calibrations of {} cameras were given, but the session has {}",
                                cameras.size(), session.cameras.size()));
-}
-
-std::vector<PackedCorners> packCorners(const Session& session) {
-  std::vector<PackedCorners> corners;
-  corners.reserve(session.cameras.size());
-  for (const CameraStream& stream : session.cameras) {
-    corners.emplace_back(session.target, stream.views);
-  }
-  return corners;
 }
 
 CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<Frame> frames,
@@ -215,18 +207,6 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   return result;
 }
 
-/// Marks what the earlier result rejected.
-void rejectAgain(const CameraStageResult& earlier, std::vector<PackedCorners>& corners) {
-  for (const CornerResidual& r : earlier.residuals) {
-    if (r.used) continue;
-    const auto c = static_cast<std::size_t>(r.camera);
-    const int index = earlier.frames[static_cast<std::size_t>(r.frame)].view[c];
-    const PackedView view = corners[c].view(index);
-    const int* found = std::lower_bound(view.id, view.id + view.count, r.corner_id);
-    corners[c].setWeight(index, static_cast<int>(found - view.id), 0);
-  }
-}
-
 CameraEstimate camerasOf(const std::vector<CameraCalibration>& cameras) {
   CameraEstimate estimate;
   for (const CameraCalibration& camera : cameras) {
@@ -331,8 +311,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
                                              const std::vector<FrameStretch>& stretches,
                                              const CameraStageOptions& options) {
   checkCameras(session, earlier.cameras);
-  std::vector<PackedCorners> corners = packCorners(session);
-  rejectAgain(earlier, corners);
+  const std::vector<PackedCorners> corners = usedCorners(session, earlier);
   CameraProblem problem = problemOf(corners, {}, options);
   CameraEstimate estimate = camerasOf(earlier.cameras);
   for (const FrameStretch& stretch : stretches) {

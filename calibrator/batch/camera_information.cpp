@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_information.h"
+
+#include <optional>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera_batch_report.h"
+#include "calibrator/batch/used_corners.h"
+
+namespace plumbline {
+namespace {
+
+CameraEstimate estimateOf(const CameraStageResult& at) {
+  CameraEstimate estimate;
+  for (const CameraCalibration& camera : at.cameras) {
+    estimate.intrinsics.push_back(camera.intrinsics);
+    estimate.T_C0Ci.push_back(camera.T_C0Ci);
+  }
+  for (const Transform& T_FC0 : at.T_FC0) estimate.T_C0F.push_back(T_FC0.inverse());
+  return estimate;
+}
+
+/// x = (twist in camera c's frame, dk) as a function of (noise of tau, g).
+Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& estimate,
+                           const CameraLayout& layout, std::size_t c) {
+  const Transform T_CiC0 = estimate.T_C0Ci[c].inverse();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint << T_CiC0.R, skew(T_CiC0.t) * T_CiC0.R, Eigen::Matrix3d::Zero(), T_CiC0.R;
+  const int K = layout.intrinsics_size[c];
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(6 + K, 6 + layout.size);
+  M.topLeftCorner<6, 6>() = adjoint;
+  M.topRightCorner(6, layout.size) = adjoint * shift.A;
+  M.block(6, 6 + layout.intrinsics[c], K, K).setIdentity();
+  if (c > 0) {
+    M.block<3, 3>(0, 6 + layout.T_C0Ci[c]) -= T_CiC0.R;
+    M.block<3, 3>(3, 6 + layout.T_C0Ci[c] + 3) -= T_CiC0.R;
+  }
+  return M;
+}
+
+}  // namespace
+
+Result<CameraInformation> cameraInformation(const Session& session, const CameraStageResult& at,
+                                            const CameraInformationOptions& options) {
+  const std::vector<PackedCorners> corners = usedCorners(session, at);
+  CameraProblem problem;
+  problem.corners = corners;
+  problem.frames = at.frames;
+  problem.pixel_sigma = options.pixel_sigma;
+  problem.gram = {options.cauchy_px, 0};
+  problem.threads = options.threads;
+  const CameraEstimate estimate = estimateOf(at);
+  const CameraNormals normals = normalsAt(problem, estimate);
+
+  CameraStageResult judged;
+  judged.cameras = at.cameras;
+  if (auto failure = addCovariance(reducedInformation(normals), judged)) return *failure;
+  CameraInformation out;
+  out.covariance = std::move(judged.summary.covariance);
+  out.entropy_nats = judged.summary.entropy_nats;
+  const auto shift = impliedShift(normals.H, normals.P, options.alignment);
+  if (!shift) {
+    return Failure{FailureReason::kNotObservable, "no frame's pose is determined by its corners",
+                   "use a recording in which the target is seen from near"};
+  }
+  const CameraLayout layout(estimate.intrinsics);
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6 + layout.size, 6 + layout.size);
+  joint.topLeftCorner<6, 6>() = shift->noise;
+  joint.bottomRightCorner(layout.size, layout.size) = out.covariance.matrix;
+  for (std::size_t c = 0; c < at.cameras.size(); ++c) {
+    const Eigen::MatrixXd M = cameraRows(*shift, estimate, layout, c);
+    out.projection.push_back(M * joint * M.transpose());
+  }
+  return out;
+}
+
+}  // namespace plumbline

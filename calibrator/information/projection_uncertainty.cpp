@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/information/projection_uncertainty.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/camera/camera.h"
+
+namespace plumbline {
+namespace {
+
+using Rows6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+std::optional<ImpliedShift> meanFrames(const std::vector<Matrix6d>& H, const Eigen::MatrixXd& P) {
+  ImpliedShift shift;
+  shift.A = Rows6::Zero(6, P.cols());
+  int frames = 0;
+  for (std::size_t f = 0; f < H.size(); ++f) {
+    const Eigen::LLT<Matrix6d> llt(H[f]);
+    if (llt.info() != Eigen::Success) continue;
+    shift.A -= llt.solve(P.middleRows<6>(6 * static_cast<Eigen::Index>(f)));
+    shift.noise += llt.solve(Matrix6d::Identity());
+    ++frames;
+  }
+  if (frames == 0) return std::nullopt;
+  shift.A /= frames;
+  shift.noise /= static_cast<double>(frames) * frames;
+  return shift;
+}
+
+std::optional<ImpliedShift> crossReprojection(const std::vector<Matrix6d>& H,
+                                              const Eigen::MatrixXd& P) {
+  Matrix6d sum_H = Matrix6d::Zero();
+  Rows6 sum_P = Rows6::Zero(6, P.cols());
+  for (std::size_t f = 0; f < H.size(); ++f) {
+    sum_H += H[f];
+    sum_P += P.middleRows<6>(6 * static_cast<Eigen::Index>(f));
+  }
+  const Eigen::LLT<Matrix6d> llt(sum_H);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  ImpliedShift shift;
+  shift.A = -llt.solve(sum_P);
+  shift.noise = llt.solve(Matrix6d::Identity());
+  return shift;
+}
+
+/// d uv / d (rho, phi, dk), 2 x (6 + K), for the point at `ray` (unit length) times `range_m`. At
+/// infinity the ray itself is projected, which gives the same pixel.
+std::optional<Eigen::MatrixXd> pixelJacobian(const Intrinsics& camera, const Eigen::Vector3d& ray,
+                                             double range_m) {
+  const bool finite = std::isfinite(range_m);
+  const Eigen::Vector3d p = finite ? Eigen::Vector3d(range_m * ray) : ray;
+  const auto projection = projectWithJacobians(camera, p);
+  if (!projection) return std::nullopt;
+  Eigen::MatrixXd J(2, 6 + projection->J_intrinsics.cols());
+  J.leftCols<3>().setZero();
+  if (finite) J.leftCols<3>() = projection->J_point;
+  J.middleCols<3>(3) = -projection->J_point * skew(p);
+  J.rightCols(projection->J_intrinsics.cols()) = projection->J_intrinsics;
+  return J;
+}
+
+}  // namespace
+
+std::optional<ImpliedShift> impliedShift(const std::vector<Matrix6d>& H, const Eigen::MatrixXd& P,
+                                         FrameAlignment alignment) {
+  assert(P.rows() == 6 * static_cast<Eigen::Index>(H.size()));
+  return alignment == FrameAlignment::kMeanFrames ? meanFrames(H, P) : crossReprojection(H, P);
+}
+
+ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
+                                        const Eigen::MatrixXd& intrinsics_covariance,
+                                        const ImageFitOptions& options) {
+  const Eigen::Index K = intrinsics_covariance.rows();
+  const bool finite = std::isfinite(options.range_m);
+  Matrix6d H = Matrix6d::Zero();
+  Rows6 H_k = Rows6::Zero(6, K);
+  for (int r = 0; r < options.rows; ++r) {
+    for (int c = 0; c < options.columns; ++c) {
+      const Eigen::Vector2d uv(
+          c * (camera.resolution.width - 1.0) / std::max(1, options.columns - 1),
+          r * (camera.resolution.height - 1.0) / std::max(1, options.rows - 1));
+      const auto ray = unproject(camera, uv);
+      const auto J = ray ? pixelJacobian(camera, *ray, options.range_m) : std::nullopt;
+      if (!J) continue;
+      H += J->leftCols<6>().transpose() * J->leftCols<6>();
+      H_k += J->leftCols<6>().transpose() * J->rightCols(K);
+    }
+  }
+  // x = M dk; without a range only the rotation is there to be fitted.
+  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(6 + K, K);
+  M.bottomRows(K).setIdentity();
+  M.topRows<6>().setZero();
+  const int first = finite ? 0 : 3;
+  const int size = 6 - first;
+  M.middleRows(first, size) = -H.bottomRightCorner(size, size)
+                                   .completeOrthogonalDecomposition()
+                                   .solve(H_k.bottomRows(size));
+  return M * intrinsics_covariance * M.transpose();
+}
+
+std::optional<Eigen::Matrix2d> pixelCovariance(const Intrinsics& camera,
+                                               const ProjectionCovariance& covariance,
+                                               const Eigen::Vector2d& uv, double range_m) {
+  assert(range_m > 0);
+  const auto ray = unproject(camera, uv);
+  const auto J = ray ? pixelJacobian(camera, *ray, range_m) : std::nullopt;
+  if (!J) return std::nullopt;
+  assert(J->cols() == covariance.rows());
+  return Eigen::Matrix2d(*J * covariance * J->transpose());
+}
+
+double worstDirectionStd(const Eigen::Matrix2d& covariance) {
+  const double mean = 0.5 * covariance.trace();
+  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return std::sqrt(mean + std::hypot(half, covariance(0, 1)));
+}
+
+}  // namespace plumbline
