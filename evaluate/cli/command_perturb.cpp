@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/study_reader.h"
 #include "evaluate/cli/amount_list.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
@@ -48,6 +50,7 @@ constexpr KindOption kKinds[] = {
 };
 
 struct Options {
+  std::string study;
   SessionOptions session;
   EstimationOptions estimation;
   std::string out;
@@ -59,6 +62,8 @@ struct Options {
 
 void declare(CLI::App& app, Options& o) {
   o.session.declare(app);
+  app.add_option("--study", o.study,
+                 "YAML file with any of the lists below by name, e.g. offsets-ms: [100, 10, 1]");
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
     app.add_option(kKinds[i].name, o.amounts[i], kKinds[i].help);
   }
@@ -73,6 +78,18 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
 
+// Lists of the study's file stand where the command line gives none.
+void readStudy(Options& o) {
+  if (o.study.empty()) return;
+  std::vector<std::string> known;
+  for (const KindOption& kind : kKinds) known.emplace_back(kind.name + 2);  // without "--"
+  for (const auto& [name, value] : readStudyDefinition(o.study, known)) {
+    const auto at = std::find(known.begin(), known.end(), name) - known.begin();
+    std::string& amounts = o.amounts[static_cast<std::size_t>(at)];
+    if (amounts.empty()) amounts = value;
+  }
+}
+
 std::vector<Perturbation> perturbationsOf(const Options& o) {
   std::vector<Perturbation> list;
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
@@ -85,14 +102,17 @@ std::vector<Perturbation> perturbationsOf(const Options& o) {
     }
   }
   if (list.empty()) {
-    throw InputError("nothing to perturb: expected --offsets-ms 100,10,1 or another perturbation");
+    throw InputError(
+        "nothing to perturb: expected --offsets-ms 100,10,1, another list, or --study FILE");
   }
   return list;
 }
 
-PerturbRequest requestOf(const Options& o, const CLI::App& app) {
+PerturbRequest requestOf(Options o, const CLI::App& app) {
+  readStudy(o);
   PerturbRequest request;
   request.load = o.session.request();
+  if (!o.study.empty()) request.load.others.push_back(o.study);
   request.load.read.read_imu = !o.estimation.no_imu;
   request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
   request.camera = o.estimation.cameraStage(request.load);

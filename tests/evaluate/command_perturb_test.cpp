@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `plumbline perturb` as a user runs it.
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+const fs::path& session() {
+  static const fs::path folder = [] {
+    const fs::path path = fs::path(::testing::TempDir()) / "command_perturb_session";
+    fs::remove_all(path);
+    EXPECT_EQ(plumbline("simulate --duration 5 --out " + path.string()).exit_code, 0);
+    return path;
+  }();
+  return folder;
+}
+
+fs::path freshFolder(const char* name) {
+  fs::path out = fs::path(::testing::TempDir()) / name;
+  fs::remove_all(out);
+  return out;
+}
+
+TEST(CommandPerturb, OneTableOfSeveralPerturbations) {
+  const fs::path out = freshFolder("command_perturb_out");
+  const auto before = contents(session());
+  const Outcome run = plumbline("perturb " + session().string() +
+                                " --offsets-ms -10:10:10,0.37 --corner-noise-px 0.3 --repeats 2 "
+                                "--no-report --out " +
+                                out.string());
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("imu-shift +0.37 ms"));
+  const auto json = nlohmann::json::parse(read(out / "perturbation.json"));
+  ASSERT_EQ(json["cases"].size(), 6u);
+  EXPECT_EQ(json["cases"][0]["amount"], -10);
+  EXPECT_LT(std::abs(json["cases"][3]["offset_error_s"].get<double>()), 1e-7);
+  EXPECT_EQ(json["cases"][5]["seed"], 2);
+  EXPECT_THAT(read(out / "perturbation.csv"), HasSubstr("change of T_SC0.tx [m]"));
+  EXPECT_EQ(contents(session()), before);
+}
+
+TEST(CommandPerturb, AStudyIsAFile) {
+  const fs::path study = fs::path(::testing::TempDir()) / "command_perturb_study.yaml";
+  write(study, "offsets-ms: [5, -5]\ndrop-frames-percent: 20\n");
+  const fs::path out = freshFolder("command_perturb_study");
+  const Outcome run = plumbline("perturb " + session().string() + " --study " + study.string() +
+                                " --no-report --out " + out.string());
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  const auto json = nlohmann::json::parse(read(out / "perturbation.json"));
+  EXPECT_EQ(json["cases"].size(), 3u);
+}
+
+TEST(CommandPerturb, BadUsageLeavesNothing) {
+  const fs::path out = freshFolder("command_perturb_bad");
+  for (const char* arguments :
+       {"", "--offsets-ms abc", "--offsets-ms 1:0:2", "--drop-frames-percent 100",
+        "--study no_such.yaml", "--offsets-ms 1 --no-imu", "--corner-noise-px 1 --seed -1"}) {
+    const Outcome run =
+        plumbline("perturb " + session().string() + " " + arguments + " --out " + out.string());
+    EXPECT_EQ(run.exit_code, 2) << arguments << "\n" << run.text;
+    EXPECT_FALSE(fs::exists(out)) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
