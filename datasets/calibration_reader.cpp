@@ -73,17 +73,23 @@ Calibration readOurs(const YamlMap& file) {
   return calibration;
 }
 
+constexpr const char* kKnownCalibrations =
+    "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, or a result of yac";
+
 }  // namespace
 
 Calibration readCalibration(const std::string& path) {
-  const std::string what =
-      "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, or a result of "
-      "yac";
+  const std::string what = kKnownCalibrations;
   const YamlMap file = YamlMap::load(path, what);
   if (isYacResult(file)) return readYacResult(file);
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
   if (file.has("schema") && file.has("cameras")) return readOurs(file);
   throw badInput(path, 1, {"this is no calibration that is known", what, ""});
+}
+
+bool statesImuNoise(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+  return isYacResult(file) || file.has("schema");
 }
 
 }  // namespace plumbline

@@ -33,7 +33,8 @@ std::string knownTools() {
 void declare(CLI::App& app, Options& o) {
   ExportRequest& r = o.request;
   app.add_option("calibration", r.calibration,
-                 "Calibration: calibration.json of ours, Kalibr's or OpenVINS' camchain")
+                 "Calibration: calibration.json of ours, Kalibr's or OpenVINS' camchain, or a "
+                 "result of yac")
       ->required();
   app.add_option("--to", o.to, "Tool: " + knownTools())->required();
   app.add_option("--out", r.out, "Folder for the files")->required();

@@ -23,13 +23,6 @@ std::string contentOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Ours is JSON and always states the noise beside an IMU; Kalibr's camchain never does.
-bool statesNoise(const std::string& path) {
-  const std::string content = contentOf(path);
-  const std::size_t first = content.find_first_not_of(" \t\r\n");
-  return first != content.npos && content[first] == '{';
-}
-
 Calibration requestedCalibration(const ExportRequest& request) {
   Calibration calibration =
       selectCameras(readCalibration(request.calibration), request.only, request.calibration);
@@ -70,7 +63,7 @@ void refuseForeignFiles(const fs::path& out, const std::vector<ExportFile>& file
 ExportOutcome exportCalibrationFile(const ExportRequest& request) {
   refuseUnwritable(request.out);
   const ExportOptions options{request.calibration, kVersion,
-                              request.imu.has_value() || statesNoise(request.calibration),
+                              request.imu.has_value() || statesImuNoise(request.calibration),
                               request.camera_rate_hz};
   const ExportedFiles exported =
       exportCalibration(requestedCalibration(request), request.tool, options);

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 struct ExportRequest {
-  std::string calibration;  ///< file of ours or of Kalibr's
+  std::string calibration;  ///< file that readCalibration() knows
   ExportTool tool = ExportTool::kKalibr;
   std::string out;                       ///< folder, made if missing
   std::optional<std::string> imu;        ///< Kalibr's imu.yaml: its noise replaces the file's
@@ -25,10 +25,10 @@ struct ExportOutcome {
 
 /// Reads a calibration and writes it in a tool's format into `out`: all files or none.
 ///
-/// Noise densities are known where the calibration is ours or `imu` is given; Kalibr's camchain
-/// does not state them. Files of the same names are replaced if an earlier export wrote them;
-/// anything else is left alone. Throws InputError for what cannot be read, represented or written,
-/// and for a file in the way that is not ours.
+/// Noise densities are known where the file states them (statesImuNoise()) or `imu` is given. Files
+/// of the same names are replaced if an earlier export wrote them; anything else is left alone.
+/// Throws InputError for what cannot be read, represented or written, and for a file in the way
+/// that is not ours.
 ExportOutcome exportCalibrationFile(const ExportRequest& request);
 
 }  // namespace plumbline
