@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kChunk = 64;     // intervals
-constexpr int kStretch = 150;  // frames
+constexpr int kStretch = 100;  // frames
 constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 1e3;

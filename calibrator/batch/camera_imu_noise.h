@@ -12,9 +12,9 @@ struct ImuNoiseOptions {
   double least_redundancy = 10;
   int max_rounds = 8;
   double tolerance = 0.02;  ///< end where no factor is asked to change by more, relative
-  /// Longer recordings are judged on stretches of 150 frames spread evenly over them, this many
+  /// Longer recordings are judged on stretches of 100 frames spread evenly over them, this many
   /// frames in all: more would cost as much as the calibration and say little more.
-  int max_frames = 450;
+  int max_frames = 300;
 };
 
 /// What the inertial residuals say of the assumed densities.
