@@ -3,10 +3,13 @@
 
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "calibrator/base/lie.h"
+#include "calibrator/base/parameter_names.h"
 #include "calibrator/batch/camera_batch_problem.h"
-#include "calibrator/batch/camera_batch_report.h"
 #include "calibrator/batch/used_corners.h"
+#include "calibrator/information/covariance.h"
 
 namespace plumbline {
 namespace {
@@ -19,6 +22,25 @@ CameraEstimate estimateOf(const CameraStageResult& at) {
   }
   for (const Transform& T_FC0 : at.T_FC0) estimate.T_C0F.push_back(T_FC0.inverse());
   return estimate;
+}
+
+/// Names and units in the layout's order, for every model; cameras by their place.
+ParameterCovariance parametersOf(const std::vector<CameraCalibration>& cameras) {
+  ParameterCovariance list;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const Intrinsics& k = cameras[c].intrinsics;
+    for (const auto& [name, unit] : intrinsicParameters(k.projection_model, k.distortion_model)) {
+      list.names.push_back(fmt::format("cam{}.{}", c, name));
+      list.units.push_back(unit);
+    }
+  }
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    for (const char* part : {"tx", "ty", "tz", "rx", "ry", "rz"}) {
+      list.names.push_back(fmt::format("T_C0C{}.{}", c, part));
+      list.units.emplace_back(part[0] == 't' ? "m" : "rad");
+    }
+  }
+  return list;
 }
 
 /// x = (twist in camera c's frame, dk) as a function of (noise of tau, g).
@@ -53,12 +75,18 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   const CameraEstimate estimate = estimateOf(at);
   const CameraNormals normals = normalsAt(problem, estimate);
 
-  CameraStageResult judged;
-  judged.cameras = at.cameras;
-  if (auto failure = addCovariance(reducedInformation(normals), judged)) return *failure;
+  const Eigen::MatrixXd information = reducedInformation(normals);
+  const auto covariance = covarianceOf(information);
+  const auto entropy = entropyNats(information);
+  if (!covariance || !entropy) {
+    return Failure{FailureReason::kNotObservable,
+                   "not observable: the information of the cameras on this session has no inverse",
+                   "use a recording with the target tilted, rolled, and all over the image"};
+  }
   CameraInformation out;
-  out.covariance = std::move(judged.summary.covariance);
-  out.entropy_nats = judged.summary.entropy_nats;
+  out.covariance = parametersOf(at.cameras);
+  out.covariance.matrix = *covariance;
+  out.entropy_nats = *entropy;
   const auto shift = impliedShift(normals.H, normals.P, options.alignment);
   if (!shift) {
     return Failure{FailureReason::kNotObservable, "no frame's pose is determined by its corners",
