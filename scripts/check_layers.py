@@ -18,7 +18,7 @@ MAY_USE = {
     "calibrator/target": ["calibrator/base"],
     "calibrator/residuals": ["calibrator/base", "calibrator/camera"],
     "calibrator/linear": ["calibrator/base"],
-    "calibrator/information": ["calibrator/base", "calibrator/linear"],
+    "calibrator/information": ["calibrator/base", "calibrator/camera", "calibrator/linear"],
     "calibrator/initialise": ["calibrator/base", "calibrator/camera", "calibrator/residuals",
                               "calibrator/linear"],
     "calibrator/batch": ["calibrator/base", "calibrator/camera", "calibrator/residuals",
