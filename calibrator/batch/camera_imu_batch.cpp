@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/time_offsets.h"
 #include "calibrator/batch/camera_imu_noise.h"
 #include "calibrator/batch/camera_imu_outliers.h"
 #include "calibrator/batch/camera_imu_stage.h"
@@ -120,7 +121,53 @@ void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
   }
 }
 
+/// Per camera, by how much its given offset differs from camera 0's; empty where it does not.
+std::vector<std::optional<double>> givenDifferences(const ImuCalibration& imu, std::size_t count) {
+  std::vector<std::optional<double>> differences(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    const double difference = cameraTimeOffset(imu, c) - imu.time_offset_s;
+    if (difference != 0) differences[c] = difference;
+  }
+  return differences;
+}
+
 }  // namespace
+
+Result<CameraImuStageResult> scoreCameraImu(const Session& session,
+                                            const std::vector<CameraCalibration>& cameras,
+                                            const ImuCalibration& imu,
+                                            const CameraImuOptions& options) {
+  if (const auto failure = checkInputs(session, cameras)) return *failure;
+  Clock total;
+  Clock clock;
+  CameraImuProblem problem = makeProblem(session, options);
+  problem.free_cameras = false;
+  problem.hold_calibration = true;
+  PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
+  if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
+  posed.own_offsets = givenDifferences(imu, cameras.size());
+  const CameraImuStart start = startFromCalibration(posed.poses, problem.samples, imu);
+  if (options.filter == CornerFilter::kKalibr) {
+    rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
+  }
+  StageSeconds seconds;
+  seconds.initialise = clock.lap();
+  auto selected = selectAndSolve(problem, posed, start, cameras, options);
+  if (!selected) return selected.failure();
+  CameraImuSolution& solution = selected.value().solution;
+  if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
+  seconds.solve = clock.lap();
+  seconds.total = total.lap();
+  auto result = scoreResult(problem, solution, session);
+  if (!result) return result;
+  result.value().imu.T_SC0 = imu.T_SC0;  // steps of length zero round
+  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  result.value().summary.seconds = seconds;
+  result.value().frames_without_pose = posed.without_pose;
+  result.value().frames_without_imu = selected->frames_without_imu;
+  result.value().imu_gaps = selected->gaps;
+  return result;
+}
 
 Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
                                                 const std::vector<CameraCalibration>& cameras,

@@ -64,6 +64,17 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
                                                 const std::vector<CameraCalibration>& cameras,
                                                 const CameraImuOptions& options = {});
 
+/// Scores a given camera-IMU calibration on a session: the cameras, T_SC0 and the time offsets stay
+/// as they are; only poses, velocities, biases and the direction of gravity move, under the same
+/// cost. No covariance, no check of the noise. The noise is the session's (or the options'), not
+/// the calibration's, so that scores compare; options.free_cameras does not matter. Unlike
+/// calibrateCameraImu() it takes a calibration that contradicts the data: that is what it is for.
+/// Fails with kNoOverlap, kTooFewViews or kNotConverged (no step lowers the cost).
+Result<CameraImuStageResult> scoreCameraImu(const Session& session,
+                                            const std::vector<CameraCalibration>& cameras,
+                                            const ImuCalibration& imu,
+                                            const CameraImuOptions& options = {});
+
 /// Solves again, from an earlier result, with only the given stretches of its frames (ascending,
 /// not overlapping), each cut loose from its neighbours: one draw of a bootstrap over time
 /// segments. No corner residuals are listed in the result. Corners that the earlier result rejected

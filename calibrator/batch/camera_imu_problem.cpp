@@ -60,6 +60,7 @@ class Linearisation {
     });
     if (!covered) return std::nullopt;
     collect(partials);
+    if (problem_.hold_calibration) holdCalibration();
     return std::move(normals_);
   }
 
@@ -83,6 +84,19 @@ class Linearisation {
     }
     normals_.inertial = 0.5 * inertial;
     normals_.cost = 0.5 * cost + normals_.inertial;
+  }
+
+  /// Takes every border column but gravity's out of the system.
+  void holdCalibration() {
+    BorderedChain& chain = normals_.chain;
+    for (int j = 0; j < layout_.size; ++j) {
+      if (j >= BorderLayout::kGravity && j < BorderLayout::kOffset) continue;
+      chain.border_block.row(j).setZero();
+      chain.border_block.col(j).setZero();
+      chain.border_block(j, j) = 1;
+      chain.border_gradient(j) = 0;
+      for (ChainBorderRows& rows : chain.to_border) rows.col(j).setZero();
+    }
   }
 
   void addCameras(int i, Partial& partial) {

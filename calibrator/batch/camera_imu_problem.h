@@ -36,6 +36,9 @@ struct CameraImuProblem {
   double pixel_sigma = 1;
   GramOptions gram;
   bool free_cameras = false;
+  /// T_SC0 and all time offsets stay as they are: only states and gravity's direction move. Then
+  /// the border has information 1 and no gradient there.
+  bool hold_calibration = false;
   int threads = 1;
 
   int frameCount() const { return static_cast<int>(frames.size()); }

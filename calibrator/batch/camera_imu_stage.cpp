@@ -98,6 +98,18 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
   }
 }
 
+Failure leftSamples() {
+  return {FailureReason::kNotConverged,
+          "the time offset ran off the IMU samples during the optimisation",
+          "record the IMU for longer than the cameras, or give frames well inside"};
+}
+
+Failure noStep() {
+  return {FailureReason::kNotConverged,
+          "the camera-IMU optimisation found no step that lowers the cost",
+          "check the target, the intrinsics and the units of the IMU"};
+}
+
 SolverOptions solverOptions(const CameraImuOptions& options) {
   return {options.max_iterations, options.tolerance};
 }
@@ -151,24 +163,28 @@ CameraImuSolution solveFromSolution(const CameraImuProblem& problem, const Camer
 Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution, const Session& session,
                                          const CameraImuOptions& options) {
-  if (solution.end == SolverEnd::kLeftSamples) {
-    return Failure{FailureReason::kNotConverged,
-                   "the time offset ran off the IMU samples during the optimisation",
-                   "record the IMU for longer than the cameras, or give frames well inside"};
-  }
+  if (solution.end == SolverEnd::kLeftSamples) return leftSamples();
   auto covariance = cameraImuCovariance(problem, solution, options);
   if (!covariance) return covariance.failure();
-  if (solution.end == SolverEnd::kSingular) {
-    return Failure{FailureReason::kNotConverged,
-                   "the camera-IMU optimisation found no step that lowers the cost",
-                   "check the target, the intrinsics and the units of the IMU"};
-  }
+  if (solution.end == SolverEnd::kSingular) return noStep();
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
   result.residuals = cornerResiduals(problem, solution.estimate);
   fillReprojection(session, result);
   if (options.state_covariances) result.state_covariances = stateCovariances(problem, solution);
+  return result;
+}
+
+Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
+                                         const CameraImuSolution& solution,
+                                         const Session& session) {
+  if (solution.end == SolverEnd::kLeftSamples) return leftSamples();
+  if (solution.end == SolverEnd::kSingular) return noStep();
+  CameraImuStageResult result = estimates(problem, solution);
+  result.imu.rostopic = session.imu->rostopic;
+  result.residuals = cornerResiduals(problem, solution.estimate);
+  fillReprojection(session, result);
   return result;
 }
 

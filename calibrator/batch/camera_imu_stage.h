@@ -32,4 +32,9 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution, const Session& session,
                                          const CameraImuOptions& options);
 
+/// The same of a solution that holds the calibration: no covariance, no standard deviations. Fails
+/// where the solver found nothing.
+Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
+                                         const CameraImuSolution& solution, const Session& session);
+
 }  // namespace plumbline

@@ -141,6 +141,15 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   return start;
 }
 
+CameraImuStart startFromCalibration(std::span<const CameraPose> poses,
+                                    std::span<const ImuSample> samples, const ImuCalibration& imu) {
+  CameraImuStart start;
+  start.T_SC0 = imu.T_SC0;
+  start.time_offset_s = imu.time_offset_s;
+  start.gravity_direction = downFromMeanForce(poses, samples, start);
+  return start;
+}
+
 std::vector<ImuState> startStates(std::span<const CameraPose> poses, const CameraImuStart& start) {
   const Transform T_C0S = start.T_SC0.inverse();
   std::vector<ImuState> states(poses.size());

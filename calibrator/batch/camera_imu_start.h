@@ -44,6 +44,11 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options);
 
+/// The start under a given calibration, which is taken as it is: gravity from the mean specific
+/// force, biases zero. Nothing of it can fail, whatever the calibration.
+CameraImuStart startFromCalibration(std::span<const CameraPose> poses,
+                                    std::span<const ImuSample> samples, const ImuCalibration& imu);
+
 /// States at the frames: poses through T_SC0, velocities by differences of positions.
 std::vector<ImuState> startStates(std::span<const CameraPose> poses, const CameraImuStart& start);
 
