@@ -88,6 +88,8 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
   std::vector<std::vector<TagImage>> sets = consistentSets(grid, squares);
   if (sets.size() > kSetsTried) sets.resize(kSetsTried);
   Detection detection;
+  // From the squares as they are: with a wrong spacing the grid's own checks drop most corners.
+  const auto spacing = sets.empty() ? std::nullopt : apparentSpacing(grid, sets.front());
   for (const std::vector<TagImage>& set : sets) {
     search.start(set);
     search.grow();
@@ -98,7 +100,7 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
     detection = {};
     detection.rejected_tags = contradicting;
     detection.rejected_corners = search.rejectedCorners();
-    detection.spacing = apparentSpacing(grid, search.tags());
+    detection.spacing = spacing;
     const auto found = static_cast<int>(search.tags().size());
     if (found < options.min_tags || found <= contradicting) continue;
     for (const TagImage& tag : search.tags()) append(detection, tag);

@@ -11,6 +11,7 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/workflow/check_target.h"
 #include "evaluate/workflow/load_session.h"
 #include "evaluate/workflow/write_session.h"
 #include "generated/evaluate/workflow/version.h"
@@ -48,6 +49,7 @@ int detect(const Options& o) {
   refuseInside(o.out, o.session.session, "--out");
   const LoadedSession loaded = loadSession(o.session.request(), bar.sink());
   bar.clear();
+  checkTargetLayout(loaded, {});
   writeCornerSession(loaded.session, o.out);
   writeFileAtomically(o.out + "/detection.json", detectionDocument(loaded));
   for (std::size_t i = 0; i < loaded.counts.size(); ++i) {

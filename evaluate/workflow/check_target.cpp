@@ -26,21 +26,26 @@ void checkColumns(const TargetLayout& layout, const LoadedSession& loaded) {
                   loaded.session.target.cols, layout.pairs_in_line, layout.pairs_above));
 }
 
-}  // namespace
-
-void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
-  const TargetLayout layout = shownLayout(loaded.session, cameras);
-  checkColumns(layout, loaded);
-  if (!layout.spacing) return;
+void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
   const double stated = loaded.session.target.spacing;
-  const double tolerance = cameras.empty() ? kRawTolerance : kTolerance;
-  if (std::abs(*layout.spacing / stated - 1) <= tolerance) return;
+  if (std::abs(shown / stated - 1) <= tolerance) return;
   const std::string& path = loaded.target_path;
   throw InputError(
       path, lineOf("tagSpacing", path),
       fmt::format("tagSpacing is {:g}, but the corners show gaps of {:.3g} times the tags' size; "
                   "expected the gap between tags as a ratio of tagSize; measure both on the target",
-                  stated, *layout.spacing));
+                  stated, shown));
+}
+
+}  // namespace
+
+void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
+  if (loaded.shown_spacing) checkSpacing(*loaded.shown_spacing, kTolerance, loaded);
+  const TargetLayout layout = shownLayout(loaded.session, cameras);
+  checkColumns(layout, loaded);
+  if (layout.spacing) {
+    checkSpacing(*layout.spacing, cameras.empty() ? kRawTolerance : kTolerance, loaded);
+  }
 }
 
 }  // namespace plumbline

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/workflow/detect_corners.h"
 
-#include <atomic>
+#include <cmath>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/statistics.h"
 #include "datasets/corner_cache.h"
 #include "datasets/image_io.h"
 #include "evaluate/workflow/parallel_for.h"
@@ -49,13 +51,16 @@ void completeResolutions(Recording& recording) {
   }
 }
 
+constexpr double kSpacingTolerance = 0.1;  // relative: what no print or lens explains
+constexpr std::size_t kFewSpacings = 3;
+
 // Finds the corners of one image after another, asking the cache first. One per thread.
 class Worker {
  public:
   Worker(const AprilGrid& target, const DetectRequest& request, const CornerCache* cache)
-      : detector_(target, request.detector), cache_(cache) {}
+      : stated_spacing_(target.spacing), detector_(target, request.detector), cache_(cache) {}
 
-  std::vector<Corner> corners(const std::string& path, const CameraStream& camera) const {
+  std::vector<Corner> corners(const std::string& path, const CameraStream& camera) {
     // The stated size is part of the key: an image of another size is never answered from there.
     std::optional<std::string> key;
     if (cache_ != nullptr) {
@@ -67,20 +72,38 @@ class Worker {
     }
     const GrayImage image = readGrayImage(path);
     checkSize(image, path, camera);
-    std::vector<Corner> corners = detector_.detect(image.view()).corners;
-    if (key) cache_->store(*key, corners);
-    return corners;
+    Detection found = detector_.detect(image.view());
+    if (found.spacing) spacings_.push_back(*found.spacing);
+    const bool contradicts =
+        found.spacing && std::abs(*found.spacing / stated_spacing_ - 1) > kSpacingTolerance;
+    if (key && !contradicts) cache_->store(*key, found.corners);
+    return std::move(found.corners);
   }
 
+  /// As shown by the images that were searched, one each.
+  const std::vector<double>& spacings() const { return spacings_; }
+
  private:
+  double stated_spacing_;
+  std::vector<double> spacings_;
   AprilGridDetector detector_;
   const CornerCache* cache_;
 };
 
+std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& workers) {
+  std::vector<double> spacings;
+  for (const auto& worker : workers) {
+    if (!worker) continue;
+    spacings.insert(spacings.end(), worker->spacings().begin(), worker->spacings().end());
+  }
+  if (spacings.size() < kFewSpacings) return std::nullopt;
+  return quantile(std::move(spacings), 0.5);
+}
+
 }  // namespace
 
-void detectCorners(Recording& recording, const DetectRequest& request,
-                   const ProgressSink& progress) {
+std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
+                                    const ProgressSink& progress) {
   completeResolutions(recording);
   const std::vector<Task> tasks = tasksOf(recording);
   std::optional<CornerCache> cache;
@@ -99,6 +122,7 @@ void detectCorners(Recording& recording, const DetectRequest& request,
     const std::lock_guard lock(mutex);
     progress("finding corners", static_cast<double>(++done) / static_cast<double>(tasks.size()));
   });
+  return medianSpacing(workers);
 }
 
 }  // namespace plumbline

@@ -87,7 +87,8 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {
     const Stopwatch detecting;
-    detectCorners(recording, {request.detector, request.cache, request.threads}, progress);
+    loaded.shown_spacing =
+        detectCorners(recording, {request.detector, request.cache, request.threads}, progress);
     loaded.detect_s = detecting.seconds();
   }
   for (const CameraStream& camera : recording.session.cameras) {

@@ -26,12 +26,13 @@ struct LoadRequest {
 
 struct LoadedSession {
   Session session;
-  std::string target_path;           ///< files to name where the data contradict them
-  std::string imu_samples_path;      ///< empty where there is no IMU
-  std::vector<CameraCounts> counts;  ///< one per camera
-  std::string input_hash;            ///< "algorithm:hex" of the files that were read
-  double load_s = 0;                 ///< wall seconds of reading
-  double detect_s = 0;               ///< and of detection
+  std::string target_path;              ///< files to name where the data contradict them
+  std::string imu_samples_path;         ///< empty where there is no IMU
+  std::vector<CameraCounts> counts;     ///< one per camera
+  std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown
+  std::string input_hash;               ///< "algorithm:hex" of the files that were read
+  double load_s = 0;                    ///< wall seconds of reading
+  double detect_s = 0;                  ///< and of detection
 };
 
 /// Throws InputError where `path`, which the option `option` names, lies in the recording: that is

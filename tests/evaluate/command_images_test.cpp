@@ -77,7 +77,7 @@ TEST_F(CommandImages, DetectWritesASessionThatCalibratesTheSame) {
 
 TEST_F(CommandImages, AWrongSpacingIsRefusedByItsLineWhereverItShows) {
   const std::string target = read(images() / "target.yaml");
-  for (const char* spacing : {"0.24", "0.36"}) {
+  for (const char* spacing : {"0.2", "0.24", "0.36", "0.45"}) {
     fs::create_directories(scratch());
     const fs::path wrong = scratch() / "wrong.yaml";
     write(wrong, replaced(target, "tagSpacing: 0.3", std::string("tagSpacing: ") + spacing));
