@@ -41,31 +41,51 @@ struct CalibrationScore {
   bool held_out = false;
   ErrorStatistics reprojection;
   std::vector<ErrorStatistics> per_camera;
+  std::vector<std::string> cameras;           ///< their names
+  int views_used = 0;                         ///< (camera, frame) pairs that a pose was found for
+  int views_offered = 0;                      ///< those in the session, whatever they saw
   std::optional<ErrorStatistics> camera_imu;  ///< with IMU: only states and gravity move
+  std::optional<double> camera_imu_cost;      ///< 0.5 * sum of squared normalised residuals
   std::optional<double> gyro_rms_rad_s;
   std::optional<double> accel_rms_m_s2;
   std::optional<double> entropy_nats;  ///< of its own parameters on that session
   std::vector<std::string> entropy_parameters;
-  std::string problem;  ///< why there is no score; empty if there is
+  std::string problem;  ///< why there is no score, or none of camera and IMU; empty if there is
 };
 
-/// A value over a camera's image, row-major from the top.
+/// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:
+/// u = c (width - 1) / (columns - 1), v = r (height - 1) / (rows - 1).
 struct ImageMap {
   std::string camera;
-  std::string label;   ///< of the calibration, or "a - b"
+  std::string label;   ///< of the calibration, or "b - a", a the first calibration
+  std::string method;  ///< how it was computed, e.g. "cross-reprojection on euroc", "image fit"
   double range_m = 0;  ///< distance of the points; infinity: directions only
   int columns = 0, rows = 0;
   int width = 0, height = 0;             ///< of the image [px]
   std::vector<double> values;            ///< [px]; NaN where undefined
   std::vector<Eigen::Vector2d> vectors;  ///< difference itself, empty for uncertainties [px]
-  std::optional<Transform> implied;  ///< alignment of the two cameras' frames that was taken out
+  /// Of a difference: alignment of the two cameras' frames that was taken out, T_BA (a's points in
+  /// b's frame).
+  std::optional<Transform> implied;
 };
 
 /// The time offset of every calibration in Kalibr's sign [s], per camera as written.
 struct OffsetSummary {
   std::string label;
-  std::optional<double> time_offset_s;
+  std::optional<double> time_offset_s;  ///< mean of the cameras' where they have one each
   std::optional<double> std_s;
+  std::vector<double> per_camera_s;
+};
+
+/// Which of two calibrations predicts a camera's corners better: the mean over views of (mean
+/// squared error under `label`) - (under the first calibration) [px^2]; negative: `label` is
+/// better.
+struct PairedPrediction {
+  std::string label;
+  std::string camera;
+  int views = 0;  ///< seen under both
+  double difference_px2 = 0;
+  double std_px2 = 0;  ///< standard error of the mean, from blocks of consecutive views
 };
 
 /// Everything that a comparison page shows.
@@ -77,8 +97,9 @@ struct ComparisonRecord {
   std::vector<ComparedCalibration> calibrations;
   std::vector<ComparedParameter> parameters;
   std::vector<CalibrationScore> scores;
-  std::vector<ImageMap> differences;    ///< to the first calibration
-  std::vector<ImageMap> uncertainties;  ///< of those that carry a covariance or were re-scored
+  std::vector<PairedPrediction> paired;  ///< to the first calibration, on the same session
+  std::vector<ImageMap> differences;     ///< to the first calibration
+  std::vector<ImageMap> uncertainties;   ///< of those that carry a covariance or were re-scored
   std::vector<OffsetSummary> offsets;
   std::vector<TrajectoryRun> runs;  ///< trajectories under these calibrations, where given
 };
