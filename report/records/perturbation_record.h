@@ -39,6 +39,7 @@ struct PerturbationRecord {
   std::vector<std::string> parameters;  ///< names as in ParameterCovariance
   std::vector<std::string> units;
   std::vector<double> base_std;  ///< of the base calibration
+  double offset_bound_s = 1e-3;  ///< an injected offset counts as recovered within this
   PerturbationCase base;
   std::vector<PerturbationCase> cases;
 };

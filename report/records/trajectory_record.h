@@ -80,7 +80,8 @@ struct TrajectoryRun {
   std::string estimate;     ///< file name
   std::string truth;
   RunStatus status = RunStatus::kComplete;
-  std::string problem;  ///< why partial or failed; empty if complete
+  std::string problem;               ///< why partial or failed; empty if complete
+  std::vector<std::string> remarks;  ///< a sentence each, what a reader should know
   double coverage = 0;  ///< share of the truth's span over which the estimate has poses, 0 to 1
   AssociationRecord association;
   AlignmentRecord alignment;
@@ -102,6 +103,7 @@ struct TrajectoryRun {
 struct TrajectoryRecord {
   std::string name;
   Provenance provenance;
+  Verdict verdict;
   std::vector<TrajectoryRun> runs;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,39 @@ inline constexpr const char* kStateElement =
 inline constexpr const char* kIntervalElement =
     "t:i64 dt:f64 rotation:f64[3] velocity:f64[3] position:f64[3] normalised:f64[15]";
 inline constexpr const char* kFrameElement = "t:i64 count:i32 view:i32[count]";
+
+inline constexpr const char* kTimeElement = "t:i64";
+inline constexpr const char* kNumberElement = "x:f64";
+inline constexpr const char* kVector2Element = "v:f64[2]";
+inline constexpr const char* kVector3Element = "v:f64[3]";
+
+/// Numbers (int64, double) one after the other.
+template <class T>
+std::string packNumbers(const std::vector<T>& values) {
+  return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+/// The inverse; std::runtime_error when the bytes do not end where an element ends.
+template <class T>
+std::vector<T> unpackNumbers(const std::string& bytes) {
+  if (bytes.size() % sizeof(T) != 0) {
+    throw std::runtime_error("an array ends within an element");
+  }
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+  return values;
+}
+
+/// Vectors of fixed size, component by component.
+template <class Vector>
+std::string packVectors(const std::vector<Vector>& vectors) {
+  static_assert(sizeof(Vector) == Vector::RowsAtCompileTime * sizeof(double));
+  return packNumbers(vectors);
+}
+template <class Vector>
+std::vector<Vector> unpackVectors(const std::string& bytes) {
+  return unpackNumbers<Vector>(bytes);
+}
 
 std::string packResiduals(const std::vector<CornerResidual>& residuals);
 std::string packTransforms(const std::vector<Transform>& transforms);

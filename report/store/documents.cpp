@@ -1,73 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/store/documents.h"
 
-#include "report/store/json_archive.h"
+#include "report/store/shared_fields.h"
 
 namespace plumbline {
 
-// One list of fields per struct, for writing and reading; found by argument-dependent lookup.
-
-template <class Archive>
-void fields(Archive& a, Transform& T) {
-  a("R", T.R);
-  a("t", T.t);
-}
-
-template <class Archive>
-void fields(Archive& a, Resolution& r) {
-  a("width", r.width);
-  a("height", r.height);
-}
-
-template <class Archive>
-void fields(Archive& a, Intrinsics& i) {
-  a("projection_model", i.projection_model);
-  a("distortion_model", i.distortion_model);
-  a("resolution", i.resolution);
-  a("projection", i.projection);
-  a("distortion", i.distortion);
-}
-
-template <class Archive>
-void fields(Archive& a, CameraCalibration& c) {
-  a("name", c.name);
-  a("rostopic", c.rostopic);
-  a("intrinsics", c.intrinsics);
-  a("T_C0Ci", c.T_C0Ci);
-  a("intrinsics_std", c.intrinsics_std);
-  a("T_C0Ci_std", c.T_C0Ci_std);
-}
-
-template <class Archive>
-void fields(Archive& a, ImuNoise& n) {
-  a("gyro_density", n.gyro_density);
-  a("gyro_random_walk", n.gyro_random_walk);
-  a("accel_density", n.accel_density);
-  a("accel_random_walk", n.accel_random_walk);
-  a("rate_hz", n.rate_hz);
-}
-
-template <class Archive>
-void fields(Archive& a, ImuCalibration& i) {
-  a("T_SC0", i.T_SC0);
-  a("time_offset_s", i.time_offset_s);
-  a("gravity_m_s2", i.gravity_m_s2);
-  a("noise", i.noise);
-  a("rostopic", i.rostopic);
-  a("T_SC0_std", i.T_SC0_std);
-  a("time_offset_std_s", i.time_offset_std_s);
-}
-
-template <class Archive>
-void fields(Archive& a, ErrorStatistics& s) {
-  a("rmse_px", s.rmse_px);
-  a("mean_px", s.mean_px);
-  a("median_px", s.median_px);
-  a("std_px", s.std_px);
-  a("axis_mean_px", s.axis_mean_px);
-  a("axis_std_px", s.axis_std_px);
-  a("count", s.count);
-}
+// Fields of what only a calibration record holds; see shared_fields.h.
 
 template <class Archive>
 void fields(Archive& a, ParameterCovariance& c) {
@@ -167,14 +105,6 @@ void fields(Archive& a, AprilGrid& g) {
 }
 
 template <class Archive>
-void fields(Archive& a, Assumptions& s) {
-  a("pixel_sigma_px", s.pixel_sigma_px);
-  a("loss", s.loss);
-  a("gravity_m_s2", s.gravity_m_s2);
-  a("imu_noise", s.imu_noise);
-}
-
-template <class Archive>
 void fields(Archive& a, CameraCounts& c) {
   a("views_offered", c.views_offered);
   a("views_with_corners", c.views_with_corners);
@@ -201,16 +131,6 @@ void fields(Archive& a, CalibrationRecord& r) {
 }
 
 namespace store_internal {
-namespace {
-
-template <class T>
-T parse(const std::string& text) {
-  T value;
-  JsonReader::fromJson(Json::parse(text), value);
-  return value;
-}
-
-}  // namespace
 
 std::string headDocument(const CalibrationRecord& record) {
   return JsonWriter::toJson(record).dump();
@@ -225,7 +145,7 @@ std::string cameraDocument(const CameraStageResult& stage) {
 }
 
 CameraStageResult readCameraDocument(const std::string& json) {
-  return parse<CameraStageResult>(json);
+  return parseAs<CameraStageResult>(json);
 }
 
 std::string cameraImuDocument(const CameraImuStageResult& stage) {
@@ -233,7 +153,7 @@ std::string cameraImuDocument(const CameraImuStageResult& stage) {
 }
 
 CameraImuStageResult readCameraImuDocument(const std::string& json) {
-  return parse<CameraImuStageResult>(json);
+  return parseAs<CameraImuStageResult>(json);
 }
 
 }  // namespace store_internal

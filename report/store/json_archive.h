@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -57,6 +58,12 @@ class JsonWriter {
     for (const T& value : values) array.push_back(toJson(value));
     return array;
   }
+  template <class T, std::size_t N>
+  static Json toJson(const std::array<T, N>& values) {
+    Json array = Json::array();
+    for (const T& value : values) array.push_back(toJson(value));
+    return array;
+  }
   template <class S, int Rows, int Cols>
   static Json toJson(const Eigen::Matrix<S, Rows, Cols>& m) {
     Json array = Json::array();
@@ -107,6 +114,11 @@ class JsonReader {
     values.clear();
     for (const Json& element : json) fromJson(element, values.emplace_back());
   }
+  template <class T, std::size_t N>
+  static void fromJson(const Json& json, std::array<T, N>& values) {
+    if (json.size() != N) throw std::runtime_error("a list has not the length that it should");
+    for (std::size_t i = 0; i < N; ++i) fromJson(json[i], values[i]);
+  }
   template <class S, int Rows, int Cols>
   static void fromJson(const Json& json, Eigen::Matrix<S, Rows, Cols>& m) {
     const auto rows = json.at("rows").get<Eigen::Index>();
@@ -132,5 +144,13 @@ class JsonReader {
 
   const Json& json_;
 };
+
+/// A struct from the text of a document.
+template <class T>
+T parseAs(const std::string& text) {
+  T value;
+  JsonReader::fromJson(Json::parse(text), value);
+  return value;
+}
 
 }  // namespace plumbline::store_internal

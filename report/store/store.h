@@ -8,12 +8,24 @@
 #include <vector>
 
 #include "report/records/calibration_record.h"
+#include "report/records/comparison_record.h"
+#include "report/records/perturbation_record.h"
+#include "report/records/trajectory_record.h"
 
 namespace plumbline {
+
+/// Which record a run holds.
+enum class RunKind { kCalibration, kTrajectory, kComparison, kPerturbation };
+
+/// "calibration", "trajectory", "comparison", "perturbation".
+std::string toString(RunKind kind);
+/// The inverse; empty for an unknown word.
+std::optional<RunKind> runKindFrom(const std::string& word);
 
 /// A run as it is listed.
 struct RunSummary {
   std::int64_t id = 0;
+  RunKind kind = RunKind::kCalibration;
   std::string name;
   std::string date;
   VerdictLevel verdict = VerdictLevel::kGood;
@@ -21,10 +33,12 @@ struct RunSummary {
 
 /// Records in one SQLite file. Every number comes back bit for bit as it was saved. Besides the
 /// record itself a run has rows that a study can query: metrics (name, unit, value), parameters
-/// (value, std, unit) and findings.
+/// (value, std, unit) and findings; their column `stage` names the part of the run (a stage of a
+/// calibration, a case of a perturbation study, a calibration of a comparison, a trajectory).
 ///
 /// A file that is missing, is no SQLite file, belongs to another program, was written by a newer
-/// version or is damaged ends in an InputError that names it.
+/// version or is damaged ends in an InputError that names it. Files of earlier versions are read as
+/// they are, and lifted to the present one when a run is added.
 class Store {
  public:
   explicit Store(std::filesystem::path path) : path_(std::move(path)) {}
@@ -32,9 +46,18 @@ class Store {
   /// Adds a run and returns its id. A new file is written under a temporary name and renamed when
   /// complete; in a file that exists the run is one transaction. Nothing partial remains.
   std::int64_t save(const CalibrationRecord& record) const;
+  std::int64_t save(const TrajectoryRecord& record) const;
+  std::int64_t save(const ComparisonRecord& record) const;
+  std::int64_t save(const PerturbationRecord& record) const;
 
-  /// The record of a run, or of the latest.
+  /// The record of a run, or of the latest of its kind. InputError where the run is of another.
   CalibrationRecord loadCalibration(std::optional<std::int64_t> run = std::nullopt) const;
+  TrajectoryRecord loadTrajectory(std::optional<std::int64_t> run = std::nullopt) const;
+  ComparisonRecord loadComparison(std::optional<std::int64_t> run = std::nullopt) const;
+  PerturbationRecord loadPerturbation(std::optional<std::int64_t> run = std::nullopt) const;
+
+  /// The run of that number, or the latest of all.
+  RunSummary summary(std::optional<std::int64_t> run = std::nullopt) const;
 
   /// All runs, oldest first.
   std::vector<RunSummary> runs() const;

@@ -1,2 +1,2 @@
 -- SPDX-License-Identifier: BSD-3-Clause
-SELECT name, version, command, input, input_hash, date, verdict FROM runs WHERE id = ?;
+SELECT kind, name, version, command, input, input_hash, date, verdict FROM runs WHERE id = ?;

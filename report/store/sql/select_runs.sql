@@ -1,2 +1,2 @@
 -- SPDX-License-Identifier: BSD-3-Clause
-SELECT id, name, date, verdict FROM runs WHERE kind = 'calibration' ORDER BY id;
+SELECT id, kind, name, date, verdict FROM runs ORDER BY id;
