@@ -6,18 +6,22 @@
 #include "datasets/atomic_file.h"
 #include "evaluate/studies/perturbation_document.h"
 #include "evaluate/workflow/result_folder.h"
+#include "evaluate/workflow/write_results.h"
+#include "report/html/perturbation_page.h"
+#include "report/store/store.h"
 
 namespace plumbline {
 
 void writePerturbation(const PerturbationRecord& record, const std::string& out, bool report) {
-  writeResultFolder(out, {"perturbation.json", "perturbation.csv", "records.sqlite", "report.html"},
+  writeResultFolder(out, {"perturbation.json", "perturbation.csv", kRecordsFile, "report.html"},
                     [&](const std::filesystem::path& folder) {
                       const auto write = [&](const char* name, const std::string& text) {
                         writeFileAtomically((folder / name).string(), text);
                       };
                       write("perturbation.json", perturbationDocument(record));
                       write("perturbation.csv", perturbationTable(record));
-                      (void)report;
+                      Store(folder / kRecordsFile).save(record);
+                      if (report) write("report.html", renderPerturbationPage(record));
                     });
 }
 

@@ -7,8 +7,8 @@
 
 namespace plumbline {
 
-/// Writes perturbation.json and perturbation.csv (and, as asked, report.html) into `out`, together
-/// or not at all; see writeResultFolder().
+/// Writes perturbation.json, perturbation.csv and records.sqlite (and, as asked, report.html) into
+/// `out`, together or not at all; see writeResultFolder().
 void writePerturbation(const PerturbationRecord& record, const std::string& out, bool report);
 
 }  // namespace plumbline

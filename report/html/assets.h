@@ -7,8 +7,18 @@ namespace plumbline::embedded {
 
 // Files of report/html, compiled in.
 const std::string& calibration_page();  // templates/calibration_page.mustache
-const std::string& page_style();        // templates/page.css
-const std::string& page_script();       // templates/page.js
-const std::string& scene_viewer();      // assets/scene_viewer.bundle.js
+const std::string& study_page();        // templates/study_page.mustache
+// Parts of both, templates/page_*.mustache.
+const std::string& page_head();
+const std::string& page_verdict();
+const std::string& page_cards();
+const std::string& page_matrices();
+const std::string& page_sections();
+const std::string& page_figures();
+const std::string& page_provenance();
+const std::string& page_foot();
+const std::string& page_style();    // templates/page.css
+const std::string& page_script();   // templates/page.js
+const std::string& scene_viewer();  // assets/scene_viewer.bundle.js
 
 }  // namespace plumbline::embedded

@@ -2,63 +2,26 @@
 #include "report/html/calibration_page.h"
 
 #include <fmt/format.h>
-#include <kainjow/mustache.hpp>
 
 #include "report/html/assets.h"
 #include "report/html/imu_figures.h"
+#include "report/html/page_data.h"
 #include "report/html/page_parts.h"
 #include "report/html/reprojection_figures.h"
 #include "report/html/scene.h"
 #include "report/html/text.h"
-#include "report/plots/svg.h"
 
 namespace plumbline {
 namespace {
 
 using namespace html_internal;
-using kainjow::mustache::data;
 
-struct Section {
-  std::string id, title, lead;
-  std::vector<std::string> remarks;
-  std::vector<FigureGroup> groups;
-};
-
-/// A list for a template, one element per item.
-template <class Items, class Make>
-data listOf(const Items& items, const Make& make) {
-  data list{data::type::list};
-  for (const auto& item : items) list.push_back(make(item));
-  return list;
-}
-
-data object(std::initializer_list<std::pair<std::string, std::string>> fields) {
-  data result{data::type::object};
-  for (const auto& [name, value] : fields) result.set(name, value);
-  return result;
-}
-
-data flag(bool value) { return data{value ? data::type::bool_true : data::type::bool_false}; }
-
-data sectionData(const Section& section) {
-  data result = object({{"id", section.id}, {"title", section.title}, {"lead", section.lead}});
-  result.set("has_remarks", flag(!section.remarks.empty()));
-  result.set("remarks", listOf(section.remarks, [](const std::string& s) { return data{s}; }));
-  result.set("groups", listOf(section.groups, [](const FigureGroup& group) {
-               data g{data::type::object};
-               if (group.heading.empty()) {
-                 g.set("heading", flag(false));
-               } else {
-                 g.set("heading", group.heading);
-               }
-               g.set("figures", listOf(group.figures, [](const Figure& figure) {
-                       data f = object({{"svg", figure.svg}, {"caption", figure.caption}});
-                       f.set("wide", flag(figure.wide));
-                       return f;
-                     }));
-               return g;
-             }));
-  return result;
+std::vector<Block> blocksOf(std::vector<FigureGroup> groups) {
+  std::vector<Block> blocks;
+  for (FigureGroup& group : groups) {
+    blocks.push_back({std::move(group.heading), "", {}, {}, std::move(group.figures)});
+  }
+  return blocks;
 }
 
 Section reprojectionSection(const StageView& stage, const std::string& id) {
@@ -68,7 +31,7 @@ Section reprojectionSection(const StageView& stage, const std::string& id) {
                       grouped(stage.summary.corners_used),
                       id == "reprojection-camera" ? "camera stage" : "camera-IMU stage"),
           {},
-          reprojectionFigures(stage)};
+          blocksOf(reprojectionFigures(stage))};
 }
 
 Section correlationSection(const CalibrationRecord& record) {
@@ -81,9 +44,11 @@ Section correlationSection(const CalibrationRecord& record) {
                               record.assumptions.pixel_sigma_px),
                   {},
                   {}};
-  if (record.camera) section.groups.push_back(correlationFigures(viewOf(*record.camera)));
-  if (record.camera_imu) section.groups.push_back(correlationFigures(viewOf(*record.camera_imu)));
-  std::erase_if(section.groups, [](const FigureGroup& g) { return g.figures.empty(); });
+  std::vector<FigureGroup> groups;
+  if (record.camera) groups.push_back(correlationFigures(viewOf(*record.camera)));
+  if (record.camera_imu) groups.push_back(correlationFigures(viewOf(*record.camera_imu)));
+  std::erase_if(groups, [](const FigureGroup& g) { return g.figures.empty(); });
+  section.blocks = blocksOf(std::move(groups));
   return section;
 }
 
@@ -99,13 +64,13 @@ Section imuSection(const CameraImuStageResult& stage) {
            judgeDensity("Accelerometer bias walk", noise.accel_bias),
            fmt::format("The noise of the poses is that of corners of {:.2f} px.",
                        noise.pose_pixel_sigma)},
-          imuResidualFigures(stage)};
+          blocksOf(imuResidualFigures(stage))};
 }
 
 std::vector<Section> figureSections(const CalibrationRecord& record) {
   std::vector<Section> sections;
   Section correlations = correlationSection(record);
-  if (!correlations.groups.empty()) sections.push_back(std::move(correlations));
+  if (!correlations.blocks.empty()) sections.push_back(std::move(correlations));
   if (record.camera) {
     sections.push_back(reprojectionSection(viewOf(*record.camera), "reprojection-camera"));
   }
@@ -119,7 +84,7 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
                         "Where in the image the target was seen. Corners at the edges decide the "
                         "distortion.",
                         {},
-                        {coverageFigures(stage)}});
+                        blocksOf({coverageFigures(stage)})});
   }
   if (record.camera_imu) {
     sections.push_back(imuSection(*record.camera_imu));
@@ -127,54 +92,9 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
                         "Biases",
                         "Estimated offsets of the inertial sensors at every frame.",
                         {},
-                        {biasFigures(*record.camera_imu)}});
+                        blocksOf({biasFigures(*record.camera_imu)})});
   }
   return sections;
-}
-
-data findingRow(const Finding& f) {
-  const std::string unit = f.unit == "-" ? "" : " " + f.unit;
-  // A rule without a unit compares nothing with a threshold (convergence).
-  const std::string threshold =
-      f.unit.empty() ? "\u2013" : fmt::format("{:g}{}", f.threshold, unit);
-  return object({{"rule", f.rule},
-                 {"level", toString(f.level)},
-                 {"evidence", f.evidence},
-                 {"advice", f.advice},
-                 {"threshold", threshold}});
-}
-
-void setVerdict(data& page, const Verdict& verdict) {
-  const std::string word = toString(verdict.level);
-  page.set("verdict", word);
-  page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
-  page.set("verdict_sentence", verdictSentence(verdict));
-  std::vector<Finding> concerns;
-  std::vector<Finding> holds;
-  for (const Finding& finding : verdict.findings) {
-    (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);
-  }
-  page.set("has_concerns", flag(!concerns.empty()));
-  page.set("concerns", listOf(concerns, findingRow));
-  page.set("has_holds", flag(!holds.empty()));
-  page.set("holds_summary",
-           fmt::format("{} of {} rules hold", holds.size(), verdict.findings.size()));
-  page.set("holds", listOf(holds, findingRow));
-}
-
-data matrixData(const std::string& heading, const Transform& T, const std::string& note) {
-  data result = object({{"heading", heading}, {"note", note}});
-  const Eigen::Matrix4d M = T.matrix();
-  data rows{data::type::list};
-  for (int i = 0; i < 4; ++i) {
-    data cells{data::type::list};
-    for (int j = 0; j < 4; ++j) cells.push_back(data{fmt::format("{:.8f}", M(i, j))});
-    data row{data::type::object};
-    row.set("cells", cells);
-    rows.push_back(row);
-  }
-  result.set("rows", rows);
-  return result;
 }
 
 void setParameters(data& page, const CalibrationRecord& record) {
@@ -252,9 +172,7 @@ data timingRow(const std::string& stage, const StageSeconds& s) {
 }
 
 void setProvenance(data& page, const CalibrationRecord& record) {
-  page.set("provenance", listOf(provenanceRows(record), [](const Pair& p) {
-             return object({{"label", p.label}, {"value", p.value}});
-           }));
+  page.set("provenance", pairsData(provenanceRows(record)));
   data timings{data::type::list};
   if (record.camera) timings.push_back(timingRow("cameras", record.camera->summary.seconds));
   if (record.camera_imu) {
@@ -264,7 +182,7 @@ void setProvenance(data& page, const CalibrationRecord& record) {
   page.set("timings", timings);
 }
 
-data contents(const CalibrationRecord& record, const std::vector<Section>& sections) {
+std::vector<Pair> contents(const CalibrationRecord& record, const std::vector<Section>& sections) {
   std::vector<Pair> entries = {{"verdict", "Verdict"},
                                {"key-figures", "Key figures"},
                                {"scene", "Scene"},
@@ -272,39 +190,27 @@ data contents(const CalibrationRecord& record, const std::vector<Section>& secti
   if (record.camera_imu) entries.push_back({"time-offset", "Time offset"});
   for (const Section& section : sections) entries.push_back({section.id, section.title});
   entries.push_back({"provenance", "Provenance"});
-  return listOf(entries, [](const Pair& p) {
-    return object({{"id", p.label}, {"title", p.value}});
-  });
+  return entries;
 }
 
 }  // namespace
 
 std::string renderCalibrationPage(const CalibrationRecord& record) {
   const std::vector<Section> sections = figureSections(record);
-  data page{data::type::object};
-  page.set("name", record.name);
-  page.set("input", record.provenance.input);
-  page.set("date", record.provenance.date);
-  page.set("version", record.provenance.version);
-  page.set("css", embedded::page_style());
+  data page = startPage({"Calibration report", record.name, record.provenance});
   page.set("viewer", embedded::scene_viewer());
-  page.set("hover", hoverScript());
-  page.set("script", embedded::page_script());
-  page.set("toc", contents(record, sections));
-  setVerdict(page, record.verdict);
-  page.set("cards", listOf(keyFigures(record), [](const Card& c) {
-             data d = object(
-                 {{"label", c.label}, {"value", c.value}, {"unit", c.unit}, {"note", c.note}});
-             d.set("wide", flag(c.wide));
-             return d;
-           }));
+  page.set("footer", "Made by Plumbline " + record.provenance.version +
+                         " from its records alone. The 3D viewer contains vtk.js (BSD-3-Clause, "
+                         "Kitware); notices stand in the page's source.");
+  setContents(page, contents(record, sections));
+  setVerdict(page, record.verdict, verdictSentence(record.verdict));
+  page.set("cards", cardsData(keyFigures(record)));
   setScene(page, record);
   setParameters(page, record);
   setOffset(page, record);
-  page.set("sections", listOf(sections, sectionData));
+  page.set("sections", sectionsData(sections));
   setProvenance(page, record);
-  kainjow::mustache::mustache pattern{embedded::calibration_page()};
-  return pattern.render(page);
+  return renderTemplate(embedded::calibration_page(), page);
 }
 
 }  // namespace plumbline

@@ -165,20 +165,32 @@ std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
        "no field: add this to every image timestamp"}};
 }
 
-std::vector<Pair> provenanceRows(const CalibrationRecord& record) {
-  const Provenance& p = record.provenance;
-  const Assumptions& a = record.assumptions;
-  const AprilGrid& g = record.target;
-  std::vector<Pair> rows = {{"Plumbline", p.version},
-                            {"Command", p.command},
-                            {"Input", p.input},
-                            {"Input hash", p.input_hash},
-                            {"Date (UTC)", p.date}};
+std::vector<Pair> provenanceRows(const Provenance& p) {
   std::string options;
   for (const auto& [name, value] : p.options) {
     options += (options.empty() ? "" : ", ") + name + " = " + value;
   }
-  rows.push_back({"Options", options});
+  std::vector<Pair> rows = {{"Plumbline", p.version}, {"Command", p.command},
+                            {"Input", p.input},       {"Input hash", p.input_hash},
+                            {"Date (UTC)", p.date},   {"Options", options}};
+  std::erase_if(rows, [](const Pair& row) { return row.value.empty(); });
+  return rows;
+}
+
+std::vector<Pair> assumptionRows(const Assumptions& a) {
+  std::vector<Pair> rows = {
+      {"Corner noise", fmt::format("{:g} px per coordinate", a.pixel_sigma_px)}, {"Loss", a.loss}};
+  if (a.imu_noise) {
+    rows.push_back({"Gravity", fmt::format("{:g} m/s\u00b2", a.gravity_m_s2)});
+    addNoise(rows, *a.imu_noise);
+  }
+  return rows;
+}
+
+std::vector<Pair> provenanceRows(const CalibrationRecord& record) {
+  const Assumptions& a = record.assumptions;
+  const AprilGrid& g = record.target;
+  std::vector<Pair> rows = provenanceRows(record.provenance);
   rows.push_back({"Target", fmt::format("AprilGrid {} \u00d7 {} tags of {:g} mm, spacing {:g}",
                                         g.rows, g.cols, 1e3 * g.tag_size, g.spacing)});
   rows.push_back({"Corner noise", fmt::format("{:g} px per coordinate", a.pixel_sigma_px)});

@@ -41,6 +41,11 @@ struct Pair {
   std::string label, value;
 };
 std::vector<Pair> provenanceRows(const CalibrationRecord& record);
+/// The same of any study: version, command, input, date, options; rows without a value are left
+/// out.
+std::vector<Pair> provenanceRows(const Provenance& provenance);
+/// Corner noise, loss, and with an IMU gravity and noise densities.
+std::vector<Pair> assumptionRows(const Assumptions& assumptions);
 
 /// One sentence under the badge.
 std::string verdictSentence(const Verdict& verdict);

@@ -51,7 +51,13 @@ HeatMap density(const ScatterPlot& plot, const Range& x, const Range& y) {
 
 std::string toSvg(const LinePlot& plot, const std::string& id) {
   ChartPage page(plot.frame, layoutOf(plot.frame, plot.series), id);
-  for (const Series& series : plot.series) page.addLine(series);
+  for (const Series& series : plot.series) {
+    if (series.markers) {
+      page.addPoints(series);
+    } else {
+      page.addLine(series);
+    }
+  }
   return page.svg();
 }
 

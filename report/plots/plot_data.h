@@ -55,8 +55,9 @@ struct Series {
   std::string name;  ///< shown in the legend unless empty
   std::vector<double> x, y;
   Colour colour;
-  double width = 1.4;   ///< of a line, or diameter of a marker [px]
-  bool dashed = false;  ///< lines only
+  double width = 1.4;    ///< of a line, or diameter of a marker [px]
+  bool dashed = false;   ///< lines only
+  bool markers = false;  ///< LinePlot: points instead of a line
 };
 
 struct LinePlot {

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/page_data.h"
+
+#include <fmt/format.h>
+
+#include "report/html/assets.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+data findingRow(const Finding& f) {
+  const std::string unit = f.unit == "-" ? "" : " " + f.unit;
+  // A rule without a unit compares nothing with a threshold (convergence).
+  const std::string threshold =
+      f.unit.empty() ? "\u2013" : fmt::format("{:g}{}", f.threshold, unit);
+  return object({{"rule", f.rule},
+                 {"level", toString(f.level)},
+                 {"evidence", f.evidence},
+                 {"advice", f.advice},
+                 {"threshold", threshold}});
+}
+
+const char* classOf(Cell::Kind kind) {
+  switch (kind) {
+    case Cell::Kind::kNumber:
+      return "number";
+    case Cell::Kind::kCode:
+      return "code";
+    case Cell::Kind::kText:
+      break;
+  }
+  return "";
+}
+
+data cellData(const Cell& cell) {
+  data d = object({{"class", classOf(cell.kind)}, {"content", cell.text}});
+  d.set("level", cell.level ? data{toString(*cell.level)} : flag(false));
+  return d;
+}
+
+void setTable(data& block, const std::optional<Table>& table) {
+  block.set("has_table", flag(table.has_value()));
+  if (!table) return;
+  block.set("columns", listOf(table->columns, [](const Column& c) {
+              return object({{"name", c.name}, {"class", classOf(c.kind)}});
+            }));
+  block.set("rows", listOf(table->rows, [](const std::vector<Cell>& cells) {
+              data row{data::type::object};
+              row.set("cells", listOf(cells, cellData));
+              return row;
+            }));
+}
+
+data blockData(const Block& block) {
+  data b{data::type::object};
+  b.set("heading", textOrNothing(block.heading));
+  b.set("text", textOrNothing(block.text));
+  setTable(b, block.table);
+  b.set("has_matrices", flag(!block.matrices.empty()));
+  b.set("matrices", listOf(block.matrices, [](const NamedTransform& m) {
+          return matrixData(m.name, m.T, m.note);
+        }));
+  b.set("has_figures", flag(!block.figures.empty()));
+  b.set("figures", figuresData(block.figures));
+  return b;
+}
+
+}  // namespace
+
+data object(std::initializer_list<std::pair<std::string, std::string>> fields) {
+  data result{data::type::object};
+  for (const auto& [name, value] : fields) result.set(name, value);
+  return result;
+}
+
+data flag(bool value) { return data{value ? data::type::bool_true : data::type::bool_false}; }
+
+data textOrNothing(const std::string& text) { return text.empty() ? flag(false) : data{text}; }
+
+data figuresData(const std::vector<Figure>& figures) {
+  return listOf(figures, [](const Figure& figure) {
+    data f = object({{"svg", figure.svg}, {"caption", figure.caption}});
+    f.set("wide", flag(figure.wide));
+    return f;
+  });
+}
+
+data sectionsData(const std::vector<Section>& sections) {
+  return listOf(sections, [](const Section& section) {
+    data s = object({{"id", section.id}, {"title", section.title}});
+    s.set("lead", textOrNothing(section.lead));
+    s.set("has_remarks", flag(!section.remarks.empty()));
+    s.set("remarks", listOf(section.remarks, [](const std::string& r) { return data{r}; }));
+    s.set("blocks", listOf(section.blocks, blockData));
+    return s;
+  });
+}
+
+data cardsData(const std::vector<Card>& cards) {
+  return listOf(cards, [](const Card& c) {
+    data d = object({{"label", c.label}, {"value", c.value}, {"unit", c.unit}, {"note", c.note}});
+    d.set("wide", flag(c.wide));
+    return d;
+  });
+}
+
+data pairsData(const std::vector<Pair>& pairs) {
+  return listOf(pairs, [](const Pair& p) {
+    return object({{"label", p.label}, {"value", p.value}});
+  });
+}
+
+data matrixData(const std::string& heading, const Transform& T, const std::string& note) {
+  data result = object({{"heading", heading}, {"note", note}});
+  const Eigen::Matrix4d M = T.matrix();
+  data rows{data::type::list};
+  for (int i = 0; i < 4; ++i) {
+    data cells{data::type::list};
+    for (int j = 0; j < 4; ++j) cells.push_back(data{fmt::format("{:.8f}", M(i, j))});
+    data row{data::type::object};
+    row.set("cells", cells);
+    rows.push_back(row);
+  }
+  result.set("rows", rows);
+  return result;
+}
+
+data startPage(const PageHead& head) {
+  const Provenance& p = head.provenance;
+  data page = object({{"kicker", head.kicker},
+                      {"name", head.name},
+                      {"input", p.input},
+                      {"date", p.date},
+                      {"version", p.version},
+                      {"css", embedded::page_style()},
+                      {"hover", hoverScript()},
+                      {"script", embedded::page_script()}});
+  page.set("viewer", flag(false));
+  return page;
+}
+
+void setVerdict(data& page, const Verdict& verdict, const std::string& sentence) {
+  const std::string word = toString(verdict.level);
+  page.set("verdict", word);
+  page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
+  page.set("verdict_sentence", sentence);
+  std::vector<Finding> concerns;
+  std::vector<Finding> holds;
+  for (const Finding& finding : verdict.findings) {
+    (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);
+  }
+  page.set("has_concerns", flag(!concerns.empty()));
+  page.set("concerns", listOf(concerns, findingRow));
+  page.set("has_holds", flag(!holds.empty()));
+  page.set("holds_summary",
+           fmt::format("{} of {} rules hold", holds.size(), verdict.findings.size()));
+  page.set("holds", listOf(holds, findingRow));
+}
+
+void setContents(data& page, const std::vector<Pair>& entries) {
+  page.set("toc", listOf(entries, [](const Pair& p) {
+             return object({{"id", p.label}, {"title", p.value}});
+           }));
+}
+
+std::string renderTemplate(const std::string& text, data& page) {
+  using kainjow::mustache::partial;
+  const std::pair<const char*, const std::string& (*)()> parts[] = {
+      {"page_head", &embedded::page_head},
+      {"page_verdict", &embedded::page_verdict},
+      {"page_cards", &embedded::page_cards},
+      {"page_figures", &embedded::page_figures},
+      {"page_matrices", &embedded::page_matrices},
+      {"page_sections", &embedded::page_sections},
+      {"page_provenance", &embedded::page_provenance},
+      {"page_foot", &embedded::page_foot}};
+  for (const auto& [name, part] : parts) {
+    page.set(name, data{partial{[part] { return part(); }}});
+  }
+  kainjow::mustache::mustache pattern{text};
+  return pattern.render(page);
+}
+
+}  // namespace plumbline::html_internal

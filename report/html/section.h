@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibrator/base/transform.h"
+#include "report/html/figure.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline::html_internal {
+
+struct Cell {
+  enum class Kind { kText, kNumber, kCode };
+  std::string text;
+  Kind kind = Kind::kText;
+  std::optional<VerdictLevel> level = {};  ///< a dot of its colour before the text
+};
+
+inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber, {}}; }
+inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode, {}}; }
+
+struct Column {
+  std::string name;  ///< with the unit: "RMSE [px]"
+  Cell::Kind kind = Cell::Kind::kText;
+};
+
+struct Table {
+  std::vector<Column> columns;
+  std::vector<std::vector<Cell>> rows;
+};
+
+struct NamedTransform {
+  std::string name;
+  Transform T;
+  std::string note;
+};
+
+/// A part of a section: whatever is there, in the order of these fields.
+struct Block {
+  std::string heading;
+  std::string text;
+  std::optional<Table> table;
+  std::vector<NamedTransform> matrices;
+  std::vector<Figure> figures;
+};
+
+struct Section {
+  std::string id, title, lead;
+  std::vector<std::string> remarks;
+  std::vector<Block> blocks;
+};
+
+}  // namespace plumbline::html_internal
