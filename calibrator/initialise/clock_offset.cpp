@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/clock_offset.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/imu_rates.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kStep = 0.02;  // [s] of the search
+// Half the width [s] of the difference that gives a rate's slope. Wide, so that the truth's noise
+// does not enter: it would make every step too short, and the minimum rugged.
+constexpr double kSlope = 0.05;
+constexpr double kStill = 0.02;  // [rad/s] RMS rate below which nothing moves
+// Magnitudes that correlate so much better than vectors say that no rotation joins the frames.
+constexpr double kFramesDisagree = 0.1;
+constexpr int kStretches = 16;
+constexpr int kIterations = 10;
+
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+using Matrix37d = Eigen::Matrix<double, 3, 7>;
+
+// Mean body rates between poses at least `interval_s` apart.
+std::vector<CameraRate> ratesOf(std::span<const StampedPose> poses, double interval_s,
+                                double max_gap_s) {
+  std::vector<CameraRate> rates;
+  const double shortest = interval_s * (1 - 1e-3);  // stamps of regular poses are rounded
+  std::size_t from = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double dt = secondsBetween(poses[from].t, poses[i].t);
+    if (dt < shortest || !(dt > 0)) continue;
+    if (dt <= max_gap_s) {
+      const Eigen::Matrix3d R =
+          (poses[from].q.normalized().conjugate() * poses[i].q.normalized()).toRotationMatrix();
+      rates.push_back({poses[from].t, poses[i].t, logSO3(R) / dt});
+    }
+    from = i;
+  }
+  return rates;
+}
+
+// Rates as samples in the middle of their intervals, which is what a GyroIntegral takes.
+std::vector<ImuSample> samplesOf(const std::vector<CameraRate>& rates) {
+  std::vector<ImuSample> samples;
+  samples.reserve(rates.size());
+  for (const CameraRate& rate : rates) {
+    ImuSample sample;
+    sample.t = rate.from + (rate.to - rate.from) / 2;
+    sample.gyro = rate.rate_C;
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+std::vector<CameraRate> magnitudesOf(std::vector<CameraRate> rates) {
+  for (CameraRate& rate : rates) rate.rate_C = Eigen::Vector3d(rate.rate_C.norm(), 0, 0);
+  return rates;
+}
+
+double rmsAboutMean(const std::vector<CameraRate>& rates) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const CameraRate& rate : rates) mean += rate.rate_C / static_cast<double>(rates.size());
+  double sum = 0;
+  for (const CameraRate& rate : rates) sum += (rate.rate_C - mean).squaredNorm();
+  return rates.empty() ? 0 : std::sqrt(sum / static_cast<double>(rates.size()));
+}
+
+// Both bodies' rates over one interval, and how the truth's changes with the offset.
+struct RateTriple {
+  Eigen::Vector3d truth, slope, estimate;
+};
+
+std::vector<RateTriple> triplesAt(const std::vector<CameraRate>& estimate,
+                                  const GyroIntegral& truth, double offset_s) {
+  std::vector<RateTriple> triples;
+  for (const CameraRate& e : estimate) {
+    const auto at = truth.meanRate(e.from, e.to, offset_s);
+    const auto before = truth.meanRate(e.from, e.to, offset_s - kSlope);
+    const auto after = truth.meanRate(e.from, e.to, offset_s + kSlope);
+    if (!at || !before || !after) continue;
+    triples.push_back({*at, (*after - *before) / (2 * kSlope), e.rate_C});
+  }
+  return triples;
+}
+
+// Truth = Exp(da) R estimate + b at an offset moved by dt; x = (da, b, dt).
+struct Model {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  double offset_s = 0;
+  bool turns = true;  // whether R is free
+};
+
+Eigen::Vector3d residualOf(const RateTriple& rate, const Model& model) {
+  return rate.truth - model.R * rate.estimate - model.b;
+}
+
+Matrix37d jacobianOf(const RateTriple& rate, const Model& model) {
+  Matrix37d J = Matrix37d::Zero();
+  if (model.turns) J.leftCols<3>() = skew(model.R * rate.estimate);
+  J.middleCols<3>(3) = -Eigen::Matrix3d::Identity();
+  J.col(6) = rate.slope;
+  return J;
+}
+
+// A rotation that the rates do not tell (about their one axis) stays where it is.
+Matrix7d pseudoInverse(const Matrix7d& A) {
+  const Eigen::SelfAdjointEigenSolver<Matrix7d> eigen(A);
+  const double least = 1e-9 * eigen.eigenvalues().maxCoeff();
+  const Vector7d inverse =
+      eigen.eigenvalues().unaryExpr([&](double value) { return value > least ? 1 / value : 0.0; });
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Matrix7d normalMatrix(const std::vector<RateTriple>& rates, const Model& model) {
+  Matrix7d A = Matrix7d::Zero();
+  for (const RateTriple& rate : rates) {
+    const Matrix37d J = jacobianOf(rate, model);
+    A += J.transpose() * J;
+  }
+  return A;
+}
+
+Model improved(Model model, const std::vector<RateTriple>& rates) {
+  Vector7d g = Vector7d::Zero();
+  for (const RateTriple& rate : rates) {
+    g += jacobianOf(rate, model).transpose() * residualOf(rate, model);
+  }
+  const Vector7d x = -pseudoInverse(normalMatrix(rates, model)) * g;
+  model.R = expSO3(x.head<3>()) * model.R;
+  model.b += x.segment<3>(3);
+  model.offset_s += std::clamp(x[6], -kStep, kStep);
+  return model;
+}
+
+// Standard deviation of the offset from its scores, summed over stretches of time.
+double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
+  const Matrix7d inverse = pseudoInverse(normalMatrix(rates, model));
+  double variance = 0;
+  for (std::size_t k = 0; k < kStretches; ++k) {
+    double sum = 0;
+    const std::size_t from = k * rates.size() / kStretches;
+    const std::size_t to = (k + 1) * rates.size() / kStretches;
+    for (std::size_t i = from; i < to; ++i) {
+      const Vector7d score = jacobianOf(rates[i], model).transpose() * residualOf(rates[i], model);
+      sum += inverse.row(6).dot(score);
+    }
+    variance += sum * sum;
+  }
+  return std::sqrt(variance * kStretches / (kStretches - 1.0));
+}
+
+Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
+                              const std::vector<CameraRate>& truth, RateFeature feature,
+                              const ClockOffsetOptions& options) {
+  const std::vector<ImuSample> samples = samplesOf(truth);
+  const GyroIntegral integral(samples);
+  TimeOffsetOptions search;
+  search.max_offset_s = options.max_offset_s;
+  search.coarse_step_s = std::min(kStep, options.max_offset_s / 5);
+  const Result<TimeOffsetEstimate> start = estimateTimeOffset(estimate, integral, search);
+  if (!start) return start.failure();
+  Model model{start->alignment.R_SC0, start->alignment.gyro_bias, start->offset_s,
+              feature == RateFeature::kVectors};
+  if (!model.turns) model.R.setIdentity();
+  for (int i = 0; i < kIterations; ++i) {
+    model = improved(model, triplesAt(estimate, integral, model.offset_s));
+  }
+  const std::vector<RateTriple> rates = triplesAt(estimate, integral, model.offset_s);
+  ClockOffset clock;
+  clock.offset_s = model.offset_s;
+  clock.std_s = offsetStd(rates, model);
+  clock.correlation = alignRates(pairRates(estimate, integral, model.offset_s)).correlation;
+  clock.feature = feature;
+  clock.R_MS = model.R;
+  clock.rates = rates.size();
+  return clock;
+}
+
+Failure still(const char* which, double rms) {
+  return {
+      FailureReason::kNotObservable,
+      fmt::format("the {} does not turn enough to tell the clock offset: its angular rate "
+                  "varies by {:.4f} rad/s (RMS), {} are needed",
+                  which, rms, kStill),
+      "record with brisk turns about several axes, or give the offset by --clock-offset SECONDS",
+      FaultyInput::kSession};
+}
+
+Failure unlike(double correlation, const ClockOffsetOptions& options) {
+  return {FailureReason::kNotObservable,
+          fmt::format("the angular rates of estimate and truth do not correlate under any clock "
+                      "offset within +-{:g} s (at best {:.2f}, {:g} is needed)",
+                      options.max_offset_s, correlation, options.min_correlation),
+          "check that both show the same recording and that it turns briskly, widen --clock-range, "
+          "or give the offset by --clock-offset SECONDS",
+          FaultyInput::kSession};
+}
+
+// A failure of the search in the words of two trajectories.
+Failure reworded(const Failure& failure, std::size_t rates, const ClockOffsetOptions& options) {
+  const std::string why =
+      failure.reason == FailureReason::kTooFewViews
+          ? fmt::format("the estimate has {} angular rates, at least 20 are needed", rates)
+          : fmt::format("estimate and truth share too little time within +-{:g} s",
+                        options.max_offset_s);
+  return {failure.reason, "the clock offset cannot be told: " + why,
+          "give more poses, widen --clock-range, or bring the clocks close by --time-offset",
+          FaultyInput::kSession};
+}
+
+}  // namespace
+
+Result<ClockOffset> estimateClockOffset(std::span<const StampedPose> estimate,
+                                        std::span<const StampedPose> truth,
+                                        const ClockOffsetOptions& options) {
+  assert(options.max_offset_s > 0 && options.min_correlation >= 0);
+  const auto ours = ratesOf(estimate, options.estimate_interval_s, options.max_gap_s);
+  const auto theirs = ratesOf(truth, options.truth_interval_s, options.max_gap_s);
+  const Result<ClockOffset> vectors = correlate(ours, theirs, RateFeature::kVectors, options);
+  if (!vectors) return reworded(vectors.failure(), ours.size(), options);
+  if (rmsAboutMean(ours) < kStill) return still("estimate", rmsAboutMean(ours));
+  if (rmsAboutMean(theirs) < kStill) return still("truth", rmsAboutMean(theirs));
+  const Result<ClockOffset> magnitudes =
+      correlate(magnitudesOf(ours), magnitudesOf(theirs), RateFeature::kMagnitudes, options);
+  const bool frames_disagree =
+      magnitudes && magnitudes->correlation > vectors->correlation + kFramesDisagree;
+  const Result<ClockOffset>& best = frames_disagree ? magnitudes : vectors;
+  if (best->correlation >= options.min_correlation) return best;
+  return unlike(best->correlation, options);
+}
+
+}  // namespace plumbline

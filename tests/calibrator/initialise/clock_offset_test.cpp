@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two clocks and two body frames on one analytic motion. Proves sign, accuracy and the claimed
+// standard deviation; says nothing about estimators whose errors correlate over many seconds.
+#include "calibrator/initialise/clock_offset.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calibrator/simulate/sampled_trajectory.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+AnalyticTrajectory motion(MotionKind kind = MotionKind::kFull) {
+  TrajectoryOptions options;
+  options.kind = kind;
+  return {AprilGrid{}, simulatedRig("euroc"), options};
+}
+
+SamplingOptions ours(std::uint64_t seed, double sigma_rad) {
+  SamplingOptions o;
+  o.from_s = 2;
+  o.to_s = 50;
+  o.rate_hz = 20;
+  o.sigma_rad = sigma_rad;
+  o.seed = seed;
+  return o;
+}
+
+// Stamped `offset_s` later than ours, in another world, of another body, slightly unlike rates.
+SamplingOptions theirs(std::uint64_t seed, double offset_s, double sigma_rad) {
+  SamplingOptions o;
+  o.to_s = 52;
+  o.rate_hz = 187;
+  o.clock_s = offset_s;
+  o.T_WF = {expSO3({1, 2, -0.5}), {1, 2, 3}};
+  o.T_SB = {expSO3({-0.7, 0.4, 2}), {0.1, 0, 0.05}};
+  o.sigma_rad = sigma_rad;
+  o.seed = seed;
+  return o;
+}
+
+Result<ClockOffset> found(const Trajectory& estimate, const Trajectory& truth,
+                          const ClockOffsetOptions& options = {}) {
+  return estimateClockOffset(estimate.poses, truth.poses, options);
+}
+
+TEST(ClockOffset, OfExactTrajectoriesIsExactWithItsSign) {
+  for (const double offset : {-0.9, -0.0123456, 0.0, 0.3, 0.9}) {
+    const auto clock =
+        found(sampled(motion(), ours(1, 0)), sampled(motion(), theirs(1, offset, 0)));
+    ASSERT_TRUE(clock.ok());
+    EXPECT_NEAR(clock->offset_s, offset, 2e-5) << offset;  // 1/2500 of a frame
+    EXPECT_GT(clock->correlation, 0.999);
+    EXPECT_EQ(clock->feature, RateFeature::kVectors);
+    const Eigen::Matrix3d R_SM = theirs(1, 0, 0).T_SB.R;
+    EXPECT_LT(rotationAngle(clock->R_MS * R_SM), 1e-3);
+  }
+}
+
+TEST(ClockOffset, ErrorsAreWhatTheStandardDeviationSays) {
+  constexpr int kSeeds = 40;
+  double squares = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const double offset = seed % 2 == 0 ? 0.9 : -0.9 + 0.01 * seed;
+    const auto clock =
+        found(sampled(motion(), ours(seed, 2e-3)), sampled(motion(), theirs(seed, offset, 5e-4)));
+    ASSERT_TRUE(clock.ok());
+    const double normalised = (clock->offset_s - offset) / clock->std_s;
+    EXPECT_LT(std::abs(normalised), 4.1) << seed;  // Student's t, 15 degrees of freedom: 0.1 %
+    EXPECT_LT(clock->std_s, 1e-3) << seed;
+    squares += normalised * normalised;
+  }
+  // Mean of 40 squares of Student's t (15 degrees of freedom): 1.15 +- 0.27, four of those above;
+  // below, the sums over stretches keep some of the noise that telescopes.
+  EXPECT_LT(squares / kSeeds, 2.3);
+  EXPECT_GT(squares / kSeeds, 0.25);
+}
+
+TEST(ClockOffset, InvertedQuaternionsLeaveTheMagnitudes) {
+  Trajectory truth = sampled(motion(), theirs(1, 0.25, 1e-4));
+  for (StampedPose& pose : truth.poses) pose.q = pose.q.conjugate();
+  const auto clock = found(sampled(motion(), ours(1, 1e-4)), truth);
+  ASSERT_TRUE(clock.ok());
+  EXPECT_EQ(clock->feature, RateFeature::kMagnitudes);
+  EXPECT_NEAR(clock->offset_s, 0.25, 2e-3);
+}
+
+TEST(ClockOffset, OfOneAxisIsFoundToo) {
+  const AnalyticTrajectory turn = motion(MotionKind::kSingleAxisRotation);
+  const auto clock = found(sampled(turn, ours(3, 1e-3)), sampled(turn, theirs(3, -0.4, 1e-3)));
+  ASSERT_TRUE(clock.ok());
+  EXPECT_NEAR(clock->offset_s, -0.4, 4 * clock->std_s);
+  EXPECT_LT(clock->std_s, 3e-3);
+}
+
+TEST(ClockOffset, AWiderRangeFindsWhatANarrowOneRefuses) {
+  const Trajectory estimate = sampled(motion(), ours(1, 1e-3));
+  const Trajectory truth = sampled(motion(), theirs(1, 3.3, 1e-3));
+  ClockOffsetOptions wide;
+  wide.max_offset_s = 5;
+  const auto clock = found(estimate, truth, wide);
+  ASSERT_TRUE(clock.ok());
+  EXPECT_NEAR(clock->offset_s, 3.3, 1e-3);
+  const auto narrow = found(estimate, truth);
+  ASSERT_FALSE(narrow.ok());
+  EXPECT_THAT(narrow.failure().message, HasSubstr("do not correlate"));
+  EXPECT_THAT(narrow.failure().cure, HasSubstr("--clock-range"));
+}
+
+TEST(ClockOffset, AStaticTrajectoryIsRefusedWithTheReason) {
+  const AnalyticTrajectory still = motion(MotionKind::kStatic);
+  const auto exact = found(sampled(still, ours(1, 0)), sampled(still, theirs(1, 0.1, 0)));
+  ASSERT_FALSE(exact.ok());
+  EXPECT_EQ(exact.failure().reason, FailureReason::kNotObservable);
+  EXPECT_THAT(exact.failure().message, HasSubstr("does not turn enough"));
+  const auto noisy = found(sampled(still, ours(1, 2e-3)), sampled(still, theirs(1, 0.1, 1e-3)));
+  ASSERT_FALSE(noisy.ok());
+  EXPECT_EQ(noisy.failure().reason, FailureReason::kNotObservable);
+}
+
+TEST(ClockOffset, FewPosesAndFarSpansAreRefused) {
+  Trajectory few = sampled(motion(), ours(1, 0));
+  const Trajectory truth = sampled(motion(), theirs(1, 0, 0));
+  Trajectory far = few;
+  few.poses.resize(10);
+  EXPECT_EQ(found(few, truth).failure().reason, FailureReason::kTooFewViews);
+  EXPECT_EQ(found(Trajectory{}, truth).failure().reason, FailureReason::kTooFewViews);
+  for (StampedPose& pose : far.poses) pose.t += 1'000'000'000'000;
+  EXPECT_EQ(found(far, truth).failure().reason, FailureReason::kNoOverlap);
+}
+
+}  // namespace
+}  // namespace plumbline
