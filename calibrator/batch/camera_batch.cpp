@@ -49,6 +49,14 @@ void checkSession(const Session& session) {
   }
 }
 
+/// Throws InputError for a model that can be scored only.
+void refuseModel(const std::string& camera, const CameraModelPair& model) {
+  if (isCalibrationSupported(model.projection, model.distortion)) return;
+  throw InputError(fmt::format(
+      "{}: the model {}-{} cannot be calibrated; choose pinhole-radtan or pinhole-equidistant",
+      camera, toString(model.projection), toString(model.distortion)));
+}
+
 /// One model per camera: as asked for, or the session's words, or pinhole-radtan.
 std::vector<CameraModelPair> modelsOf(const Session& session, const CameraStageOptions& options) {
   const std::size_t n = session.cameras.size();
@@ -71,13 +79,7 @@ std::vector<CameraModelPair> modelsOf(const Session& session, const CameraStageO
     }
     models.push_back(pair);
   }
-  for (std::size_t c = 0; c < n; ++c) {
-    if (isCalibrationSupported(models[c].projection, models[c].distortion)) continue;
-    throw InputError(fmt::format(
-        "{}: the model {}-{} cannot be calibrated; choose pinhole-radtan "
-        "or pinhole-equidistant",
-        session.cameras[c].name, toString(models[c].projection), toString(models[c].distortion)));
-  }
+  for (std::size_t c = 0; c < n; ++c) refuseModel(session.cameras[c].name, models[c]);
   return models;
 }
 
@@ -253,6 +255,10 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
   std::vector<PackedCorners> corners = packCorners(session);
   const std::vector<Frame> frames = pairFrames(session.cameras, options.frames);
   if (!options.start.empty()) checkCameras(session, options.start);
+  for (const CameraCalibration& camera : options.start) {
+    refuseModel(camera.name,
+                {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+  }
   auto start = options.start.empty()
                    ? startFromViews(session, corners, frames, modelsOf(session, options), options)
                    : startFromCameras(options.start, corners, frames, options);

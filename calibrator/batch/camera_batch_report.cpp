@@ -24,8 +24,8 @@ Eigen::VectorXd worthlessErrors(const std::vector<CameraCalibration>& cameras,
   Eigen::VectorXd sizes = Eigen::VectorXd::Constant(layout.size, kWorthlessDistortion);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const Intrinsics& camera = cameras[c].intrinsics;
-    const int k = layout.intrinsics[c];
-    sizes.segment<2>(k) = kWorthlessFocal * camera.projection.head<2>().cwiseAbs();
+    const auto k = layout.intrinsics[c] + camera.projection.size() - 4;  // of fu
+    sizes.segment<2>(k) = kWorthlessFocal * camera.projection.tail<4>().head<2>().cwiseAbs();
     sizes.segment<2>(k + 2).setConstant(kWorthlessPrincipal * camera.resolution.width);
     if (c == 0) continue;
     sizes.segment<3>(layout.T_C0Ci[c]).setConstant(kWorthlessTranslation);

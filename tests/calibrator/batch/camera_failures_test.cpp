@@ -45,6 +45,14 @@ TEST(CameraFailures, ModelsThatCannotBeCalibratedAreNamed) {
   EXPECT_THAT(inputErrorOf(session, options), HasSubstr("1 cameras were given"));
   session.cameras[0].distortion_model = "fov";
   EXPECT_THAT(inputErrorOf(session), HasSubstr("cam0: the model pinhole-fov"));
+  // Nor are they a start, though they could be scored.
+  SimulatedSession s = recording();
+  Intrinsics& k = s.truth.cameras[1].intrinsics;
+  k.distortion_model = DistortionModel::kNone;
+  k.distortion.resize(0);
+  CameraStageOptions from_start;
+  from_start.start = s.truth.cameras;
+  EXPECT_THAT(inputErrorOf(s.session, from_start), HasSubstr("cam1: the model pinhole-none"));
 }
 
 TEST(CameraFailures, AStartMustHoldEveryCamera) {
