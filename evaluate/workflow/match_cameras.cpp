@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/time_offsets.h"
 #include "datasets/supported_models.h"
 
 namespace plumbline {
@@ -58,6 +59,27 @@ std::vector<CameraCalibration> matchCameras(const Calibration& given, const std:
   const Transform T_0 = cameras.front().T_C0Ci.inverse();
   for (CameraCalibration& camera : cameras) camera.T_C0Ci = T_0 * camera.T_C0Ci;
   return cameras;
+}
+
+Calibration matchCalibration(const Calibration& given, const std::string& path,
+                             const Session& session) {
+  Calibration matched{matchCameras(given, path, session), given.imu};
+  if (!matched.imu || matched.cameras.empty()) return matched;
+  ImuCalibration& imu = *matched.imu;
+  std::vector<double> offsets;
+  bool differ = false;
+  for (const CameraStream& stream : session.cameras) {
+    const auto index =
+        static_cast<std::size_t>(&cameraOf(given, path, stream) - given.cameras.data());
+    offsets.push_back(cameraTimeOffset(*given.imu, index));
+    differ = differ || offsets.back() != offsets.front();
+    if (offsets.size() > 1 || index == 0) continue;
+    imu.T_SC0 = given.imu->T_SC0 * given.cameras[index].T_C0Ci;
+    imu.T_SC0_std.reset();  // was of another camera
+  }
+  imu.time_offset_s = offsets.front();
+  imu.camera_time_offsets_s = differ ? offsets : std::vector<double>();
+  return matched;
 }
 
 void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,

@@ -15,6 +15,11 @@ namespace plumbline {
 std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
                                             const Session& session);
 
+/// The same with the IMU's part, if there is one: T_SC0 of the session's first camera, and the time
+/// offsets in the session's order.
+Calibration matchCalibration(const Calibration& given, const std::string& path,
+                             const Session& session);
+
 /// Throws InputError where one of them has a model that cannot be calibrated.
 void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
                              const std::string& path);

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/evaluate_calibration.h"
+
+#include <filesystem>
+#include <limits>
+
+#include <fmt/core.h>
+
+#include "datasets/calibration_reader.h"
+#include "evaluate/workflow/check_target.h"
+#include "evaluate/workflow/match_cameras.h"
+
+namespace plumbline {
+namespace {
+
+Assumptions assumptionsOf(const ScoreOptions& options, const Session& session) {
+  Assumptions assumptions;
+  assumptions.pixel_sigma_px = options.camera.pixel_sigma;
+  assumptions.gravity_m_s2 = options.camera_imu.gravity_m_s2;
+  assumptions.loss =
+      options.camera.cauchy_px > 0 ? fmt::format("cauchy:{}", options.camera.cauchy_px) : "none";
+  if (options.use_imu && session.imu) assumptions.imu_noise = session.imu->noise;
+  return assumptions;
+}
+
+/// Another session, read as the first one is; stretches of time belong to the first alone.
+LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
+  LoadRequest load = first;
+  load.session = session;
+  load.read.from_s = 0;
+  load.read.to_s = std::numeric_limits<double>::infinity();
+  load.others.clear();
+  return load;
+}
+
+}  // namespace
+
+Result<CalibrationEvaluation> evaluateCalibration(const EvaluateCalibrationRequest& asked,
+                                                  const ProgressSink& progress) {
+  LoadRequest load = asked.load;
+  load.others.push_back(asked.calibration);
+  const std::string label = std::filesystem::path(asked.calibration).filename().string();
+  const ScoredCalibration scored{label, asked.calibration, readCalibration(asked.calibration)};
+  const LoadedSession loaded = loadSession(load, progress);
+  CalibrationEvaluation out;
+  out.label = label;
+  out.calibration = matchCalibration(scored.calibration, scored.path, loaded.session);
+  checkTargetLayout(loaded, {});
+  out.provenance = asked.provenance;
+  out.provenance.input = loaded.session.name;
+  out.provenance.input_hash = loaded.input_hash;
+  out.assumptions = assumptionsOf(asked.score, loaded.session);
+  out.scores = scoreCalibration(scored, loaded.session, asked.score, progress);
+  const CalibrationScore& whole = out.scores.front();
+  if (whole.reprojection.count == 0) {
+    return Failure{FailureReason::kTooFewViews,
+                   fmt::format("{} gives {} no score: {}", label, whole.session, whole.problem),
+                   "check that the calibration belongs to these cameras"};
+  }
+  for (const std::string& folder : asked.held_out) {
+    const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);
+    progress("scoring " + other.session.name, -1);
+    out.scores.push_back(scoreHeldOut(scored, other.session, asked.score));
+  }
+  return out;
+}
+
+}  // namespace plumbline
