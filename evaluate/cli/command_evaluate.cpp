@@ -12,7 +12,9 @@
 namespace plumbline {
 namespace {
 
-std::vector<Command> evaluations() { return {evaluateTrajectoryCommand()}; }
+std::vector<Command> evaluations() {
+  return {evaluateTrajectoryCommand(), evaluateCalibrationCommand()};
+}
 
 }  // namespace
 

@@ -31,5 +31,6 @@ Command evaluateCommand();  ///< with subcommands; the table is in command_evalu
 
 /// The subcommands of `evaluate`.
 Command evaluateTrajectoryCommand();
+Command evaluateCalibrationCommand();
 
 }  // namespace plumbline

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/atomic_file.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/estimation_options.h"
+#include "evaluate/cli/progress_bar.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/compare/evaluate_calibration.h"
+#include "evaluate/compare/evaluation_document.h"
+#include "evaluate/workflow/provenance.h"
+#include "evaluate/workflow/result_folder.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kEvaluationFile = "evaluation.json";
+constexpr int kMostFolds = 100;
+
+struct Options {
+  std::string calibration;
+  SessionOptions session;
+  EstimationOptions estimation;
+  std::vector<std::string> held_out;
+  std::string out;
+  int folds = 0;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("calibration", o.calibration,
+                 "Calibration to score: ours, Kalibr's camchain*.yaml, or yac's")
+      ->required();
+  o.session.declare(app);
+  o.estimation.declare(app);
+  // A calibration is given, and its own models are those to calibrate with.
+  app.remove_option(app.get_option("--models"));
+  app.remove_option(app.get_option("--cameras"));
+  app.get_option("--no-imu")->description("Score the cameras only");
+  app.add_option("--held-out", o.held_out,
+                 "Folders of further sessions, which the calibration has not seen")
+      ->delimiter(',');
+  app.add_option("--folds", o.folds,
+                 "K: calibrate anew K times without a K-th of the session, with the calibration's "
+                 "models, and score that part")
+      ->check(CLI::Range(2, kMostFolds));
+  app.add_option("--out", o.out, "Folder for the results")->required();
+}
+
+EvaluateCalibrationRequest requestOf(const Options& o, const CLI::App& app) {
+  EvaluateCalibrationRequest request;
+  request.calibration = o.calibration;
+  request.load = o.session.request();
+  request.load.read.read_imu = !o.estimation.no_imu;
+  request.load.read.supported_models_only = false;
+  request.held_out = o.held_out;
+  request.score.camera = o.estimation.cameraStage(request.load);
+  request.score.camera_imu = o.estimation.cameraImuStage(request.score.camera);
+  request.score.use_imu = !o.estimation.no_imu;
+  request.score.folds = o.folds;
+  auto given = givenOptions(app);
+  std::erase_if(given, [](const auto& option) { return option.first == "calibration"; });
+  request.provenance = makeProvenance("evaluate calibration", std::move(given));
+  return request;
+}
+
+int evaluateCalibrationFile(const Options& o, const CLI::App& app) {
+  ProgressBar bar;
+  refuseUnwritable(o.out);
+  refuseInside(o.out, o.session.session, "--out");
+  const auto result = evaluateCalibration(requestOf(o, app), bar.sink());
+  bar.clear();
+  if (!result) {
+    fmt::print(stderr, "plumbline: {}; {}\n", result.failure().message, result.failure().cure);
+    return kFailed;
+  }
+  writeResultFolder(o.out, {kEvaluationFile}, [&](const std::filesystem::path& folder) {
+    writeFileAtomically((folder / kEvaluationFile).string(), evaluationDocument(*result));
+  });
+  fmt::print("{}\nResult: {}/{}\n", evaluationSummary(*result), o.out, kEvaluationFile);
+  return kDone;
+}
+
+}  // namespace
+
+Command evaluateCalibrationCommand() {
+  return {"calibration", "Scores of a calibration on sessions: only poses move",
+          "plumbline evaluate calibration camchain-imucam.yaml session --folds 5 --out scores",
+          [](CLI::App& app) {
+            auto options = std::make_shared<Options>();
+            declare(app, *options);
+            return std::function<int()>(
+                [options, &app] { return evaluateCalibrationFile(*options, app); });
+          }};
+}
+
+}  // namespace plumbline
