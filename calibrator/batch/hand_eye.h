@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+
+#include "calibrator/base/error.h"
+#include "calibrator/residuals/hand_eye_residual.h"
+
+namespace plumbline {
+
+struct HandEyeOptions {
+  double sigma_m = 0;          ///< noise of a pair's positions, per axis [m]; 0: from the residuals
+  double sigma_rad = 0;        ///< noise of a pair's rotations, per axis [rad]; 0: the same
+  bool with_offset = false;    ///< whether the clock offset is unknown too
+  double min_turn_rad = 0.03;  ///< spread of the rotations across the axis they share most (RMS)
+                               ///< below which the translation along that axis is not claimed
+};
+
+/// Marker body M in body S, and the two worlds, from pairs of poses.
+struct HandEye {
+  HandEyeState state;
+  /// Of (T_SM: dt, da; T_VW: dt, da; offset [s] if with_offset), 12 or 13 square, tangents of
+  /// Transform: (J^T W J)^-1 with W from the noise, times chi-square over its degrees of freedom.
+  /// The noise is taken as white from pair to pair. An estimator's drift is not: its covariance is
+  /// then too small, by about the square root of the pairs within the drift's correlation time.
+  Eigen::MatrixXd covariance;
+  double sigma_m = 0, sigma_rad = 0;  ///< noise the weights stood on
+  double rms_translation_m = 0;       ///< of the residual's norm
+  double rms_rotation_rad = 0;
+  std::size_t pairs = 0;
+};
+
+/// Minimises sum |r_t|^2 / sigma_m^2 + |r_a|^2 / sigma_rad^2 of handEyeResidual: a start from
+/// rotations alone (Kabsch over relative rotation vectors) and linear translations, then Ceres with
+/// analytic Jacobians; noise that is not given is estimated from the residuals, three times over.
+///
+/// Fails with kTooFewViews for fewer than 10 pairs; with kNotObservable, naming the direction,
+/// where S turns about one axis only (the translation of M along it then goes unseen) or not at
+/// all; with kImplausible where no T_SM explains the rotations within 20 degrees (RMS), as when one
+/// side's quaternions are inverted; with kNotConverged where Ceres gives up. O(pairs).
+Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs,
+                                const HandEyeOptions& options = {});
+
+}  // namespace plumbline
