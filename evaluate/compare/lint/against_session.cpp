@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/time_offsets.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/imu_gravity.h"
+#include "calibrator/initialise/imu_sanity.h"
+#include "evaluate/compare/lint/rules.h"
+#include "evaluate/compare/lint/session_poses.h"
+
+namespace plumbline {
+namespace {
+
+using lint::bad;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// ---- cameras
+
+std::vector<Finding> resolutionFault(const LintedCalibration& linted, const Session& session) {
+  const auto& cameras = linted.calibration.cameras;
+  for (std::size_t i = 0; i < std::min(cameras.size(), session.cameras.size()); ++i) {
+    const Resolution here = cameras[i].intrinsics.resolution;
+    const Resolution there = session.cameras[i].resolution;
+    if (here == there || there.width == 0) continue;
+    return {bad("Resolution and principal point",
+                fmt::format("{}: {} is {}x{}, the recording's images are {}x{}", linted.name,
+                            cameras[i].name, here.width, here.height, there.width, there.height),
+                fmt::format("take intrinsics of {}x{} images, or scale those of {} in {}",
+                            there.width, there.height, cameras[i].name, linted.name),
+                {static_cast<double>(here.width), static_cast<double>(there.width), "px"})};
+  }
+  return {};
+}
+
+// The first two cameras' intrinsics on the first two streams, straight or in turn.
+struct Assignment {
+  std::optional<Transform> T_C0C1;  // of the calibration's cameras, by the corners
+  double rms_px = 0;                // of both
+};
+
+Assignment assign(const std::vector<CameraCalibration>& cameras, const Session& session,
+                  bool in_turn) {
+  const std::size_t streams[] = {in_turn ? 1U : 0U, in_turn ? 0U : 1U};
+  std::vector<CameraPose> poses[2];
+  Assignment assignment;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Intrinsics& k = cameras[i].intrinsics;
+    poses[i] = lint::posesOf(session, streams[i], k);
+    assignment.rms_px += lint::reprojectionRms(session, streams[i], k, poses[i]);
+  }
+  assignment.T_C0C1 = lint::medianBaseline(poses[0], poses[1]);
+  return assignment;
+}
+
+bool isNear(const Transform& a, const Transform& b, const LintOptions& options) {
+  const lint::Distance d = lint::distanceBetween(a, b);
+  return d.rotation_rad < options.same_rotation_rad &&
+         d.translation_m < std::max(options.same_translation_m, 0.3 * a.t.norm());
+}
+
+std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& session,
+                                const LintOptions& options) {
+  const auto& cameras = linted.calibration.cameras;
+  if (cameras.size() < 2 || session.cameras.size() < 2) return {};
+  const Transform& given = cameras[1].T_C0Ci;
+  const Assignment straight = assign(cameras, session, false);
+  if (!straight.T_C0C1 || isNear(given, *straight.T_C0C1, options)) return {};
+  const Assignment turned = assign(cameras, session, true);
+  const bool swapped =
+      turned.T_C0C1 && isNear(given, *turned.T_C0C1, options) && turned.rms_px < straight.rms_px;
+  if (!swapped && !lint::isInverse(given, *straight.T_C0C1, options)) return {};
+  const Eigen::Vector3d stated = 1e3 * given.t;
+  const Eigen::Vector3d seen = 1e3 * straight.T_C0C1->t;
+  return {bad(swapped ? "Order of cameras" : "Inverted baseline",
+              fmt::format("{}: camera 1 is at ({:.1f}, {:.1f}, {:.1f}) mm in camera 0; the corners "
+                          "say ({:.1f}, {:.1f}, {:.1f}) mm{}",
+                          linted.name, stated.x(), stated.y(), stated.z(), seen.x(), seen.y(),
+                          seen.z(), swapped ? ", and fit the intrinsics better in turn" : ""),
+              swapped ? fmt::format("exchange cam0 and cam1 in {}", linted.name)
+                      : fmt::format("invert T_cn_cnm1 of cam1 in {}", linted.name),
+              {stated.norm(), 1e3 * options.same_translation_m, "mm"})};
+}
+
+// ---- IMU
+
+// What the rates and the forces of the recording say of the rig.
+struct Alignment {
+  TimeOffsetEstimate rates;
+  std::optional<InertialAlignment> inertial;
+};
+
+std::optional<Alignment> alignmentOf(const std::vector<CameraPose>& poses,
+                                     std::span<const ImuSample> samples) {
+  const GyroIntegral gyro(samples);
+  const auto estimate = estimateTimeOffset(cameraRates(poses, lint::longestGap(poses)), gyro);
+  if (!estimate) return std::nullopt;
+  Alignment alignment{*estimate, {}};
+  const RateAlignment& rates = alignment.rates.alignment;
+  alignment.inertial =
+      alignInertially(poses, samples, rates.R_SC0, rates.gyro_bias, alignment.rates.offset_s);
+  return alignment;
+}
+
+std::vector<Finding> gyroFault(const std::string& name, const RateAlignment& rates) {
+  const auto failure = checkRates(rates);
+  if (!failure) return {};
+  const bool degrees = std::abs(rates.gyro_to_camera * kDegree - 1) < 0.1;
+  return {bad(degrees ? "Degrees for radians" : "Gyroscope and cameras",
+              fmt::format("{} against the recording: {}", name, failure->message), failure->cure,
+              {rates.gyro_to_camera, 1, "-"})};
+}
+
+Finding invertedFinding(const LintedCalibration& linted, const std::string& evidence,
+                        const lint::Measured& measured) {
+  return bad("Inverted transform", linted.name + ": " + evidence,
+             fmt::format("invert T_cam_imu (T_SC0) in {}: Kalibr's maps IMU to camera, ours camera "
+                         "to IMU",
+                         linted.name),
+             measured);
+}
+
+// A rotation near the identity or half a turn is its own inverse: the lever arm decides.
+bool leverArmIsInverted(const Transform& T_SC0, const InertialAlignment& inertial,
+                        const LintOptions& options) {
+  const double direct = (inertial.t_SC0 - T_SC0.t).norm();
+  const double inverse = (inertial.t_SC0 - T_SC0.inverse().t).norm();
+  return direct > options.same_translation_m && direct > 3 * inverse;
+}
+
+std::vector<Finding> transformFault(const LintedCalibration& linted, const Alignment& alignment,
+                                    const LintOptions& options) {
+  const Transform& T_SC0 = linted.calibration.imu->T_SC0;
+  const Eigen::Matrix3d& R = alignment.rates.alignment.R_SC0;
+  const double direct = rotationAngle(T_SC0.R.transpose() * R);
+  const double inverse = rotationAngle(T_SC0.R * R);
+  const lint::Measured angle{direct, options.rotation_tolerance_rad, "rad"};
+  if (direct > options.rotation_tolerance_rad) {
+    const std::string text = fmt::format(
+        "T_SC0 is {:.1f} degrees off what gyroscope and camera rates say, its inverse "
+        "{:.1f}",
+        direct / kDegree, inverse / kDegree);
+    if (inverse < options.rotation_tolerance_rad) return {invertedFinding(linted, text, angle)};
+    return {bad("Contradicting rotation", linted.name + ": " + text,
+                fmt::format("T_cam_imu (T_SC0) in {} is of another rig, or its axes are renamed",
+                            linted.name),
+                angle)};
+  }
+  const bool own_inverse = inverse < options.rotation_tolerance_rad;
+  if (own_inverse && alignment.inertial &&
+      leverArmIsInverted(T_SC0, *alignment.inertial, options)) {
+    const Eigen::Vector3d seen = 1e3 * alignment.inertial->t_SC0;
+    return {
+        invertedFinding(linted,
+                        fmt::format("the recording puts camera 0 at ({:.0f}, {:.0f}, {:.0f}) mm "
+                                    "in the IMU, where the inverse of T_SC0 has it",
+                                    seen.x(), seen.y(), seen.z()),
+                        angle)};
+  }
+  return {};
+}
+
+std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
+                                 const LintOptions& options) {
+  const double given = cameraTimeOffset(*linted.calibration.imu, 0);
+  const double off = std::abs(given - seen);
+  if (off <= options.offset_tolerance_s || std::abs(given) > options.max_offset_s) return {};
+  const bool flipped = std::abs(given + seen) <= options.offset_tolerance_s;
+  return {
+      bad(flipped ? "Flipped time offset" : "Contradicting time offset",
+          fmt::format("{}: the time offset is {:.3f} ms; correlating gyroscope and camera rates "
+                      "gives {:.3f} ms",
+                      linted.name, 1e3 * given, 1e3 * seen),
+          flipped ? fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam "
+                                "+ t_d",
+                                linted.name)
+                  : fmt::format("the time offset in {} is not this recording's: stamps of "
+                                "another driver or session",
+                                linted.name),
+          {off, options.offset_tolerance_s, "s"})};
+}
+
+std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream& imu,
+                                const LintOptions& options) {
+  if (!linted.noise_known) return {};
+  const ImuNoise& noise = linted.calibration.imu->noise;
+  const double root = 1 / std::sqrt(medianSampleInterval(imu.samples));
+  const double gyro = noise.gyro_density * root / lint::sampleNoise(imu.samples, &ImuSample::gyro);
+  const double accel =
+      noise.accel_density * root / lint::sampleNoise(imu.samples, &ImuSample::accel);
+  const double worst = std::max(gyro, accel);
+  if (!(worst > options.noise_factor)) return {};
+  return {bad("Noise densities",
+              fmt::format("{}: the stated noise is {:.1f} (gyroscope) and {:.1f} (accelerometer) "
+                          "times what the samples' scatter allows",
+                          linted.name, gyro, accel),
+              fmt::format("check the noise densities in {}: discrete ones are the root of the rate "
+                          "({:.1f}) too large, degrees 57 times",
+                          linted.name, root),
+              {worst, options.noise_factor, "-"})};
+}
+
+void append(std::vector<Finding>& to, std::vector<Finding> from) {
+  for (Finding& finding : from) to.push_back(std::move(finding));
+}
+
+bool hasOddTranslation(const LintedCalibration& linted, const LintOptions& options) {
+  return linted.calibration.imu->T_SC0.t.norm() > options.max_baseline_m;
+}
+
+std::vector<Finding> imuFaults(const LintedCalibration& linted, const ImuStream& imu,
+                               const std::vector<CameraPose>& poses, const LintOptions& options) {
+  std::vector<Finding> found = noiseFault(linted, imu, options);
+  const auto alignment = alignmentOf(poses, imu.samples);
+  if (!alignment || hasOddTranslation(linted, options)) return found;
+  append(found, gyroFault(linted.name, alignment->rates.alignment));
+  if (!found.empty() || checkExcitation(alignment->rates.alignment)) return found;
+  append(found, transformFault(linted, *alignment, options));
+  append(found, offsetFault(linted, alignment->rates.offset_s, options));
+  return found;
+}
+
+std::vector<Finding> faultsOf(const LintedCalibration& linted, const Session& session,
+                              bool samples_are_sane, const LintOptions& options) {
+  std::vector<Finding> found = resolutionFault(linted, session);
+  const auto& cameras = linted.calibration.cameras;
+  if (!found.empty() || cameras.empty() || session.cameras.empty()) return found;
+  const auto poses = lint::posesOf(session, 0, cameras[0].intrinsics);
+  found = orderFault(linted, session, options);
+  const bool imu = linted.calibration.imu && session.imu && samples_are_sane;
+  if (found.empty() && imu) found = imuFaults(linted, *session.imu, poses, options);
+  return found;
+}
+
+}  // namespace
+
+std::vector<Finding> lintAgainstSession(std::span<const LintedCalibration> calibrations,
+                                        const Session& session, const LintOptions& options) {
+  std::vector<Finding> found;
+  const auto failure =
+      session.imu ? checkSampleUnits(session.imu->samples) : std::optional<Failure>();
+  if (failure) {
+    found.push_back(bad("Columns and units of the IMU", session.name + ": " + failure->message,
+                        failure->cure, {}));
+  }
+  for (const LintedCalibration& linted : calibrations) {
+    append(found, faultsOf(linted, session, !failure, options));
+  }
+  return found;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/time_offsets.h"
+#include "evaluate/compare/lint/rules.h"
+
+namespace plumbline::lint {
+namespace {
+
+void append(std::vector<Finding>& to, std::vector<Finding> from) {
+  for (Finding& finding : from) to.push_back(std::move(finding));
+}
+
+double longestBaseline(const Calibration& calibration) {
+  double longest = 0;
+  for (const CameraCalibration& camera : calibration.cameras) {
+    longest = std::max(longest, camera.T_C0Ci.t.norm());
+  }
+  return longest;
+}
+
+// "/d435i" of "/d435i/infra1/image_raw".
+std::string deviceOf(const std::string& topic) {
+  const std::size_t start = topic.rfind('/', 0) == 0 ? 1 : 0;
+  const std::size_t end = topic.find('/', start);
+  return end == std::string::npos ? std::string() : topic.substr(start, end - start);
+}
+
+bool isOneDevice(const Calibration& calibration) {
+  const std::string device = deviceOf(calibration.imu->rostopic);
+  return !device.empty() && device == deviceOf(calibration.cameras.front().rostopic);
+}
+
+// ---- translations
+
+Finding millimetres(const LintedCalibration& linted, const std::string& field, double length,
+                    const LintOptions& options) {
+  return bad("Millimetres for metres",
+             fmt::format("{}: the translation of {} is {:.4g} m long; in millimetres it would be "
+                         "{:.4g} m",
+                         linted.name, field, length, 1e-3 * length),
+             fmt::format("divide the translation of {} in {} by 1000", field, linted.name),
+             {length, options.max_baseline_m, "m"});
+}
+
+std::vector<Finding> translationUnits(const LintedCalibration& linted, const LintOptions& options) {
+  std::vector<Finding> found;
+  const auto check = [&](const std::string& field, const Transform& T) {
+    if (T.t.norm() > options.max_baseline_m) {
+      found.push_back(millimetres(linted, field, T.t.norm(), options));
+    }
+  };
+  for (const CameraCalibration& camera : linted.calibration.cameras) {
+    check("T_C0Ci (T_cn_cnm1) of " + camera.name, camera.T_C0Ci);
+  }
+  if (linted.calibration.imu) check("T_SC0 (T_cam_imu)", linted.calibration.imu->T_SC0);
+  return found;
+}
+
+std::vector<Finding> leverArm(const LintedCalibration& linted, const LintOptions& options) {
+  const Calibration& c = linted.calibration;
+  if (!c.imu || c.cameras.empty()) return {};
+  const bool device = isOneDevice(c);
+  const double bound =
+      device ? std::max(options.device_lever_arm_m, options.device_baselines * longestBaseline(c))
+             : options.max_lever_arm_m;
+  const double arm = c.imu->T_SC0.t.norm();
+  if (arm <= bound) return {};
+  return {bad(
+      "Impossible lever arm",
+      fmt::format("{}: the IMU is {:.1f} cm from camera 0{}", linted.name, 100 * arm,
+                  device ? ", of which it shares the device (/" + deviceOf(c.imu->rostopic) + ")"
+                         : std::string()),
+      fmt::format("do not use T_cam_imu of {}, whatever its residuals: calibrate again with "
+                  "motion that turns about all axes",
+                  linted.name),
+      {arm, bound, "m"})};
+}
+
+// ---- intrinsics
+
+// Of how much larger an image the principal point is the centre, along both axes alike; 1: of none.
+double impliedScale(const Intrinsics& k) {
+  const Eigen::Index n = k.projection.size();
+  const double x = 2 * k.projection(n - 2) / k.resolution.width;
+  const double y = 2 * k.projection(n - 1) / k.resolution.height;
+  const double mean = 0.5 * (x + y);
+  return std::abs(x - y) < 0.25 * mean ? mean : 1;
+}
+
+std::vector<Finding> principalPoint(const LintedCalibration& linted,
+                                    const CameraCalibration& camera, const LintOptions& options) {
+  const Intrinsics& k = camera.intrinsics;
+  const Eigen::Index n = k.projection.size();
+  const double x = k.projection(n - 2) / k.resolution.width - 0.5;
+  const double y = k.projection(n - 1) / k.resolution.height - 0.5;
+  const double shift = std::max(std::abs(x), std::abs(y));
+  if (shift <= options.max_principal_shift) return {};
+  const double scale = impliedScale(k);
+  return {
+      bad("Resolution and principal point",
+          fmt::format("{}: {}'s principal point ({:.1f}, {:.1f}) is {:.0f} % off the middle of "
+                      "{}x{}{}",
+                      linted.name, camera.name, k.projection(n - 2), k.projection(n - 1),
+                      100 * shift, k.resolution.width, k.resolution.height,
+                      scale == 1 ? std::string()
+                                 : fmt::format("; it fits an image {:.2g} times as large", scale)),
+          fmt::format("check resolution and intrinsics of {} in {}: one of them is of scaled or "
+                      "cropped images",
+                      camera.name, linted.name),
+          {shift, options.max_principal_shift, "-"})};
+}
+
+// ---- IMU
+
+std::vector<Finding> offsetUnit(const LintedCalibration& linted, const LintOptions& options) {
+  const double offset = meanTimeOffset(*linted.calibration.imu);
+  if (std::abs(offset) <= options.max_offset_s) return {};
+  return {bad("Milliseconds for seconds",
+              fmt::format("{}: the time offset is {:.4g} s; in milliseconds it would be {:.4g} s",
+                          linted.name, offset, 1e-3 * offset),
+              fmt::format("divide timeshift_cam_imu (time_offset_s) in {} by 1000", linted.name),
+              {std::abs(offset), options.max_offset_s, "s"})};
+}
+
+std::vector<Finding> noiseSize(const LintedCalibration& linted, const LintOptions& options) {
+  if (!linted.noise_known) return {};
+  const ImuNoise& noise = linted.calibration.imu->noise;
+  const auto finding = [&](const char* sensor, double value, double bound, const char* unit) {
+    return bad("Noise densities",
+               fmt::format("{}: {}_noise_density is {:.3g} {}", linted.name, sensor, value, unit),
+               fmt::format("state {}_noise_density in {} as a continuous-time density in SI units, "
+                           "from the data sheet or an Allan deviation",
+                           sensor, linted.name),
+               {value, bound, unit});
+  };
+  if (noise.gyro_density > options.max_gyro_density) {
+    return {finding("gyroscope", noise.gyro_density, options.max_gyro_density, "rad/s/sqrt(Hz)")};
+  }
+  if (noise.accel_density > options.max_accel_density) {
+    return {
+        finding("accelerometer", noise.accel_density, options.max_accel_density, "m/s^2/sqrt(Hz)")};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<Finding> alone(const LintedCalibration& linted, const LintOptions& options) {
+  std::vector<Finding> found = translationUnits(linted, options);
+  if (found.empty()) append(found, leverArm(linted, options));
+  for (const CameraCalibration& camera : linted.calibration.cameras) {
+    append(found, principalPoint(linted, camera, options));
+  }
+  if (!linted.calibration.imu) return found;
+  append(found, offsetUnit(linted, options));
+  append(found, noiseSize(linted, options));
+  return found;
+}
+
+}  // namespace plumbline::lint

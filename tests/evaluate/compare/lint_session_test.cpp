@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recording tells which of two conventions a calibration follows.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/compare/lint.h"
+#include "tests/evaluate/compare/lint_cases.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+const SimulatedSession& recording(const std::string& name) {
+  const auto simulate = [](const char* rig) {
+    SimulationOptions options;
+    options.duration_s = 15;
+    options.time_offset_s = 5e-3;
+    return simulateSession(simulatedRig(rig), options);
+  };
+  static const SimulatedSession euroc = simulate("euroc");
+  static const SimulatedSession d435i = simulate("d435i");
+  return name == "euroc" ? euroc : d435i;
+}
+
+LintedCalibration truthOf(const std::string& name) {
+  return {"rig.yaml", recording(name).truth, true};
+}
+
+std::vector<Finding> lintWith(const std::string& name, LintedCalibration linted,
+                              const std::function<void(Calibration&)>& inject) {
+  inject(linted.calibration);
+  return lintAgainstSession({&linted, 1}, recording(name).session);
+}
+
+TEST(LintSession, TheTruthIsClean) {
+  for (const char* const name : {"euroc", "d435i"}) {
+    EXPECT_EQ(rulesOf(lintWith(name, truthOf(name), [](Calibration&) {})), "") << name;
+  }
+}
+
+std::vector<LintCase> sessionCases() {
+  return {
+      {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
+       "Inverted transform", "T_cam_imu"},
+      {"offset negated", [](Calibration& c) { c.imu->time_offset_s *= -1; }, "Flipped time offset",
+       "timeshift_cam_imu"},
+      {"offset of another session", [](Calibration& c) { c.imu->time_offset_s = 0.031; },
+       "Contradicting time offset", "time offset"},
+      {"cameras exchanged", swapCameras, "Order of cameras", "cam0 and cam1"},
+      {"baseline inverted",
+       [](Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); },
+       "Inverted baseline", "T_cn_cnm1"},
+      {"images of half the size",
+       [](Calibration& c) {
+         c.cameras[0].intrinsics.projection *= 0.5;
+         c.cameras[0].intrinsics.resolution = {376, 240};
+       },
+       "Resolution and principal point", "cam0"},
+      {"discrete densities",
+       [](Calibration& c) {
+         c.imu->noise.gyro_density *= std::sqrt(c.imu->noise.rate_hz);
+         c.imu->noise.accel_density *= std::sqrt(c.imu->noise.rate_hz);
+       },
+       "Noise densities", "rig.yaml"},
+      {"renamed axes",
+       [](Calibration& c) {
+         Eigen::Matrix3d R;
+         R << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+         c.imu->T_SC0.R = R * c.imu->T_SC0.R;
+       },
+       "Contradicting rotation", "T_cam_imu"},
+  };
+}
+
+TEST(LintSession, EachMistakeIsNamedAlone) {
+  for (const LintCase& fault : sessionCases()) {
+    const auto found = lintWith("euroc", truthOf("euroc"), fault.inject);
+    ASSERT_EQ(found.size(), 1U) << fault.what << "\n" << rulesOf(found);
+    EXPECT_EQ(found[0].rule, fault.rule) << fault.what;
+    EXPECT_THAT(found[0].evidence, HasSubstr("rig.yaml")) << fault.what;
+    EXPECT_THAT(found[0].advice, HasSubstr(fault.field)) << fault.what;
+  }
+}
+
+TEST(LintSession, AnInversionShowsWithoutRotation) {
+  const auto found = lintWith("d435i", truthOf("d435i"),
+                              [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); });
+  ASSERT_EQ(found.size(), 1U) << rulesOf(found);
+  EXPECT_EQ(found[0].rule, "Inverted transform");
+}
+
+TEST(LintSession, TheImusColumnsAndUnits) {
+  const auto ruleWith = [](const std::function<void(ImuSample&)>& inject) {
+    Session session = recording("euroc").session;
+    for (ImuSample& sample : session.imu->samples) inject(sample);
+    const LintedCalibration linted = truthOf("euroc");
+    const auto found = lintAgainstSession({&linted, 1}, session);
+    return found.size() == 1 ? found[0].rule : rulesOf(found);
+  };
+  EXPECT_EQ(ruleWith([](ImuSample& s) { std::swap(s.gyro, s.accel); }),
+            "Columns and units of the IMU");
+  EXPECT_EQ(ruleWith([](ImuSample& s) { s.accel /= 9.80665; }), "Columns and units of the IMU");
+  EXPECT_EQ(ruleWith([](ImuSample& s) { s.gyro *= 180 / std::acos(-1.0); }), "Degrees for radians");
+  EXPECT_EQ(ruleWith([](ImuSample& s) { s.gyro.x() *= -1; }), "Gyroscope and cameras");
+}
+
+// ---- orders of quaternions
+
+Trajectory truthPoses() {
+  const SimulatedSession& simulated = recording("euroc");
+  Trajectory trajectory;
+  for (const TimeNs t : simulated.frame_stamps) {
+    const Transform T_FS = simulated.motionAtCameraTime(t).T_FB;
+    trajectory.poses.push_back({t, T_FS.t, T_FS.quaternion()});
+  }
+  return trajectory;
+}
+
+std::string orderFault(
+    const std::function<Eigen::Quaterniond(const Eigen::Quaterniond&)>& misread) {
+  Trajectory trajectory = truthPoses();
+  for (StampedPose& pose : trajectory.poses) pose.q = misread(pose.q);
+  const auto found =
+      lintQuaternionOrder(trajectory, "poses.txt", recording("euroc").session.imu->samples);
+  EXPECT_LE(found.size(), 1U);
+  return found.empty() ? "" : found[0].rule + " | " + found[0].evidence + " | " + found[0].advice;
+}
+
+TEST(LintQuaternions, TheGyroscopeTellsTheOrder) {
+  using Q = Eigen::Quaterniond;
+  EXPECT_EQ(orderFault([](const Q& q) { return q; }), "");
+  // Q's arguments are w, x, y, z: a file with w first read as one with w last, and the reverse.
+  EXPECT_THAT(orderFault([](const Q& q) { return Q(q.z(), q.w(), q.x(), q.y()); }),
+              AllOf(HasSubstr("Order of quaternions"), HasSubstr("with w first in place of last"),
+                    HasSubstr("poses.txt")));
+  EXPECT_THAT(orderFault([](const Q& q) { return Q(q.x(), q.y(), q.z(), q.w()); }),
+              HasSubstr("with w last in place of first"));
+  EXPECT_THAT(orderFault([](const Q& q) { return q.conjugate(); }),
+              HasSubstr("when read as conjugates"));
+}
+
+}  // namespace
+}  // namespace plumbline

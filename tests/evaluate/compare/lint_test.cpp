@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A good calibration with one mistake: lint names that mistake and nothing else.
+#include "evaluate/compare/lint.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/evaluate/compare/lint_cases.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<LintedCalibration> goodFiles() {
+  const SimulatedRig rig = simulatedRig("euroc");
+  return {repeatOf(rig, "first.yaml"), repeatOf(rig, "second.yaml", 3),
+          repeatOf(rig, "third.yaml", -4)};
+}
+
+TEST(Lint, RepeatsOfACalibrationAreClean) {
+  for (const char* const name : {"euroc", "tumvi", "d435i"}) {
+    const SimulatedRig rig = simulatedRig(name);
+    const std::vector<LintedCalibration> files{repeatOf(rig, "a"), repeatOf(rig, "b", 5),
+                                               repeatOf(rig, "c", -5)};
+    EXPECT_EQ(rulesOf(lintCalibrations(files)), "") << name;
+  }
+}
+
+// ---- mistakes that one file shows
+
+std::vector<LintCase> aloneCases() {
+  return {
+      {"lever arm in millimetres", [](Calibration& c) { c.imu->T_SC0.t *= 1000; },
+       "Millimetres for metres", "T_cam_imu"},
+      {"baseline in millimetres", [](Calibration& c) { c.cameras[1].T_C0Ci.t *= 1000; },
+       "Millimetres for metres", "T_cn_cnm1"},
+      {"impossible lever arm",
+       [](Calibration& c) {
+         c.imu->T_SC0.t = {0, 0, 2.5};
+       },
+       "Impossible lever arm", "T_cam_imu"},
+      {"offset in milliseconds", [](Calibration& c) { c.imu->time_offset_s *= 1000; },
+       "Milliseconds for seconds", "timeshift_cam_imu"},
+      {"intrinsics of half the image",
+       [](Calibration& c) { c.cameras[1].intrinsics.projection *= 0.5; },
+       "Resolution and principal point", "cam1"},
+      {"resolution of half the image",
+       [](Calibration& c) {
+         c.cameras[0].intrinsics.resolution = {376, 240};
+       },
+       "Resolution and principal point", "cam0"},
+      {"accelerometer's density in micro-g",
+       [](Calibration& c) { c.imu->noise.accel_density = 200; }, "Noise densities",
+       "accelerometer_noise_density"},
+  };
+}
+
+TEST(Lint, AFileAloneShowsImpossibleValues) {
+  for (const LintCase& fault : aloneCases()) {
+    std::vector<LintedCalibration> files{repeatOf(simulatedRig("euroc"), "bad.yaml")};
+    fault.inject(files[0].calibration);
+    const auto found = lintCalibrations(files);
+    ASSERT_EQ(found.size(), 1U) << fault.what << "\n" << rulesOf(found);
+    EXPECT_EQ(found[0].rule, fault.rule) << fault.what;
+    EXPECT_THAT(found[0].evidence, HasSubstr("bad.yaml"));
+    EXPECT_THAT(found[0].advice, AllOf(HasSubstr("bad.yaml"), HasSubstr(fault.field)));
+    EXPECT_GT(found[0].value, found[0].threshold);
+  }
+}
+
+TEST(Lint, AMistakeOfOneFileIsNotHeldAgainstTheOthers) {
+  for (const LintCase& fault : aloneCases()) {
+    auto files = goodFiles();
+    fault.inject(files[1].calibration);
+    const auto found = lintCalibrations(files);
+    ASSERT_EQ(found.size(), 1U) << fault.what << "\n" << rulesOf(found);
+    EXPECT_THAT(found[0].advice, HasSubstr("second.yaml")) << fault.what;
+  }
+}
+
+TEST(Lint, WithinOneDeviceTheImuIsNear) {
+  LintedCalibration file = repeatOf(simulatedRig("d435i"), "a.yaml");
+  file.calibration.imu->T_SC0.t = {0.12, 0, 0};
+  EXPECT_EQ(rulesOf(lintCalibrations({&file, 1})), "");  // an IMU of a robot may be there
+  file.calibration.cameras[0].rostopic = "/camera/infra1/image_rect_raw";
+  file.calibration.imu->rostopic = "/imu/data";
+  EXPECT_EQ(rulesOf(lintCalibrations({&file, 1})), "");
+  file.calibration.imu->rostopic = "/camera/imu";
+  const auto found = lintCalibrations({&file, 1});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].rule, "Impossible lever arm");
+  EXPECT_THAT(found[0].evidence, HasSubstr("12.0 cm"));
+}
+
+// ---- mistakes that only other files show
+
+std::vector<LintCase> togetherCases() {
+  return {
+      {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
+       "Inverted transform", "T_cam_imu"},
+      {"offset negated", [](Calibration& c) { c.imu->time_offset_s *= -1; }, "Flipped time offset",
+       "timeshift_cam_imu"},
+      {"cameras exchanged", swapCameras, "Order of cameras", "cam0 and cam1"},
+      {"baseline inverted",
+       [](Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); },
+       "Inverted baseline", "T_cn_cnm1"},
+      {"discrete densities",
+       [](Calibration& c) {
+         c.imu->noise.gyro_density *= std::sqrt(c.imu->noise.rate_hz);
+         c.imu->noise.accel_density *= std::sqrt(c.imu->noise.rate_hz);
+       },
+       "Discrete noise densities", "update_rate"},
+      {"gyroscope's density in degrees",
+       [](Calibration& c) { c.imu->noise.gyro_density *= 180 / std::acos(-1.0); },
+       "Degrees for radians", "gyroscope_noise_density"},
+      {"a lever arm that is elsewhere",
+       [](Calibration& c) { c.imu->T_SC0.t += Eigen::Vector3d(0.1, 0.05, 0); },
+       "Impossible lever arm", "T_cam_imu"},
+  };
+}
+
+TEST(Lint, OfThreeFilesTheMinorityIsNamed) {
+  for (const LintCase& fault : togetherCases()) {
+    auto files = goodFiles();
+    fault.inject(files[1].calibration);
+    const auto found = lintCalibrations(files);
+    ASSERT_EQ(found.size(), 1U) << fault.what << "\n" << rulesOf(found);
+    EXPECT_EQ(found[0].rule, fault.rule) << fault.what;
+    EXPECT_THAT(found[0].advice, AllOf(HasSubstr("second.yaml"), HasSubstr(fault.field)));
+    EXPECT_THAT(found[0].advice, Not(HasSubstr("first.yaml"))) << fault.what;
+  }
+}
+
+TEST(Lint, OfTwoFilesEitherMayBeWrong) {
+  for (const LintCase& fault : togetherCases()) {
+    if (std::string(fault.rule) == "Impossible lever arm") continue;  // two cannot tell
+    auto files = goodFiles();
+    files.pop_back();
+    fault.inject(files[1].calibration);
+    const auto found = lintCalibrations(files);
+    ASSERT_EQ(found.size(), 1U) << fault.what << "\n" << rulesOf(found);
+    EXPECT_EQ(found[0].rule, fault.rule) << fault.what;
+    EXPECT_THAT(found[0].advice, HasSubstr("second.yaml"));
+  }
+}
+
+TEST(Lint, AnInversionShowsWithoutRotation) {
+  // The D435i's IMU and cameras have the same axes: only the lever arm tells.
+  std::vector<LintedCalibration> files{repeatOf(simulatedRig("d435i"), "a"),
+                                       repeatOf(simulatedRig("d435i"), "b", 2)};
+  files[1].calibration.imu->T_SC0 = files[1].calibration.imu->T_SC0.inverse();
+  const auto found = lintCalibrations(files);
+  ASSERT_EQ(found.size(), 1U) << rulesOf(found);
+  EXPECT_EQ(found[0].rule, "Inverted transform");
+}
+
+TEST(Lint, UnknownNoiseIsNotCompared) {
+  auto files = goodFiles();
+  files[1].calibration.imu->noise.gyro_density *= 180 / std::acos(-1.0);
+  files[1].noise_known = false;
+  EXPECT_EQ(rulesOf(lintCalibrations(files)), "");
+}
+
+// ---- a camchain as it stands
+
+KalibrCamchain chainOf(const Calibration& rig) {
+  KalibrCamchain chain;
+  chain.path = "camchain.yaml";
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    KalibrCamera camera;
+    camera.name = rig.cameras[i].name;
+    camera.intrinsics = rig.cameras[i].intrinsics;
+    camera.T_cam_imu = (rig.imu->T_SC0 * rig.cameras[i].T_C0Ci).inverse();
+    if (i > 0) camera.T_cn_cnm1 = rig.cameras[i].T_C0Ci.inverse() * rig.cameras[i - 1].T_C0Ci;
+    chain.cameras.push_back(camera);
+  }
+  return chain;
+}
+
+std::string chainFault(const std::function<void(KalibrCamchain&)>& inject) {
+  KalibrCamchain chain = chainOf(simulatedRig("euroc").calibration);
+  inject(chain);
+  const auto found = lintCamchain(chain);
+  EXPECT_LE(found.size(), 1U);
+  return found.empty() ? "" : found[0].rule + " | " + found[0].advice;
+}
+
+TEST(LintCamchain, TheInvertedTransformIsNamed) {
+  const auto invert = [](std::optional<Transform>& T) { T = T->inverse(); };
+  EXPECT_EQ(chainFault([](KalibrCamchain&) {}), "");
+  EXPECT_EQ(chainFault([&](KalibrCamchain& c) { invert(c.cameras[1].T_cn_cnm1); }),
+            "Inverted baseline | invert T_cn_cnm1 of cam1 in camchain.yaml");
+  EXPECT_EQ(chainFault([&](KalibrCamchain& c) { invert(c.cameras[0].T_cam_imu); }),
+            "Inverted transform | invert T_cam_imu of cam0 in camchain.yaml");
+  EXPECT_EQ(chainFault([&](KalibrCamchain& c) { invert(c.cameras[1].T_cam_imu); }),
+            "Inverted transform | invert T_cam_imu of cam1 in camchain.yaml");
+  EXPECT_EQ(chainFault([&](KalibrCamchain& c) {
+              for (KalibrCamera& camera : c.cameras) invert(camera.T_cam_imu);
+            }),
+            "Inverted transform | invert T_cam_imu of every camera in camchain.yaml");
+  EXPECT_THAT(chainFault([](KalibrCamchain& c) { c.cameras[1].T_cam_imu->t.x() += 0.01; }),
+              HasSubstr("Contradicting transforms"));
+}
+
+}  // namespace
+}  // namespace plumbline
