@@ -27,6 +27,7 @@ Command calibrateCommand();
 Command perturbCommand();
 Command reportCommand();
 Command exportCommand();
+Command compareCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
 /// The subcommands of `evaluate`.

@@ -19,8 +19,8 @@ namespace plumbline {
 namespace {
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(),  calibrateCommand(), evaluateCommand(),
-          exportCommand(),   perturbCommand(), reportCommand()};
+  return {simulateCommand(), detectCommand(), calibrateCommand(), evaluateCommand(),
+          compareCommand(),  exportCommand(), perturbCommand(),   reportCommand()};
 }
 
 // " evaluate trajectory": the commands that were chosen, one within the other.

@@ -18,6 +18,15 @@ constexpr int kMostThreads = 1024;
 
 void SessionOptions::declare(CLI::App& app) {
   app.add_option("session", session, "Folder of the recording (EuRoC layout)")->required();
+  declareDetails(app);
+}
+
+void SessionOptions::declareOptional(CLI::App& app) {
+  app.add_option("--session", session, "Folder of a recording (EuRoC layout)");
+  declareDetails(app);
+}
+
+void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--target", target, "Kalibr's target.yaml (default: in the session)");
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");

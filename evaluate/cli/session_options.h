@@ -25,8 +25,13 @@ struct SessionOptions {
   int border_bits = 2;
 
   void declare(CLI::App& app);
+  /// The same where a recording is optional: --session; `session` stays empty without it.
+  void declareOptional(CLI::App& app);
   /// Checks the values and turns them into what the workflow asks for.
   LoadRequest request() const;
+
+ private:
+  void declareDetails(CLI::App& app);
 };
 
 }  // namespace plumbline

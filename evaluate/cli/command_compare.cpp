@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/estimation_options.h"
+#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/progress_bar.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/compare/comparison_document.h"
+#include "evaluate/compare/write_comparison.h"
+#include "evaluate/workflow/parallel_for.h"
+#include "evaluate/workflow/provenance.h"
+#include "evaluate/workflow/result_folder.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kFewestGridPoints = 3;
+constexpr int kMostGridPoints = 500;
+
+struct Options {
+  std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
+  SessionOptions session;
+  std::string out;
+  std::string grid = "31x21";
+  std::string uncertainty = "cross-reprojection";
+  std::string fit = "squares";
+  double focus_radius_px = 0;
+  std::string loss = "cauchy:1.5";
+  double pixel_sigma = 1;
+  double gravity = 9.80655;
+  bool no_report = false;
+};
+
+void declareMaps(CLI::App& app, Options& o) {
+  app.add_option("--range", o.ranges, "Distances of the points that are projected [m], or inf")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  app.add_option("--grid", o.grid, "Points over the image, COLUMNSxROWS")->capture_default_str();
+  app.add_option("--focus-radius", o.focus_radius_px,
+                 "Align within this radius of the image's centre [px] (0: by itself)")
+      ->capture_default_str();
+  app.add_option("--fit", o.fit, "What the alignment minimises: squares, or fourth-power (mrcal 2)")
+      ->capture_default_str();
+  app.add_option("--uncertainty", o.uncertainty,
+                 "How points are fixed to the boards: cross-reprojection or mean-frames")
+      ->capture_default_str();
+}
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("calibrations", o.calibrations,
+                 "Two or more calibrations, of ours, Kalibr or yac; differences are to the first")
+      ->required();
+  app.add_option("--labels", o.labels, "Short names for them, e.g. ours,kalibr")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  o.session.declareOptional(app);
+  declareMaps(app, o);
+  app.add_option("--pixel-sigma", o.pixel_sigma, "Standard deviation of a corner, per axis [px]")
+      ->capture_default_str();
+  app.add_option("--loss", o.loss, "Of the poses on --session: none, or cauchy:SCALE [px]")
+      ->capture_default_str();
+  app.add_option("--gravity", o.gravity, "Magnitude of gravity [m/s^2]")->capture_default_str();
+  app.add_option("--out", o.out, "Folder for the results")->required();
+  app.add_flag("--no-report", o.no_report, "Write no report.html");
+}
+
+std::vector<double> rangesFrom(const std::vector<std::string>& words) {
+  std::vector<double> ranges;
+  for (const std::string& word : words) {
+    if (word == "inf" || word == "infinity") {
+      ranges.push_back(std::numeric_limits<double>::infinity());
+      continue;
+    }
+    std::size_t used = 0;
+    double range = 0;
+    try {
+      range = std::stod(word, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used != word.size() || !(range > 0) || !std::isfinite(range)) {
+      throw InputError(fmt::format("--range {}: expected metres, or inf", word));
+    }
+    ranges.push_back(range);
+  }
+  return ranges;
+}
+
+ImageGrid gridFrom(const std::string& word) {
+  const Resolution size = resolutionFrom(word);
+  for (const int n : {size.width, size.height}) {
+    if (n >= kFewestGridPoints && n <= kMostGridPoints) continue;
+    throw InputError(fmt::format("--grid {}: expected {} to {} columns and rows", word,
+                                 kFewestGridPoints, kMostGridPoints));
+  }
+  return {size.width, size.height};
+}
+
+template <class Value>
+Value wordFrom(const char* option, const std::string& word,
+               const std::vector<std::pair<std::string, Value>>& known) {
+  std::string words;
+  for (const auto& [name, value] : known) {
+    if (name == word) return value;
+    words += (words.empty() ? "" : " or ") + name;
+  }
+  throw InputError(fmt::format("{} {}: expected {}", option, word, words));
+}
+
+CompareRequest requestOf(const Options& o, const CLI::App& app) {
+  requirePositive("--pixel-sigma", o.pixel_sigma);
+  requirePositive("--gravity", o.gravity);
+  if (!(o.focus_radius_px >= 0) || !std::isfinite(o.focus_radius_px)) {
+    throw InputError(fmt::format("--focus-radius {}: expected pixels", o.focus_radius_px));
+  }
+  CompareRequest request;
+  request.calibrations = o.calibrations;
+  request.labels = o.labels;
+  if (!o.session.session.empty()) {
+    request.load = o.session.request();
+    request.load->read.supported_models_only = false;
+    request.score.camera.frames.tolerance = request.load->read.sync_tolerance;
+    request.score.camera.threads = threadCount(request.load->threads);
+  }
+  request.score.camera.pixel_sigma = request.score.camera_imu.pixel_sigma = o.pixel_sigma;
+  request.score.camera.cauchy_px = request.score.camera_imu.cauchy_px = lossFrom(o.loss);
+  request.score.camera_imu.gravity_m_s2 = o.gravity;
+  request.score.camera_imu.frames = request.score.camera.frames;
+  request.score.camera_imu.threads = request.score.camera.threads;
+  request.alignment =
+      wordFrom<FrameAlignment>("--uncertainty", o.uncertainty,
+                               {{"cross-reprojection", FrameAlignment::kCrossReprojection},
+                                {"mean-frames", FrameAlignment::kMeanFrames}});
+  request.maps.fit = wordFrom<DifferenceFit>(
+      "--fit", o.fit,
+      {{"squares", DifferenceFit::kSquares}, {"fourth-power", DifferenceFit::kFourthPower}});
+  request.maps.ranges_m = rangesFrom(o.ranges);
+  request.maps.grid = gridFrom(o.grid);
+  request.maps.focus_radius_px = o.focus_radius_px;
+  request.provenance = makeProvenance("compare", givenOptions(app));
+  return request;
+}
+
+int compare(const Options& o, const CLI::App& app) {
+  ProgressBar bar;
+  refuseUnwritable(o.out);
+  if (!o.session.session.empty()) refuseInside(o.out, o.session.session, "--out");
+  const ComparisonRecord record = compareCalibrations(requestOf(o, app), bar.sink());
+  bar.clear();
+  writeComparison(record, o.out, !o.no_report);
+  fmt::print("{}", comparisonSummary(record));
+  fmt::print("\nResult: {}/comparison.json\n", o.out);
+  return kDone;
+}
+
+}  // namespace
+
+Command compareCommand() {
+  return {"compare", "Calibrations side by side: parameters, projections, scores",
+          "plumbline compare ours/calibration.json kalibr/camchain-imucam.yaml --session recording "
+          "--out comparison",
+          [](CLI::App& app) {
+            auto options = std::make_shared<Options>();
+            declare(app, *options);
+            return std::function<int()>([options, &app] { return compare(*options, app); });
+          }};
+}
+
+}  // namespace plumbline

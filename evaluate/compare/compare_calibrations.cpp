@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/compare_calibrations.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera_information.h"
+#include "evaluate/compare/compared_parameters.h"
+#include "evaluate/compare/paired_prediction.h"
+#include "evaluate/compare/read_compared.h"
+#include "evaluate/workflow/match_cameras.h"
+
+namespace plumbline {
+namespace {
+
+/// One calibration on the recording.
+struct OnSession {
+  std::vector<CalibrationScore> scores;
+  std::optional<CameraStageResult> stage;
+  CameraUncertainty uncertainty;
+};
+
+const char* methodName(FrameAlignment alignment) {
+  return alignment == FrameAlignment::kMeanFrames ? "mean-frames" : "cross-reprojection";
+}
+
+/// Entropy and uncertainty under the recording's corners, all weighted alike.
+void addInformation(const Session& session, const CompareRequest& request, OnSession& out) {
+  CameraInformationOptions options;
+  options.pixel_sigma = request.score.camera.pixel_sigma;
+  options.alignment = request.alignment;
+  options.threads = request.score.camera.threads;
+  const auto information = cameraInformation(session, *out.stage, options);
+  CalibrationScore& score = out.scores.front();
+  score.entropy_nats.reset();
+  score.entropy_parameters.clear();
+  if (!information) return;
+  score.entropy_nats = information->entropy_nats;
+  score.entropy_parameters = information->covariance.names;
+  out.uncertainty.method = fmt::format("{} on {}", methodName(request.alignment), session.name);
+  out.uncertainty.projection = information->projection;
+}
+
+OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
+                  const CompareRequest& request, const ProgressSink& progress) {
+  const ScoredCalibration scored{file.compared.label, file.path, file.compared.calibration};
+  OnSession out;
+  out.scores = scoreCalibration(scored, loaded.session, request.score, progress);
+  const bool seen = !file.extras.input_hash.empty() && file.extras.input_hash == loaded.input_hash;
+  out.scores.front().held_out = !file.extras.input_hash.empty() && !seen;
+  auto stage =
+      scoreCameras(loaded.session, file.compared.calibration.cameras, request.score.camera);
+  if (!stage) return out;
+  out.stage = std::move(stage).value();
+  addInformation(loaded.session, request, out);
+  return out;
+}
+
+ComparisonRecord emptyRecord(const CompareRequest& request) {
+  ComparisonRecord record;
+  record.provenance = request.provenance;
+  record.assumptions.pixel_sigma_px = request.score.camera.pixel_sigma;
+  record.assumptions.gravity_m_s2 = request.score.camera_imu.gravity_m_s2;
+  const double cauchy_px = request.score.camera.cauchy_px;
+  record.assumptions.loss = cauchy_px > 0 ? fmt::format("cauchy:{}", cauchy_px) : "none";
+  return record;
+}
+
+std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<ComparedFile>& files,
+                                const ProgressSink& progress, ComparisonRecord& record) {
+  LoadRequest load = *request.load;
+  const LoadedSession loaded = loadSession(load, progress);
+  record.name = loaded.session.name;
+  record.provenance.input = loaded.session.name;
+  record.provenance.input_hash = loaded.input_hash;
+  if (loaded.session.imu) record.assumptions.imu_noise = loaded.session.imu->noise;
+  std::vector<OnSession> all;
+  for (ComparedFile& file : files) {
+    Calibration& calibration = file.compared.calibration;
+    calibration = matchCalibration(calibration, file.path, loaded.session);
+    all.push_back(scoreOn(loaded, file, request, progress));
+  }
+  return all;
+}
+
+void addScores(const std::vector<OnSession>& all, ComparisonRecord& record) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    record.scores.insert(record.scores.end(), all[i].scores.begin(), all[i].scores.end());
+    if (i == 0 || !all[0].stage || !all[i].stage) continue;
+    const auto paired =
+        pairedPredictions(*all[0].stage, *all[i].stage, record.calibrations[i].label);
+    record.paired.insert(record.paired.end(), paired.begin(), paired.end());
+  }
+}
+
+void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession>& on_session,
+             const MapOptions& options, ComparisonRecord& record) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const ComparedCalibration& c = record.calibrations[i];
+    CameraUncertainty known;
+    if (i < on_session.size()) {
+      known = on_session[i].uncertainty;
+    } else if (files[i].extras.cameras) {
+      known = uncertaintyFromFile(*files[i].extras.cameras, c.calibration.cameras);
+    }
+    const auto maps = uncertaintyMaps(c, known, options);
+    record.uncertainties.insert(record.uncertainties.end(), maps.begin(), maps.end());
+  }
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const auto maps = differenceMaps(record.calibrations[0], record.calibrations[i],
+                                     record.uncertainties, options);
+    record.differences.insert(record.differences.end(), maps.begin(), maps.end());
+  }
+}
+
+}  // namespace
+
+ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress) {
+  if (request.calibrations.size() < 2) {
+    throw InputError("compare: expected two or more calibrations");
+  }
+  std::vector<ComparedFile> files = readCompared(request.calibrations, request.labels);
+  ComparisonRecord record = emptyRecord(request);
+  std::vector<OnSession> on_session;
+  if (request.load) on_session = scoreAll(request, files, progress, record);
+  std::vector<Calibration> calibrations;
+  for (const ComparedFile& file : files) {
+    record.calibrations.push_back(file.compared);
+    calibrations.push_back(file.compared.calibration);
+    record.offsets.push_back(offsetSummary(file.compared.label, file.compared.calibration));
+  }
+  if (record.name.empty()) record.name = record.calibrations.front().label;
+  record.parameters = comparedParameters(calibrations);
+  addScores(on_session, record);
+  addMaps(files, on_session, request.maps, record);
+  std::vector<Finding> findings = comparisonFindings(record, request.thresholds);
+  for (const ComparedFile& file : files) {
+    for (Finding f : file.remarks) {
+      f.rule = fmt::format("{}: {}", file.compared.label, f.rule);
+      findings.push_back(std::move(f));
+    }
+  }
+  record.verdict = makeVerdict(std::move(findings));
+  return record;
+}
+
+}  // namespace plumbline

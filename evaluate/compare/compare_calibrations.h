@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/information/projection_uncertainty.h"
+#include "evaluate/compare/comparison_findings.h"
+#include "evaluate/compare/comparison_maps.h"
+#include "evaluate/compare/score.h"
+#include "evaluate/workflow/load_session.h"
+#include "evaluate/workflow/progress.h"
+#include "report/records/comparison_record.h"
+
+namespace plumbline {
+
+/// What `plumbline compare` is asked to do.
+struct CompareRequest {
+  std::vector<std::string> calibrations;  ///< files; differences are to the first
+  std::vector<std::string> labels;        ///< one each, or empty: made from the files' names
+  /// Scores every calibration on this recording, and takes uncertainties and entropies from it.
+  std::optional<LoadRequest> load;
+  ScoreOptions score;
+  FrameAlignment alignment = FrameAlignment::kCrossReprojection;
+  MapOptions maps;
+  ComparisonThresholds thresholds;
+  Provenance provenance;  ///< version, command, options and date; input and hash are filled in
+};
+
+/// Reads the calibrations, and with them what stands beside Kalibr's; compares their parameters and
+/// projections; with a recording scores each on it (scoreCalibration()), compares their predictions
+/// view by view, and gives each the entropy of its cameras' parameters at its own values, under
+/// the same corners, noise and list, without a loss. The verdict is of comparisonFindings().
+/// Throws InputError for bad input: fewer than two calibrations, labels that are not unique, files
+/// that cannot be read, a recording whose cameras a calibration has not.
+ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress);
+
+}  // namespace plumbline

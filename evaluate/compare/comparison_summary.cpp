@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "evaluate/compare/comparison_document.h"
+
+namespace plumbline {
+namespace {
+
+using Text = fmt::memory_buffer;
+
+constexpr int kName = 18;
+constexpr int kColumn = 26;
+
+template <class... Args>
+void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+/// A unit as a person reads it, and what one of the record's is in it.
+struct Shown {
+  const char* unit;
+  double scale;
+};
+Shown shownAs(const std::string& unit) {
+  if (unit == "rad") return {"deg", 180 / std::numbers::pi};
+  if (unit == "m") return {"mm", 1e3};
+  if (unit == "s") return {"ms", 1e3};
+  return {unit == "px" ? "px" : "", 1};
+}
+
+/// A label that fits a column; its end tells most.
+std::string fitted(const std::string& label) {
+  constexpr std::size_t most = kColumn - 2;
+  return label.size() <= most ? label : "..." + label.substr(label.size() - most + 3);
+}
+
+std::string valueText(const ComparedParameter& p, std::size_t i) {
+  if (!p.values[i]) return "-";
+  const double scale = shownAs(p.unit).scale;
+  std::string text = fmt::format("{:.6g}", scale * *p.values[i]);
+  if (p.std[i]) text += fmt::format(" +- {:.2g}", scale * *p.std[i]);
+  return text;
+}
+
+std::string differenceText(const ComparedParameter& p, std::size_t i) {
+  if (!p.difference[i]) return "-";
+  const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
+  const double difference = shownAs(p.unit).scale * *p.difference[i];
+  std::string text = norm ? fmt::format("{:.4g}", difference) : fmt::format("{:+.4g}", difference);
+  if (p.significance[i]) text += fmt::format(" ({:.1f} sigma)", *p.significance[i]);
+  return text;
+}
+
+void addParameters(Text& text, const ComparisonRecord& record) {
+  add(text, "{:<{}}", "", kName);
+  for (const ComparedCalibration& c : record.calibrations) {
+    add(text, "{:>{}}", fitted(c.label), kColumn);
+  }
+  for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
+    add(text, "{:>{}}",
+        fitted("difference " +
+               (record.calibrations.size() > 2 ? std::to_string(i) : std::string())),
+        kColumn);
+  }
+  add(text, "\n");
+  for (const ComparedParameter& p : record.parameters) {
+    const std::string unit = shownAs(p.unit).unit;
+    add(text, "{:<{}}", p.name + (unit.empty() ? "" : " [" + unit + "]"), kName);
+    for (std::size_t i = 0; i < p.values.size(); ++i) add(text, "{:>{}}", valueText(p, i), kColumn);
+    for (std::size_t i = 1; i < p.values.size(); ++i) {
+      add(text, "{:>{}}", differenceText(p, i), kColumn);
+    }
+    add(text, "\n");
+  }
+}
+
+void addScores(Text& text, const ComparisonRecord& record) {
+  if (record.scores.empty()) return;
+  add(text, "\nOn {} (only poses move):\n", record.name);
+  for (const CalibrationScore& s : record.scores) {
+    add(text, "  {:<24} ", fitted(s.label));
+    if (s.per_camera.empty()) {
+      add(text, "{}\n", s.problem);
+      continue;
+    }
+    add(text, "RMSE {:.4f} px", s.reprojection.rmse_px);
+    for (std::size_t c = 0; c < s.per_camera.size(); ++c) {
+      add(text, ", {} {:.4f}", c < s.cameras.size() ? s.cameras[c] : fmt::format("cam{}", c),
+          s.per_camera[c].rmse_px);
+    }
+    if (s.camera_imu) add(text, "; with IMU {:.4f} px", s.camera_imu->rmse_px);
+    if (s.entropy_nats) add(text, "; entropy {:.3f} nats", *s.entropy_nats);
+    add(text, "\n");
+  }
+  const auto told = std::find_if(record.scores.begin(), record.scores.end(),
+                                 [](const CalibrationScore& s) { return s.entropy_nats; });
+  if (told == record.scores.end()) return;
+  add(text, "  Entropy: of {} parameters ({} ... {}), corners of {:g} px\n",
+      told->entropy_parameters.size(), told->entropy_parameters.front(),
+      told->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
+}
+
+/// Centre and worst value of a map.
+void addMap(Text& text, const ImageMap& map) {
+  double worst = 0;
+  for (const double v : map.values) {
+    if (std::isfinite(v)) worst = std::max(worst, v);
+  }
+  const auto centre = static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2);
+  const std::string range =
+      std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : "infinity";
+  add(text, "  {:<24} {:<6} {:>9} {:>10.4f} {:>10.4f}  {}\n", fitted(map.label), map.camera, range,
+      map.values[centre], worst, map.method);
+}
+
+void addMaps(Text& text, const char* title, const std::vector<ImageMap>& maps) {
+  if (maps.empty()) return;
+  add(text, "\n{:<42} {:>10} {:>10}\n", title, "centre", "most");
+  for (const ImageMap& map : maps) addMap(text, map);
+}
+
+}  // namespace
+
+std::string comparisonSummary(const ComparisonRecord& record) {
+  Text text;
+  addParameters(text, record);
+  addScores(text, record);
+  addMaps(text, "Standard deviation of a projection [px]", record.uncertainties);
+  addMaps(text, "Projection difference [px]", record.differences);
+  add(text, "\nVerdict: {}\n", toString(record.verdict.level));
+  for (const Finding& f : record.verdict.findings) {
+    add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
+    if (!f.advice.empty()) add(text, "            {}\n", f.advice);
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/write_comparison.h"
+
+#include <filesystem>
+
+#include "datasets/atomic_file.h"
+#include "evaluate/compare/comparison_document.h"
+#include "evaluate/workflow/result_folder.h"
+
+namespace plumbline {
+
+void writeComparison(const ComparisonRecord& record, const std::string& out, bool report) {
+  (void)report;
+  writeResultFolder(out, {"comparison.json", "comparison.csv", "records.sqlite", "report.html"},
+                    [&](const std::filesystem::path& folder) {
+                      const auto write = [&](const char* name, const std::string& text) {
+                        writeFileAtomically((folder / name).string(), text);
+                      };
+                      write("comparison.json", comparisonDocument(record));
+                      write("comparison.csv", comparisonTable(record));
+                    });
+}
+
+}  // namespace plumbline

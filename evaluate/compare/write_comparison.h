@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "report/records/comparison_record.h"
+
+namespace plumbline {
+
+/// Writes comparison.json and comparison.csv into `out`, together or not at all; see
+/// writeResultFolder().
+void writeComparison(const ComparisonRecord& record, const std::string& out, bool report);
+
+}  // namespace plumbline
