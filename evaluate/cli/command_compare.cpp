@@ -40,6 +40,7 @@ struct Options {
   std::string loss = "cauchy:1.5";
   double pixel_sigma = 1;
   double gravity = 9.80655;
+  int min_corners = FrameOptions{}.min_corners;
   bool no_report = false;
 };
 
@@ -49,8 +50,10 @@ void declareMaps(CLI::App& app, Options& o) {
       ->allow_extra_args(false)
       ->capture_default_str();
   app.add_option("--grid", o.grid, "Points over the image, COLUMNSxROWS")->capture_default_str();
-  app.add_option("--focus-radius", o.focus_radius_px,
-                 "Align within this radius of the image's centre [px] (0: by itself)")
+  app.add_option(
+         "--focus-radius", o.focus_radius_px,
+         "Align within this radius of the image's centre [px], all alike (0: weighted by the "
+         "uncertainties, or a sixth of the image without any)")
       ->capture_default_str();
   app.add_option("--fit", o.fit, "What the alignment minimises: squares, or fourth-power (mrcal 2)")
       ->capture_default_str();
@@ -71,6 +74,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--pixel-sigma", o.pixel_sigma, "Standard deviation of a corner, per axis [px]")
       ->capture_default_str();
   app.add_option("--loss", o.loss, "Of the poses on --session: none, or cauchy:SCALE [px]")
+      ->capture_default_str();
+  app.add_option("--min-corners", o.min_corners, "Leave out views with fewer corners")
       ->capture_default_str();
   app.add_option("--gravity", o.gravity, "Magnitude of gravity [m/s^2]")->capture_default_str();
   app.add_option("--out", o.out, "Folder for the results")->required();
@@ -123,6 +128,7 @@ Value wordFrom(const char* option, const std::string& word,
 CompareRequest requestOf(const Options& o, const CLI::App& app) {
   requirePositive("--pixel-sigma", o.pixel_sigma);
   requirePositive("--gravity", o.gravity);
+  requirePositive("--min-corners", o.min_corners);
   if (!(o.focus_radius_px >= 0) || !std::isfinite(o.focus_radius_px)) {
     throw InputError(fmt::format("--focus-radius {}: expected pixels", o.focus_radius_px));
   }
@@ -133,6 +139,7 @@ CompareRequest requestOf(const Options& o, const CLI::App& app) {
     request.load = o.session.request();
     request.load->read.supported_models_only = false;
     request.score.camera.frames.tolerance = request.load->read.sync_tolerance;
+    request.score.camera.frames.min_corners = o.min_corners;
     request.score.camera.threads = threadCount(request.load->threads);
   }
   request.score.camera.pixel_sigma = request.score.camera_imu.pixel_sigma = o.pixel_sigma;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/compare/compare_calibrations.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "calibrator/batch/camera_batch.h"
 #include "calibrator/batch/camera_information.h"
 #include "evaluate/compare/compared_parameters.h"
+#include "evaluate/compare/lint.h"
 #include "evaluate/compare/paired_prediction.h"
 #include "evaluate/compare/read_compared.h"
 #include "evaluate/workflow/match_cameras.h"
@@ -68,10 +70,45 @@ ComparisonRecord emptyRecord(const CompareRequest& request) {
   return record;
 }
 
+bool isAmong(const Finding& finding, const std::vector<Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
+    return f.rule == finding.rule && f.evidence == finding.evidence;
+  });
+}
+
+/// Lint of each file into its calibration; what only shows between them is returned.
+std::vector<Finding> lintAll(std::vector<ComparedFile>& files) {
+  std::vector<LintedCalibration> all;
+  std::vector<Finding> alone;
+  for (ComparedFile& file : files) {
+    const bool noise_known = file.compared.calibration.imu && file.states_noise;
+    all.push_back({file.compared.label, file.compared.calibration, noise_known});
+    file.compared.lint = lintCalibrations({&all.back(), 1});
+    alone.insert(alone.end(), file.compared.lint.begin(), file.compared.lint.end());
+  }
+  std::vector<Finding> between;
+  for (Finding& f : lintCalibrations(all)) {
+    if (!isAmong(f, alone)) between.push_back(std::move(f));
+  }
+  return between;
+}
+
+std::vector<Finding> lintOnSession(const std::vector<ComparedFile>& files, const Session& session) {
+  std::vector<LintedCalibration> all;
+  for (const ComparedFile& file : files) {
+    const bool noise_known = file.compared.calibration.imu && file.states_noise;
+    all.push_back({file.compared.label, file.compared.calibration, noise_known});
+  }
+  return lintAgainstSession(all, session);
+}
+
+void append(const std::vector<Finding>& more, std::vector<Finding>& findings) {
+  findings.insert(findings.end(), more.begin(), more.end());
+}
+
 std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<ComparedFile>& files,
                                 const ProgressSink& progress, ComparisonRecord& record) {
-  LoadRequest load = *request.load;
-  const LoadedSession loaded = loadSession(load, progress);
+  const LoadedSession loaded = loadSession(*request.load, progress);
   record.name = loaded.session.name;
   record.provenance.input = loaded.session.name;
   record.provenance.input_hash = loaded.input_hash;
@@ -82,6 +119,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
     calibration = matchCalibration(calibration, file.path, loaded.session);
     all.push_back(scoreOn(loaded, file, request, progress));
   }
+  append(lintOnSession(files, loaded.session), record.verdict.findings);
   return all;
 }
 
@@ -123,6 +161,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   }
   std::vector<ComparedFile> files = readCompared(request.calibrations, request.labels);
   ComparisonRecord record = emptyRecord(request);
+  record.verdict.findings = lintAll(files);
   std::vector<OnSession> on_session;
   if (request.load) on_session = scoreAll(request, files, progress, record);
   std::vector<Calibration> calibrations;
@@ -142,6 +181,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
       findings.push_back(std::move(f));
     }
   }
+  append(record.verdict.findings, findings);
   record.verdict = makeVerdict(std::move(findings));
   return record;
 }

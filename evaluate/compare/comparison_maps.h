@@ -30,7 +30,7 @@ CameraUncertainty uncertaintyFromFile(const ParameterCovariance& covariance,
 struct MapOptions {
   std::vector<double> ranges_m{std::numeric_limits<double>::infinity(), 1.0};
   ImageGrid grid;
-  double focus_radius_px = 0;  ///< see DifferenceOptions
+  double focus_radius_px = 0;  ///< see DifferenceOptions; above 0 fits are not weighted
   DifferenceFit fit = DifferenceFit::kSquares;
 };
 

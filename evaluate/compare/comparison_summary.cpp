@@ -88,7 +88,7 @@ void addScores(Text& text, const ComparisonRecord& record) {
       add(text, "{}\n", s.problem);
       continue;
     }
-    add(text, "RMSE {:.4f} px", s.reprojection.rmse_px);
+    add(text, "{}RMSE {:.4f} px", s.held_out ? "held out, " : "", s.reprojection.rmse_px);
     for (std::size_t c = 0; c < s.per_camera.size(); ++c) {
       add(text, ", {} {:.4f}", c < s.cameras.size() ? s.cameras[c] : fmt::format("cam{}", c),
           s.per_camera[c].rmse_px);

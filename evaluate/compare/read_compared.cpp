@@ -80,6 +80,7 @@ void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
 void readKalibr(ComparedFile& file) {
   const KalibrRun run = readKalibrRun(file.path);
   file.compared.calibration = run.calibration();
+  file.states_noise = run.imu.has_value() || (run.results_imu && run.results_imu->noise);
   if (const auto results = run.results()) addOwnFigures(*results, file);
   for (const std::string& remark : run.remarks) {
     Finding f;
@@ -100,6 +101,7 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
     file.path = paths[i];
     file.compared.calibration = readCalibration(paths[i]);
     file.extras = readCalibrationExtras(paths[i]);
+    file.states_noise = statesImuNoise(paths[i]);
     if (file.extras.tool == "kalibr") readKalibr(file);
     file.compared.label = names[i];
     file.compared.file = fs::path(paths[i]).filename().string();

@@ -15,6 +15,7 @@ struct ComparedFile {
   std::string path;
   ComparedCalibration compared;
   CalibrationExtras extras;
+  bool states_noise = false;     ///< whether calibration.imu->noise was read
   std::vector<Finding> remarks;  ///< what Kalibr's text beside its YAML says of itself
 };
 

@@ -6,18 +6,21 @@
 #include "datasets/atomic_file.h"
 #include "evaluate/compare/comparison_document.h"
 #include "evaluate/workflow/result_folder.h"
+#include "evaluate/workflow/write_results.h"
+#include "report/store/store.h"
 
 namespace plumbline {
 
 void writeComparison(const ComparisonRecord& record, const std::string& out, bool report) {
   (void)report;
-  writeResultFolder(out, {"comparison.json", "comparison.csv", "records.sqlite", "report.html"},
+  writeResultFolder(out, {"comparison.json", "comparison.csv", kRecordsFile, "report.html"},
                     [&](const std::filesystem::path& folder) {
                       const auto write = [&](const char* name, const std::string& text) {
                         writeFileAtomically((folder / name).string(), text);
                       };
                       write("comparison.json", comparisonDocument(record));
                       write("comparison.csv", comparisonTable(record));
+                      Store(folder / kRecordsFile).save(record);
                     });
 }
 

@@ -7,8 +7,8 @@
 
 namespace plumbline {
 
-/// Writes comparison.json and comparison.csv into `out`, together or not at all; see
-/// writeResultFolder().
+/// Writes comparison.json, comparison.csv and records.sqlite into `out`, together or not at all;
+/// see writeResultFolder().
 void writeComparison(const ComparisonRecord& record, const std::string& out, bool report);
 
 }  // namespace plumbline
