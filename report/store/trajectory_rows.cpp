@@ -58,12 +58,14 @@ void fields(Archive& a, ClockOffsetRecord& r) {
   a("offset_s", r.offset_s);
   a("std_s", r.std_s);
   a("correlation", r.correlation);
+  a.added("magnitudes", r.magnitudes);
 }
 
 template <class Archive>
 void fields(Archive& a, HandEyeRecord& r) {
   a("T_SM", r.T_SM);
   a("T_SM_std", r.T_SM_std);
+  a.added("T_SM_covariance", r.T_SM_covariance);
   a("T_VW", r.T_VW);
   a("rms_translation_m", r.rms_translation_m);
   a("rms_rotation_rad", r.rms_rotation_rad);

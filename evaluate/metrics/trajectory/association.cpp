@@ -85,6 +85,7 @@ std::vector<StampedPose> shifted(std::vector<StampedPose> poses, double offset_s
 
 struct InterpolatedPairs {
   std::vector<PosePair> pairs;
+  std::vector<std::size_t> estimate_index;
   std::size_t in_gaps = 0;
 };
 
@@ -92,10 +93,12 @@ InterpolatedPairs interpolatedPairs(const std::vector<StampedPose>& estimate,
                                     const std::vector<StampedPose>& truth, double max_gap_s) {
   InterpolatedPairs found;
   const TimeNs max_gap = toNanoseconds(max_gap_s);
-  for (const StampedPose& pose : estimate) {
-    const Interpolated at = poseAt(truth, pose.t, max_gap);
-    if (at.pose) found.pairs.push_back({pose, *at.pose});
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const Interpolated at = poseAt(truth, estimate[i].t, max_gap);
     if (at.in_gap) ++found.in_gaps;
+    if (!at.pose) continue;
+    found.pairs.push_back({estimate[i], *at.pose});
+    found.estimate_index.push_back(i);
   }
   return found;
 }
@@ -136,15 +139,17 @@ const char* nameOf(AssociationRule rule) {
 Association associate(const Trajectory& estimate, const Trajectory& truth,
                       const AssociationOptions& options) {
   assert(options.max_dt_s >= 0 && options.max_gap_s >= 0);
-  Association result{{}, describe(estimate, truth, options)};
+  Association result{{}, describe(estimate, truth, options), {}};
   const std::vector<StampedPose> poses = shifted(estimate.poses, options.time_offset_s);
   if (options.rule == AssociationRule::kInterpolate) {
     InterpolatedPairs found = interpolatedPairs(poses, truth.poses, options.max_gap_s);
     result.pairs = std::move(found.pairs);
+    result.estimate_index = std::move(found.estimate_index);
     result.record.stamps_in_gaps = found.in_gaps;
   } else {
     for (const StampMatch& match : matchesOf(poses, truth.poses, options)) {
       result.pairs.push_back({poses[match.estimate], truth.poses[match.truth]});
+      result.estimate_index.push_back(match.estimate);
     }
   }
   result.record.matches = result.pairs.size();

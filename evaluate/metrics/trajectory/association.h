@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "calibrator/base/trajectory.h"
@@ -37,6 +38,7 @@ struct PosePair {
 struct Association {
   std::vector<PosePair> pairs;  ///< in the order of the estimate
   AssociationRecord record;
+  std::vector<std::size_t> estimate_index;  ///< of each pair: where its pose is in the estimate
 };
 
 /// Pairs the poses of `estimate` with those of `truth` and says what was odd: equal stamps, gaps,
