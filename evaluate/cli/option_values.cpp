@@ -71,6 +71,7 @@ const ThresholdMembers& thresholdMembers() {
       {"tag_spacing", &VerdictThresholds::tag_spacing},
       {"frames_without_imu", &VerdictThresholds::frames_without_imu},
       {"imu_gaps", &VerdictThresholds::imu_gaps},
+      {"camera_shift_ms", &VerdictThresholds::camera_shift_ms},
       {"imu_rate", &VerdictThresholds::imu_rate},
       {"target_scale", &VerdictThresholds::target_scale},
       {"gravity", &VerdictThresholds::gravity},

@@ -27,6 +27,7 @@ struct VerdictThresholds {
   Bound offset_std_ms{0.5, 5.0};        ///< of the time offset [ms], above
   Bound lever_arm_m{0.5, 2.0};          ///< length of T_SC0's translation [m], above
   Bound offset_ms{100, 1000};           ///< size of the time offset [ms], above
+  Bound camera_shift_ms{1, 100};        ///< largest time offset between cameras [ms], above
   Bound principal_point{0.1,
                         0.25};  ///< distance from the image's centre, relative to its side, above
   /// Strip without corners at the right or lower edge of an image that the rest says is smaller, as

@@ -167,6 +167,26 @@ const Finding& findingOf(const Verdict& verdict, const std::string& rule) {
   throw std::runtime_error("no finding " + rule);
 }
 
+TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
+  CalibrationRecord record = cameraRecord(0.3, 0.5);
+  record.camera_imu = CameraImuStageResult();
+  CameraCalibration cam0, cam1;
+  cam0.name = "cam0";
+  cam1.name = "cam1";
+  record.camera_imu->cameras = {cam0, cam1};
+  const std::string rule = "Cameras exposed together";
+  for (const Finding& finding : judge(record).findings) EXPECT_NE(finding.rule, rule);
+  record.camera_imu->imu.camera_time_offsets_s = {1e-3, 1.4e-3};
+  EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kGood);
+  record.camera_imu->imu.camera_time_offsets_s = {1e-3, -2e-3};
+  EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kDoubtful);
+  for (const Finding& finding : judge(record).findings) {
+    if (finding.rule != rule) continue;
+    EXPECT_DOUBLE_EQ(finding.value, 3);
+    EXPECT_THAT(finding.evidence, ::testing::HasSubstr("cam1 -2.0000"));
+  }
+}
+
 TEST(Verdict, SpacingOfTheTagsIsMeasured) {
   AprilGrid truth;
   const std::string rule = "Spacing of the target's tags";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -39,6 +41,29 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
   return findings;
 }
 
+namespace {
+
+// The cameras' own time offsets, where they were found not to be synchronised.
+std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
+                                      const VerdictThresholds& t) {
+  const std::vector<double>& offsets = stage.imu.camera_time_offsets_s;
+  double largest_ms = 0;
+  std::string list;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    largest_ms = std::max(largest_ms, 1e3 * std::abs(offsets[i] - offsets.front()));
+    list +=
+        fmt::format("{}{} {:+.4f}", i == 0 ? "" : ", ", stage.cameras[i].name, 1e3 * offsets[i]);
+  }
+  if (offsets.empty()) return std::nullopt;
+  return above(
+      {"Cameras exposed together", "ms", t.camera_shift_ms,
+       "Trigger the cameras together: the camera stage takes paired views as simultaneous, "
+       "and a filter with one offset for all cameras cannot use these."},
+      largest_ms, fmt::format("time offsets [ms]: {}", list));
+}
+
+}  // namespace
+
 Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t) {
   Findings findings;
   const double arm = stage.imu.T_SC0.t.norm();
@@ -52,6 +77,7 @@ Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThres
                             "buffering or from stamps taken at arrival."},
                            offset,
                            fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.time_offset_s)));
+  if (auto finding = judgeSynchrony(stage, t)) findings.push_back(std::move(*finding));
   return findings;
 }
 
