@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/internal/basalt_calibration.h"
 #include "datasets/internal/yac_result.h"
 #include "datasets/internal/yaml_map.h"
 
@@ -57,6 +58,8 @@ CalibrationExtras readCalibrationExtras(const std::string& path) {
   } else if (file.has("cam0")) {
     const YamlMap camera = file.map("cam0", "a camera");
     extras.tool = camera.has("T_imu_cam") ? "openvins" : "kalibr";
+  } else if (isBasaltCalibration(file)) {
+    extras.tool = "basalt";
   } else {
     extras.tool = "plumbline";
     extras.cameras = camerasCovariance(file);

@@ -10,7 +10,7 @@ namespace plumbline {
 
 /// What a calibration's file says beside the calibration itself.
 struct CalibrationExtras {
-  std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac"
+  std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac", "basalt"
   /// Ours: of the last stage that estimated the cameras; names as in the file ("cam0.fu").
   std::optional<ParameterCovariance> cameras;
   std::string input;       ///< ours: name of the session that it was estimated from

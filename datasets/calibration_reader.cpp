@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/calibration_reader.h"
 
+#include "datasets/internal/basalt_calibration.h"
 #include "datasets/internal/calibration_fields.h"
 #include "datasets/internal/yac_result.h"
 #include "datasets/internal/yaml_map.h"
@@ -74,7 +75,8 @@ Calibration readOurs(const YamlMap& file) {
 }
 
 constexpr const char* kKnownCalibrations =
-    "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, or a result of yac";
+    "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, a result of yac, or "
+    "Basalt's calibration.json";
 
 }  // namespace
 
@@ -82,6 +84,7 @@ Calibration readCalibration(const std::string& path) {
   const std::string what = kKnownCalibrations;
   const YamlMap file = YamlMap::load(path, what);
   if (isYacResult(file)) return readYacResult(file);
+  if (isBasaltCalibration(file)) return readBasaltCalibration(file);
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
   if (file.has("schema") && file.has("cameras")) return readOurs(file);
   throw badInput(path, 1, {"this is no calibration that is known", what, ""});
@@ -89,7 +92,7 @@ Calibration readCalibration(const std::string& path) {
 
 bool statesImuNoise(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kKnownCalibrations);
-  return isYacResult(file) || file.has("schema");
+  return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
 }
 
 }  // namespace plumbline

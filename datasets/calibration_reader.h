@@ -8,8 +8,8 @@
 namespace plumbline {
 
 /// Reads a calibration, told by its content: ours (calibration.json), Kalibr's (camchain*.yaml),
-/// OpenVINS' (kalibr_imucam_chain.yaml) or yac's (its results of camera and of camera-IMU
-/// calibration).
+/// OpenVINS' (kalibr_imucam_chain.yaml), yac's (its results of camera and of camera-IMU
+/// calibration) or Basalt's (calibration.json, all below value0).
 ///
 /// Kalibr: T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; a chain is
 /// resolved to T_C0Ci. The IMU is there if cam0 has T_cam_imu; the time offset is that of camera 0,
@@ -22,9 +22,9 @@ namespace plumbline {
 /// rolling shutter (line_delay), and models whose number of parameters is wrong.
 Calibration readCalibration(const std::string& path);
 
-/// Whether a calibration's file states the noise densities of its IMU: ours and yac's do, Kalibr's
-/// and OpenVINS' camchain do not (ImuCalibration::noise is then its default). Throws InputError for
-/// a file that cannot be parsed.
+/// Whether a calibration's file states the noise densities of its IMU: ours, yac's and Basalt's do,
+/// Kalibr's and OpenVINS' camchain do not (ImuCalibration::noise is then its default). Throws
+/// InputError for a file that cannot be parsed.
 bool statesImuNoise(const std::string& path);
 
 }  // namespace plumbline

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrator/camera/camera.h"
+#include "datasets/calibration_reader.h"
 #include "tests/datasets/export/exported_rigs.h"
+#include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
 namespace {
@@ -27,6 +29,47 @@ Eigen::Matrix4d pose(const Json& json) {
   T.topLeftCorner<3, 3>() = q.toRotationMatrix();
   T.topRightCorner<3, 1>() << json["px"], json["py"], json["pz"];
   return T;
+}
+
+TEST(ExportBasalt, IsACalibrationThatWeRead) {
+  for (const char* const name : {"euroc", "tumvi", "d435i"}) {
+    const Calibration truth = rig(name);
+    const auto files = exportCalibration(truth, ExportTool::kBasalt, exportOptions());
+    const TemporaryFolder folder;
+    const Calibration read =
+        readCalibration(folder.write("calibration.json", fileText(files, "basalt_calib.json")));
+    ASSERT_EQ(read.cameras.size(), truth.cameras.size());
+    for (std::size_t i = 0; i < read.cameras.size(); ++i) {
+      const Intrinsics& k = read.cameras[i].intrinsics;
+      EXPECT_EQ(k.stacked(), truth.cameras[i].intrinsics.stacked()) << name;
+      EXPECT_EQ(k.distortion_model, truth.cameras[i].intrinsics.distortion_model);
+      EXPECT_EQ(k.resolution, truth.cameras[i].intrinsics.resolution);
+      EXPECT_LT(difference(placeOf(truth, i).matrix(), placeOf(read, i)), 1e-12);
+    }
+    EXPECT_NEAR(read.imu->time_offset_s, truth.imu->time_offset_s, 1e-9);
+    EXPECT_EQ(read.imu->noise.accel_random_walk, truth.imu->noise.accel_random_walk);
+  }
+}
+
+TEST(ExportBasalt, OtherProjectionsReadBack) {
+  Calibration truth = rig("tumvi");
+  truth.cameras.resize(1);
+  Intrinsics& k = truth.cameras[0].intrinsics;
+  const auto readBack = [&](ProjectionModel model, std::vector<double> values) {
+    k.projection_model = model;
+    k.distortion_model = DistortionModel::kNone;
+    k.distortion.resize(0);
+    k.projection = Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
+    const auto files = exportCalibration(truth, ExportTool::kBasalt, exportOptions());
+    const TemporaryFolder folder;
+    const Calibration read =
+        readCalibration(folder.write("calibration.json", fileText(files, "basalt_calib.json")));
+    EXPECT_EQ(read.cameras[0].intrinsics.projection_model, model);
+    return (read.cameras[0].intrinsics.projection - k.projection).norm();
+  };
+  EXPECT_LT(readBack(ProjectionModel::kDs, {-0.2, 0.6, 300, 301, 255, 256}), 1e-12);
+  EXPECT_LT(readBack(ProjectionModel::kEucm, {0.6, 1.1, 300, 301, 255, 256}), 1e-12);
+  EXPECT_LT(readBack(ProjectionModel::kOmni, {0.9, 500, 501, 255, 256}), 1e-10);
 }
 
 TEST(ExportBasalt, PosesOffsetAndNoiseReadBack) {
