@@ -10,6 +10,8 @@
 #include "calibrator/base/error.h"
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/failure.h"
+#include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/cli/trajectory_options.h"
 #include "evaluate/cli/trajectory_summary.h"
 #include "evaluate/workflow/evaluate_trajectory.h"
@@ -22,34 +24,10 @@ constexpr const char* kStandardOutput = "-";
 
 struct Options {
   std::string estimate, truth;
-  std::string align = "se3", association = "one-to-one", rpe = "1m", body, estimate_format, format;
-  int align_first = 0;
-  double max_dt_s = AssociationOptions{}.max_dt_s;
-  double max_gap_s = AssociationOptions{}.max_gap_s;
-  double time_offset_s = 0;
+  std::string body, estimate_format, format;
+  TrajectoryMetricWords metrics;
   std::optional<std::string> json;
 };
-
-void declarePairing(CLI::App& app, Options& o) {
-  app.add_option("--association", o.association,
-                 "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval")
-      ->capture_default_str();
-  app.add_option("--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
-      ->capture_default_str();
-  app.add_option("--max-gap", o.max_gap_s, "interpolate: widest gap of the truth to bridge [s]")
-      ->capture_default_str();
-  app.add_option("--time-offset", o.time_offset_s, "Add this to the estimate's stamps first [s]")
-      ->capture_default_str();
-}
-
-void declareMetrics(CLI::App& app, Options& o) {
-  app.add_option("--align", o.align, "se3, sim3, scale, yaw, origin, se3-first, yaw-first or none")
-      ->capture_default_str();
-  app.add_option("--align-first", o.align_first, "Align by the first N pairs only (0: all)")
-      ->capture_default_str();
-  app.add_option("--rpe", o.rpe, "Distances of relative errors: 1m,10m,1frames,0.5s, or none")
-      ->capture_default_str();
-}
 
 void declareFiles(CLI::App& app, Options& o) {
   app.add_option("estimate", o.estimate, "Estimated trajectory: TUM, EuRoC or KITTI")->required();
@@ -62,36 +40,13 @@ void declareFiles(CLI::App& app, Options& o) {
   app.add_option("--json", o.json, "File to write the figures to; - for standard output");
 }
 
-constexpr double kLongest = 4e9;  // [s], more than any two clocks differ; holds as nanoseconds
-
-double secondsFrom(const char* name, double value, double least) {
-  if (!(value >= least && value <= kLongest)) {
-    throw InputError(
-        fmt::format("{} {}: expected seconds, from {:g} to {:g}", name, value, least, kLongest));
-  }
-  return value;
-}
-
-TrajectoryMetricOptions metricsOf(const Options& o) {
-  TrajectoryMetricOptions metrics;
-  metrics.association = {associationFrom(o.association), secondsFrom("--max-dt", o.max_dt_s, 0),
-                         secondsFrom("--max-gap", o.max_gap_s, 0),
-                         secondsFrom("--time-offset", o.time_offset_s, -kLongest)};
-  if (o.align_first < 0) {
-    throw InputError(
-        fmt::format("--align-first {}: expected a number of pairs, or 0 for all", o.align_first));
-  }
-  metrics.alignment.kind = alignmentFrom(o.align);
-  metrics.alignment.first_n = o.align_first;
-  metrics.rpe = relativeDeltasFrom(o.rpe);
-  return metrics;
-}
-
 TrajectoryRequest requestOf(const Options& o) {
   TrajectoryRequest request;
   request.estimate = o.estimate;
   request.truth = o.truth;
-  request.metrics = metricsOf(o);
+  request.metrics = trajectoryMetricsFrom(o.metrics);
+  request.estimate_w_first = o.metrics.estimate_w_first;
+  request.truth_w_first = o.metrics.truth_w_first;
   if (!o.format.empty()) request.read_truth.format = trajectoryFormatFrom(o.format);
   if (!o.estimate_format.empty()) {
     request.read_estimate.format = trajectoryFormatFrom(o.estimate_format);
@@ -102,10 +57,7 @@ TrajectoryRequest requestOf(const Options& o) {
 
 int evaluateTrajectoryFiles(const Options& o) {
   const Result<TrajectoryEvaluation> result = evaluateTrajectory(requestOf(o));
-  if (!result) {
-    fmt::print(stderr, "plumbline: {}; {}\n", result.failure().message, result.failure().cure);
-    return kFailed;
-  }
+  if (!result) return tellFailure(result.failure());
   if (o.json == kStandardOutput) {
     fmt::print("{}", trajectoryDocument(*result));
     return kDone;
@@ -126,8 +78,7 @@ Command evaluateTrajectoryCommand() {
           [](CLI::App& app) {
             auto options = std::make_shared<Options>();
             declareFiles(app, *options);
-            declarePairing(app, *options);
-            declareMetrics(app, *options);
+            declareTrajectoryMetrics(app, options->metrics);
             return std::function<int()>([options] { return evaluateTrajectoryFiles(*options); });
           }};
 }

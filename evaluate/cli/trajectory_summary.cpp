@@ -48,11 +48,24 @@ std::string alignmentLine(const AlignmentRecord& a) {
       first, a.scale, rotationAngle(T.R) * 180 / std::numbers::pi, T.t.x(), T.t.y(), T.t.z());
 }
 
+std::string neesLines(const TrajectoryRun& run) {
+  std::string text;
+  for (const NeesRecord& r : run.nees) {
+    const char* verdict = r.mean > r.upper   ? "overconfident"
+                          : r.mean < r.lower ? "cautious"
+                                             : "consistent";
+    text += fmt::format("NEES {:<12} mean {:.3f} of {} dof, {:.0f} % bounds [{:.3f}, {:.3f}]: {}\n",
+                        r.part, r.mean, r.dof, 100 * r.confidence, r.lower, r.upper, verdict);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string trajectorySummary(const TrajectoryEvaluation& evaluation) {
   const TrajectoryRun& run = evaluation.run;
-  std::string text = table(run) + "\n" + pairsLine(run) + alignmentLine(run.alignment);
+  std::string text =
+      table(run) + "\n" + pairsLine(run) + alignmentLine(run.alignment) + neesLines(run);
   for (const std::string& remark : evaluation.remarks) text += "note: " + remark + "\n";
   return text;
 }

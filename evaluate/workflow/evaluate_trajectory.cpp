@@ -9,6 +9,9 @@
 
 #include "evaluate/metrics/trajectory/absolute_error.h"
 #include "evaluate/metrics/trajectory/aligned_poses.h"
+#include "evaluate/metrics/trajectory/nees.h"
+#include "evaluate/metrics/trajectory/quaternion_order.h"
+#include "evaluate/workflow/trajectory_frames.h"
 #include "evaluate/workflow/trajectory_remarks.h"
 
 namespace plumbline {
@@ -110,6 +113,77 @@ std::vector<std::string> remarksOnErrors(const TrajectoryRun& run, bool with_rot
   return remarks;
 }
 
+bool isFit(const AlignmentRecord& alignment) {
+  return alignment.kind == nameOf(AlignmentKind::kSe3) ||
+         alignment.kind == nameOf(AlignmentKind::kSim3) ||
+         alignment.kind == nameOf(AlignmentKind::kYaw);
+}
+
+// `evaluation` with the NEES of the pairs, whose covariances are the estimate's.
+TrajectoryEvaluation withNees(TrajectoryEvaluation evaluation, const Trajectory& estimate,
+                              const Association& association, const AlignedPoses& poses) {
+  const AlignmentRecord& alignment = evaluation.run.alignment;
+  std::vector<Matrix6d> covariances;
+  covariances.reserve(association.estimate_index.size());
+  for (const std::size_t i : association.estimate_index) {
+    covariances.push_back(alignedCovariance(estimate.covariances[i], alignment));
+  }
+  const Nees nees = neesOf(poses, covariances);
+  evaluation.run.nees = nees.parts;
+  if (nees.left_out > 0) {
+    evaluation.remarks.push_back(
+        fmt::format("{} covariances are not positive definite: left out of NEES", nees.left_out));
+  }
+  if (nees.used > 0 && isFit(alignment)) {
+    evaluation.remarks.push_back(
+        fmt::format("NEES after alignment {}: the fit takes away error that the covariances, which "
+                    "grow from the start, still expect; yaw-first or se3-first leave it",
+                    alignment.kind));
+  }
+  return evaluation;
+}
+
+// With clock and bodies in common.
+Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Trajectory& truth,
+                                       const TrajectoryMetricOptions& options) {
+  const bool with_rotation = estimate.has_orientation && truth.has_orientation;
+  const Association association = associate(estimate, truth, options.association);
+  if (association.pairs.size() < kFewestPairs) {
+    return explainTooFewPairs(estimate, truth, association, options.association);
+  }
+  if (with_rotation) {
+    if (const auto fault = explainQuaternionOrder(association.pairs)) return *fault;
+  }
+  const Result<AlignmentRecord> alignment = align(association.pairs, options.alignment);
+  if (!alignment) return alignment.failure();
+  TrajectoryRun run;
+  run.association = association.record;
+  run.alignment = *alignment;
+  run.coverage =
+      coverageOf(estimate.poses, truth, toNanoseconds(options.association.time_offset_s));
+  run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
+  std::vector<std::string> remarks =
+      joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));
+  TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
+  if (!with_rotation) return evaluation;
+  const AlignedPoses poses = alignedPoses(association.pairs, *alignment);
+  const std::string rotations = remarkOnRotations(poses, *alignment);
+  if (!rotations.empty()) evaluation.remarks.push_back(rotations);
+  if (estimate.covariances.empty()) return evaluation;
+  return withNees(std::move(evaluation), estimate, association, poses);
+}
+
+// A file whose w stands first, as its reader took it to stand last.
+TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path) {
+  if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
+    throw InputError(path.string(), 0,
+                     "is no TUM file with quaternions: only there can w stand first unannounced; "
+                     "leave out the option");
+  }
+  for (StampedPose& pose : file.trajectory.poses) pose.q = fromWFirst(pose.q);
+  return file;
+}
+
 }  // namespace
 
 Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
@@ -122,31 +196,34 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
                                nameOf(options.alignment.kind)),
                    "align with se3, sim3, yaw or none", FaultyInput::kSession};
   }
-  const Association association = associate(estimate, truth, options.association);
-  if (association.pairs.size() < kFewestPairs) {
-    return explainTooFewPairs(estimate, truth, association, options.association);
-  }
-  const Result<AlignmentRecord> alignment = align(association.pairs, options.alignment);
-  if (!alignment) return alignment.failure();
-  TrajectoryRun run;
-  run.association = association.record;
-  run.alignment = *alignment;
-  run.coverage =
-      coverageOf(estimate.poses, truth, toNanoseconds(options.association.time_offset_s));
-  run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
-  std::vector<std::string> remarks =
-      joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));
-  if (with_rotation) {
-    const std::string rotations =
-        remarkOnRotations(alignedPoses(association.pairs, *alignment), *alignment);
-    if (!rotations.empty()) remarks.push_back(rotations);
-  }
-  return TrajectoryEvaluation{std::move(run), std::move(remarks)};
+  const Result<CommonFrames> frames = commonFrames(estimate, truth, options);
+  if (!frames) return frames.failure();
+  TrajectoryMetricOptions rest = options;
+  rest.association.time_offset_s = frames->time_offset_s;
+  Result<TrajectoryEvaluation> result =
+      evaluated(estimate, frames->truth_S ? *frames->truth_S : truth, rest);
+  if (!result) return result;
+  TrajectoryEvaluation& evaluation = result.value();
+  evaluation.run.clock_offset = frames->clock_offset;
+  evaluation.run.hand_eye = frames->hand_eye;
+  evaluation.remarks = joined(frames->remarks, std::move(evaluation.remarks));
+  evaluation.run.remarks = evaluation.remarks;
+  return result;
 }
 
-Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request) {
-  const TrajectoryFile estimate = readTrajectory(request.estimate, request.read_estimate);
-  const TrajectoryFile truth = readTrajectory(request.truth, request.read_truth);
+TrajectoryFile readEstimate(const TrajectoryRequest& request) {
+  TrajectoryFile file = readTrajectory(request.estimate, request.read_estimate);
+  return request.estimate_w_first ? reordered(std::move(file), request.estimate) : file;
+}
+
+TrajectoryFile readTruth(const TrajectoryRequest& request) {
+  TrajectoryFile file = readTrajectory(request.truth, request.read_truth);
+  return request.truth_w_first ? reordered(std::move(file), request.truth) : file;
+}
+
+Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
+                                           const TrajectoryFile& truth,
+                                           const TrajectoryRequest& request) {
   Result<TrajectoryEvaluation> result =
       evaluateTrajectories(estimate.trajectory, truth.trajectory, request.metrics);
   if (!result) return named(result.failure(), request);
@@ -156,7 +233,12 @@ Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request
   evaluation.remarks =
       joined(joined(remarksOf(request.estimate, estimate), remarksOf(request.truth, truth)),
              std::move(evaluation.remarks));
+  evaluation.run.remarks = evaluation.remarks;
   return result;
+}
+
+Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request) {
+  return evaluateFiles(readEstimate(request), readTruth(request), request);
 }
 
 }  // namespace plumbline

@@ -51,27 +51,73 @@ Json rpeOf(const std::vector<RelativeErrorRecord>& records) {
   return list;
 }
 
+template <class Matrix>
+Json matrixRows(const Matrix& M) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < M.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < M.cols(); ++j) row.push_back(M(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json clockOf(const ClockOffsetRecord& r) {
+  return {{"offset_s", r.offset_s},
+          {"std_s", r.std_s},
+          {"correlation", r.correlation},
+          {"of", r.magnitudes ? "magnitudes" : "vectors"}};
+}
+
+Json handEyeOf(const HandEyeRecord& r) {
+  return {{"T_SM", matrixRows(r.T_SM.matrix())},
+          {"T_SM_std", std::vector<double>(r.T_SM_std.data(), r.T_SM_std.data() + 6)},
+          {"T_SM_covariance", matrixRows(r.T_SM_covariance)},
+          {"T_VW", matrixRows(r.T_VW.matrix())},
+          {"rms_translation_m", r.rms_translation_m},
+          {"rms_rotation_rad", r.rms_rotation_rad}};
+}
+
+Json neesOf(const std::vector<NeesRecord>& records) {
+  Json list = Json::array();
+  for (const NeesRecord& r : records) {
+    list.push_back({{"part", r.part},
+                    {"dof", r.dof},
+                    {"mean", r.mean},
+                    {"lower", r.lower},
+                    {"upper", r.upper},
+                    {"confidence", r.confidence}});
+  }
+  return list;
+}
+
 }  // namespace
 
+nlohmann::ordered_json trajectoryRunJson(const TrajectoryRun& run) {
+  Json json = {{"estimate", run.estimate}, {"truth", run.truth}};
+  if (run.status != RunStatus::kFailed) {
+    json["n"] = run.association.matches;
+    json["association"] = run.association.rule;
+    json["alignment"] = run.alignment.kind;
+    json["align_first"] = run.alignment.first_n;
+    json["scale"] = run.alignment.scale;
+    json["R"] = rowsOf(run.alignment.T_truth_estimate.R);
+    json["t"] = listOf(run.alignment.T_truth_estimate.t);
+    json["ate"] = {{"translation_m", statisticsOf(run.ate_translation_m)},
+                   {"rotation_deg", statisticsOf(run.ate_rotation_deg)}};
+    json["rpe"] = rpeOf(run.rpe);
+    json["coverage"] = run.coverage;
+    json["stamps"] = stampsOf(run.association);
+  }
+  if (run.clock_offset) json["clock_offset"] = clockOf(*run.clock_offset);
+  if (run.hand_eye) json["hand_eye"] = handEyeOf(*run.hand_eye);
+  if (!run.nees.empty()) json["nees"] = neesOf(run.nees);
+  json["remarks"] = run.remarks;
+  return json;
+}
+
 std::string trajectoryDocument(const TrajectoryEvaluation& evaluation) {
-  const TrajectoryRun& run = evaluation.run;
-  const Json json = {{"estimate", run.estimate},
-                     {"truth", run.truth},
-                     {"n", run.association.matches},
-                     {"association", run.association.rule},
-                     {"alignment", run.alignment.kind},
-                     {"align_first", run.alignment.first_n},
-                     {"scale", run.alignment.scale},
-                     {"R", rowsOf(run.alignment.T_truth_estimate.R)},
-                     {"t", listOf(run.alignment.T_truth_estimate.t)},
-                     {"ate",
-                      {{"translation_m", statisticsOf(run.ate_translation_m)},
-                       {"rotation_deg", statisticsOf(run.ate_rotation_deg)}}},
-                     {"rpe", rpeOf(run.rpe)},
-                     {"coverage", run.coverage},
-                     {"stamps", stampsOf(run.association)},
-                     {"remarks", evaluation.remarks}};
-  return json.dump(2) + "\n";
+  return trajectoryRunJson(evaluation.run).dump(2) + "\n";
 }
 
 }  // namespace plumbline

@@ -9,6 +9,7 @@
 
 #include "evaluate/metrics/trajectory/absolute_error.h"
 #include "evaluate/metrics/trajectory/body_frame.h"
+#include "evaluate/metrics/trajectory/quaternion_order.h"
 
 namespace plumbline {
 namespace {
@@ -166,6 +167,22 @@ std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& 
     remark += "and no constant turn of the body explains it";
   }
   return remark + "; positions are judged rightly, rotation and relative errors are not";
+}
+
+std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {
+  const auto fault = quaternionOrderFault(pairs);
+  if (!fault) return std::nullopt;
+  const char* side = fault->estimate && fault->truth ? "truth or of the estimate"
+                     : fault->truth                  ? "truth"
+                                                     : "estimate";
+  const char* cure = fault->truth && !fault->estimate ? "--truth-w-first" : "--estimate-w-first";
+  return Failure{
+      FailureReason::kImplausible,
+      fmt::format("the quaternions of the {} are w-first where w-last was expected: read as they "
+                  "stand, the body turns by {:.1f} deg (median) against the truth's, in the other "
+                  "order by {:.1f} deg",
+                  side, fault->as_read_deg, fault->reordered_deg),
+      fmt::format("read them by {}, or put w behind z in the file", cure), FaultyInput::kSession};
 }
 
 }  // namespace plumbline

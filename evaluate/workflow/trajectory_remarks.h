@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,5 +26,9 @@ std::vector<std::string> remarksOn(const Association& association);
 /// IMU), or quaternions that one file has inverted; "" where they agree within 15 degrees in the
 /// median.
 std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment);
+
+/// kImplausible with the cure where quaternions were read in the wrong order, see
+/// quaternionOrderFault.
+std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs);
 
 }  // namespace plumbline

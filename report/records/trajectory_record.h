@@ -49,14 +49,14 @@ struct RelativeErrorRecord {
 struct ClockOffsetRecord {
   double offset_s = 0;
   double std_s = 0;
-  double correlation = 0;  ///< at the maximum, -1 to 1
+  double correlation = 0;   ///< at the maximum, -1 to 1
   bool magnitudes = false;  ///< of the rates' magnitudes, since no rotation joined the bodies
 };
 
 /// The marker body M in the IMU frame S, with the truth's world V and the estimate's world W.
 struct HandEyeRecord {
   Transform T_SM;
-  Vector6d T_SM_std = Vector6d::Zero();  ///< [m, rad]
+  Vector6d T_SM_std = Vector6d::Zero();         ///< [m, rad]
   Matrix6d T_SM_covariance = Matrix6d::Zero();  ///< tangent (dt, da) of Transform
   Transform T_VW;
   double rms_translation_m = 0;

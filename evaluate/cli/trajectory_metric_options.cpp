@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/trajectory_metric_options.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/trajectory_options.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kLongest = 4e9;  // [s], more than any two clocks differ; holds as nanoseconds
+constexpr double kWidest = 600;   // [s] of the search for a clock offset
+
+void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
+  app.add_option("--association", o.association,
+                 "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval")
+      ->capture_default_str();
+  app.add_option("--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
+      ->capture_default_str();
+  app.add_option("--max-gap", o.max_gap_s, "interpolate: widest gap of the truth to bridge [s]")
+      ->capture_default_str();
+  app.add_option("--time-offset", o.time_offset_s, "Add this to the estimate's stamps first [s]")
+      ->capture_default_str();
+}
+
+void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
+  app.add_option("--clock-offset", o.clock_offset,
+                 "t_truth - t_estimate: auto (from angular rates), seconds, or none")
+      ->capture_default_str();
+  app.add_option("--clock-range", o.clock_range_s,
+                 "auto: search within this, both ways about --time-offset [s]")
+      ->capture_default_str();
+  app.add_option("--hand-eye", o.hand_eye,
+                 "Marker body to the estimate's body: auto (from the data, then the truth is moved "
+                 "to the estimate's body) or none")
+      ->capture_default_str();
+  app.add_flag("--estimate-w-first", o.estimate_w_first,
+               "The estimate is TUM with quaternions w x y z");
+  app.add_flag("--truth-w-first", o.truth_w_first, "The truth is TUM with quaternions w x y z");
+}
+
+void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
+  app.add_option("--align", o.align, "se3, sim3, scale, yaw, origin, se3-first, yaw-first or none")
+      ->capture_default_str();
+  app.add_option("--align-first", o.align_first, "Align by the first N pairs only (0: all)")
+      ->capture_default_str();
+  app.add_option("--rpe", o.rpe, "Distances of relative errors: 1m,10m,1frames,0.5s, or none")
+      ->capture_default_str();
+}
+
+double secondsFrom(const char* name, double value, double least, double most = kLongest) {
+  if (!(value >= least && value <= most)) {
+    throw InputError(
+        fmt::format("{} {}: expected seconds, from {:g} to {:g}", name, value, least, most));
+  }
+  return value;
+}
+
+// --clock-offset in seconds; "none" is 0.
+double knownOffset(const std::string& word) {
+  if (word == "none" || word == "auto") return 0;
+  double value = 0;
+  const char* const end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, value);
+  if (error != std::errc() || rest != end || !(std::abs(value) <= kLongest)) {
+    throw InputError(
+        fmt::format("--clock-offset {}: expected auto, none, or seconds, e.g. -0.035", word));
+  }
+  return value;
+}
+
+bool handEyeFrom(const std::string& word) {
+  if (word == "auto") return true;
+  if (word == "none") return false;
+  throw InputError(fmt::format("--hand-eye {}: expected auto or none", word));
+}
+
+}  // namespace
+
+void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words) {
+  declarePairing(app, words);
+  declareFrames(app, words);
+  declareErrors(app, words);
+}
+
+TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
+  TrajectoryMetricOptions metrics;
+  metrics.association = {associationFrom(o.association), secondsFrom("--max-dt", o.max_dt_s, 0),
+                         secondsFrom("--max-gap", o.max_gap_s, 0),
+                         secondsFrom("--time-offset", o.time_offset_s, -kLongest)};
+  metrics.association.time_offset_s += knownOffset(o.clock_offset);
+  if (o.clock_offset == "auto") {
+    metrics.clock = ClockOffsetOptions{};
+    metrics.clock->max_offset_s = secondsFrom("--clock-range", o.clock_range_s, 0.05, kWidest);
+  }
+  metrics.hand_eye = handEyeFrom(o.hand_eye);
+  if (o.align_first < 0) {
+    throw InputError(
+        fmt::format("--align-first {}: expected a number of pairs, or 0 for all", o.align_first));
+  }
+  metrics.alignment.kind = alignmentFrom(o.align);
+  metrics.alignment.first_n = o.align_first;
+  metrics.rpe = relativeDeltasFrom(o.rpe);
+  return metrics;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include "evaluate/workflow/evaluate_trajectory.h"
+
+namespace plumbline {
+
+/// How trajectories are judged, in the words of the command line; `evaluate trajectory` and
+/// `evaluate trajectories` share them.
+struct TrajectoryMetricWords {
+  std::string align = "se3", association = "one-to-one", rpe = "1m";
+  std::string clock_offset = "none", hand_eye = "none";
+  int align_first = 0;
+  double max_dt_s = AssociationOptions{}.max_dt_s;
+  double max_gap_s = AssociationOptions{}.max_gap_s;
+  double time_offset_s = 0;
+  double clock_range_s = ClockOffsetOptions{}.max_offset_s;
+  bool estimate_w_first = false, truth_w_first = false;
+};
+
+/// Adds the options to `app`, which fills `words`.
+void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words);
+
+/// The words as values; throws InputError that names an option and what it may be.
+TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& words);
+
+}  // namespace plumbline
