@@ -44,3 +44,10 @@ if [ -f "$estimate" ] && [ -f "$truth" ]; then
 else
   echo "No $data/trajectories: trajectory errors are left out" >&2
 fi
+
+# Projection uncertainty and difference: beside mrcal's, on the same corners.
+for session in "$data/euroc_imu_april" "$work/simulated"; do
+  [ -d "$session" ] || continue
+  printf '\n%s:\n\n' "$(basename "$session")"
+  /usr/bin/python3 scripts/benchmark/projections.py --plumbline "$plumbline" "$session"
+done
