@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// plumbline evaluate calibration, as a user runs it.
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class EvaluateCalibration : public CommandLine {
+ protected:
+  static void SetUpTestSuite() {
+    CommandLine::SetUpTestSuite();
+    const Outcome outcome = plumbline("calibrate " + session().string() + " --out " +
+                                      (root_ / "own").string() + " --no-cache --no-report");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  }
+  static std::string ours() { return (root_ / "own" / "calibration.json").string(); }
+
+  Outcome score(const std::string& calibration, const fs::path& folder,
+                const std::string& options = "") const {
+    return plumbline("evaluate calibration " + calibration + " " + folder.string() + " --out " +
+                     (scratch() / "out").string() + " --no-cache " + options);
+  }
+  nlohmann::json document() const {
+    return nlohmann::json::parse(read(scratch() / "out" / "evaluation.json"));
+  }
+  // Our calibration with one piece of its text replaced.
+  std::string edited(const std::string& from, const std::string& to) const {
+    fs::create_directories(scratch());
+    write(scratch() / "edited.json", replaced(read(ours()), from, to));
+    return (scratch() / "edited.json").string();
+  }
+};
+
+TEST_F(EvaluateCalibration, OursAndItsKalibrFormScoreAlikeAsTheirOwnResult) {
+  const auto own = nlohmann::json::parse(read(ours())).at("stages");
+  const Outcome outcome = score(ours(), session());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("cam0"), HasSubstr("with IMU")));
+  const auto s = document().at("scores").at(0);
+  EXPECT_NEAR(s.at("reprojection").at("rmse_px").get<double>(),
+              own.at("camera").at("rmse_px").get<double>(), 1e-6);
+  EXPECT_NEAR(s.at("camera_imu").at("rmse_px").get<double>(),
+              own.at("camera_imu").at("rmse_px").get<double>(), 1e-5);
+  EXPECT_NEAR(s.at("camera_imu").at("cost").get<double>(),
+              own.at("camera_imu").at("cost").get<double>(),
+              1e-5 * own.at("camera_imu").at("cost").get<double>());
+  EXPECT_EQ(s.at("held_out"), false);
+  const Outcome kalibr = score((root_ / "own" / "camchain-imucam.yaml").string(), session());
+  ASSERT_EQ(kalibr.exit_code, 0) << kalibr.text;
+  const auto k = document().at("scores").at(0);
+  EXPECT_NEAR(k.at("camera_imu").at("rmse_px").get<double>(),
+              s.at("camera_imu").at("rmse_px").get<double>(), 1e-6);
+}
+
+TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {
+  const fs::path other = scratch() / "other";
+  fs::create_directories(scratch());
+  ASSERT_EQ(plumbline("simulate --out " + other.string() + " --rig euroc --seed 9 --duration 6")
+                .exit_code,
+            0);
+  const Outcome outcome =
+      score(ours(), session(), "--no-imu --folds 2 --held-out " + other.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const auto scores = document().at("scores");
+  ASSERT_EQ(scores.size(), 8u);
+  EXPECT_EQ(scores.at(6).at("part"), "all 2 folds");
+  EXPECT_EQ(scores.at(6).at("held_out"), true);
+  EXPECT_EQ(scores.at(7).at("session"), "other");
+  EXPECT_EQ(scores.at(7).at("held_out"), true);
+  EXPECT_GT(scores.at(7).at("per_camera").at("cam1").at("corners").get<int>(), 1000);
+  EXPECT_FALSE(scores.at(0).contains("camera_imu"));
+  EXPECT_THAT(outcome.text, HasSubstr("other, held out"));
+}
+
+TEST_F(EvaluateCalibration, AnotherResolutionIsRefusedByTheFilesName) {
+  auto json = nlohmann::json::parse(read(ours()));
+  json["cameras"][1]["resolution"] = {640, 480};
+  fs::create_directories(scratch());
+  write(scratch() / "other.json", json.dump());
+  expectRefusal(score((scratch() / "other.json").string(), session()), 2,
+                AllOf(HasSubstr("other.json"), HasSubstr("cam1"), HasSubstr("640x480"),
+                      HasSubstr("752x480")));
+}
+
+TEST_F(EvaluateCalibration, AMissingCameraIsRefusedByTheFilesName) {
+  const std::string file = edited("\"name\": \"cam1\"", "\"name\": \"cam7\"");
+  expectRefusal(score(file, session()), 2, AllOf(HasSubstr("edited.json"), HasSubstr("cam1")));
+  expectRefusal(score((scratch() / "none.yaml").string(), session()), 2, HasSubstr("none.yaml"));
+}
+
+TEST_F(EvaluateCalibration, ASessionWithoutCornersHasNoScore) {
+  const fs::path folder = spoiled();
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().filename() != "corners.csv") continue;
+    write(entry.path(), "#timestamp [ns],corner_id,u [px],v [px]\n");
+  }
+  const Outcome outcome = score(ours(), folder);
+  EXPECT_NE(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("corner"));
+  EXPECT_FALSE(fs::exists(scratch() / "out"));
+}
+
+TEST_F(EvaluateCalibration, OneFoldIsNone) {
+  const Outcome outcome = score(ours(), session(), "--folds 1");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("--folds"));
+}
+
+TEST_F(EvaluateCalibration, NothingIsWrittenIntoTheRecording) {
+  const Outcome outcome = plumbline("evaluate calibration " + ours() + " " + session().string() +
+                                    " --out " + (session() / "out").string());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("inside the recording"));
+}
+
+}  // namespace
+}  // namespace plumbline
