@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// plumbline compare as a user runs it: on a simulated recording whose calibration is written in our
+// format and in Kalibr's, and what it refuses.
+#include <cmath>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class CommandCompare : public CommandLine {
+ protected:
+  static void SetUpTestSuite() {
+    CommandLine::SetUpTestSuite();
+    const Outcome outcome = plumbline("calibrate " + session().string() + " --out " +
+                                      (root_ / "result").string() + " --no-cache --no-report");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  }
+  static std::string ours() { return (root_ / "result/calibration.json").string(); }
+  static std::string kalibrs() { return (root_ / "result/camchain-imucam.yaml").string(); }
+  static std::string truth() { return (session() / "truth/camchain-imucam.yaml").string(); }
+
+  Outcome compare(const std::string& arguments) const {
+    return plumbline("compare " + arguments + " --out " + (scratch() / "out").string() +
+                     " --no-cache --no-report");
+  }
+  json document() const { return json::parse(read(scratch() / "out/comparison.json")); }
+  static json row(const json& document, const std::string& name) {
+    for (const json& p : document["parameters"]) {
+      if (p["name"] == name) return p;
+    }
+    ADD_FAILURE() << name;
+    return {};
+  }
+};
+
+TEST_F(CommandCompare, TheSameCalibrationInTwoFormatsIsIdentical) {
+  const Outcome outcome = compare(ours() + " " + kalibrs());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json d = document();
+  EXPECT_EQ(d["parameters"].size(), 33u);  // 2 x 8 + 6 + 6 + 1, 2 x (angle, lever)
+  for (const json& p : d["parameters"]) {
+    ASSERT_TRUE(p["difference"][1].is_number()) << p["name"];
+    EXPECT_LT(std::abs(p["difference"][1].get<double>()), 1e-9) << p["name"];
+  }
+  ASSERT_EQ(d["differences"].size(), 4u);  // 2 cameras, 2 ranges
+  for (const json& map : d["differences"]) {
+    for (const json& v : map["values_px"]) EXPECT_LT(v.get<double>(), 1e-6);
+  }
+  // Ours carries a covariance, Kalibr's does not; without a recording nobody is scored.
+  EXPECT_EQ(d["uncertainties"].size(), 4u);
+  EXPECT_THAT(d["uncertainties"][0]["method"], HasSubstr("image fit"));
+  EXPECT_TRUE(d["scores"].empty());
+  EXPECT_THAT(outcome.text, HasSubstr("cam0.fu [px]"));
+  EXPECT_THAT(read(scratch() / "out/comparison.csv"), HasSubstr("T_SC0.angle,rad,"));
+}
+
+TEST_F(CommandCompare, WithARecordingBothAreScored) {
+  const Outcome outcome = compare(ours() + " " + truth() + " --labels ours,truth --session " +
+                                  session().string() + " --range inf --grid 5x3");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json d = document();
+  ASSERT_EQ(d["scores"].size(), 2u);
+  // Corners have 0.2 px an axis: 0.28 px, under the estimate in sample and under the truth.
+  for (const json& score : d["scores"]) {
+    EXPECT_NEAR(score["rmse_px"].get<double>(), 0.28, 0.02);
+    EXPECT_EQ(score["entropy_parameters"].size(), 22u);
+  }
+  // The same corners, noise and list at nearly the same values.
+  EXPECT_NEAR(d["scores"][0]["entropy_nats"].get<double>(),
+              d["scores"][1]["entropy_nats"].get<double>(), 0.1);
+  ASSERT_EQ(d["paired"].size(), 2u);
+  EXPECT_GT(d["paired"][0]["difference_px2"].get<double>(), 0);  // in sample, ours fits the noise
+  EXPECT_EQ(d["uncertainties"].size(), 4u);
+  EXPECT_EQ(d["uncertainties"][0]["values_px"].size(), 15u);
+  EXPECT_THAT(d["uncertainties"][0]["method"], HasSubstr("cross-reprojection on "));
+  // The truth is as far away as the predicted deviations allow: 0.2 px of a sigma of 1.
+  for (const json& map : d["differences"]) {
+    for (std::size_t i = 0; i < 15; ++i) {
+      const double std = d["uncertainties"][map["camera"] == "cam0" ? 0 : 1]["values_px"][i];
+      EXPECT_LT(map["values_px"][i].get<double>(), 5 * 0.2 * std) << map["camera"] << i;
+    }
+  }
+}
+
+TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
+  const auto refused = [this](const std::string& arguments, const std::string& words) {
+    expectRefusal(compare(arguments), 2, HasSubstr(words));
+  };
+  const std::string both = ours() + " " + kalibrs();
+  refused(ours(), "two or more");
+  refused(both + " --range 0", "--range 0");
+  refused(both + " --range 1m", "--range 1m");
+  refused(both + " --grid 2x2", "--grid 2x2");
+  refused(both + " --labels a", "--labels");
+  refused(both + " --labels a,a", "same label");
+  refused(both + " --fit best", "squares or fourth-power");
+  refused(both + " --uncertainty none", "cross-reprojection or mean-frames");
+  refused(both + " --focus-radius -1", "--focus-radius");
+  refused(both + " --session " + (scratch() / "nowhere").string(), "nowhere");
+  refused(ours() + " " + (session() / "target.yaml").string(), "target.yaml");
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/compared_parameters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "evaluate/compare/comparison_findings.h"
+#include "evaluate/compare/paired_prediction.h"
+
+namespace plumbline {
+namespace {
+
+Calibration stereo() {
+  Calibration c;
+  for (int i = 0; i < 2; ++i) {
+    CameraCalibration camera;
+    camera.name = "cam" + std::to_string(i);
+    camera.intrinsics.resolution = {752, 480};
+    camera.intrinsics.projection = Eigen::Vector4d(458, 457, 367, 248);
+    camera.intrinsics.distortion = Eigen::Vector4d(-0.28, 0.07, 2e-4, 1e-5);
+    c.cameras.push_back(camera);
+  }
+  c.cameras[1].T_C0Ci = Transform(expSO3({0.01, -0.02, 0.003}), {0.11, 0.001, -0.002});
+  c.imu.emplace();
+  c.imu->T_SC0 = Transform(expSO3({0.02, -0.01, 1.55}), {-0.02, -0.065, 0.01});
+  c.imu->time_offset_s = 1e-3;
+  return c;
+}
+
+const ComparedParameter& row(const std::vector<ComparedParameter>& rows, const std::string& name) {
+  const auto found = std::find_if(rows.begin(), rows.end(),
+                                  [&](const ComparedParameter& r) { return r.name == name; });
+  EXPECT_NE(found, rows.end()) << name;
+  return *found;
+}
+
+TEST(ComparedParameters, TheSameCalibrationHasNoDifference) {
+  for (const ComparedParameter& r : comparedParameters({stereo(), stereo()})) {
+    ASSERT_EQ(r.values.size(), 2u);
+    EXPECT_FALSE(r.difference[0].has_value());
+    ASSERT_TRUE(r.difference[1].has_value()) << r.name;
+    EXPECT_LT(std::abs(*r.difference[1]), 1e-15) << r.name;  // Log(R Rt) rounds
+  }
+}
+
+Calibration moved() {
+  Calibration c = stereo();
+  c.cameras[0].intrinsics.projection[0] += 0.5;
+  c.cameras[1].T_C0Ci.t += Eigen::Vector3d(3e-4, 0, 4e-4);
+  c.imu->T_SC0.R = expSO3({0, 0, 1e-3}) * c.imu->T_SC0.R;
+  c.imu->time_offset_s -= 2e-4;
+  return c;
+}
+
+TEST(ComparedParameters, DifferencesAreThoseThatWereMade) {
+  const auto rows = comparedParameters({stereo(), moved()});
+  EXPECT_NEAR(*row(rows, "cam0.fu").difference[1], 0.5, 1e-12);
+  EXPECT_NEAR(*row(rows, "T_C0C1.tz").difference[1], 4e-4, 1e-15);
+  EXPECT_NEAR(*row(rows, "T_C0C1.lever").difference[1], 5e-4, 1e-12);
+  EXPECT_NEAR(*row(rows, "T_C0C1.angle").difference[1], 0, 1e-12);
+  EXPECT_NEAR(*row(rows, "T_SC0.rz").difference[1], 1e-3, 1e-12);
+  EXPECT_NEAR(*row(rows, "T_SC0.angle").difference[1], 1e-3, 1e-12);
+  EXPECT_NEAR(*row(rows, "time_offset").difference[1], -2e-4, 1e-15);
+}
+
+TEST(ComparedParameters, TheOrderOnlyFlipsSigns) {
+  const auto forth = comparedParameters({stereo(), moved()});
+  const auto back = comparedParameters({moved(), stereo()});
+  ASSERT_EQ(forth.size(), back.size());
+  for (std::size_t i = 0; i < forth.size(); ++i) {
+    const bool norm = forth[i].name.ends_with(".angle") || forth[i].name.ends_with(".lever");
+    EXPECT_EQ(forth[i].name, back[i].name);
+    EXPECT_NEAR(*forth[i].difference[1], (norm ? 1 : -1) * *back[i].difference[1], 1e-15)
+        << forth[i].name;
+  }
+}
+
+TEST(ComparedParameters, SignificanceNeedsBothDeviations) {
+  Calibration a = stereo(), b = moved();
+  a.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.3);
+  EXPECT_FALSE(row(comparedParameters({a, b}), "cam0.fu").significance[1].has_value());
+  b.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.4);
+  EXPECT_NEAR(*row(comparedParameters({a, b}), "cam0.fu").significance[1], 0.5 / 0.5, 1e-12);
+}
+
+TEST(ComparedParameters, AnotherModelHasValuesButNoDifference) {
+  Calibration b = stereo();
+  b.cameras[1].intrinsics.distortion_model = DistortionModel::kFov;
+  b.cameras[1].intrinsics.distortion = Eigen::VectorXd::Constant(1, 0.9);
+  const auto rows = comparedParameters({stereo(), b});
+  EXPECT_TRUE(row(rows, "cam1.fu").values[1].has_value());
+  EXPECT_FALSE(row(rows, "cam1.fu").difference[1].has_value());
+  EXPECT_FALSE(row(rows, "cam1.k1").values[1].has_value());
+  EXPECT_FALSE(row(rows, "cam1.w").values[0].has_value());
+  EXPECT_TRUE(row(rows, "cam0.fu").difference[1].has_value());
+}
+
+TEST(ComparedParameters, OffsetsOfEachCameraAreMeantTogether) {
+  Calibration b = stereo();
+  b.imu->camera_time_offsets_s = {1e-3, 3e-3};
+  const auto rows = comparedParameters({stereo(), b});
+  EXPECT_NEAR(*row(rows, "time_offset").difference[1], 1e-3, 1e-15);
+  EXPECT_NEAR(*row(rows, "time_offset.cam1").difference[1], 2e-3, 1e-15);
+  EXPECT_NEAR(*row(rows, "time_offset.cam0").difference[1], 0, 1e-15);
+  b.imu.reset();
+  const auto without = comparedParameters({stereo(), b});
+  EXPECT_FALSE(row(without, "T_SC0.tx").difference[1].has_value());
+  EXPECT_FALSE(row(without, "T_SC0.angle").difference[1].has_value());
+}
+
+CameraStageResult errorsOf(const std::vector<float>& per_view) {
+  CameraStageResult result;
+  result.cameras = stereo().cameras;
+  for (std::size_t f = 0; f < per_view.size(); ++f) {
+    result.frames.push_back({static_cast<TimeNs>(f), {static_cast<int>(f), -1}});
+    for (int id = 0; id < 2; ++id) {
+      CornerResidual r;
+      r.frame = static_cast<int>(f);
+      r.corner_id = id;
+      r.error = Eigen::Vector2f(per_view[f], 0);
+      result.residuals.push_back(r);
+    }
+  }
+  return result;
+}
+
+TEST(PairedPrediction, MeanAndStandardErrorOfTheDifferences) {
+  const auto paired = pairedPredictions(errorsOf({1, 2, 3}), errorsOf({2, 2, 2}), "b");
+  ASSERT_EQ(paired.size(), 1u);  // the second camera saw nothing
+  EXPECT_EQ(paired[0].views, 3);
+  // Squares 4-1, 4-4, 4-9: mean -2/3; deviation from (3, 0, -5).
+  EXPECT_NEAR(paired[0].difference_px2, -2.0 / 3, 1e-9);
+  EXPECT_NEAR(paired[0].std_px2, std::sqrt((13.4444444 + 0.4444444 + 18.7777778) / 2 / 3), 1e-6);
+}
+
+TEST(PairedPrediction, OnlyViewsUnderBothCount) {
+  CameraStageResult other = errorsOf({1, 1, 1});
+  for (CornerResidual& r : other.residuals) r.used = r.frame != 0;
+  const auto paired = pairedPredictions(errorsOf({9, 1, 1}), other, "b");
+  ASSERT_EQ(paired.size(), 1u);
+  EXPECT_EQ(paired[0].views, 2);
+  EXPECT_EQ(paired[0].difference_px2, 0);
+}
+
+const Finding* find(const std::vector<Finding>& findings, const std::string& start) {
+  const auto found = std::find_if(findings.begin(), findings.end(),
+                                  [&](const Finding& f) { return f.rule.rfind(start, 0) == 0; });
+  return found == findings.end() ? nullptr : &*found;
+}
+
+TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
+  Calibration a = stereo(), b = moved();
+  a.cameras[0].intrinsics_std = b.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.1);
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", a, {}}, {"b", "", "", b, {}}};
+  record.parameters = comparedParameters({a, b});
+  record.paired = {{"b", "cam0", 100, -0.2, 0.01}, {"b", "cam1", 100, 0.02, 0.01}};
+  ImageMap map{"cam0", "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 0.1, 1, 1, 1, 6}, {}, {}};
+  record.differences = {map};
+  const auto findings = comparisonFindings(record);
+  EXPECT_EQ(find(findings, "Parameters of b")->level, VerdictLevel::kDoubtful);
+  EXPECT_NE(find(findings, "Parameters of b")->evidence.find("cam0.fu (3.5)"), std::string::npos);
+  EXPECT_NE(find(findings, "Transforms")->evidence.find("0.500 mm"), std::string::npos);
+  EXPECT_EQ(find(findings, "Projection of cam0")->level, VerdictLevel::kBad);
+  EXPECT_NE(find(findings, "Projection of cam0")->evidence.find("0.100 px at the centre, 6.000"),
+            std::string::npos);
+  EXPECT_EQ(find(findings, "Corners of cam0")->evidence.rfind("b is better", 0), 0u);
+  EXPECT_EQ(find(findings, "Corners of cam1")->evidence.rfind("no clear difference", 0), 0u);
+}
+
+}  // namespace
+}  // namespace plumbline
