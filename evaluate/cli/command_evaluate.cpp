@@ -13,7 +13,8 @@ namespace plumbline {
 namespace {
 
 std::vector<Command> evaluations() {
-  return {evaluateTrajectoryCommand(), evaluateCalibrationCommand()};
+  return {evaluateTrajectoryCommand(), evaluateTrajectoriesCommand(),
+          evaluateCalibrationCommand()};
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ Command evaluateCommand();  ///< with subcommands; the table is in command_evalu
 
 /// The subcommands of `evaluate`.
 Command evaluateTrajectoryCommand();
+Command evaluateTrajectoriesCommand();
 Command evaluateCalibrationCommand();
 
 }  // namespace plumbline

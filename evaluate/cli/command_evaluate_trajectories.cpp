@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/estimation_options.h"
+#include "evaluate/cli/runs_summary.h"
+#include "evaluate/cli/trajectory_metric_options.h"
+#include "evaluate/workflow/evaluate_runs.h"
+#include "evaluate/workflow/provenance.h"
+#include "evaluate/workflow/result_folder.h"
+#include "evaluate/workflow/write_runs.h"
+
+namespace plumbline {
+namespace {
+
+struct Options {
+  RunsRequest request;
+  TrajectoryMetricWords metrics;
+  double max_ate_m = 0;
+  std::string out, body;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("runs", o.request.runs,
+                 "Estimates, with the fields {calibration}, {sequence} and {run} in their path")
+      ->required();
+  app.add_option("--truth", o.request.truth, "Ground truths, with {sequence}; or one file")
+      ->required();
+  app.add_option("--out", o.out, "Folder for the results")->required();
+  app.add_option("--min-coverage", o.request.min_coverage,
+                 "Share of the truth's time below which a run is partial")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--max-ate", o.max_ate_m,
+                 "ATE [m] above which a run has diverged (default: the spread of the truth)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--body", o.body, "Rigid body of motion-capture exports");
+  app.add_option("--threads", o.request.threads, "Threads (0: all cores)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  declareTrajectoryMetrics(app, o.metrics);
+}
+
+RunsRequest requestOf(const Options& o) {
+  RunsRequest request = o.request;
+  request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  request.how.estimate_w_first = o.metrics.estimate_w_first;
+  request.how.truth_w_first = o.metrics.truth_w_first;
+  request.how.read_truth.body = o.body;
+  if (o.max_ate_m > 0) request.max_ate_m = o.max_ate_m;
+  return request;
+}
+
+int evaluateTrajectoryRuns(const Options& o, const CLI::App& app) {
+  refuseUnwritable(o.out);
+  TrajectoryRecord record = evaluateRuns(requestOf(o));
+  record.name = std::filesystem::path(o.out).filename().string();
+  record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
+  record.provenance.input = o.request.runs;
+  writeRuns(record, o.out);
+  fmt::print("{}\nResults: {}\n", runsSummary(record), o.out);
+  return kDone;
+}
+
+}  // namespace
+
+Command evaluateTrajectoriesCommand() {
+  return {"trajectories", "Errors of many runs, sequences and calibrations, failures counted",
+          "plumbline evaluate trajectories 'results/{calibration}/{sequence}_{run}.txt' --truth "
+          "'truth/{sequence}.csv' --out errors",
+          [](CLI::App& app) {
+            auto options = std::make_shared<Options>();
+            declare(app, *options);
+            return std::function<int()>(
+                [options, &app] { return evaluateTrajectoryRuns(*options, app); });
+          }};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/workflow/runs_document.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "evaluate/workflow/record_json.h"
+#include "evaluate/workflow/trajectory_document.h"
+
+namespace plumbline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> inOrder(const std::vector<TrajectoryRun>& runs,
+                                 std::string TrajectoryRun::*field) {
+  std::vector<std::string> names;
+  for (const TrajectoryRun& run : runs) {
+    if (std::find(names.begin(), names.end(), run.*field) == names.end()) {
+      names.push_back(run.*field);
+    }
+  }
+  return names;
+}
+
+std::optional<double> medianOf(std::vector<double> complete, std::size_t expected) {
+  complete.resize(expected, std::numeric_limits<double>::infinity());
+  if (expected == 0) return std::nullopt;
+  std::sort(complete.begin(), complete.end());
+  const double median = 0.5 * (complete[(expected - 1) / 2] + complete[expected / 2]);
+  return std::isfinite(median) ? std::optional(median) : std::nullopt;
+}
+
+// Of one sequence, or of all where there is none.
+RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string* sequence,
+                      const std::string& calibration) {
+  RunsSummary s;
+  s.sequence = sequence != nullptr ? *sequence : "";
+  s.calibration = calibration;
+  std::vector<double> ate;
+  for (const TrajectoryRun& run : runs) {
+    if (run.calibration != calibration) continue;
+    if (sequence != nullptr && run.sequence != *sequence) continue;
+    ++s.expected;
+    if (run.status == RunStatus::kPartial) ++s.partial;
+    if (run.status == RunStatus::kFailed) ++s.failed;
+    if (run.status == RunStatus::kComplete) ate.push_back(run.ate_translation_m.rmse);
+  }
+  s.complete = ate.size();
+  if (s.expected > 0) {
+    s.completion = static_cast<double>(s.complete) / static_cast<double>(s.expected);
+  }
+  s.ate_median_m = medianOf(std::move(ate), s.expected);
+  return s;
+}
+
+using Repetition = std::pair<std::string, std::string>;
+
+std::map<Repetition, double> completeAte(const std::vector<TrajectoryRun>& runs,
+                                         const std::string& calibration) {
+  std::map<Repetition, double> ate;
+  for (const TrajectoryRun& run : runs) {
+    if (run.calibration != calibration || run.status != RunStatus::kComplete) continue;
+    ate[{run.sequence, run.run}] = run.ate_translation_m.rmse;
+  }
+  return ate;
+}
+
+RunsDifference differenceOf(const std::vector<TrajectoryRun>& runs, const std::string& a,
+                            const std::string& b) {
+  const auto of_a = completeAte(runs, a), of_b = completeAte(runs, b);
+  std::set<Repetition> expected;
+  for (const TrajectoryRun& run : runs) expected.insert({run.sequence, run.run});
+  std::vector<double> d;
+  for (const auto& [key, ate] : of_a) {
+    const auto other = of_b.find(key);
+    if (other != of_b.end()) d.push_back(other->second - ate);
+  }
+  RunsDifference difference;
+  difference.a = a;
+  difference.b = b;
+  difference.pairs = d.size();
+  difference.left_out = expected.size() - d.size();
+  difference.b_better = static_cast<std::size_t>(
+      std::count_if(d.begin(), d.end(), [](double value) { return value < 0; }));
+  const SampleStatistics s = sampleStatistics(std::move(d));
+  difference.mean_m = s.mean;
+  difference.median_m = s.median;
+  difference.std_m = s.std;
+  return difference;
+}
+
+Json summaryJson(const RunsSummary& s) {
+  return {{"sequence", s.sequence.empty() ? Json() : Json(s.sequence)},
+          {"calibration", s.calibration},
+          {"expected", s.expected},
+          {"complete", s.complete},
+          {"partial", s.partial},
+          {"failed", s.failed},
+          {"completion", s.completion},
+          {"ate_median_m", s.ate_median_m ? Json(*s.ate_median_m) : Json()}};
+}
+
+Json differenceJson(const RunsDifference& d) {
+  return {{"a", d.a},           {"b", d.b},
+          {"pairs", d.pairs},   {"left_out", d.left_out},
+          {"mean_m", d.mean_m}, {"median_m", d.median_m},
+          {"std_m", d.std_m},   {"b_better", d.b_better}};
+}
+
+Json runJson(const TrajectoryRun& run) {
+  Json json = {{"sequence", run.sequence},
+               {"calibration", run.calibration},
+               {"run", run.run},
+               {"status", nameOf(run.status)},
+               {"problem", run.problem}};
+  json.update(trajectoryRunJson(run));
+  return json;
+}
+
+// A cell of a CSV file: quoted where it must be.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string rowOf(const TrajectoryRun& run) {
+  std::string text = fmt::format("{},{},{},{},{:.6f},", cell(run.sequence), cell(run.calibration),
+                                 cell(run.run), nameOf(run.status), run.coverage);
+  if (run.ate_translation_m.n > 0) {
+    text +=
+        fmt::format("{},{:.9g},{:.9g},{:.9g},", run.ate_translation_m.n, run.ate_translation_m.rmse,
+                    run.ate_translation_m.median, run.ate_translation_m.max);
+  } else {
+    text += ",,,,";
+  }
+  if (run.ate_rotation_deg.n > 0) text += fmt::format("{:.9g}", run.ate_rotation_deg.rmse);
+  return text + "," + cell(run.problem) + "," + cell(run.estimate) + "\n";
+}
+
+}  // namespace
+
+const char* nameOf(RunStatus status) {
+  switch (status) {
+    case RunStatus::kComplete:
+      return "complete";
+    case RunStatus::kPartial:
+      return "partial";
+    case RunStatus::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+std::vector<RunsSummary> summarised(const std::vector<TrajectoryRun>& runs) {
+  std::vector<RunsSummary> list;
+  const auto sequences = inOrder(runs, &TrajectoryRun::sequence);
+  const auto calibrations = inOrder(runs, &TrajectoryRun::calibration);
+  for (const std::string& sequence : sequences) {
+    for (const std::string& name : calibrations) list.push_back(summaryOf(runs, &sequence, name));
+  }
+  for (const std::string& name : calibrations) list.push_back(summaryOf(runs, nullptr, name));
+  return list;
+}
+
+std::vector<RunsDifference> differences(const std::vector<TrajectoryRun>& runs) {
+  std::vector<RunsDifference> list;
+  const auto names = inOrder(runs, &TrajectoryRun::calibration);
+  for (std::size_t a = 0; a < names.size(); ++a) {
+    for (std::size_t b = a + 1; b < names.size(); ++b) {
+      list.push_back(differenceOf(runs, names[a], names[b]));
+    }
+  }
+  return list;
+}
+
+std::string runsDocument(const TrajectoryRecord& record) {
+  Json json = {{"schema", 1}, {"name", record.name}, {"summary", Json::array()}};
+  json["paired"] = Json::array();
+  json["runs"] = Json::array();
+  for (const RunsSummary& s : summarised(record.runs)) json["summary"].push_back(summaryJson(s));
+  for (const RunsDifference& d : differences(record.runs)) {
+    json["paired"].push_back(differenceJson(d));
+  }
+  for (const TrajectoryRun& run : record.runs) json["runs"].push_back(runJson(run));
+  json["provenance"] = provenanceJson(record.provenance);
+  return json.dump(2) + "\n";
+}
+
+std::string runsTable(const TrajectoryRecord& record) {
+  std::string text =
+      "sequence,calibration,run,status,coverage,n,ate_rmse_m,ate_median_m,ate_max_m,"
+      "ate_rotation_rmse_deg,problem,estimate\n";
+  for (const TrajectoryRun& run : record.runs) text += rowOf(run);
+  return text;
+}
+
+}  // namespace plumbline
