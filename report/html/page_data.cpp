@@ -27,6 +27,8 @@ const char* classOf(Cell::Kind kind) {
       return "number";
     case Cell::Kind::kCode:
       return "code";
+    case Cell::Kind::kTight:
+      return "tight";
     case Cell::Kind::kText:
       break;
   }

@@ -13,13 +13,14 @@
 namespace plumbline::html_internal {
 
 struct Cell {
-  enum class Kind { kText, kNumber, kCode };
+  enum class Kind { kText, kNumber, kCode, kTight };  ///< kTight: never wrapped
   std::string text;
   Kind kind = Kind::kText;
   std::optional<VerdictLevel> level = {};  ///< a dot of its colour before the text
 };
 
 inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber, {}}; }
+inline Cell tight(std::string text) { return {std::move(text), Cell::Kind::kTight, {}}; }
 inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode, {}}; }
 
 struct Column {

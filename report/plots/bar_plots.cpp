@@ -52,10 +52,18 @@ std::vector<AxisTick> ticksOf(const std::vector<std::string>& names) {
   return ticks;
 }
 
+/// A pale version of the colour, opaque so that whiskers do not show through.
+Colour tint(const Colour& colour) {
+  const auto pale = [](std::uint8_t v) {
+    return static_cast<std::uint8_t>(255 - (255 - v) * 23 / 100);
+  };
+  return {pale(colour.red), pale(colour.green), pale(colour.blue), 255};
+}
+
 void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
                     const BoxSummary& box, double centre) {
   const auto& q = box.quantiles;
-  const Colour colour = seriesColour(0);
+  const Colour colour = seriesColour(box.series);
   device.setShapeTitle(fmt::format("{}: {:.4g} | {:.4g} | {:.4g} | {:.4g} | {:.4g}", box.name, q[0],
                                    q[1], q[2], q[3], q[4]));
   internal::setPen(painter, colour, 1.2);
@@ -64,7 +72,7 @@ void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& p
   for (const double end : {q[0], q[4]}) {
     drawLine(painter, page, {centre - 0.12, centre + 0.12}, {end, end});
   }
-  internal::setBrush(painter, {196, 217, 236, 255});
+  internal::setBrush(painter, tint(colour));
   drawBox(painter, page, {centre - 0.25, centre + 0.25}, {q[1], q[3]});
   internal::setPen(painter, colour, 2.2);
   drawLine(painter, page, {centre - 0.25, centre + 0.25}, {q[2], q[2]});
@@ -133,6 +141,9 @@ std::string toSvg(const BoxPlot& plot, const std::string& id) {
   internal::PageLayout layout;
   layout.x = {-0.5, static_cast<double>(std::max<std::size_t>(1, names.size())) - 0.5};
   layout.y = plot.frame.y.range.value_or(rangeOf({&values}, 0.06));
+  for (std::size_t s = 0; s < plot.series.size(); ++s) {
+    layout.legend.push_back({plot.series[s], seriesColour(s)});
+  }
   PlotFrame frame = plot.frame;
   frame.x.ticks = ticksOf(names);
   ChartPage page(frame, layout, id);

@@ -60,9 +60,18 @@ struct Series {
   bool markers = false;  ///< LinePlot: points instead of a line
 };
 
+/// A line whose colour tells a value at each of its points: green, amber, red.
+struct ColouredLine {
+  std::vector<double> x, y, value;
+  double width = 2;  ///< [px]
+};
+
 struct LinePlot {
   PlotFrame frame;
   std::vector<Series> series;
+  std::vector<ColouredLine> coloured = {};  ///< above the series, with a colour bar
+  std::string value_label = {};             ///< of the colour bar, with unit
+  Range value_range = {};                   ///< of the colours; values beyond have the end's
 };
 
 /// A cloud of points; above `max_points` in all it is drawn as a density of `bins` x `bins` cells
@@ -134,11 +143,13 @@ struct BarPlot {
 struct BoxSummary {
   std::string name;
   std::array<double, 5> quantiles{};  ///< 0, 25, 50, 75, 100 % (or the whiskers' own)
+  std::size_t series = 0;             ///< decides the colour; place in BoxPlot::series
 };
 
 struct BoxPlot {
   PlotFrame frame;  ///< the x axis' ticks are made from the names
   std::vector<BoxSummary> boxes;
+  std::vector<std::string> series = {};  ///< names for the legend; empty: none
 };
 
 }  // namespace plumbline

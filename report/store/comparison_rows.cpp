@@ -53,7 +53,11 @@ void fields(Archive& a, CalibrationScore& s) {
   a("held_out", s.held_out);
   a("reprojection", s.reprojection);
   a("per_camera", s.per_camera);
+  a("cameras", s.cameras);
+  a("views_used", s.views_used);
+  a("views_offered", s.views_offered);
   a("camera_imu", s.camera_imu);
+  a("camera_imu_cost", s.camera_imu_cost);
   a("gyro_rms_rad_s", s.gyro_rms_rad_s);
   a("accel_rms_m_s2", s.accel_rms_m_s2);
   a("entropy_nats", s.entropy_nats);
@@ -66,6 +70,7 @@ template <class Archive>
 void fields(Archive& a, ImageMap& m) {
   a("camera", m.camera);
   a("label", m.label);
+  a("method", m.method);
   a("range_m", m.range_m);
   a("columns", m.columns);
   a("rows", m.rows);
@@ -79,6 +84,16 @@ void fields(Archive& a, OffsetSummary& o) {
   a("label", o.label);
   a("time_offset_s", o.time_offset_s);
   a("std_s", o.std_s);
+  a("per_camera_s", o.per_camera_s);
+}
+
+template <class Archive>
+void fields(Archive& a, PairedPrediction& p) {
+  a("label", p.label);
+  a("camera", p.camera);
+  a("views", p.views);
+  a("difference_px2", p.difference_px2);
+  a("std_px2", p.std_px2);
 }
 
 /// All but the trajectories, which have a document of their own.
@@ -88,6 +103,7 @@ void fields(Archive& a, ComparisonRecord& r) {
   a("calibrations", r.calibrations);
   a("parameters", r.parameters);
   a("scores", r.scores);
+  a("paired", r.paired);
   a("differences", r.differences);
   a("uncertainties", r.uncertainties);
   a("offsets", r.offsets);

@@ -54,5 +54,11 @@ Colour divergingColour(double u) {
   return between(kStops, u);
 }
 
+Colour errorColour(double u) {
+  static constexpr std::array<Colour, 3> kStops = {
+      {{20, 140, 110, 255}, {226, 160, 30, 255}, {192, 32, 40, 255}}};
+  return between(kStops, u);
+}
+
 }  // namespace internal
 }  // namespace plumbline

@@ -10,5 +10,6 @@ Colour sequentialColour(double u);
 
 /// Blue over white (u = 0.5) to red; clamped.
 Colour divergingColour(double u);
+Colour errorColour(double u);  ///< green, amber, red: lines on white
 
 }  // namespace plumbline::internal

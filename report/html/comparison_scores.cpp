@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What recordings say of the calibrations: scores, predictions, entropies.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "report/html/comparison_sections.h"
+#include "report/html/text.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr auto kNumber = Cell::Kind::kNumber;
+constexpr const char* kDash = "\u2013";
+
+std::string cameraName(const CalibrationScore& score, std::size_t i) {
+  return i < score.cameras.size() ? score.cameras[i] : "cam" + std::to_string(i);
+}
+
+std::string perCamera(const CalibrationScore& s) {
+  std::string text;
+  for (std::size_t i = 0; i < s.per_camera.size(); ++i) {
+    text +=
+        fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", cameraName(s, i), s.per_camera[i].rmse_px);
+  }
+  return text.empty() ? kDash : text;
+}
+
+template <class Format>
+Cell optionalCell(const std::optional<double>& value, const Format& text) {
+  return number(value ? text(*value) : kDash);
+}
+
+std::vector<Cell> scoreRow(const CalibrationScore& s) {
+  const bool scored = s.reprojection.count > 0;
+  const auto decimals = [](double v) { return fmt::format("{:.4f}", v); };
+  std::optional<double> with_imu;
+  if (s.camera_imu) with_imu = s.camera_imu->rmse_px;
+  std::optional<double> gyro;
+  if (s.gyro_rms_rad_s) gyro = 1e3 * *s.gyro_rms_rad_s;
+  return {
+      {s.label},
+      {s.session},
+      tight(s.part),
+      {!scored      ? kDash
+       : s.held_out ? "yes"
+                    : "no"},
+      number(scored ? decimals(s.reprojection.rmse_px) : kDash),
+      {scored ? perCamera(s) : kDash},
+      number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash),
+      optionalCell(with_imu, decimals),
+      optionalCell(gyro, [](double v) { return fmt::format("{:.2f}", v); }),
+      optionalCell(s.accel_rms_m_s2, decimals),
+      s.problem.empty() ? Cell{} : Cell{s.problem, Cell::Kind::kText, VerdictLevel::kDoubtful}};
+}
+
+Table scoresTable(const std::vector<CalibrationScore>& scores) {
+  Table table{{{"Calibration"},
+               {"Recording"},
+               {"Part"},
+               {"Held out"},
+               {"RMSE [px]", kNumber},
+               {"Per camera [px]"},
+               {"Views used", kNumber},
+               {"With IMU [px]", kNumber},
+               {"Gyro [mrad/s]", kNumber},
+               {"Accel [m/s\u00b2]", kNumber},
+               {"Why not"}},
+              {}};
+  for (const CalibrationScore& s : scores) table.rows.push_back(scoreRow(s));
+  return table;
+}
+
+/// RMSE of each camera over the parts of one calibration, weighted by corners; held-out parts
+/// alone where there are any.
+struct Pooled {
+  std::vector<std::string> cameras;
+  std::vector<double> squares;
+  std::vector<double> count;
+};
+
+bool anyHeldOut(const std::vector<CalibrationScore>& scores) {
+  return std::any_of(scores.begin(), scores.end(), [](const CalibrationScore& s) {
+    return s.held_out && s.reprojection.count > 0;
+  });
+}
+
+Pooled pooled(const std::vector<CalibrationScore>& scores, const std::string& label,
+              bool held_out) {
+  Pooled p;
+  for (const CalibrationScore& s : scores) {
+    if (s.label != label || s.held_out != held_out) continue;
+    for (std::size_t i = 0; i < s.per_camera.size(); ++i) {
+      if (i >= p.cameras.size()) {
+        p.cameras.push_back(cameraName(s, i));
+        p.squares.push_back(0);
+        p.count.push_back(0);
+      }
+      const auto n = static_cast<double>(s.per_camera[i].count);
+      p.squares[i] += n * s.per_camera[i].rmse_px * s.per_camera[i].rmse_px;
+      p.count[i] += n;
+    }
+  }
+  return p;
+}
+
+Figure scoreBars(const std::vector<CalibrationScore>& scores) {
+  const bool held_out = anyHeldOut(scores);
+  BarPlot plot;
+  std::vector<std::string> labels;
+  for (const CalibrationScore& s : scores) {
+    if (std::find(labels.begin(), labels.end(), s.label) == labels.end()) labels.push_back(s.label);
+  }
+  for (const std::string& label : labels) {
+    const Pooled p = pooled(scores, label, held_out);
+    std::vector<double> values;
+    for (std::size_t i = 0; i < p.cameras.size(); ++i) {
+      values.push_back(p.count[i] > 0 ? std::sqrt(p.squares[i] / p.count[i])
+                                      : std::numeric_limits<double>::quiet_NaN());
+    }
+    if (p.cameras.size() > plot.categories.size()) plot.categories = p.cameras;
+    if (values.empty()) continue;
+    plot.names.push_back(label);
+    plot.values.push_back(std::move(values));
+  }
+  if (plot.values.empty()) return {};
+  for (auto& values : plot.values) {
+    values.resize(plot.categories.size(), std::numeric_limits<double>::quiet_NaN());
+  }
+  plot.frame.title = held_out ? "RMSE per camera, held out" : "RMSE per camera";
+  plot.frame.width = 960;
+  plot.frame.height = 320;
+  plot.frame.x.label = "camera";
+  plot.frame.y.label = "RMSE [px]";
+  return {toSvg(plot, "score-bars"),
+          held_out ? "Corners that no calibration here was made from; pooled over the held-out "
+                     "parts."
+                   : "None of these scores is held out: a calibration is flattered by the "
+                     "recording that it was made from.",
+          true};
+}
+
+Table pairedTable(const ComparisonRecord& record) {
+  Table table{{{"Calibration"},
+               {"Camera"},
+               {"Views", kNumber},
+               {"Mean difference [px\u00b2]", kNumber},
+               {"Std error [px\u00b2]", kNumber},
+               {"Reading"}},
+              {}};
+  const std::string first = record.calibrations.empty() ? "" : record.calibrations[0].label;
+  for (const PairedPrediction& p : record.paired) {
+    const double sigma = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
+    const std::string better = sigma < 0 ? p.label : first;
+    table.rows.push_back(
+        {{p.label + " \u2212 " + first},
+         {p.camera},
+         number(std::to_string(p.views)),
+         number(fmt::format("{:+.4g}", p.difference_px2)),
+         number(twoDigits(p.std_px2)),
+         {!(p.std_px2 > 0)       ? "\u2013 (no standard error)"
+          : std::abs(sigma) >= 3 ? fmt::format("{} predicts better, by {:.1f} "
+                                               "\u03c3",
+                                               better, std::abs(sigma))
+                                 : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
+  }
+  return table;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+Section scoresSection(const ComparisonRecord& record) {
+  Section section{"scores",
+                  "Scores on recordings",
+                  "Every calibration is held fixed; only the target's poses (and with an IMU the "
+                  "states and gravity) move. The same corners and rule for all, which in-sample "
+                  "figures of different tools are not.",
+                  {},
+                  {}};
+  if (record.scores.empty()) return section;
+  Block block;
+  block.table = scoresTable(record.scores);
+  if (Figure bars = scoreBars(record.scores); !bars.svg.empty()) {
+    block.figures.push_back(std::move(bars));
+  }
+  section.blocks.push_back(std::move(block));
+  if (!record.paired.empty()) {
+    section.blocks.push_back({"Which predicts better, view by view",
+                              "Mean over views of the difference in mean squared error; negative "
+                              "means that the first-named is better. The standard error is of "
+                              "blocks of consecutive views.",
+                              pairedTable(record),
+                              {},
+                              {}});
+  }
+  return section;
+}
+
+Section entropySection(const ComparisonRecord& record) {
+  Section section{"entropy",
+                  "Entropy",
+                  fmt::format("0.5 log((2\u03c0e)\u207f |\u03a3|) of the parameters on that "
+                              "recording, in nats, for a corner noise of {:g} px; lower is better "
+                              "determined. It compares only under the same parameters, units and "
+                              "noise.",
+                              record.assumptions.pixel_sigma_px),
+                  {},
+                  {}};
+  Table table{{{"Calibration"},
+               {"Recording"},
+               {"Part"},
+               {"Entropy [nats]", kNumber},
+               {"Parameters", kNumber},
+               {"Of"}},
+              {}};
+  bool any = false;
+  for (const CalibrationScore& s : record.scores) {
+    any = any || s.entropy_nats;
+    table.rows.push_back({{s.label},
+                          {s.session},
+                          {s.part},
+                          number(s.entropy_nats ? fmt::format("{:.2f}", *s.entropy_nats) : kDash),
+                          number(std::to_string(s.entropy_parameters.size())),
+                          {s.entropy_nats      ? listed(s.entropy_parameters)
+                           : s.problem.empty() ? "\u2013 (not computed for this part)"
+                                               : "\u2013 (" + s.problem + ")"}});
+  }
+  if (any) section.blocks.push_back({"", "", std::move(table), {}, {}});
+  return section;
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/html/page_parts.h"
+#include "report/html/section.h"
+#include "report/records/trajectory_record.h"
+
+namespace plumbline::html_internal {
+
+/// All sections of a trajectory page, for the comparison page too; sections that no run has
+/// anything for have no blocks.
+std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs);
+
+/// Runs, completion, and the median error of every calibration.
+std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs);
+
+/// Every run, complete or not, and completion per calibration.
+Section runsSection(const std::vector<TrajectoryRun>& runs);
+/// Paired differences of the calibrations, with the tests.
+Section pairedSection(const std::vector<TrajectoryRun>& runs);
+/// Clock offsets, hand-eye transforms, NEES.
+Section clockSection(const std::vector<TrajectoryRun>& runs);
+Section handEyeSection(const std::vector<TrajectoryRun>& runs);
+Section neesSection(const std::vector<TrajectoryRun>& runs);
+/// How stamps were paired, and what was odd about them.
+Section associationSection(const std::vector<TrajectoryRun>& runs);
+
+/// Names of the calibrations, in order of appearance.
+std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs);
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/records/paired_differences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "calibrator/base/statistics.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kLeastPairs = 5;
+constexpr int kResamples = 10'000;
+
+using Place = std::pair<std::string, std::string>;  // sequence, run
+
+/// RMSE of every place of one calibration; NaN where the run is not complete.
+std::map<Place, double> errorsOf(const std::vector<TrajectoryRun>& runs, const std::string& which) {
+  std::map<Place, double> errors;
+  for (const TrajectoryRun& run : runs) {
+    if (run.calibration != which) continue;
+    const bool complete = run.status == RunStatus::kComplete && run.ate_translation_m.n > 0;
+    errors[{run.sequence, run.run}] = complete ? run.ate_translation_m.rmse : std::nan("");
+  }
+  return errors;
+}
+
+double meanOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::vector<double> resampledMeans(const std::vector<double>& values) {
+  std::mt19937_64 random(1);
+  std::vector<double> means;
+  for (int i = 0; i < kResamples; ++i) {
+    double sum = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) sum += values[random() % values.size()];
+    means.push_back(sum / static_cast<double>(values.size()));
+  }
+  return means;
+}
+
+void summarise(const std::vector<double>& d, PairedDifference& result) {
+  result.pairs = d.size();
+  if (d.empty()) return;
+  result.mean_m = meanOf(d);
+  result.median_m = quantile(d, 0.5);
+  for (const double value : d) {
+    if (value < 0) ++result.b_better;
+    if (value == 0) ++result.ties;
+  }
+  result.sign_test_p = signTest(result.b_better, d.size() - result.ties);
+  if (d.size() < kLeastPairs) return;
+  const std::vector<double> means = resampledMeans(d);
+  result.low_m = quantile(means, 0.025);
+  result.high_m = quantile(means, 0.975);
+}
+
+PairedDifference compare(const std::vector<TrajectoryRun>& runs, const std::string& a,
+                         const std::string& b) {
+  PairedDifference result;
+  result.a = a;
+  result.b = b;
+  const auto first = errorsOf(runs, a), second = errorsOf(runs, b);
+  std::set<Place> places;
+  for (const auto* errors : {&first, &second}) {
+    for (const auto& [place, error] : *errors) places.insert(place);
+  }
+  std::vector<double> d;
+  for (const Place& place : places) {
+    const auto at_a = first.find(place), at_b = second.find(place);
+    const bool both = at_a != first.end() && at_b != second.end() && std::isfinite(at_a->second) &&
+                      std::isfinite(at_b->second);
+    if (both) {
+      d.push_back(at_b->second - at_a->second);
+    } else {
+      ++result.left_out;
+    }
+  }
+  summarise(d, result);
+  return result;
+}
+
+}  // namespace
+
+double signTest(std::size_t successes, std::size_t n) {
+  const std::size_t fewer = std::min(successes, n - successes);
+  const auto total = static_cast<double>(n);
+  double tail = 0;
+  for (std::size_t k = 0; k <= fewer; ++k) {
+    const auto chosen = static_cast<double>(k);
+    tail += std::exp(std::lgamma(total + 1) - std::lgamma(chosen + 1) -
+                     std::lgamma(total - chosen + 1) - total * std::log(2.0));
+  }
+  return std::min(1.0, 2 * tail);
+}
+
+std::vector<PairedDifference> pairedDifferences(const std::vector<TrajectoryRun>& runs) {
+  std::vector<std::string> names;
+  for (const TrajectoryRun& run : runs) {
+    if (std::find(names.begin(), names.end(), run.calibration) == names.end()) {
+      names.push_back(run.calibration);
+    }
+  }
+  std::vector<PairedDifference> differences;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t k = i + 1; k < names.size(); ++k) {
+      differences.push_back(compare(runs, names[i], names[k]));
+    }
+  }
+  return differences;
+}
+
+}  // namespace plumbline
