@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Writes the page of a synthetic record: write_page FILE [frames] [camera-only]. The browser test
-// opens what it writes; with the frames of a long recording it is also the timing of a page.
+// Writes the page of a synthetic record: write_page FILE [frames] [camera-only], or write_page FILE
+// perturbation|trajectory|comparison. The browser test opens what it writes; with the frames of a
+// long recording it is also the timing of a page.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -8,11 +9,32 @@
 #include <string>
 
 #include "report/html/calibration_page.h"
+#include "report/html/comparison_page.h"
+#include "report/html/perturbation_page.h"
+#include "report/html/trajectory_page.h"
 #include "tests/report/synthetic_record.h"
+#include "tests/report/synthetic_studies.h"
+
+namespace {
+
+/// Empty for a word that is no study.
+std::string studyPage(const std::string& kind) {
+  using namespace plumbline;
+  if (kind == "perturbation") return renderPerturbationPage(test::syntheticPerturbation());
+  if (kind == "trajectory") return renderTrajectoryPage(test::syntheticTrajectories());
+  if (kind == "comparison") return renderComparisonPage(test::syntheticComparison());
+  return "";
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
+  if (const std::string page = argc == 3 ? studyPage(argv[2]) : ""; !page.empty()) {
+    std::ofstream(argv[1]) << page;
+    return 0;
+  }
   if (argc < 2) {
-    std::fprintf(stderr, "usage: write_page FILE [frames] [camera-only]\n");
+    std::fprintf(stderr, "usage: write_page FILE [frames] [camera-only]; FILE STUDY\n");
     return 2;
   }
   plumbline::test::SyntheticRecordOptions options;

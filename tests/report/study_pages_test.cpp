@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pages of studies: complete, self-contained, sound markup, data on their pixels, missing
+// values with their reason, the same again from the store. That they look right is for the browser
+// test.
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/html/comparison_page.h"
+#include "report/html/perturbation_page.h"
+#include "report/html/trajectory_page.h"
+#include "report/store/store.h"
+#include "tests/report/markup.h"
+#include "tests/report/synthetic_studies.h"
+
+namespace plumbline {
+namespace {
+
+using test::AxisMapping;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kPixel = 0.11;  // coordinates are written to a tenth of a pixel
+
+struct Study {
+  const char* name;
+  std::string (*render)();
+  std::vector<const char*> sections;
+  std::size_t plots;
+};
+
+std::string perturbationPage() { return renderPerturbationPage(test::syntheticPerturbation()); }
+std::string trajectoryPage() { return renderTrajectoryPage(test::syntheticTrajectories()); }
+std::string comparisonPage() { return renderComparisonPage(test::syntheticComparison()); }
+
+// Trajectories: two boxes, two views of eleven runs, two over time, two relative.
+const Study kStudies[] = {
+    {"perturbation",
+     &perturbationPage,
+     {"key-figures", "basin", "changes", "cases", "base", "provenance"},
+     1 + 3},
+    {"trajectory",
+     &trajectoryPage,
+     {"key-figures", "runs", "ate", "paired", "overlays", "error-time", "rpe", "clock-offset",
+      "hand-eye", "nees", "association", "provenance"},
+     2 + 2 * 11 + 2 + 2},
+    {"comparison",
+     &comparisonPage,
+     {"key-figures", "calibrations", "parameters", "transforms", "time-offset", "scores", "entropy",
+      "differences", "uncertainties", "runs", "overlays", "provenance"},
+     1 + 2 * 2 + 1 + 2 + 2 * 11 + 2 + 2}};
+
+std::string withoutScripts(std::string page) {
+  page.resize(page.find("<script>"));
+  return page;
+}
+
+std::vector<std::string> between(const std::string& text, const std::string& open,
+                                 const std::string& close) {
+  std::vector<std::string> found;
+  for (std::size_t at = text.find(open); at != std::string::npos; at = text.find(open, at)) {
+    const std::size_t last = text.find(close, at);
+    if (last == std::string::npos) break;
+    found.push_back(text.substr(at, last + close.size() - at));
+    at = last + close.size();
+  }
+  return found;
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  return between(text, what, what.substr(what.size() - 1)).size();
+}
+
+std::string plot(const std::string& page, const std::string& id) {
+  for (const std::string& svg : between(page, "<svg ", "</svg>")) {
+    if (svg.find("id=\"" + id + "\"") != std::string::npos) return svg;
+  }
+  return "";
+}
+
+/// Every point drawn as a line or a marker.
+std::vector<std::pair<double, double>> pointsOf(const std::string& svg) {
+  std::vector<std::pair<double, double>> points;
+  for (const char* attribute : {"points", "d"}) {
+    for (const std::string& text : test::attributes(svg, attribute)) {
+      const auto list = test::numbers(text);
+      for (std::size_t i = 0; i + 1 < list.size(); i += 2)
+        points.emplace_back(list[i], list[i + 1]);
+    }
+  }
+  return points;
+}
+
+bool drawnAt(const std::string& svg, double x, double y) {
+  for (const auto& [px, py] : pointsOf(svg)) {
+    if (std::abs(px - x) <= kPixel && std::abs(py - y) <= kPixel) return true;
+  }
+  return false;
+}
+
+class StudyPages : public ::testing::TestWithParam<Study> {};
+
+TEST_P(StudyPages, HaveEverySectionAndAnEntryForIt) {
+  const std::string page = GetParam().render();
+  for (const char* id : GetParam().sections) {
+    EXPECT_THAT(page, HasSubstr("<section id=\"" + std::string(id) + "\"")) << id;
+    EXPECT_THAT(page, HasSubstr("<a href=\"#" + std::string(id) + "\"")) << id;
+  }
+  EXPECT_THAT(page, HasSubstr("sha256:0f3a9c"));
+}
+
+TEST_P(StudyPages, GiveEveryPlotSoundMarkupAndAnIdOfItsOwn) {
+  const std::string page = withoutScripts(GetParam().render());
+  std::set<std::string> seen;
+  const auto plots = between(page, "<svg ", "</svg>");
+  for (const std::string& svg : plots) {
+    EXPECT_EQ(test::faultOfXml(svg), "");
+    for (const std::string& id : test::attributes(svg, "id")) {
+      EXPECT_TRUE(seen.insert(id).second) << id;
+    }
+  }
+  EXPECT_EQ(plots.size(), GetParam().plots);
+}
+
+TEST_P(StudyPages, SayNoNumberThatIsNone) {
+  const std::string page = withoutScripts(GetParam().render());
+  EXPECT_THAT(page, Not(ContainsRegex("[ >(,-]nan[ <),]")));
+  EXPECT_THAT(page, Not(ContainsRegex("[ >(,-]inf[ <),]")));
+}
+
+TEST_P(StudyPages, GiveEveryRowACellForEachColumn) {
+  const std::string page = GetParam().render();
+  std::size_t rows = 0;
+  for (const std::string& table : between(page, "<table>", "</table>")) {
+    const std::size_t columns = count(table, "<th ") + count(table, "<th>");
+    for (const std::string& row : between(table.substr(table.find("<tbody>")), "<tr>", "</tr>")) {
+      EXPECT_EQ(count(row, "<td ") + count(row, "<td>"), columns) << row;
+      ++rows;
+    }
+  }
+  EXPECT_GT(rows, 10U);
+}
+
+TEST_P(StudyPages, NeedNothingFromOutsideAndEscapeNames) {
+  const std::string page = withoutScripts(GetParam().render());
+  for (const char* loader : {"src=\"", "href=\"http", "@import", "url(http", "<link"}) {
+    EXPECT_THAT(page, Not(HasSubstr(loader))) << loader;
+  }
+  for (const char* raw : {"<of>", "<here>", "<truth>", "<two>", "<both>", "<inverted>", "<a> "}) {
+    EXPECT_THAT(page, Not(HasSubstr(raw))) << raw;
+  }
+  EXPECT_EQ(page, withoutScripts(GetParam().render()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, StudyPages, ::testing::ValuesIn(kStudies),
+                         [](const auto& study) { return study.param.name; });
+
+TEST(StudyPagesFromTheStore, AreTheSame) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / "plumbline_study_pages.sqlite";
+  std::filesystem::remove(file);
+  const Store store(file);
+  store.save(test::syntheticPerturbation());
+  store.save(test::syntheticTrajectories());
+  store.save(test::syntheticComparison());
+  EXPECT_EQ(renderPerturbationPage(store.loadPerturbation()), perturbationPage());
+  EXPECT_EQ(renderTrajectoryPage(store.loadTrajectory()), trajectoryPage());
+  EXPECT_EQ(renderComparisonPage(store.loadComparison()), comparisonPage());
+  std::filesystem::remove(file);
+}
+
+TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {
+  const PerturbationRecord record = test::syntheticPerturbation();
+  const std::string svg = plot(perturbationPage(), "perturbation-basin");
+  const AxisMapping axes(svg);
+  for (const PerturbationCase& c : record.cases) {
+    if (c.kind != "imu-shift" || !c.problem.empty()) continue;
+    EXPECT_TRUE(
+        drawnAt(svg, axes.pixelX(c.amount), axes.pixelY(std::log10(std::abs(c.offset_error_s)))))
+        << c.amount;
+  }
+  EXPECT_THAT(svg, HasSubstr(">failed<"));
+  EXPECT_THAT(svg, HasSubstr("injected offset [ms]"));
+}
+
+TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {
+  EXPECT_THAT(perturbationPage(), HasSubstr("failed: too few IMU samples &lt;here&gt;"));
+  EXPECT_THAT(perturbationPage(), HasSubstr("26 solved, 1 failed"));
+}
+
+TEST(TrajectoryPage, CountsFailedAndPartialRuns) {
+  const std::string page = trajectoryPage();
+  EXPECT_THAT(page, HasSubstr("5 of 6 complete, 1 partial, 0 failed"));
+  EXPECT_THAT(page, HasSubstr("5 of 6 complete, 0 partial, 1 failed"));
+  EXPECT_THAT(page, HasSubstr("no overlap in time with &lt;truth&gt;"));
+}
+
+TEST(TrajectoryPage, PutsTruthAndEstimateOnTheirPixelsWithEqualAxes) {
+  const TrajectoryRun run = test::syntheticTrajectories().runs[0];
+  const std::string svg = plot(trajectoryPage(), "overlay-0-top");
+  const AxisMapping axes(svg);
+  for (const std::size_t i : {std::size_t{0}, run.t.size() - 1}) {
+    for (const Eigen::Vector3d& p : {run.truth_m[i], run.estimate_m[i]}) {
+      EXPECT_TRUE(drawnAt(svg, axes.pixelX(p.x()), axes.pixelY(p.y()))) << i;
+    }
+  }
+  const double across = (axes.pixelX(1) - axes.pixelX(0)), up = axes.pixelY(0) - axes.pixelY(1);
+  EXPECT_NEAR(across, up, 0.01 * across);
+}
+
+TEST(TrajectoryPage, SurvivesRunsThatAllFailed) {
+  TrajectoryRecord record = test::syntheticTrajectories();
+  record.runs = {record.runs[5]};
+  const std::string page = renderTrajectoryPage(record);
+  EXPECT_THAT(page, HasSubstr("0 of 1 complete"));
+  EXPECT_THAT(page, Not(HasSubstr("<section id=\"overlays\"")));
+  EXPECT_THAT(renderTrajectoryPage({}), HasSubstr("<section id=\"provenance\""));
+}
+
+TEST(ComparisonPage, SaysWhyAValueIsMissing) {
+  const std::string page = comparisonPage();
+  EXPECT_THAT(page, HasSubstr("\u2013 (no std)"));
+  EXPECT_THAT(page, HasSubstr("\u2013 (no IMU)"));
+  EXPECT_THAT(page, HasSubstr("\u2013 (not in this file)"));
+  EXPECT_THAT(page, HasSubstr("its camera 1 is not in the session"));
+}
+
+TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
+  const std::string page = comparisonPage();
+  EXPECT_THAT(page, HasSubstr("<span class=\"dot bad\"></span>10.0 \u03c3, differs"));
+  EXPECT_THAT(page, HasSubstr("<span class=\"dot doubtful\"></span>2.5 \u03c3, notable"));
+  EXPECT_THAT(page, HasSubstr("plumbline predicts better, by 7.8 \u03c3"));
+  EXPECT_THAT(page, HasSubstr("no difference (0.2 \u03c3)"));
+}
+
+TEST(ComparisonPage, TurnsTheOffsetsSignWhereAToolDoes) {
+  const std::string page = comparisonPage();
+  EXPECT_THAT(page, HasSubstr("0.0123 s"));
+  EXPECT_THAT(page, HasSubstr("-0.0123 s"));
+  EXPECT_THAT(page, HasSubstr("12300000 ns"));
+}
+
+TEST(ComparisonPage, StatesRangeAlignmentAndMethodOfItsMaps) {
+  const std::string page = comparisonPage();
+  EXPECT_THAT(page, HasSubstr("cam0: kalibr - plumbline, at infinity"));
+  EXPECT_THAT(page, HasSubstr("rotation 0.1281\u00b0, translation (1.00, 0.00, -2.00) mm"));
+  EXPECT_THAT(page, HasSubstr("cross-reprojection on V2_02"));
+  EXPECT_THAT(page, HasSubstr("at 2.5 m"));
+}
+
+}  // namespace
+}  // namespace plumbline
