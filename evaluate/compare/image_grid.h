@@ -14,8 +14,9 @@ struct ImageGrid {
 
   int size() const { return columns * rows; }
   Eigen::Vector2d pixel(const Resolution& image, int index) const {
-    return {(index % columns) * (image.width - 1.0) / (columns - 1),
-            (index / columns) * (image.height - 1.0) / (rows - 1)};
+    const int column = index % columns;
+    const int row = index / columns;
+    return {column * (image.width - 1.0) / (columns - 1), row * (image.height - 1.0) / (rows - 1)};
   }
 };
 
