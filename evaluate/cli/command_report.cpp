@@ -11,8 +11,13 @@
 #include "calibrator/base/error.h"
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/studies/perturbation_document.h"
 #include "evaluate/workflow/calibration_document.h"
 #include "evaluate/workflow/write_results.h"
+#include "report/html/calibration_page.h"
+#include "report/html/comparison_page.h"
+#include "report/html/perturbation_page.h"
+#include "report/html/trajectory_page.h"
 #include "report/store/store.h"
 
 namespace plumbline {
@@ -33,12 +38,41 @@ std::filesystem::path storeOf(const std::string& input) {
     const auto store = path / kRecordsFile;
     if (!std::filesystem::exists(store)) {
       throw InputError(store.string(), 0,
-                       "is missing; expected the result folder of `plumbline calibrate`, or the "
-                       "path of a records file");
+                       "is missing; expected a result folder of `plumbline calibrate`, `perturb`, "
+                       "`compare` or `evaluate`, or the path of a records file");
     }
     return store;
   }
   return path;
+}
+
+/// The page of a run, whatever its kind.
+std::string pageOf(const Store& store, const RunSummary& run) {
+  switch (run.kind) {
+    case RunKind::kCalibration:
+      return renderCalibrationPage(store.loadCalibration(run.id));
+    case RunKind::kTrajectory:
+      return renderTrajectoryPage(store.loadTrajectory(run.id));
+    case RunKind::kComparison:
+      return renderComparisonPage(store.loadComparison(run.id));
+    case RunKind::kPerturbation:
+      return renderPerturbationPage(store.loadPerturbation(run.id));
+  }
+  return "";
+}
+
+std::string documentOf(const Store& store, const RunSummary& run) {
+  switch (run.kind) {
+    case RunKind::kCalibration:
+      return calibrationDocument(store.loadCalibration(run.id));
+    case RunKind::kPerturbation:
+      return perturbationDocument(store.loadPerturbation(run.id));
+    case RunKind::kTrajectory:
+    case RunKind::kComparison:
+      break;
+  }
+  throw InputError("--json: run " + std::to_string(run.id) + " is of kind '" + toString(run.kind) +
+                   "'; expected a calibration or a perturbation study, or --out PAGE.html");
 }
 
 // What was written is named, unless standard output is the document's.
@@ -47,15 +81,16 @@ int report(const Options& o) {
     throw InputError("nothing to make: expected --out PAGE.html, --json FILE, or both");
   }
   const bool piped = o.json == kStandardOutput;
-  const CalibrationRecord record = Store(storeOf(o.input)).loadCalibration(o.run);
+  const Store store(storeOf(o.input));
+  const RunSummary run = store.summary(o.run);
   if (o.out) {
-    writeCalibrationPage(record, *o.out);
+    writeFileAtomically(*o.out, pageOf(store, run));
     if (!piped) fmt::print("{}\n", *o.out);
   }
   if (piped) {
-    fmt::print("{}", calibrationDocument(record));
+    fmt::print("{}", documentOf(store, run));
   } else if (o.json) {
-    writeFileAtomically(*o.json, calibrationDocument(record));
+    writeFileAtomically(*o.json, documentOf(store, run));
     fmt::print("{}\n", *o.json);
   }
   return kDone;
@@ -64,13 +99,14 @@ int report(const Options& o) {
 }  // namespace
 
 Command reportCommand() {
-  return {"report", "Make the page, or calibration.json, again from the records alone",
+  return {"report", "Make the page, or the JSON document, again from the records alone",
           "plumbline report result --out page.html", [](CLI::App& app) {
             auto options = std::make_shared<Options>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             app.add_option("--out", options->out, "HTML file to write");
-            app.add_option("--json", options->json,
-                           "File to write as calibration.json; - for standard output");
+            app.add_option(
+                "--json", options->json,
+                "File to write as calibration.json (perturbation.json); - for standard output");
             app.add_option("--run", options->run, "Number of the run (default: the latest)");
             return std::function<int()>([options] { return report(*options); });
           }};

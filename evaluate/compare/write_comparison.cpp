@@ -7,12 +7,12 @@
 #include "evaluate/compare/comparison_document.h"
 #include "evaluate/workflow/result_folder.h"
 #include "evaluate/workflow/write_results.h"
+#include "report/html/comparison_page.h"
 #include "report/store/store.h"
 
 namespace plumbline {
 
 void writeComparison(const ComparisonRecord& record, const std::string& out, bool report) {
-  (void)report;
   writeResultFolder(out, {"comparison.json", "comparison.csv", kRecordsFile, "report.html"},
                     [&](const std::filesystem::path& folder) {
                       const auto write = [&](const char* name, const std::string& text) {
@@ -21,6 +21,7 @@ void writeComparison(const ComparisonRecord& record, const std::string& out, boo
                       write("comparison.json", comparisonDocument(record));
                       write("comparison.csv", comparisonTable(record));
                       Store(folder / kRecordsFile).save(record);
+                      if (report) write("report.html", renderComparisonPage(record));
                     });
 }
 
