@@ -7,18 +7,20 @@
 #include "evaluate/workflow/result_folder.h"
 #include "evaluate/workflow/runs_document.h"
 #include "evaluate/workflow/write_results.h"
+#include "report/html/trajectory_page.h"
 #include "report/store/store.h"
 
 namespace plumbline {
 
 void writeRuns(const TrajectoryRecord& record, const std::string& out) {
-  writeResultFolder(out, {"trajectory.json", "trajectory.csv", kRecordsFile, "report.html"},
-                    [&](const std::filesystem::path& folder) {
-                      writeFileAtomically((folder / "trajectory.json").string(),
-                                          runsDocument(record));
-                      writeFileAtomically((folder / "trajectory.csv").string(), runsTable(record));
-                      Store(folder / kRecordsFile).save(record);
-                    });
+  writeResultFolder(
+      out, {"trajectory.json", "trajectory.csv", kRecordsFile, "report.html"},
+      [&](const std::filesystem::path& folder) {
+        writeFileAtomically((folder / "trajectory.json").string(), runsDocument(record));
+        writeFileAtomically((folder / "trajectory.csv").string(), runsTable(record));
+        Store(folder / kRecordsFile).save(record);
+        writeFileAtomically((folder / "report.html").string(), renderTrajectoryPage(record));
+      });
 }
 
 }  // namespace plumbline
