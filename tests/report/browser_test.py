@@ -153,6 +153,44 @@ def check_page(name, page, tool, folder):
           % (name, len(places), 100 * rest[1], result["hover"]))
 
 
+STUDY_PROBE = """<script>
+setTimeout(() => {
+  const place = (e) => { const r = e.getBoundingClientRect(); return [r.left + scrollX, r.top + scrollY, r.width, r.height]; };
+  const out = document.createElement('script');
+  out.type = 'application/json';
+  out.id = 'probe';
+  out.textContent = JSON.stringify({errors: pageErrors,
+    figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)]),
+    tables: [...document.querySelectorAll('table')].map((t) => place(t))});
+  document.body.append(out);
+}, 500);
+const top_ = Number(new URLSearchParams(location.search).get('top') || 0);
+document.body.style.marginTop = `-${top_}px`;
+</script>"""
+
+
+def check_study(name, page, tool, folder):
+    result = probe("file://" + page, *GPU)
+    if result["errors"]:
+        fail("%s: script errors: %s" % (name, result["errors"][:5]))
+    if len(result["figures"]) < 4 or not result["tables"]:
+        fail("%s: only %d figures" % (name, len(result["figures"])))
+    figures = photograph("file://" + page, tool, folder, [f[1:] for f in result["figures"]])
+    for figure, (pixels, share, colours, _) in zip(result["figures"], figures):
+        if pixels < 15000 or share < 0.02 or colours < 10:
+            fail("%s: figure %s is blank (%d px, %.3f, %d colours)"
+                 % (name, figure[0], pixels, share, colours))
+    print("%s: %d figures, none blank" % (name, len(figures)))
+
+
+def instrument(page, probe_script):
+    with open(page, encoding="utf-8") as file:
+        text = file.read().replace("<head>", "<head>" + COLLECTOR, 1)
+    body = text.rindex("</body>")
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(text[:body] + probe_script + text[body:])
+
+
 def check_without_webgl(page, tool, folder):
     result = probe("file://" + page, "--disable-3d-apis")
     if result["errors"] or result["live"]:
@@ -171,14 +209,14 @@ def main():
         for name, options in (("camera-IMU", ["60"]), ("cameras only", ["30", "camera-only"])):
             page = os.path.join(folder, "page.html")
             subprocess.run([write_page, page, *options], check=True, stdout=subprocess.DEVNULL)
-            with open(page, encoding="utf-8") as file:
-                text = file.read()
-            text = text.replace("<head>", "<head>" + COLLECTOR, 1)
-            body = text.rindex("</body>")
-            with open(page, "w", encoding="utf-8") as file:
-                file.write(text[:body] + PROBE + text[body:])
+            instrument(page, PROBE)
             check_page(name, page, tool, folder)
         check_without_webgl(page, tool, folder)
+        for study in ("perturbation", "trajectory", "comparison"):
+            page = os.path.join(folder, study + ".html")
+            subprocess.run([write_page, page, study], check=True)
+            instrument(page, STUDY_PROBE)
+            check_study(study, page, tool, folder)
 
 
 if __name__ == "__main__":
