@@ -23,6 +23,7 @@ constexpr int kRounds = 4;            // of noise and solution
 constexpr double kNoSmaller = 1e-12;  // [m, rad] exact data are weighted as if so noisy
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kImplausibleRms = 20 / kDegrees;
+constexpr double kImplausibleShare = 0.25;  // of the positions' spread
 
 struct Noise {
   double sigma_m = 1, sigma_rad = 1;
@@ -218,6 +219,25 @@ Failure implausible(double rms_rad) {
           FaultyInput::kSession};
 }
 
+// RMS distance of M's origins from their mean.
+double spreadOf(std::span<const HandEyePair> pairs) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const HandEyePair& p : pairs) mean += p.T_VM.t / static_cast<double>(pairs.size());
+  double sum = 0;
+  for (const HandEyePair& p : pairs) sum += (p.T_VM.t - mean).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(pairs.size()));
+}
+
+Failure positionsDisagree(double rms_m, double spread_m) {
+  return {FailureReason::kImplausible,
+          fmt::format("no constant transform of the marker body explains rotations and positions "
+                      "together: {:.3f} m (RMS) are left of positions that spread by {:.3f} m",
+                      rms_m, spread_m),
+          "one side's quaternions may be inverted, the clocks apart (--clock-offset auto), or the "
+          "estimate lost",
+          FaultyInput::kSession};
+}
+
 }  // namespace
 
 Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEyeOptions& options) {
@@ -252,6 +272,10 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
   out.sigma_rad = noise.sigma_rad;
   out.rms_translation_m = std::sqrt(squares.translation / n);
   out.rms_rotation_rad = std::sqrt(squares.rotation / n);
+  const double spread = spreadOf(pairs);
+  if (out.rms_translation_m > kImplausibleShare * spread) {
+    return positionsDisagree(out.rms_translation_m, spread);
+  }
   out.pairs = pairs.size();
   return out;
 }

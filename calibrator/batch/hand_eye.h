@@ -39,7 +39,8 @@ struct HandEye {
 /// Fails with kTooFewViews for fewer than 10 pairs; with kNotObservable, naming the direction,
 /// where S turns about one axis only (the translation of M along it then goes unseen) or not at
 /// all; with kImplausible where no T_SM explains the rotations within 20 degrees (RMS), as when one
-/// side's quaternions are inverted; with kNotConverged where Ceres gives up. O(pairs).
+/// side's quaternions are inverted, or leaves a quarter of the positions' spread; with
+/// kNotConverged where Ceres gives up. O(pairs).
 Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs,
                                 const HandEyeOptions& options = {});
 

@@ -168,6 +168,7 @@ std::vector<RunsSummary> summarised(const std::vector<TrajectoryRun>& runs) {
   for (const std::string& sequence : sequences) {
     for (const std::string& name : calibrations) list.push_back(summaryOf(runs, &sequence, name));
   }
+  if (sequences.size() < 2) return list;
   for (const std::string& name : calibrations) list.push_back(summaryOf(runs, nullptr, name));
   return list;
 }

@@ -19,7 +19,7 @@ struct RunsSummary {
   std::optional<double> ate_median_m;
 };
 
-/// By sequence, then all sequences together; calibrations in the order of the runs.
+/// By sequence, then, of several, all together; calibrations in the order of the runs.
 std::vector<RunsSummary> summarised(const std::vector<TrajectoryRun>& runs);
 
 /// Two calibrations over the (sequence, run) that both completed: d = ATE of b - ATE of a.

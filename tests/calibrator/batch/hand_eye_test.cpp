@@ -146,6 +146,15 @@ TEST(HandEye, WithoutTurnsNothingIsClaimed) {
   EXPECT_EQ(estimateHandEye({}).failure().reason, FailureReason::kTooFewViews);
 }
 
+TEST(HandEye, PositionsThatDoNotFollowAreImplausible) {
+  auto pairs = pairsOf({});
+  for (HandEyePair& pair : pairs) pair.T_VM.t = Eigen::Vector3d(-1, 1, 1).cwiseProduct(pair.T_VM.t);
+  const auto found = estimateHandEye(pairs);
+  ASSERT_FALSE(found.ok());
+  EXPECT_EQ(found.failure().reason, FailureReason::kImplausible);
+  EXPECT_THAT(found.failure().message, HasSubstr("rotations and positions"));
+}
+
 TEST(HandEye, InvertedQuaternionsAreImplausible) {
   auto pairs = pairsOf({});
   for (HandEyePair& pair : pairs) pair.T_VM.R.transposeInPlace();
