@@ -13,8 +13,7 @@ namespace plumbline {
 namespace {
 
 std::vector<Command> evaluations() {
-  return {evaluateTrajectoryCommand(), evaluateTrajectoriesCommand(),
-          evaluateCalibrationCommand()};
+  return {evaluateTrajectoryCommand(), evaluateTrajectoriesCommand(), evaluateCalibrationCommand()};
 }
 
 }  // namespace

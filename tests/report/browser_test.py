@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Opens the calibration page in headless Chromium and looks at what is painted.
 
-usage: browser_test.py WRITE_PAGE PNG_REGIONS
+usage: browser_test.py WRITE_PAGE PNG_REGIONS calibration|studies
 
 Proves: no script error; every figure has a size and is not blank; the 3D canvas is not blank and
 changes when it is dragged; hovering names a point; without WebGL the still picture stands in.
@@ -108,7 +108,7 @@ def regions(tool, image, places):
 SLICE = 4000  # height of a window [px]; software rendering dislikes much taller ones
 
 
-def photograph(url, tool, folder, places, fragment=""):
+def photograph(url, tool, folder, places, fragment="", graphics=GPU):
     """Statistics of each place, from screenshots that start at the topmost place not yet seen."""
     found = {}
     for index, place in sorted(enumerate(places), key=lambda p: p[1][1]):
@@ -117,7 +117,7 @@ def photograph(url, tool, folder, places, fragment=""):
         top = max(0, int(place[1]) - 10)
         shot = folder + "/shot.png"
         chromium("%s?top=%d%s" % (url, top, fragment), "--screenshot=" + shot,
-                 "--window-size=1400,%d" % SLICE, *GPU)
+                 "--window-size=1400,%d" % SLICE, *graphics)
         seen = [i for i, p in enumerate(places)
                 if i not in found and p[1] >= top and p[1] + p[3] <= top + SLICE]
         moved = [[p[0], p[1] - top, p[2], p[3]] for p in (places[i] for i in seen)]
@@ -170,12 +170,14 @@ document.body.style.marginTop = `-${top_}px`;
 
 
 def check_study(name, page, tool, folder):
-    result = probe("file://" + page, *GPU)
+    flat = ["--disable-gpu"]  # nothing on these pages turns
+    result = probe("file://" + page, *flat)
     if result["errors"]:
         fail("%s: script errors: %s" % (name, result["errors"][:5]))
     if len(result["figures"]) < 4 or not result["tables"]:
         fail("%s: only %d figures" % (name, len(result["figures"])))
-    figures = photograph("file://" + page, tool, folder, [f[1:] for f in result["figures"]])
+    figures = photograph("file://" + page, tool, folder, [f[1:] for f in result["figures"]],
+                         graphics=flat)
     for figure, (pixels, share, colours, _) in zip(result["figures"], figures):
         if pixels < 15000 or share < 0.02 or colours < 10:
             fail("%s: figure %s is blank (%d px, %.3f, %d colours)"
@@ -203,20 +205,28 @@ def check_without_webgl(page, tool, folder):
     print("without WebGL: the still picture stands in")
 
 
+def check_calibrations(write_page, tool, folder):
+    for name, options in (("camera-IMU", ["60"]), ("cameras only", ["30", "camera-only"])):
+        page = os.path.join(folder, "page.html")
+        subprocess.run([write_page, page, *options], check=True, stdout=subprocess.DEVNULL)
+        instrument(page, PROBE)
+        check_page(name, page, tool, folder)
+    check_without_webgl(page, tool, folder)
+
+
+def check_studies(write_page, tool, folder):
+    for study in ("perturbation", "trajectory", "comparison"):
+        page = os.path.join(folder, study + ".html")
+        subprocess.run([write_page, page, study], check=True)
+        instrument(page, STUDY_PROBE)
+        check_study(study, page, tool, folder)
+
+
 def main():
-    write_page, tool = sys.argv[1:3]
+    write_page, tool, pages = sys.argv[1:4]
     with tempfile.TemporaryDirectory() as folder:
-        for name, options in (("camera-IMU", ["60"]), ("cameras only", ["30", "camera-only"])):
-            page = os.path.join(folder, "page.html")
-            subprocess.run([write_page, page, *options], check=True, stdout=subprocess.DEVNULL)
-            instrument(page, PROBE)
-            check_page(name, page, tool, folder)
-        check_without_webgl(page, tool, folder)
-        for study in ("perturbation", "trajectory", "comparison"):
-            page = os.path.join(folder, study + ".html")
-            subprocess.run([write_page, page, study], check=True)
-            instrument(page, STUDY_PROBE)
-            check_study(study, page, tool, folder)
+        check = {"calibration": check_calibrations, "studies": check_studies}[pages]
+        check(write_page, tool, folder)
 
 
 if __name__ == "__main__":
