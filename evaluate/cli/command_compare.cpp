@@ -169,7 +169,7 @@ int compare(const Options& o, const CLI::App& app) {
   bar.clear();
   writeComparison(record, o.out, !o.no_report);
   fmt::print("{}", comparisonSummary(record));
-  fmt::print("\nResult: {}/comparison.json\n", o.out);
+  fmt::print("\nReport: {}/{}\n", o.out, o.no_report ? "comparison.json" : "report.html");
   return kDone;
 }
 

@@ -64,9 +64,9 @@ int evaluateTrajectoryRuns(const Options& o, const CLI::App& app) {
   TrajectoryRecord record = evaluateRuns(requestOf(o));
   record.name = std::filesystem::path(o.out).filename().string();
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
-  record.provenance.input = o.request.runs;
+  record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
   writeRuns(record, o.out);
-  fmt::print("{}\nResults: {}\n", runsSummary(record), o.out);
+  fmt::print("{}\nReport: {}/report.html\n", runsSummary(record), o.out);
   return kDone;
 }
 
