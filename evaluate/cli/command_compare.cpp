@@ -16,9 +16,11 @@
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/compare/comparison_document.h"
 #include "evaluate/compare/write_comparison.h"
+#include "evaluate/workflow/evaluate_runs.h"
 #include "evaluate/workflow/parallel_for.h"
 #include "evaluate/workflow/provenance.h"
 #include "evaluate/workflow/result_folder.h"
@@ -42,6 +44,8 @@ struct Options {
   double gravity = 9.80655;
   int min_corners = FrameOptions{}.min_corners;
   bool no_report = false;
+  RunsRequest runs;  // trajectories that were estimated with these calibrations
+  TrajectoryMetricWords metrics;
 };
 
 void declareMaps(CLI::App& app, Options& o) {
@@ -78,6 +82,14 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--min-corners", o.min_corners, "Leave out views with fewer corners")
       ->capture_default_str();
   app.add_option("--gravity", o.gravity, "Magnitude of gravity [m/s^2]")->capture_default_str();
+  app.add_option("--runs", o.runs.runs,
+                 "Trajectories estimated with these calibrations: a pattern with the fields "
+                 "{calibration}, {sequence} and {run}");
+  app.add_option("--truth", o.runs.truth, "Their ground truths, with {sequence}; or one file");
+  app.add_option("--min-coverage", o.runs.min_coverage,
+                 "Share of the truth's time below which a run is partial")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--out", o.out, "Folder for the results")->required();
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
@@ -161,11 +173,23 @@ CompareRequest requestOf(const Options& o, const CLI::App& app) {
   return request;
 }
 
+std::vector<TrajectoryRun> trajectoriesOf(const Options& o) {
+  if (o.runs.runs.empty() != o.runs.truth.empty()) {
+    throw InputError("--runs and --truth belong together: expected both or none");
+  }
+  if (o.runs.runs.empty()) return {};
+  RunsRequest request = o.runs;
+  request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  return evaluateRuns(request).runs;
+}
+
 int compare(const Options& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   if (!o.session.session.empty()) refuseInside(o.out, o.session.session, "--out");
-  const ComparisonRecord record = compareCalibrations(requestOf(o, app), bar.sink());
+  std::vector<TrajectoryRun> runs = trajectoriesOf(o);
+  ComparisonRecord record = compareCalibrations(requestOf(o, app), bar.sink());
+  record.runs = std::move(runs);
   bar.clear();
   writeComparison(record, o.out, !o.no_report);
   fmt::print("{}", comparisonSummary(record));

@@ -61,6 +61,38 @@ TEST_F(CommandCompare, TheSameCalibrationInTwoFormatsIsIdentical) {
   EXPECT_THAT(read(scratch() / "out/comparison.csv"), HasSubstr("T_SC0.angle,rad,"));
 }
 
+// A circle of 1 m in the x-y plane, its radius off by `error_m`, as a TUM file.
+std::string circle(double error_m) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) {
+    const double a = 0.06 * i;
+    const double r = 1 + error_m * (i % 2 == 0 ? 1 : -1);
+    text += std::to_string(100 + 0.05 * i) + " " + std::to_string(r * std::cos(a)) + " " +
+            std::to_string(r * std::sin(a)) + " " + std::to_string(0.2 * std::sin(3 * a)) +
+            " 0 0 0 1\n";
+  }
+  return text;
+}
+
+TEST_F(CommandCompare, TrajectoriesUnderTheCalibrationsJoinThePage) {
+  fs::create_directories(scratch());
+  write(scratch() / "truth.txt", circle(0));
+  write(scratch() / "ours_loop_1.txt", circle(0.01));
+  write(scratch() / "kalibr_loop_1.txt", circle(0.03));
+  const std::string pattern = (scratch() / "{calibration}_{sequence}_{run}.txt").string();
+  const Outcome outcome =
+      plumbline("compare " + ours() + " " + kalibrs() +
+                " --labels ours,kalibr --grid 5x3 --runs '" + pattern + "' --truth " +
+                (scratch() / "truth.txt").string() + " --out " + (scratch() / "out").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const std::string page = read(scratch() / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("Paired differences"));
+  EXPECT_THAT(page, HasSubstr("loop"));
+  const Outcome lone = compare(ours() + " " + kalibrs() + " --runs x");
+  EXPECT_EQ(lone.exit_code, 2);
+  EXPECT_THAT(lone.text, HasSubstr("--truth"));
+}
+
 TEST_F(CommandCompare, WithARecordingBothAreScored) {
   const Outcome outcome = compare(ours() + " " + truth() + " --labels ours,truth --session " +
                                   session().string() + " --range inf --grid 5x3");
