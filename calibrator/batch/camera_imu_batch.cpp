@@ -195,7 +195,9 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
-  result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
+  if (options.noise_check) {
+    result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
+  }
   seconds.covariance = clock.lap();
   seconds.total = total.lap();
   result.value().summary.seconds = seconds;

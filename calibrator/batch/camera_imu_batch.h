@@ -43,6 +43,10 @@ struct CameraImuOptions {
   double max_offset_std_s = 0.005;      ///< likewise
   bool state_covariances = false;       ///< report those of the states and of gravity's direction
 
+  /// Judge the assumed densities by the inertial residuals: a fifth of the batch's time. Without it
+  /// ImuResidualSummary::noise says nothing (redundancies 0).
+  bool noise_check = true;
+
   int threads = 1;  ///< results do not depend on it
   int max_iterations = 50;
   /// The last step is shorter than this, in standard deviations of all parameters together

@@ -85,6 +85,7 @@ Result<Solution> solveCameraImu(const Session& session,
 Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   changed.camera.threads = 1;
   changed.camera_imu.threads = 1;
+  changed.camera_imu.noise_check = false;  // no column of the study
   const Session& session = changed.session ? *changed.session : *inputs.session;
   std::vector<CameraCalibration> cameras = inputs.cameras;
   if (changed.calibrate_cameras) {
