@@ -178,7 +178,7 @@ std::string renderTemplate(const std::string& text, data& page) {
       {"page_provenance", &embedded::page_provenance},
       {"page_foot", &embedded::page_foot}};
   for (const auto& [name, part] : parts) {
-    page.set(name, data{partial{[part] { return part(); }}});
+    page.set(name, data{partial{[text_of = part] { return text_of(); }}});
   }
   kainjow::mustache::mustache pattern{text};
   return pattern.render(page);
