@@ -60,7 +60,7 @@ std::optional<Edge> edgeOf(const Points& points, const std::array<int, 4>& ids) 
 }
 
 // A gap's variance falls with the square of the tags' size in the image, and so does what corners
-// that all err inwards (blur) do to it.
+// that all err inwards do to it.
 struct Weighted {
   double value, weight;
 };
