@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 CALIBRATOR = ["base", "camera", "target", "residuals", "linear", "information", "initialise",
-              "batch", "simulate"]
+              "batch", "window", "simulate", "guidance"]
 
 # What each folder may include, besides itself.
 MAY_USE = {
@@ -23,7 +23,14 @@ MAY_USE = {
                               "calibrator/linear"],
     "calibrator/batch": ["calibrator/base", "calibrator/camera", "calibrator/residuals",
                          "calibrator/linear", "calibrator/information", "calibrator/initialise"],
+    "calibrator/window": ["calibrator/base", "calibrator/camera", "calibrator/residuals",
+                          "calibrator/linear", "calibrator/information", "calibrator/initialise",
+                          "calibrator/batch"],
     "calibrator/simulate": ["calibrator/base", "calibrator/camera"],
+    "calibrator/guidance": ["calibrator/base", "calibrator/camera", "calibrator/residuals",
+                            "calibrator/linear", "calibrator/information",
+                            "calibrator/initialise", "calibrator/batch", "calibrator/window",
+                            "calibrator/simulate"],
     "datasets": ["calibrator/base", "calibrator/camera", "calibrator/target",
                  "calibrator/simulate"],
     "report/records": ["calibrator/base"],

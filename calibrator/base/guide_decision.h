@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/time.h"
+#include "calibrator/base/transform.h"
+
+namespace plumbline {
+
+/// What the guide is calibrating.
+enum class GuideStage { kCamera, kCameraImu };
+/// "camera", "camera-imu".
+std::string toString(GuideStage stage);
+
+/// What the guide is doing after a frame.
+enum class GuideMode {
+  kInitialising,  ///< gathers the first frames of a stage
+  kCollecting,    ///< takes every frame that tells enough
+  kSuggesting,    ///< the same, with a suggestion open
+  kFinished,      ///< this stage is over
+};
+/// "initialising", "collecting", "suggesting", "finished".
+std::string toString(GuideMode mode);
+
+/// Why a frame was treated as it was.
+enum class GuideReason {
+  kInitialising,      ///< kept for the start
+  kInitialised,       ///< the start stands with this frame
+  kInitialiseFailed,  ///< the start was tried with this frame and did not succeed
+  kInformative,       ///< its gain reaches the threshold (or is unbounded)
+  kNotInformative,    ///< its gain is below the threshold
+  kUsed,              ///< camera-IMU stage: every frame enters the window
+  kBusy,              ///< came before the guide was done with an earlier one: dropped
+  kNoTarget,          ///< too few corners in every camera
+  kNoPose,            ///< its corners give no plausible pose
+  kTimeJump,          ///< its stamp is not after the frame before, or the window was cut loose here
+  kNoImu,             ///< IMU samples do not cover it
+  kImuGap,            ///< IMU samples are missing between it and the frame before
+  kNotSolved,         ///< the window with it did not converge: left out
+  kFinished,          ///< the stage was over before
+};
+/// "initialising", "initialised", "initialise-failed", "informative", "not-informative", "used",
+/// "busy", "no-target", "no-pose", "time-jump", "no-imu", "imu-gap", "not-solved", "finished".
+std::string toString(GuideReason reason);
+
+/// What happened to the suggestion on a frame.
+enum class SuggestionEvent { kNone, kOpened, kReached, kExpired };
+/// "none", "opened", "reached", "expired".
+std::string toString(SuggestionEvent event);
+
+/// A view or trajectory that the guide asked for.
+struct Suggestion {
+  int id = 0;  ///< counts from 0 over both stages
+  GuideStage stage = GuideStage::kCamera;
+  TimeNs t = 0;                 ///< when it was shown
+  std::string candidate;        ///< "cam0 x -0.50 y +0.25 tilt-x 30" or "figure 8 horizontal"
+  int camera = 0;               ///< for whose image the view was made; 0 for a trajectory
+  Transform T_FC0;              ///< the view; for a trajectory, its start
+  std::vector<Transform> path;  ///< T_FC0 along a trajectory; empty for a view
+  double mi_nats = 0;           ///< predicted gain
+};
+
+/// Scores of all candidates at one time.
+struct CandidateRound {
+  TimeNs asked = 0;     ///< stamp of the frame whose estimate they stand on
+  TimeNs answered = 0;  ///< recording's time at which the answer was there
+  std::vector<std::string> names;
+  std::vector<Transform> T_FC0;  ///< of the view, or of the trajectory's start
+  /// Gain of each; NaN: it could not be scored (no tag in view, unreachable limits, ...).
+  std::vector<double> mi_nats;
+  int best = -1;  ///< highest gain; -1: none could be scored
+};
+
+/// What the guide did with one frame. Scores in nats; every number that drove it is here.
+struct Decision {
+  TimeNs t = 0;   ///< the frame's stamp (camera 0's clock)
+  int frame = 0;  ///< its position in the recording
+  GuideStage stage = GuideStage::kCamera;
+  GuideMode mode = GuideMode::kInitialising;  ///< after the frame
+  GuideReason reason = GuideReason::kInitialising;
+  bool accepted = false;          ///< the frame entered the estimate
+  std::optional<double> mi_nats;  ///< its gain; infinite: the views before left parameters free
+  std::optional<double> entropy_nats;  ///< of the calibration parameters, after the frame
+  double threshold_nats = 0;           ///< what the gain was held against
+  int corners = 0;                     ///< seen by all cameras
+  int views_kept = 0;                  ///< accepted in this stage so far
+  int frames_without_view = 0;         ///< offered since the last accepted one
+  std::optional<double> rmse_px;       ///< of the window, after the frame
+  std::optional<Transform> T_FC0;      ///< where the camera was
+  SuggestionEvent event = SuggestionEvent::kNone;
+  std::optional<int> suggestion;        ///< id of the one that is open, or was closed here
+  std::optional<double> distance_px;    ///< mean corner distance to it; empty: no corner in common
+  double held_s = 0;                    ///< how long the distance has been small enough
+  std::optional<Suggestion> opened;     ///< with kOpened
+  std::optional<CandidateRound> round;  ///< scores that arrived with this frame
+  std::string detail;                   ///< what could not be done and why; empty if nothing
+};
+
+}  // namespace plumbline

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+namespace plumbline {
+
+/// 0.2 bits in nats: the threshold of Kalibr and of the paper (section IV).
+inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
+
+/// Next best view (paper, section IV).
+struct ViewGuideOptions {
+  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
+  double cauchy_px = 1.5;  ///< scale of the loss [px]; 0: squared error
+  int start_frames = 5;    ///< the first N frames with the target in view start the estimate
+  int window = 10;         ///< views in the fixed-lag window
+  int min_corners = 16;    ///< of one camera, for its view to count
+  double threshold_nats = kGuideThresholdNats;  ///< views that gain less are removed
+  int patience = 3;        ///< frames without a new view until a next best view is looked for
+  double reached_px = 15;  ///< a suggestion is reached within this mean corner distance [px] ...
+  double reached_s = 0.5;  ///< ... held for so long [s]
+  double expires_s = 10;   ///< a suggestion not reached by then counts as not followed [s]
+  int min_views = 0;       ///< never finish with fewer views
+};
+
+/// Next best trajectory (paper, section V).
+struct TrajectoryGuideOptions {
+  double pixel_sigma = 1;
+  double cauchy_px = 1.5;
+  double gravity_m_s2 = 9.80655;
+  int start_frames = 20;  ///< frames that start the estimate; as many more as it takes
+  int window = 3;         ///< states in the fixed-lag window
+  int min_corners = 16;
+  double threshold_nats = kGuideThresholdNats;
+  bool score_offset = false;    ///< the time offset counts beside T_SC0
+  double evaluate_every_s = 1;  ///< the evaluator starts again this long after its last start [s]
+  double reached_px = 50;       ///< distance to a trajectory's start [px] ...
+  double reached_s = 1;         ///< ... held for so long [s]
+  double expires_s = 10;
+  double amplitude = 1;   ///< multiplies the trajectories' widths and heights
+  double duration_s = 5;  ///< of a trajectory
+  double max_speed_m_s = 1.5;
+  double max_rate_rad_s = 3.14159265358979;
+  double max_acceleration_m_s2 = 9.80665;  ///< without gravity
+};
+
+/// What a step costs in the recording's time. A frame that comes while the guide is busy is
+/// dropped; candidate views are scored in the step, trajectories beside it.
+struct GuideLatency {
+  double camera_frame_s = 0;
+  double next_view_s = 0;
+  double camera_batch_s = 0;
+  double imu_frame_s = 0;
+  double trajectories_s = 0;
+  double imu_batch_s = 0;
+};
+
+struct GuideOptions {
+  ViewGuideOptions views;
+  TrajectoryGuideOptions trajectories;
+  GuideLatency latency;
+  double lost_target_s = 2;    ///< without the target for longer: said in the log [s]
+  double max_frame_gap_s = 1;  ///< a pause between frames longer than this is a jump [s]
+  int threads = 1;             ///< decisions do not depend on it
+};
+
+}  // namespace plumbline

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/open_suggestion.h"
+
+#include <utility>
+
+namespace plumbline {
+
+std::optional<double> meanCornerDistance(const std::vector<Corner>& a,
+                                         const std::vector<Corner>& b) {
+  constexpr int kLeast = 4;
+  double sum = 0;
+  int common = 0;
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->id < j->id) {
+      ++i;
+    } else if (j->id < i->id) {
+      ++j;
+    } else {
+      sum += (i->uv - j->uv).norm();
+      ++common, ++i, ++j;
+    }
+  }
+  if (common < kLeast) return std::nullopt;
+  return sum / common;
+}
+
+OpenSuggestion::OpenSuggestion(Suggestion suggestion, std::vector<Corner> corners,
+                               const ReachRule& rule)
+    : suggestion_(std::move(suggestion)), corners_(std::move(corners)), rule_(rule) {}
+
+OpenSuggestion::Progress OpenSuggestion::update(TimeNs t, const std::vector<Corner>& seen) {
+  Progress now;
+  now.distance_px = meanCornerDistance(corners_, seen);
+  if (!now.distance_px || *now.distance_px > rule_.px) {
+    near_since_.reset();
+  } else if (!near_since_) {
+    near_since_ = t;
+  }
+  if (near_since_) now.held_s = secondsBetween(*near_since_, t);
+  if (near_since_ && now.held_s >= rule_.hold_s) {
+    now.event = SuggestionEvent::kReached;
+  } else if (secondsBetween(suggestion_.t, t) > rule_.expires_s) {
+    now.event = SuggestionEvent::kExpired;
+  }
+  return now;
+}
+
+}  // namespace plumbline

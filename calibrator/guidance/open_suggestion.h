@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "calibrator/base/guide_decision.h"
+#include "calibrator/base/session.h"
+
+namespace plumbline {
+
+/// When a suggestion counts as reached, and when it is given up.
+struct ReachRule {
+  double px = 15;
+  double hold_s = 0.5;
+  double expires_s = 10;
+};
+
+/// Mean distance of the corners that both lists hold [px]; ids ascending. Empty where fewer than
+/// four are in both.
+std::optional<double> meanCornerDistance(const std::vector<Corner>& a,
+                                         const std::vector<Corner>& b);
+
+/// A suggestion that waits for the operator.
+class OpenSuggestion {
+ public:
+  /// `corners`: what the suggestion's camera would see there.
+  OpenSuggestion(Suggestion suggestion, std::vector<Corner> corners, const ReachRule& rule);
+
+  struct Progress {
+    SuggestionEvent event = SuggestionEvent::kNone;  ///< none, reached, expired
+    std::optional<double> distance_px;
+    double held_s = 0;
+  };
+  /// With every frame: what the suggestion's camera saw (empty: nothing).
+  Progress update(TimeNs t, const std::vector<Corner>& seen);
+
+  const Suggestion& suggestion() const { return suggestion_; }
+
+ private:
+  Suggestion suggestion_;
+  std::vector<Corner> corners_;
+  ReachRule rule_;
+  std::optional<TimeNs> near_since_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/guide_decision.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// A frame as the operator would have seen it.
+struct ReplayFrame {
+  TimeNs t = 0;
+  std::vector<std::vector<Corner>> corners;  ///< per camera
+  /// Per camera, a small JPEG of its image; empty where the recording has none. They lie beside the
+  /// store as files, not in it.
+  std::vector<std::string> jpeg;
+};
+
+/// How a suggestion ended.
+struct SuggestionOutcome {
+  Suggestion suggestion;
+  SuggestionEvent end = SuggestionEvent::kNone;  ///< reached, expired; none: open at the end
+  TimeNs ended = 0;
+  std::optional<double> closest_px;   ///< least mean corner distance while it was open
+  std::optional<double> mean_px;      ///< mean of the distance over its frames
+  std::optional<double> closest_m;    ///< least distance of the camera's position
+  std::optional<double> closest_rad;  ///< and of its orientation, at that instant
+};
+
+/// What a guided recording says of its operator: suggestions as they were shown at recording time.
+struct OperatorCompliance {
+  std::vector<SuggestionOutcome> suggestions;
+  int reached = 0;
+  double median_seconds_to_reach = 0;
+};
+
+/// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.
+struct StopAudit {
+  enum class Verdict { kNeverStopped, kEarly, kLate, kRight };
+  GuideStage stage = GuideStage::kCamera;
+  Verdict verdict = Verdict::kNeverStopped;
+  std::optional<TimeNs> finished;     ///< the guide's "finish"
+  std::optional<TimeNs> enough;       ///< first instant at which the views kept were good enough
+  double seconds = 0;                 ///< early: missing; late: wasted; right or never: 0
+  double entropy_at_finish_nats = 0;  ///< of the calibration parameters
+  double entropy_of_all_nats = 0;     ///< had every frame been used
+  std::string explanation;            ///< a sentence with the numbers that decided it
+};
+
+/// One stage in figures.
+struct ReplayStageSummary {
+  GuideStage stage = GuideStage::kCamera;
+  bool ran = false;
+  std::string problem;  ///< why it did not run, or not to its end; empty otherwise
+  int frames_offered = 0;
+  int frames_dropped = 0;  ///< came while the guide was busy
+  int views_used = 0;
+  int views_redundant = 0;  ///< used, though in hindsight each gains less than the threshold
+  int views_missed = 0;     ///< not used, though in hindsight each gains more than it
+  int suggestions = 0;
+  int reached = 0;
+  std::optional<TimeNs> started;
+  std::optional<TimeNs> finished;
+  /// Batch over the kept views, and over all frames of the recording.
+  std::optional<StageSummary> kept_batch;
+  std::optional<StageSummary> full_batch;
+  double information_after_finish_nats = 0;  ///< what the recording after "finish" added
+};
+
+/// One order in which the frames of a pool could have been used.
+struct CounterfactualCurve {
+  std::string strategy;  ///< "recorded", "random", "greedy-mi", "coverage", "guide"
+  std::uint64_t seed = 0;
+  std::vector<int> order;                           ///< frames of the pool
+  std::vector<int> views;                           ///< abscissa: how many were used
+  std::vector<std::optional<double>> entropy_nats;  ///< at each; empty: not determined yet
+  std::vector<std::optional<double>> held_out_px;   ///< RMSE on frames outside the pool
+  std::optional<int> views_needed;  ///< to come within 10 % of the full pool's held-out error
+};
+
+struct Counterfactuals {
+  std::vector<CounterfactualCurve> curves;
+  int pool_frames = 0;
+  int held_out_frames = 0;
+  double full_pool_entropy_nats = 0;
+  double full_pool_held_out_px = 0;
+  std::vector<std::string> remarks;  ///< where and why a strategy loses, from the numbers
+};
+
+/// A replay: every decision of the guide on a recording, and how good they were.
+struct ReplayRecord {
+  std::string name;
+  Provenance provenance;
+  Assumptions assumptions;
+  Verdict verdict;
+  AprilGrid target;
+  std::vector<CameraCalibration> cameras;  ///< for drawing: the best that is known at the end
+  std::vector<ReplayFrame> frames;         ///< all of the recording
+  std::vector<Decision> decisions;         ///< one per frame
+  std::vector<ReplayStageSummary> stages;
+  std::vector<SuggestionOutcome> suggestions;
+  std::optional<OperatorCompliance> compliance;
+  std::vector<StopAudit> stop_audits;
+  std::optional<Counterfactuals> counterfactuals;
+};
+
+}  // namespace plumbline
