@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/guide.h"
+
+#include <utility>
+
+#include "calibrator/guidance/camera_guide.h"
+#include "calibrator/guidance/camera_imu_guide.h"
+
+namespace plumbline {
+
+struct Guide::State {
+  GuideRig rig;
+  GuideOptions options;
+  std::optional<CameraGuide> camera;                      // unless cameras were given
+  std::optional<Result<CameraStageResult>> camera_batch;  // once the camera stage is over
+  std::optional<CameraImuGuide> camera_imu;               // while and after it runs
+
+  Decision stepCamera(const GuideFrame& frame);
+  void endCameraStage(Decision& last);
+};
+
+Guide::Guide(const GuideRig& rig, const GuideOptions& options,
+             std::optional<std::vector<CameraCalibration>> cameras)
+    : state_(std::make_unique<State>()) {
+  state_->rig = rig;
+  state_->options = options;
+  if (!cameras) {
+    state_->camera.emplace(rig, options);
+  } else if (rig.imu) {
+    state_->camera_imu.emplace(rig, std::move(*cameras), options);
+  }
+}
+
+Guide::~Guide() = default;
+Guide::Guide(Guide&&) noexcept = default;
+Guide& Guide::operator=(Guide&&) noexcept = default;
+
+namespace {
+
+/// Of a frame that no stage looks at.
+Decision passedOver(const GuideFrame& frame, GuideStage stage, GuideReason reason) {
+  Decision decision;
+  decision.t = frame.t;
+  decision.frame = frame.index;
+  decision.stage = stage;
+  decision.reason = reason;
+  if (reason == GuideReason::kFinished) decision.mode = GuideMode::kFinished;
+  for (const std::vector<Corner>& corners : frame.corners)
+    decision.corners += static_cast<int>(corners.size());
+  return decision;
+}
+
+}  // namespace
+
+void Guide::State::endCameraStage(Decision& last) {
+  camera_batch = camera->batch();
+  if (!camera_batch->ok()) {
+    last.detail = "the batch over the views kept failed: " + camera_batch->failure().message;
+  } else if (rig.imu) {
+    camera_imu.emplace(rig, camera_batch->value().cameras, options, camera->nextSuggestion());
+  }
+}
+
+Decision Guide::State::stepCamera(const GuideFrame& frame) {
+  Decision decision = camera->step(frame);
+  if (camera->finished()) endCameraStage(decision);
+  return decision;
+}
+
+Decision Guide::step(const GuideFrame& frame) {
+  State& s = *state_;
+  if (s.camera && !s.camera->finished()) return s.stepCamera(frame);
+  if (!s.camera_imu) return passedOver(frame, GuideStage::kCamera, GuideReason::kFinished);
+  if (s.camera && frame.t < s.camera->busyUntil())
+    return passedOver(frame, GuideStage::kCameraImu, GuideReason::kBusy);
+  return s.camera_imu->step(frame);
+}
+
+bool Guide::finished() const {
+  if (state_->camera_imu) return state_->camera_imu->finished();
+  return !state_->camera || state_->camera->finished();
+}
+
+namespace {
+
+Failure notRun(const char* stage) {
+  return {FailureReason::kTooFewViews, std::string("the guide never began its ") + stage + " stage",
+          "record longer, or see decisions.jsonl for what it waited for"};
+}
+
+}  // namespace
+
+Result<CameraStageResult> Guide::cameraBatch() const {
+  if (state_->camera_batch) return *state_->camera_batch;
+  if (!state_->camera) return notRun("camera");
+  return state_->camera->batch();
+}
+
+Result<CameraImuStageResult> Guide::cameraImuBatch() const {
+  if (!state_->camera_imu) return notRun("camera-IMU");
+  return state_->camera_imu->batch();
+}
+
+}  // namespace plumbline
