@@ -78,20 +78,45 @@ struct ReplayStageSummary {
 struct CounterfactualCurve {
   std::string strategy;  ///< "recorded", "random", "greedy-mi", "coverage", "guide"
   std::uint64_t seed = 0;
-  std::vector<int> order;                           ///< frames of the pool
-  std::vector<int> views;                           ///< abscissa: how many were used
+  std::vector<int> order;  ///< frames of the pool, as positions in the recording's frames
+  std::vector<int> views;  ///< abscissa: how many were used
   std::vector<std::optional<double>> entropy_nats;  ///< at each; empty: not determined yet
   std::vector<std::optional<double>> held_out_px;   ///< RMSE on frames outside the pool
+  /// The same over the corners near the image's border, and over the others.
+  std::vector<std::optional<double>> held_out_border_px;
+  std::vector<std::optional<double>> held_out_centre_px;
+  /// held_out_px less that of the best strategy at the same number of views; a strategy with seeds
+  /// stands there with its median. Negative where one seed beats every strategy.
+  std::vector<std::optional<double>> regret_px;
   std::optional<int> views_needed;  ///< to come within 10 % of the full pool's held-out error
+};
+
+struct Quartiles {
+  double lower = 0, median = 0, upper = 0;
+};
+
+/// The curves of one strategy over its seeds; of a strategy without, all three quartiles agree.
+struct CounterfactualBand {
+  std::string strategy;
+  int seeds = 0;                                       ///< curves
+  std::vector<int> views;                              ///< abscissa
+  std::vector<std::optional<Quartiles>> entropy_nats;  ///< empty: not all seeds have a value
+  std::vector<std::optional<Quartiles>> held_out_px;
+  std::vector<std::optional<double>> regret_px;  ///< of the median
+  std::optional<Quartiles> views_needed;         ///< empty: not all seeds get there
 };
 
 struct Counterfactuals {
   std::vector<CounterfactualCurve> curves;
+  std::vector<CounterfactualBand> bands;  ///< one per strategy, in the order of the curves
   int pool_frames = 0;
   int held_out_frames = 0;
   double full_pool_entropy_nats = 0;
   double full_pool_held_out_px = 0;
+  std::string other_model;  ///< "pinhole-equidistant", ...; empty: none was tried
+  std::vector<CounterfactualBand> other_model_bands;  ///< greedy-mi and random under it
   std::vector<std::string> remarks;  ///< where and why a strategy loses, from the numbers
+  std::string problem;  ///< why there are no curves (one line, with its cure); empty otherwise
 };
 
 /// A replay: every decision of the guide on a recording, and how good they were.
