@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/linear/schur.h"
+
+#include <Eigen/Cholesky>
+#include <cassert>
+
+namespace plumbline {
+namespace {
+
+constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal
+
+std::vector<int> others(const std::vector<int>& keep, Eigen::Index size) {
+  std::vector<char> kept(static_cast<std::size_t>(size), 0);
+  for (const int i : keep) {
+    assert(i >= 0 && i < size && kept[static_cast<std::size_t>(i)] == 0);
+    kept[static_cast<std::size_t>(i)] = 1;
+  }
+  std::vector<int> drop;
+  for (int i = 0; i < size; ++i) {
+    if (kept[static_cast<std::size_t>(i)] == 0) drop.push_back(i);
+  }
+  return drop;
+}
+
+}  // namespace
+
+std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep) {
+  assert(cost.H.rows() == cost.H.cols() && cost.H.rows() == cost.b.size());
+  const std::vector<int> drop = others(keep, cost.b.size());
+  QuadraticCost out{cost.H(keep, keep), cost.b(keep), cost.c};
+  if (drop.empty()) return out;
+  Eigen::MatrixXd H_dd = cost.H(drop, drop);
+  if (!(H_dd.diagonal().array() > 0).all()) return std::nullopt;
+  const Eigen::VectorXd scale = H_dd.diagonal().cwiseSqrt().cwiseInverse();
+  H_dd = scale.asDiagonal() * H_dd * scale.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> llt(H_dd);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  if (!(llt.matrixLLT().diagonal().array().square() >= kLeastPivot).all()) return std::nullopt;
+  // W = L^-1 H_dk and y = L^-1 b_d: products with their transposes are symmetric to the last bit.
+  Eigen::MatrixXd W = scale.asDiagonal() * cost.H(drop, keep);
+  Eigen::VectorXd y = scale.asDiagonal() * cost.b(drop);
+  llt.matrixL().solveInPlace(W);
+  llt.matrixL().solveInPlace(y);
+  out.H.triangularView<Eigen::Lower>() -= W.transpose() * W;
+  out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
+  out.b -= W.transpose() * y;
+  out.c -= 0.5 * y.squaredNorm();
+  return out;
+}
+
+}  // namespace plumbline

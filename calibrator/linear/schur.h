@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+namespace plumbline {
+
+/// A quadratic cost about a point, of the displacement d from it:
+///   f(d) = c + b^T d + 0.5 d^T H d,   H (n x n) symmetric, b its gradient at the point.
+/// As normal equations of least squares, H is the information and the minimum is at H d = -b.
+struct QuadraticCost {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd b;
+  double c = 0;
+};
+
+/// The cost that remains of `cost` once the parameters that are not in `keep` are at their best:
+///   min over d_drop of f = c' + b'^T d_keep + 0.5 d_keep^T H' d_keep,
+///   H' = H_kk - H_kd H_dd^-1 H_dk,   b' = b_k - H_kd H_dd^-1 b_d,
+///   c' = c - 0.5 b_d^T H_dd^-1 b_d                                (Schur complement).
+/// For a Gaussian, H' is the information of the parameters kept, the others marginalised: H'^-1 is
+/// H^-1 without the rows and columns dropped. `keep` lists distinct indices below n, in the order
+/// that H' shall have; H' is symmetric to the last bit. Only the lower triangle of H_dd is read.
+/// Empty where H_dd is not positive definite to working precision (a pivot below 1e-13 once its
+/// diagonal is scaled to 1): the parameters dropped are not determined.
+std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep);
+
+}  // namespace plumbline
