@@ -49,6 +49,7 @@ struct StopAudit {
   std::optional<TimeNs> finished;     ///< the guide's "finish"
   std::optional<TimeNs> enough;       ///< first instant at which the views kept were good enough
   double seconds = 0;                 ///< early: missing; late: wasted; right or never: 0
+  double saved_s = 0;                 ///< of the recording, after "finish"
   double entropy_at_finish_nats = 0;  ///< of the calibration parameters
   double entropy_of_all_nats = 0;     ///< had every frame been used
   std::string explanation;            ///< a sentence with the numbers that decided it
