@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/counterfactuals.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "calibrator/base/error.h"
+#include "evaluate/replay/counterfactual_curves.h"
+#include "evaluate/replay/counterfactual_remarks.h"
+#include "evaluate/replay/view_pool.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kEnough = 1.1;  // times the full pool's held-out error
+
+void check(const CounterfactualOptions& options) {
+  if (options.random_seeds < 1) throw InputError("at least one random order is needed");
+  if (options.max_held_out < 1) throw InputError("at least one frame must be held out");
+  if (std::any_of(options.views.begin(), options.views.end(), [](int n) { return n < 1; })) {
+    throw InputError("numbers of views are 1 or more");
+  }
+}
+
+/// pinhole-equidistant for pinhole-radtan and the other way round; empty for other models.
+std::vector<CameraModelPair> otherModels(const CameraEstimate& cameras) {
+  std::vector<CameraModelPair> models;
+  for (const Intrinsics& camera : cameras.intrinsics) {
+    if (camera.projection_model != ProjectionModel::kPinhole) return {};
+    const bool is_radtan = camera.distortion_model == DistortionModel::kRadtan;
+    models.push_back({ProjectionModel::kPinhole,
+                      is_radtan ? DistortionModel::kEquidistant : DistortionModel::kRadtan});
+  }
+  return models;
+}
+
+/// Greedy MI and random orders under another model, on the same split.
+void addOtherModel(const ViewPool& first, const FrameSplit& split,
+                   const CounterfactualOptions& options, Counterfactuals& out) {
+  CameraStageOptions camera = options.camera;
+  camera.models = otherModels(first.reference().estimate);
+  if (camera.models.empty()) return;
+  const auto pool = ViewPool::prepare(first.session(), split, camera, options.max_held_out);
+  if (!pool) return;
+  std::vector<CounterfactualCurve> curves;
+  for (CounterfactualCurve& curve : strategyOrders(*pool, {}, options)) {
+    if (curve.strategy == "random" || curve.strategy == "greedy-mi") {
+      curves.push_back(std::move(curve));
+    }
+  }
+  const double full_px = pool->heldOutError(pool->reference().estimate).px;
+  const auto views = evaluatedViews(curves, options.views);
+  curves = evaluated(*pool, std::move(curves), views, kEnough * full_px, options.threads);
+  out.other_model = "pinhole-" + toString(camera.models.front().distortion);
+  out.other_model_bands = bandsOf(curves);
+}
+
+}  // namespace
+
+Counterfactuals counterfactuals(const Session& session, const std::vector<int>& guide_frames,
+                                const CounterfactualOptions& options) {
+  return counterfactuals(session, splitFrames(session, options.split), guide_frames, options);
+}
+
+Counterfactuals counterfactuals(const Session& session, const FrameSplit& split,
+                                const std::vector<int>& guide_frames,
+                                const CounterfactualOptions& options) {
+  check(options);
+  Counterfactuals out;
+  CameraStageOptions camera = options.camera;
+  camera.threads = options.threads;
+  const auto pool = ViewPool::prepare(session, split, camera, options.max_held_out);
+  if (!pool) {
+    out.problem = pool.failure().message + "; " + pool.failure().cure;
+    return out;
+  }
+  out.pool_frames = static_cast<int>(pool->pool().size());
+  out.held_out_frames = static_cast<int>(pool->heldOut().size());
+  out.full_pool_entropy_nats = pool->reference().entropy_nats;
+  out.full_pool_held_out_px = pool->heldOutError(pool->reference().estimate).px;
+  auto curves = strategyOrders(*pool, guide_frames, options);
+  const auto views = evaluatedViews(curves, options.views);
+  curves = evaluated(*pool, std::move(curves), views, kEnough * out.full_pool_held_out_px,
+                     options.threads);
+  out.bands = bandsOf(curves);
+  out.curves = withRegret(std::move(curves), out.bands);
+  if (options.other_model) addOtherModel(*pool, split, options, out);
+  out.remarks = counterfactualRemarks(*pool, out, static_cast<int>(guide_frames.size()));
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/view_orders.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+#include <queue>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "calibrator/information/covariance.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kWeakPrior = 1000;  // standard deviations over those that all views leave
+
+/// Views by the largest gain that they can still have, the earlier one first in a tie.
+struct Bound {
+  double gain = 0;
+  int view = 0;
+  int computed_at = 0;  ///< views used when the gain was computed
+  bool operator<(const Bound& other) const {
+    return gain != other.gain ? gain < other.gain : view > other.view;
+  }
+};
+
+/// log |I + S|, with parameters in units of the prior's standard deviations.
+double logDeterminantOfScaled(const Eigen::MatrixXd& information) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(information);
+  return 2 * llt.matrixLLT().diagonal().array().log().sum();
+}
+
+class GreedyOrder {
+ public:
+  GreedyOrder(const std::vector<Eigen::MatrixXd>& shares, const Eigen::VectorXd& prior_std) {
+    for (const Eigen::MatrixXd& share : shares) {
+      scaled_.emplace_back(prior_std.asDiagonal() * share * prior_std.asDiagonal());
+    }
+    information_ = Eigen::MatrixXd::Identity(prior_std.size(), prior_std.size());
+  }
+
+  std::vector<int> run() {
+    std::priority_queue<Bound> queue;
+    for (int v = 0; v < static_cast<int>(scaled_.size()); ++v) queue.push({gain(v), v, 0});
+    std::vector<int> order;
+    while (!queue.empty()) {
+      Bound best = queue.top();
+      queue.pop();
+      const int used = static_cast<int>(order.size());
+      if (best.computed_at < used) {
+        queue.push({gain(best.view), best.view, used});
+        continue;
+      }
+      order.push_back(best.view);
+      information_ += scaled_[static_cast<std::size_t>(best.view)];
+      log_determinant_ = logDeterminantOfScaled(information_);
+    }
+    return order;
+  }
+
+ private:
+  double gain(int view) const {
+    const Eigen::MatrixXd& share = scaled_[static_cast<std::size_t>(view)];
+    return 0.5 * (logDeterminantOfScaled(information_ + share) - log_determinant_);
+  }
+
+  std::vector<Eigen::MatrixXd> scaled_;
+  Eigen::MatrixXd information_;
+  double log_determinant_ = 0;
+};
+
+int cellOf(const Eigen::Vector2d& uv, const Resolution& image, const CoverageGrid& grid) {
+  const auto place = [](double x, int size, int cells) {
+    return std::clamp(static_cast<int>((x + 0.5) * cells / size), 0, cells - 1);
+  };
+  return place(uv.y(), image.height, grid.rows) * grid.columns +
+         place(uv.x(), image.width, grid.columns);
+}
+
+/// Cells that are covered so far.
+class Coverage {
+ public:
+  explicit Coverage(int cells) : covered_(static_cast<std::size_t>(cells), 0) {}
+
+  /// How many of the cells are not covered.
+  int adds(const std::vector<int>& cells) const {
+    int count = 0;
+    for (const int cell : cells) count += covered_[static_cast<std::size_t>(cell)] == 0 ? 1 : 0;
+    return count;
+  }
+  void add(const std::vector<int>& cells) {
+    for (const int cell : cells) covered_[static_cast<std::size_t>(cell)] = 1;
+  }
+  bool isEmpty() const {
+    return std::all_of(covered_.begin(), covered_.end(), [](char c) { return c == 0; });
+  }
+  void clear() { std::fill(covered_.begin(), covered_.end(), char{0}); }
+
+ private:
+  std::vector<char> covered_;
+};
+
+}  // namespace
+
+std::vector<int> randomOrder(int count, std::uint64_t seed) {
+  std::vector<int> order(static_cast<std::size_t>(count));
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937_64 random(seed);
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+  return order;
+}
+
+std::vector<int> greedyInformationOrder(const std::vector<Eigen::MatrixXd>& shares) {
+  if (shares.empty()) return {};
+  Eigen::MatrixXd all = shares.front();
+  for (std::size_t v = 1; v < shares.size(); ++v) all += shares[v];
+  const auto covariance = covarianceOf(all);
+  if (!covariance) return {};
+  return GreedyOrder(shares, kWeakPrior * covariance->diagonal().cwiseSqrt()).run();
+}
+
+std::vector<std::vector<int>> cellsSeen(const Session& session, const std::vector<Frame>& frames,
+                                        const CoverageGrid& grid) {
+  std::vector<std::vector<int>> cells;
+  for (const Frame& frame : frames) {
+    std::set<int> seen;
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      const CameraStream& camera = session.cameras[c];
+      const int first = static_cast<int>(c) * grid.columns * grid.rows;
+      for (const Corner& corner : camera.views[static_cast<std::size_t>(frame.view[c])].corners) {
+        seen.insert(first + cellOf(corner.uv, camera.resolution, grid));
+      }
+    }
+    cells.emplace_back(seen.begin(), seen.end());
+  }
+  return cells;
+}
+
+std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells) {
+  int count = 0;
+  for (const std::vector<int>& seen : cells) {
+    for (const int cell : seen) count = std::max(count, cell + 1);
+  }
+  Coverage coverage(count);
+  std::vector<int> left(cells.size());
+  std::iota(left.begin(), left.end(), 0);
+  std::vector<int> order;
+  while (!left.empty()) {
+    auto best = left.begin();
+    int most = -1;
+    for (auto v = left.begin(); v != left.end(); ++v) {
+      const int adds = coverage.adds(cells[static_cast<std::size_t>(*v)]);
+      if (adds > most) best = v;
+      most = std::max(most, adds);
+    }
+    if (most == 0 && !coverage.isEmpty()) {
+      coverage.clear();
+      continue;
+    }
+    coverage.add(cells[static_cast<std::size_t>(*best)]);
+    order.push_back(*best);
+    left.erase(best);
+  }
+  return order;
+}
+
+}  // namespace plumbline

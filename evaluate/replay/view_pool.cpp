@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/view_pool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibrator/base/frames.h"
+#include "calibrator/batch/camera_batch_report.h"
+#include "calibrator/batch/camera_batch_solver.h"
+#include "calibrator/batch/camera_view_errors.h"
+#include "calibrator/batch/used_corners.h"
+#include "calibrator/information/covariance.h"
+#include "calibrator/initialise/camera_poses.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kBorder = 0.1;          // of the image's width and height
+constexpr double kPoseTolerance = 1e-5;  // standard deviations of a pose
+constexpr int kPoseIterations = 50;
+
+bool isNearBorder(double u, double v, const Resolution& image) {
+  const double x = (u + 0.5) / image.width;
+  const double y = (v + 0.5) / image.height;
+  return std::min({x, y, 1 - x, 1 - y}) < kBorder;
+}
+
+/// Positions of `some` (an ascending subset) in `all`, by the views they hold.
+std::vector<int> positionsOf(const std::vector<Frame>& some, const std::vector<Frame>& all) {
+  std::vector<int> positions;
+  std::size_t at = 0;
+  for (const Frame& frame : some) {
+    while (all[at].view != frame.view) ++at;
+    positions.push_back(static_cast<int>(at++));
+  }
+  return positions;
+}
+
+/// Those frames that are also in `usable` (both ascending).
+std::vector<int> among(const std::vector<int>& frames, const std::vector<int>& usable) {
+  std::vector<int> both;
+  std::set_intersection(frames.begin(), frames.end(), usable.begin(), usable.end(),
+                        std::back_inserter(both));
+  return both;
+}
+
+/// At most `most` of them, evenly spread.
+std::vector<int> thinned(const std::vector<int>& frames, int most) {
+  if (static_cast<int>(frames.size()) <= most) return frames;
+  std::vector<int> kept;
+  for (int i = 0; i < most; ++i) {
+    kept.push_back(
+        frames[frames.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(most)]);
+  }
+  return kept;
+}
+
+CameraEstimate camerasOf(const std::vector<CameraCalibration>& cameras) {
+  CameraEstimate estimate;
+  for (const CameraCalibration& camera : cameras) {
+    estimate.intrinsics.push_back(camera.intrinsics);
+    estimate.T_C0Ci.push_back(camera.T_C0Ci);
+  }
+  return estimate;
+}
+
+/// Root mean square of the errors for which `take` holds; 0 for none.
+template <class Take>
+double rmsOf(const std::vector<ViewPool::ImageError>& errors, Take take) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const ViewPool::ImageError& e : errors) {
+    if (!take(e)) continue;
+    sum += e.squared_px;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+}
+
+Failure noFrames(const char* part) {
+  return {FailureReason::kTooFewViews,
+          std::string("no frame of the ") + part + " has a plausible pose of the target",
+          "record longer, or part the frames in shorter blocks"};
+}
+
+Failure poolNotSolved() {
+  return {FailureReason::kNotObservable,
+          "the frames of the pool do not determine the cameras, though all frames do",
+          "record longer, with the target tilted, rolled, and all over the image"};
+}
+
+}  // namespace
+
+Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& split,
+                                   const CameraStageOptions& asked, int max_held_out) {
+  ViewPool pool;
+  pool.session_ = &session;
+  pool.options_ = asked;
+  pool.options_.frames = {};
+  pool.options_.start.clear();
+  pool.options_.select_views.reset();
+  const auto all = calibrateCameras(session, pool.options_);
+  if (!all) return all.failure();
+  pool.options_.threads = 1;  // selections run beside each other
+  pool.corners_ = usedCorners(session, *all);
+  pool.frames_ = pairFrames(session.cameras);
+  pool.T_C0F_.resize(pool.frames_.size());
+  const std::vector<int> usable = positionsOf(all->frames, pool.frames_);
+  for (std::size_t i = 0; i < usable.size(); ++i) {
+    pool.T_C0F_[static_cast<std::size_t>(usable[i])] = all->T_FC0[i].inverse();
+  }
+  pool.split_ = {among(split.pool, usable), thinned(among(split.held_out, usable), max_held_out)};
+  if (pool.split_.pool.empty()) return noFrames("pool");
+  if (pool.split_.held_out.empty()) return noFrames("held-out blocks");
+  pool.reference_.estimate = camerasOf(all->cameras);
+  auto reference = pool.solve(pool.split_.pool);
+  if (!reference) return poolNotSolved();
+  pool.reference_ = std::move(*reference);
+  return pool;
+}
+
+CameraProblem ViewPool::problemOf(const std::vector<int>& frames) const {
+  CameraProblem problem;
+  problem.corners = corners_;
+  for (const int f : frames) problem.frames.push_back(frames_[static_cast<std::size_t>(f)]);
+  problem.pixel_sigma = options_.pixel_sigma;
+  problem.gram.cauchy_px = options_.cauchy_px;
+  return problem;
+}
+
+std::vector<Transform> ViewPool::posesOf(const std::vector<int>& frames) const {
+  std::vector<Transform> poses;
+  for (const int f : frames) poses.push_back(T_C0F_[static_cast<std::size_t>(f)]);
+  return poses;
+}
+
+std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
+  std::sort(frames.begin(), frames.end());
+  const CameraProblem problem = problemOf(frames);
+  CameraEstimate start = reference_.estimate;
+  start.T_C0F = posesOf(frames);
+  CameraSolverOptions solver;
+  solver.max_iterations = options_.max_iterations;
+  solver.tolerance = options_.tolerance;
+  CameraSolution solution = solveCameraProblem(problem, start, solver);
+  if (!solution.converged) return std::nullopt;
+  CameraStageResult report = resultFrom(*session_, problem, solution.estimate);
+  if (addCovariance(reducedInformation(solution.normals), report)) return std::nullopt;
+  return ViewSolution{std::move(solution.estimate), report.summary.entropy_nats};
+}
+
+void ViewPool::addErrors(const CameraEstimate& cameras, int frame, const Transform& T_C0F,
+                         std::vector<ImageError>& out) const {
+  const Frame& views = frames_[static_cast<std::size_t>(frame)];
+  for (std::size_t c = 0; c < views.view.size(); ++c) {
+    if (views.view[c] < 0) continue;
+    const PackedView view = corners_[c].view(views.view[c]);
+    const Intrinsics& camera = cameras.intrinsics[c];
+    const auto errors = viewErrors(camera, cameras.T_C0Ci[c].inverse() * T_C0F, view);
+    for (int k = 0; k < view.count; ++k) {
+      if (view.w[k] == 0) continue;
+      out.push_back({errors[static_cast<std::size_t>(k)].squaredNorm(),
+                     isNearBorder(view.u[k], view.v[k], camera.resolution)});
+    }
+  }
+}
+
+HeldOutError ViewPool::heldOutError(const CameraEstimate& cameras) const {
+  const PoseRefinementOptions refinement{
+      {options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance};
+  std::vector<ImageError> errors;
+  for (const int f : split_.held_out) {
+    const Frame& frame = frames_[static_cast<std::size_t>(f)];
+    std::vector<FrameView> views;
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      views.push_back(
+          {&cameras.intrinsics[c], corners_[c].view(frame.view[c]), cameras.T_C0Ci[c].inverse()});
+    }
+    const Transform& start = T_C0F_[static_cast<std::size_t>(f)];
+    addErrors(cameras, f, refinePose(views, start, refinement).T_C0F, errors);
+  }
+  using E = const ImageError&;
+  return {rmsOf(errors, [](E) { return true; }), rmsOf(errors, [](E e) { return e.is_border; }),
+          rmsOf(errors, [](E e) { return !e.is_border; })};
+}
+
+std::vector<Eigen::MatrixXd> ViewPool::poolInformation() const {
+  return frameInformation(problemOf(split_.pool), reference_.estimate);
+}
+
+std::vector<ViewPool::ImageError> ViewPool::referenceErrors(
+    const std::vector<int>& pool_frames) const {
+  std::vector<ImageError> errors;
+  for (const int f : pool_frames) {
+    const auto at = std::lower_bound(split_.pool.begin(), split_.pool.end(), f);
+    const auto i = static_cast<std::size_t>(at - split_.pool.begin());
+    addErrors(reference_.estimate, f, reference_.estimate.T_C0F[i], errors);
+  }
+  return errors;
+}
+
+}  // namespace plumbline
