@@ -57,32 +57,6 @@ void refuseModel(const std::string& camera, const CameraModelPair& model) {
       camera, toString(model.projection), toString(model.distortion)));
 }
 
-/// One model per camera: as asked for, or the session's words, or pinhole-radtan.
-std::vector<CameraModelPair> modelsOf(const Session& session, const CameraStageOptions& options) {
-  const std::size_t n = session.cameras.size();
-  if (!options.models.empty() && options.models.size() != n) {
-    throw InputError(
-        fmt::format("models for {} cameras were given, but the session has {}; give "
-                    "one per camera",
-                    options.models.size(), n));
-  }
-  std::vector<CameraModelPair> models = options.models;
-  for (std::size_t c = models.size(); c < n; ++c) {
-    const CameraStream& stream = session.cameras[c];
-    CameraModelPair pair;
-    if (!stream.camera_model.empty()) {
-      pair.projection = projectionModelFrom(stream.camera_model).value_or(ProjectionModel::kOmni);
-    }
-    if (!stream.distortion_model.empty()) {
-      pair.distortion =
-          distortionModelFrom(stream.distortion_model).value_or(DistortionModel::kFov);
-    }
-    models.push_back(pair);
-  }
-  for (std::size_t c = 0; c < n; ++c) refuseModel(session.cameras[c].name, models[c]);
-  return models;
-}
-
 void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras) {
   if (cameras.size() == session.cameras.size()) return;
   throw InputError(fmt::format("calibrations of {} cameras were given, but the session has {}",
@@ -247,6 +221,32 @@ double refinePoses(const CameraProblem& problem, CameraEstimate& estimate, bool&
 
 }  // namespace
 
+std::vector<CameraModelPair> cameraModels(const Session& session,
+                                          const CameraStageOptions& options) {
+  const std::size_t n = session.cameras.size();
+  if (!options.models.empty() && options.models.size() != n) {
+    throw InputError(
+        fmt::format("models for {} cameras were given, but the session has {}; give "
+                    "one per camera",
+                    options.models.size(), n));
+  }
+  std::vector<CameraModelPair> models = options.models;
+  for (std::size_t c = models.size(); c < n; ++c) {
+    const CameraStream& stream = session.cameras[c];
+    CameraModelPair pair;
+    if (!stream.camera_model.empty()) {
+      pair.projection = projectionModelFrom(stream.camera_model).value_or(ProjectionModel::kOmni);
+    }
+    if (!stream.distortion_model.empty()) {
+      pair.distortion =
+          distortionModelFrom(stream.distortion_model).value_or(DistortionModel::kFov);
+    }
+    models.push_back(pair);
+  }
+  for (std::size_t c = 0; c < n; ++c) refuseModel(session.cameras[c].name, models[c]);
+  return models;
+}
+
 Result<CameraStageResult> calibrateCameras(const Session& session,
                                            const CameraStageOptions& options) {
   checkSession(session);
@@ -259,9 +259,9 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
     refuseModel(camera.name,
                 {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
   }
-  auto start = options.start.empty()
-                   ? startFromViews(session, corners, frames, modelsOf(session, options), options)
-                   : startFromCameras(options.start, corners, frames, options);
+  auto start = options.start.empty() ? startFromViews(session, corners, frames,
+                                                      cameraModels(session, options), options)
+                                     : startFromCameras(options.start, corners, frames, options);
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
   CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);

@@ -55,6 +55,11 @@ struct CameraStageOptions {
   double tolerance = 1e-7;
 };
 
+/// One model per camera: options.models, or the session's words, or pinhole-radtan. Throws
+/// InputError for models that cannot be calibrated, or a list of another length.
+std::vector<CameraModelPair> cameraModels(const Session& session,
+                                          const CameraStageOptions& options);
+
 /// Calibrates all cameras of a session from its corners: intrinsics, extrinsics T_C0Ci, and the
 /// pose of camera 0 in every frame, minimising
 ///   0.5 sum rho(|measured - projected|^2) / pixel_sigma^2,   rho(s) = c^2 log(1 + s / c^2) or s.

@@ -95,6 +95,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
     loaded.counts.push_back(countsOf(camera));
   }
   loaded.session = std::move(recording.session);
+  loaded.images = std::move(recording.images);
   loaded.target_path = recording.target_path;
   loaded.imu_samples_path = recording.imu_samples_path;
   return loaded;

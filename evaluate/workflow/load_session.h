@@ -29,6 +29,8 @@ struct LoadedSession {
   std::string target_path;              ///< files to name where the data contradict them
   std::string imu_samples_path;         ///< empty where there is no IMU
   std::vector<CameraCounts> counts;     ///< one per camera
+  /// Per camera, parallel to its views; empty for a camera that comes as corners.
+  std::vector<std::vector<ImageFile>> images;
   std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown
   std::string input_hash;               ///< "algorithm:hex" of the files that were read
   double load_s = 0;                    ///< wall seconds of reading

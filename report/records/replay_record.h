@@ -15,8 +15,7 @@ namespace plumbline {
 struct ReplayFrame {
   TimeNs t = 0;
   std::vector<std::vector<Corner>> corners;  ///< per camera
-  /// Per camera, a small JPEG of its image; empty where the recording has none. They lie beside the
-  /// store as files, not in it.
+  /// Per camera, a small JPEG of its image; empty where the recording has none.
   std::vector<std::string> jpeg;
 };
 

@@ -12,11 +12,11 @@ namespace {
 namespace sql = embedded;
 
 constexpr int kApplicationId = 0x504c4d42;  // "PLMB": tells our files from other SQLite files
-constexpr int kSchemaVersion = 2;
+constexpr int kSchemaVersion = 3;
 
 /// Scripts that lift a file from version i to i + 1.
-const std::array<const std::string& (*)(), kSchemaVersion> kMigrations = {&sql::schema_v1,
-                                                                          &sql::schema_v2};
+const std::array<const std::string& (*)(), kSchemaVersion> kMigrations = {
+    &sql::schema_v1, &sql::schema_v2, &sql::schema_v3};
 
 int pragma(SQLite::Database& db, const char* name) {
   return db.execAndGet(std::string("PRAGMA ") + name).getInt();

@@ -8,39 +8,6 @@ namespace plumbline {
 // Fields of what only a calibration record holds; see shared_fields.h.
 
 template <class Archive>
-void fields(Archive& a, ParameterCovariance& c) {
-  a("names", c.names);
-  a("units", c.units);
-  a("matrix", c.matrix);
-}
-
-template <class Archive>
-void fields(Archive& a, StageSeconds& s) {
-  a("load", s.load);
-  a("detect", s.detect);
-  a("initialise", s.initialise);
-  a("solve", s.solve);
-  a("covariance", s.covariance);
-  a("total", s.total);
-}
-
-template <class Archive>
-void fields(Archive& a, StageSummary& s) {
-  a("reprojection", s.reprojection);
-  a("per_camera", s.per_camera);
-  a("corners_used", s.corners_used);
-  a("corners_offered", s.corners_offered);
-  a("views_used", s.views_used);
-  a("views_offered", s.views_offered);
-  a("converged", s.converged);
-  a("iterations", s.iterations);
-  a("cost", s.cost);
-  a("covariance", s.covariance);
-  a("entropy_nats", s.entropy_nats);
-  a("seconds", s.seconds);
-}
-
-template <class Archive>
 void fields(Archive& a, ImuNoiseCheck& c) {
   a("expected_rms", c.expected_rms);
   a("factor", c.factor);
@@ -94,14 +61,6 @@ void fields(Archive& a, CameraImuStageResult& s) {
   a.added("inertial_check", s.inertial_check);
   a("imu_summary", s.imu_summary);
   a("summary", s.summary);
-}
-
-template <class Archive>
-void fields(Archive& a, AprilGrid& g) {
-  a("rows", g.rows);
-  a("cols", g.cols);
-  a("tag_size", g.tag_size);
-  a("spacing", g.spacing);
 }
 
 template <class Archive>

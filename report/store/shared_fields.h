@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/results.h"
 #include "calibrator/base/statistics.h"
 #include "report/records/calibration_record.h"
 #include "report/store/json_archive.h"
@@ -80,6 +82,47 @@ void fields(Archive& a, Assumptions& s) {
   a("loss", s.loss);
   a("gravity_m_s2", s.gravity_m_s2);
   a("imu_noise", s.imu_noise);
+}
+
+template <class Archive>
+void fields(Archive& a, ParameterCovariance& c) {
+  a("names", c.names);
+  a("units", c.units);
+  a("matrix", c.matrix);
+}
+
+template <class Archive>
+void fields(Archive& a, StageSeconds& s) {
+  a("load", s.load);
+  a("detect", s.detect);
+  a("initialise", s.initialise);
+  a("solve", s.solve);
+  a("covariance", s.covariance);
+  a("total", s.total);
+}
+
+template <class Archive>
+void fields(Archive& a, StageSummary& s) {
+  a("reprojection", s.reprojection);
+  a("per_camera", s.per_camera);
+  a("corners_used", s.corners_used);
+  a("corners_offered", s.corners_offered);
+  a("views_used", s.views_used);
+  a("views_offered", s.views_offered);
+  a("converged", s.converged);
+  a("iterations", s.iterations);
+  a("cost", s.cost);
+  a("covariance", s.covariance);
+  a("entropy_nats", s.entropy_nats);
+  a("seconds", s.seconds);
+}
+
+template <class Archive>
+void fields(Archive& a, AprilGrid& g) {
+  a("rows", g.rows);
+  a("cols", g.cols);
+  a("tag_size", g.tag_size);
+  a("spacing", g.spacing);
 }
 
 }  // namespace plumbline

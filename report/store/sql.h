@@ -8,6 +8,7 @@ namespace plumbline::embedded {
 // The statements of report/store/sql, compiled in.
 const std::string& schema_v1();
 const std::string& schema_v2();
+const std::string& schema_v3();
 const std::string& insert_run();
 const std::string& insert_option();
 const std::string& insert_metric();

@@ -11,8 +11,8 @@ namespace {
 
 using namespace store_internal;
 
-constexpr std::array<const char*, 4> kKinds = {"calibration", "trajectory", "comparison",
-                                               "perturbation"};
+constexpr std::array<const char*, 5> kKinds = {"calibration", "trajectory", "comparison",
+                                               "perturbation", "replay"};
 
 template <class Record>
 std::int64_t saveAs(RunKind kind, const std::filesystem::path& path, const Record& record) {
@@ -64,6 +64,10 @@ std::int64_t Store::save(const PerturbationRecord& record) const {
   return saveAs(RunKind::kPerturbation, path_, record);
 }
 
+std::int64_t Store::save(const ReplayRecord& record) const {
+  return saveAs(RunKind::kReplay, path_, record);
+}
+
 CalibrationRecord Store::loadCalibration(std::optional<std::int64_t> run) const {
   return loadAs<CalibrationRecord>(RunKind::kCalibration, path_, run);
 }
@@ -78,6 +82,10 @@ ComparisonRecord Store::loadComparison(std::optional<std::int64_t> run) const {
 
 PerturbationRecord Store::loadPerturbation(std::optional<std::int64_t> run) const {
   return loadAs<PerturbationRecord>(RunKind::kPerturbation, path_, run);
+}
+
+ReplayRecord Store::loadReplay(std::optional<std::int64_t> run) const {
+  return loadAs<ReplayRecord>(RunKind::kReplay, path_, run);
 }
 
 RunSummary Store::summary(std::optional<std::int64_t> run) const {

@@ -10,14 +10,15 @@
 #include "report/records/calibration_record.h"
 #include "report/records/comparison_record.h"
 #include "report/records/perturbation_record.h"
+#include "report/records/replay_record.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
 
 /// Which record a run holds.
-enum class RunKind { kCalibration, kTrajectory, kComparison, kPerturbation };
+enum class RunKind { kCalibration, kTrajectory, kComparison, kPerturbation, kReplay };
 
-/// "calibration", "trajectory", "comparison", "perturbation".
+/// "calibration", "trajectory", "comparison", "perturbation", "replay".
 std::string toString(RunKind kind);
 /// The inverse; empty for an unknown word.
 std::optional<RunKind> runKindFrom(const std::string& word);
@@ -49,12 +50,14 @@ class Store {
   std::int64_t save(const TrajectoryRecord& record) const;
   std::int64_t save(const ComparisonRecord& record) const;
   std::int64_t save(const PerturbationRecord& record) const;
+  std::int64_t save(const ReplayRecord& record) const;
 
   /// The record of a run, or of the latest of its kind. InputError where the run is of another.
   CalibrationRecord loadCalibration(std::optional<std::int64_t> run = std::nullopt) const;
   TrajectoryRecord loadTrajectory(std::optional<std::int64_t> run = std::nullopt) const;
   ComparisonRecord loadComparison(std::optional<std::int64_t> run = std::nullopt) const;
   PerturbationRecord loadPerturbation(std::optional<std::int64_t> run = std::nullopt) const;
+  ReplayRecord loadReplay(std::optional<std::int64_t> run = std::nullopt) const;
 
   /// The run of that number, or the latest of all.
   RunSummary summary(std::optional<std::int64_t> run = std::nullopt) const;
