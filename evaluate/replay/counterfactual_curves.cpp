@@ -38,17 +38,16 @@ void append(const Point& point, CounterfactualCurve& curve) {
   curve.held_out_px.push_back(part(&HeldOutError::px));
   curve.held_out_border_px.push_back(part(&HeldOutError::border_px));
   curve.held_out_centre_px.push_back(part(&HeldOutError::centre_px));
+  curve.held_out_loss_px.push_back(part(&HeldOutError::loss_px));
 }
 
-/// Least number of views in (curve.views[i - 1], curve.views[i]] that reaches the target, if it is
-/// reached from there on; found by halving.
-int firstBetween(const ViewPool& pool, const CounterfactualCurve& curve, std::size_t i,
+/// A number of views in (low, high] that reaches the target with one view less missing it, where
+/// `high` reaches it and `low` does not; found by halving.
+int firstBetween(const ViewPool& pool, const std::vector<int>& order, int low, int high,
                  double target_px) {
-  int high = curve.views[i];
-  int low = i > 0 ? curve.views[i - 1] : high - 1;
   while (high - low > 1) {
     const int middle = (low + high) / 2;
-    const Point point = pointAt(pool, curve.order, middle);
+    const Point point = pointAt(pool, order, middle);
     (point.held_out && point.held_out->px <= target_px ? high : low) = middle;
   }
   return high;
@@ -56,12 +55,15 @@ int firstBetween(const ViewPool& pool, const CounterfactualCurve& curve, std::si
 
 std::optional<int> viewsNeeded(const ViewPool& pool, const CounterfactualCurve& curve,
                                double target_px) {
-  for (std::size_t i = 0; i < curve.views.size(); ++i) {
-    if (curve.held_out_px[i] && *curve.held_out_px[i] <= target_px) {
-      return firstBetween(pool, curve, i, target_px);
-    }
+  std::size_t stays = curve.views.size();  // from here on the target is kept
+  while (stays > 0) {
+    const auto& px = curve.held_out_px[stays - 1];
+    if (!px || *px > target_px) break;
+    --stays;
   }
-  return std::nullopt;
+  if (stays == curve.views.size()) return std::nullopt;
+  if (stays == 0) return curve.views.front();
+  return firstBetween(pool, curve.order, curve.views[stays - 1], curve.views[stays], target_px);
 }
 
 /// An order of the pool's positions as one of the recording's frames.
@@ -87,19 +89,6 @@ std::vector<int> guideOrder(const ViewPool& pool, const std::vector<int>& guide_
     if (left.erase(f) > 0) order.push_back(f);
   }
   return order;
-}
-
-/// Quartiles over curves at one place; empty unless all have a value there.
-using Values = std::vector<std::optional<double>> CounterfactualCurve::*;
-std::optional<Quartiles> quartilesAt(const std::vector<const CounterfactualCurve*>& curves,
-                                     Values values, std::size_t i) {
-  std::vector<double> all;
-  for (const CounterfactualCurve* curve : curves) {
-    const auto& own = curve->*values;
-    if (i >= own.size() || !own[i]) return std::nullopt;
-    all.push_back(*own[i]);
-  }
-  return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
 }
 
 std::optional<Quartiles> neededQuartiles(const std::vector<const CounterfactualCurve*>& curves) {
@@ -137,6 +126,27 @@ double bestAt(const std::vector<CounterfactualBand>& bands, int views) {
 }
 
 }  // namespace
+
+std::optional<Quartiles> quartilesAt(const std::vector<const CounterfactualCurve*>& curves,
+                                     CurveValues values, std::size_t i) {
+  std::vector<double> all;
+  for (const CounterfactualCurve* curve : curves) {
+    const auto& own = curve->*values;
+    if (i >= own.size() || !own[i]) return std::nullopt;
+    all.push_back(*own[i]);
+  }
+  if (all.empty()) return std::nullopt;
+  return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
+}
+
+std::vector<const CounterfactualCurve*> curvesOf(const std::vector<CounterfactualCurve>& curves,
+                                                 const std::string& strategy) {
+  std::vector<const CounterfactualCurve*> own;
+  for (const CounterfactualCurve& curve : curves) {
+    if (curve.strategy == strategy) own.push_back(&curve);
+  }
+  return own;
+}
 
 std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
                                                 const std::vector<int>& guide_frames,
@@ -211,11 +221,7 @@ std::vector<CounterfactualBand> bandsOf(const std::vector<CounterfactualCurve>& 
   std::vector<CounterfactualBand> bands;
   for (const CounterfactualCurve& curve : curves) {
     if (findBand(bands, curve.strategy) != nullptr) continue;
-    std::vector<const CounterfactualCurve*> own;
-    for (const CounterfactualCurve& other : curves) {
-      if (other.strategy == curve.strategy) own.push_back(&other);
-    }
-    bands.push_back(bandOf(own));
+    bands.push_back(bandOf(curvesOf(curves, curve.strategy)));
   }
   for (CounterfactualBand& band : bands) {
     for (std::size_t i = 0; i < band.views.size(); ++i) {

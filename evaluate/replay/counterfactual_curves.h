@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "evaluate/replay/counterfactuals.h"
@@ -21,8 +23,8 @@ std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
                                 const std::vector<int>& asked);
 
 /// The curves with entropies and held-out errors at those numbers of views, and views_needed to
-/// come to `target_px` or below: the first of `views` that does, then halving the interval before
-/// it. The same for any number of threads.
+/// come to `target_px` or below for good: from the last of `views` that misses it, the interval up
+/// to the next one is halved. The same for any number of threads.
 std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
                                            std::vector<CounterfactualCurve> curves,
                                            const std::vector<int>& views, double target_px,
@@ -34,6 +36,16 @@ std::vector<CounterfactualBand> bandsOf(const std::vector<CounterfactualCurve>& 
 /// Fills the curves' regret from the bands.
 std::vector<CounterfactualCurve> withRegret(std::vector<CounterfactualCurve> curves,
                                             const std::vector<CounterfactualBand>& bands);
+
+/// The curves of one strategy.
+std::vector<const CounterfactualCurve*> curvesOf(const std::vector<CounterfactualCurve>& curves,
+                                                 const std::string& strategy);
+
+/// Quartiles over curves of one strategy at place `i` of their abscissa; empty unless all have a
+/// value there.
+using CurveValues = std::vector<std::optional<double>> CounterfactualCurve::*;
+std::optional<Quartiles> quartilesAt(const std::vector<const CounterfactualCurve*>& curves,
+                                     CurveValues values, std::size_t i);
 
 /// A band by its strategy; nullptr where there is none.
 const CounterfactualBand* findBand(const std::vector<CounterfactualBand>& bands,

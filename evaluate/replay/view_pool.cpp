@@ -65,17 +65,33 @@ CameraEstimate camerasOf(const std::vector<CameraCalibration>& cameras) {
   return estimate;
 }
 
-/// Root mean square of the errors for which `take` holds; 0 for none.
-template <class Take>
-double rmsOf(const std::vector<ViewPool::ImageError>& errors, Take take) {
-  double sum = 0;
-  std::size_t count = 0;
-  for (const ViewPool::ImageError& e : errors) {
-    if (!take(e)) continue;
-    sum += e.squared_px;
+/// Sums over corners.
+struct ErrorSum {
+  double squares = 0;
+  double count = 0;
+  void add(double square) {
+    squares += square;
     ++count;
   }
-  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+  double rms() const { return count > 0 ? std::sqrt(squares / count) : 0; }
+};
+
+/// c^2 log(1 + s / c^2), or s without a loss.
+double rho(double squared_px, double cauchy_px) {
+  if (cauchy_px == 0) return squared_px;
+  const double c2 = cauchy_px * cauchy_px;
+  return c2 * std::log1p(squared_px / c2);
+}
+
+HeldOutError summaryOf(const std::vector<ViewPool::ImageError>& errors, double cauchy_px) {
+  ErrorSum all, border, centre, loss;
+  for (const ViewPool::ImageError& e : errors) {
+    all.add(e.squared_px);
+    (e.is_border ? border : centre).add(e.squared_px);
+    loss.add(rho(e.squared_px, cauchy_px));
+  }
+  return {all.rms(), border.rms(), centre.rms(), loss.rms(),
+          all.count > 0 ? border.count / all.count : 0};
 }
 
 Failure noFrames(const char* part) {
@@ -181,9 +197,7 @@ HeldOutError ViewPool::heldOutError(const CameraEstimate& cameras) const {
     const Transform& start = T_C0F_[static_cast<std::size_t>(f)];
     addErrors(cameras, f, refinePose(views, start, refinement).T_C0F, errors);
   }
-  using E = const ImageError&;
-  return {rmsOf(errors, [](E) { return true; }), rmsOf(errors, [](E e) { return e.is_border; }),
-          rmsOf(errors, [](E e) { return !e.is_border; })};
+  return summaryOf(errors, options_.cauchy_px);
 }
 
 std::vector<Eigen::MatrixXd> ViewPool::poolInformation() const {

@@ -26,6 +26,8 @@ struct HeldOutError {
   /// there are none.
   double border_px = 0;
   double centre_px = 0;
+  double loss_px = 0;       ///< sqrt(mean rho(|e|^2)) over all
+  double border_share = 0;  ///< of the corners
 };
 
 /// A recording made ready to be calibrated on many selections of its frames: corners packed once,

@@ -85,10 +85,14 @@ struct CounterfactualCurve {
   /// The same over the corners near the image's border, and over the others.
   std::vector<std::optional<double>> held_out_border_px;
   std::vector<std::optional<double>> held_out_centre_px;
+  /// Over all of them under the batch's robust loss, sqrt(mean rho(|e|^2)): what the batch means to
+  /// make small, while the RMSE counts gross errors fully. Equal to held_out_px without a loss.
+  std::vector<std::optional<double>> held_out_loss_px;
   /// held_out_px less that of the best strategy at the same number of views; a strategy with seeds
   /// stands there with its median. Negative where one seed beats every strategy.
   std::vector<std::optional<double>> regret_px;
-  std::optional<int> views_needed;  ///< to come within 10 % of the full pool's held-out error
+  /// To come within 10 % of the full pool's held-out error and stay there with more views.
+  std::optional<int> views_needed;
 };
 
 struct Quartiles {

@@ -130,6 +130,7 @@ void fields(Archive& a, CounterfactualCurve& c) {
   a("held_out_px", c.held_out_px);
   a("held_out_border_px", c.held_out_border_px);
   a("held_out_centre_px", c.held_out_centre_px);
+  a("held_out_loss_px", c.held_out_loss_px);
   a("regret_px", c.regret_px);
   a("views_needed", c.views_needed);
 }
