@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/decision_log.h"
+
+#include <cmath>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "calibrator/information/covariance.h"
+
+namespace plumbline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json orNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json bits(const std::optional<double>& nats) { return nats ? finite(bitsFromNats(*nats)) : Json(); }
+
+/// Position, then the Hamilton quaternion x y z w.
+Json poseJson(const Transform& T) {
+  const Eigen::Quaterniond q = T.quaternion();
+  return {T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+Json suggestionJson(const Suggestion& s) {
+  return {{"id", s.id},
+          {"t_ns", s.t},
+          {"candidate", s.candidate},
+          {"camera", s.camera},
+          {"mi_bits", finite(bitsFromNats(s.mi_nats))},
+          {"mi_nats", finite(s.mi_nats)},
+          {"T_FC0", poseJson(s.T_FC0)}};
+}
+
+Json roundJson(const CandidateRound& round) {
+  Json scores = Json::array();
+  for (const double nats : round.mi_nats) scores.push_back(finite(bitsFromNats(nats)));
+  return {{"asked_ns", round.asked},
+          {"answered_ns", round.answered},
+          {"best", round.best},
+          {"candidates", round.names},
+          {"mi_bits", scores}};
+}
+
+}  // namespace
+
+std::string decisionLine(const Decision& d) {
+  Json line{{"t_ns", d.t},
+            {"stage", toString(d.stage)},
+            {"mode", toString(d.mode)},
+            {"frame", d.frame},
+            {"accepted", d.accepted},
+            {"mi_bits", bits(d.mi_nats)},
+            {"mi_nats", d.mi_nats ? finite(*d.mi_nats) : Json()},
+            {"mi_unbounded", d.mi_nats.has_value() && std::isinf(*d.mi_nats)},
+            {"threshold_bits", bitsFromNats(d.threshold_nats)},
+            {"entropy_nats", d.entropy_nats ? finite(*d.entropy_nats) : Json()},
+            {"entropy_bits", bits(d.entropy_nats)},
+            {"suggestion", orNull(d.suggestion)},
+            {"event", toString(d.event)},
+            {"reached", d.event == SuggestionEvent::kReached},
+            {"distance_px", orNull(d.distance_px)},
+            {"held_s", d.held_s},
+            {"corners", d.corners},
+            {"views_kept", d.views_kept},
+            {"frames_without_view", d.frames_without_view},
+            {"rmse_px", orNull(d.rmse_px)},
+            {"reason", toString(d.reason)},
+            {"detail", d.detail}};
+  if (d.opened) line["opened"] = suggestionJson(*d.opened);
+  if (d.round) line["round"] = roundJson(*d.round);
+  return line.dump() + "\n";
+}
+
+std::string decisionLog(const std::vector<Decision>& decisions) {
+  std::string text;
+  for (const Decision& decision : decisions) text += decisionLine(decision);
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrator/base/guide_decision.h"
+
+namespace plumbline {
+
+/// One decision as one line of decisions.jsonl, with its line end. Gains and entropies in nats and
+/// in bits; null where there is none; an unbounded gain is null beside "mi_unbounded": true.
+/// Suggestions and rounds of candidates appear on the line of the frame that brought them.
+std::string decisionLine(const Decision& decision);
+
+/// All of them.
+std::string decisionLog(const std::vector<Decision>& decisions);
+
+}  // namespace plumbline

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/replay_images.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <mutex>
+
+#include "datasets/image_io.h"
+#include "datasets/jpeg_writer.h"
+#include "evaluate/workflow/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kWidest = 400;  // [px]
+constexpr int kQuality = 60;
+constexpr TimeNs kTolerance = 5'000'000;  // between a frame's stamp and its images' [ns]
+
+/// Mean over blocks of `factor` squared pixels; what is left at the right and below is cut off.
+GrayImage shrunk(const GrayImage& image, int factor) {
+  if (factor <= 1) return image;
+  GrayImage out(image.width() / factor, image.height() / factor);
+  const int area = factor * factor;
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      int sum = area / 2;
+      for (int dy = 0; dy < factor; ++dy) {
+        const std::uint8_t* row = image.row(y * factor + dy) + x * factor;
+        for (int dx = 0; dx < factor; ++dx) sum += row[dx];
+      }
+      out.at(x, y) = static_cast<std::uint8_t>(sum / area);
+    }
+  }
+  return out;
+}
+
+const ImageFile* nearest(const std::vector<ImageFile>& images, TimeNs t) {
+  auto after = std::lower_bound(images.begin(), images.end(), t,
+                                [](const ImageFile& image, TimeNs at) { return image.t < at; });
+  if (after == images.end() || (after != images.begin() && t - (after - 1)->t < after->t - t)) {
+    --after;
+  }
+  return std::llabs(after->t - t) <= kTolerance ? &*after : nullptr;
+}
+
+std::string smallCopy(const ImageFile& file) {
+  const GrayImage image = readGrayImage(file.path);
+  return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);
+}
+
+}  // namespace
+
+void addImages(const LoadedSession& loaded, std::vector<ReplayFrame>& frames,
+               const ProgressSink& progress) {
+  const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
+                               [](const auto& images) { return !images.empty(); });
+  if (!any) return;
+  std::mutex telling;
+  std::size_t done = 0;
+  parallelFor(frames.size(), 0, [&](int, std::size_t i) {
+    ReplayFrame& frame = frames[i];
+    frame.jpeg.resize(loaded.images.size());
+    for (std::size_t c = 0; c < loaded.images.size(); ++c) {
+      if (loaded.images[c].empty()) continue;
+      if (const ImageFile* file = nearest(loaded.images[c], frame.t)) {
+        frame.jpeg[c] = smallCopy(*file);
+      }
+    }
+    const std::lock_guard<std::mutex> lock(telling);
+    progress("copying images", static_cast<double>(++done) / static_cast<double>(frames.size()));
+  });
+}
+
+}  // namespace plumbline

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "evaluate/workflow/load_session.h"
+#include "evaluate/workflow/progress.h"
+#include "report/records/replay_record.h"
+
+namespace plumbline {
+
+/// Fills ReplayFrame::jpeg where the recording has images: grey, made smaller by a whole factor to
+/// at most 400 pixels of width (mean over blocks), of JPEG quality 60. A frame's image is the one
+/// whose stamp is nearest to the frame's, within 5 ms.
+void addImages(const LoadedSession& loaded, std::vector<ReplayFrame>& frames,
+               const ProgressSink& progress);
+
+}  // namespace plumbline

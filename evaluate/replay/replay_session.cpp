@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/replay_session.h"
+
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/guidance/guide.h"
+#include "datasets/calibration_reader.h"
+#include "datasets/suggestions_reader.h"
+#include "evaluate/replay/guide_frames.h"
+#include "evaluate/replay/replay_findings.h"
+#include "evaluate/replay/replay_images.h"
+#include "evaluate/replay/stage_summary.h"
+#include "evaluate/replay/suggestion_outcomes.h"
+#include "evaluate/workflow/match_cameras.h"
+#include "evaluate/workflow/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+/// suggestions.csv of the recording, in the session's folder or its mav0/.
+std::optional<std::string> suggestionsFile(const ReplayRequest& request) {
+  if (request.suggestions) return request.suggestions;
+  const std::filesystem::path folder(request.load.session);
+  for (const auto& path : {folder / "suggestions.csv", folder / "mav0" / "suggestions.csv"}) {
+    if (std::filesystem::exists(path)) return path.string();
+  }
+  return std::nullopt;
+}
+
+std::optional<std::vector<CameraCalibration>> givenCameras(const ReplayRequest& request,
+                                                           const Session& session) {
+  if (!request.cameras_file) return std::nullopt;
+  auto cameras =
+      matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, session);
+  refuseUnsupportedModels(cameras, *request.cameras_file);
+  return cameras;
+}
+
+Assumptions assumptionsOf(const ReplayRequest& request, const Session& session) {
+  Assumptions a;
+  a.pixel_sigma_px = request.camera.pixel_sigma;
+  a.gravity_m_s2 = request.camera_imu.gravity_m_s2;
+  if (request.camera.cauchy_px > 0) a.loss = fmt::format("cauchy:{}", request.camera.cauchy_px);
+  if (session.imu) a.imu_noise = session.imu->noise;
+  return a;
+}
+
+std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
+                           const ProgressSink& progress) {
+  std::vector<Decision> decisions;
+  for (const GuideFrame& frame : frames) {
+    progress("playing the recording",
+             static_cast<double>(decisions.size()) / static_cast<double>(frames.size()));
+    decisions.push_back(guide.step(frame));
+  }
+  return decisions;
+}
+
+/// What both stages left behind, and what is made of it.
+class Judge {
+ public:
+  Judge(const ReplayRequest& request, const ReplayRun& run, const Guide& guide,
+        std::optional<std::vector<CameraCalibration>> given, const ProgressSink& progress)
+      : request_(request), run_(run), guide_(guide), given_(std::move(given)), tell_(progress) {}
+
+  void write(ReplayRecord& record) {
+    if (!given_) cameraStage(record);
+    if (run_.session.imu) cameraImuStage(record);
+    record.cameras = drawn();
+    record.suggestions = suggestionOutcomes(run_, record.cameras);
+    if (const auto file = suggestionsFile(request_); file && !record.cameras.empty()) {
+      record.compliance = operatorCompliance(run_, readSuggestions(*file), record.cameras);
+    }
+    counterfactualCurves(record);
+  }
+
+ private:
+  void cameraStage(ReplayRecord& record) {
+    tell_("judging the camera stage", -1);
+    batches_ = cameraBatches(run_, guide_.cameraBatch());
+    record.stages.push_back(summariseCameraStage(run_, batches_));
+    record.stop_audits.push_back(auditCameraStop(run_, batches_, request_.audit));
+  }
+
+  void cameraImuStage(ReplayRecord& record) {
+    tell_("judging the camera-IMU stage", -1);
+    const std::vector<CameraCalibration> cameras = usedCameras();
+    StageBatches<CameraImuStageResult> batches;
+    if (!cameras.empty()) batches = cameraImuBatches(run_, cameras, guide_.cameraImuBatch());
+    record.stages.push_back(summariseCameraImuStage(run_, batches));
+    if (!record.stages.back().ran) return;
+    record.stop_audits.push_back(auditCameraImuStop(run_, cameras, batches, request_.audit));
+  }
+
+  void counterfactualCurves(ReplayRecord& record) const {
+    if (!request_.counterfactuals || given_) return;
+    tell_("trying other choices of views", -1);
+    CounterfactualOptions options = *request_.counterfactuals;
+    options.camera = request_.camera;
+    options.threads = threadCount(request_.load.threads);
+    record.counterfactuals = counterfactuals(run_.session, keptFrames(), options);
+  }
+
+  /// The frames that the camera stage kept, as counterfactuals() counts them.
+  std::vector<int> keptFrames() const {
+    std::map<TimeNs, int> position;
+    for (const Frame& frame : pairFrames(run_.session.cameras)) {
+      position.emplace(frame.t, static_cast<int>(position.size()));
+    }
+    std::vector<int> kept;
+    for (const int frame : run_.accepted(GuideStage::kCamera)) {
+      const auto at = position.find(run_.frames[static_cast<std::size_t>(frame)].t);
+      if (at != position.end()) kept.push_back(at->second);
+    }
+    return kept;
+  }
+
+  /// Those that the camera-IMU stage ran with.
+  std::vector<CameraCalibration> usedCameras() const {
+    if (given_) return *given_;
+    return batches_.kept ? batches_.kept->cameras : std::vector<CameraCalibration>();
+  }
+  /// The best that are known.
+  std::vector<CameraCalibration> drawn() const {
+    return batches_.full ? batches_.full->cameras : usedCameras();
+  }
+
+  const ReplayRequest& request_;
+  const ReplayRun& run_;
+  const Guide& guide_;
+  std::optional<std::vector<CameraCalibration>> given_;
+  const ProgressSink& tell_;
+  StageBatches<CameraStageResult> batches_;
+};
+
+}  // namespace
+
+ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progress) {
+  ReplayRequest request = asked;
+  for (const auto& file : {request.cameras_file, suggestionsFile(request)}) {
+    if (file) request.load.others.push_back(*file);
+  }
+  const LoadedSession loaded = loadSession(request.load, progress);
+  const Session& session = loaded.session;
+  auto& models = request.camera.models;
+  if (models.size() == 1) models.resize(session.cameras.size(), models.front());
+  GuideFramesOptions arrival;
+  arrival.tolerance = request.load.read.sync_tolerance;
+  arrival.arrival_s = request.arrival_s;
+  const std::vector<GuideFrame> frames = guideFrames(session, arrival);
+  const auto given = givenCameras(request, session);
+  Guide guide(guideRig(session, models), request.guide, given);
+
+  ReplayRecord record;
+  record.name = session.name;
+  record.target = session.target;
+  record.assumptions = assumptionsOf(request, session);
+  record.provenance = request.provenance;
+  record.provenance.input = session.name;
+  record.provenance.input_hash = loaded.input_hash;
+  record.decisions = play(guide, frames, progress);
+  for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
+  if (request.images) addImages(loaded, record.frames, progress);
+  const ReplayRun run{session,       frames,         record.decisions,
+                      request.guide, request.camera, request.camera_imu};
+  Judge(request, run, guide, given, progress).write(record);
+  record.verdict = makeVerdict(replayFindings(record));
+  return record;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/stop_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/information/view_selection.h"
+#include "evaluate/replay/frame_shares.h"
+
+namespace plumbline {
+namespace {
+
+/// Growing numbers from `least` to `most`, `between` among them if it lies there.
+std::vector<int> checkpointCounts(int least, int most, int count, std::optional<int> between) {
+  std::set<int> counts;
+  if (most < least) return {};
+  const double ratio = std::max(1.0, static_cast<double>(most) / least);
+  for (int i = 0; i < count; ++i) {
+    const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 1;
+    counts.insert(static_cast<int>(std::lround(least * std::pow(ratio, share))));
+  }
+  if (between && *between >= least && *between <= most) counts.insert(*between);
+  return {counts.begin(), counts.end()};
+}
+
+/// Evenly spread positions of frames with corners that are not in `kept`.
+std::vector<int> heldOutFrames(const ReplayRun& run, const std::vector<int>& kept, int most) {
+  std::vector<int> others;
+  for (const Decision& d : run.decisions) {
+    if (d.corners > 0 && !std::binary_search(kept.begin(), kept.end(), d.frame)) {
+      others.push_back(d.frame);
+    }
+  }
+  if (static_cast<int>(others.size()) <= most) return others;
+  std::vector<int> spread;
+  for (int i = 0; i < most; ++i) {
+    spread.push_back(
+        others[static_cast<std::size_t>(i) * others.size() / static_cast<std::size_t>(most)]);
+  }
+  return spread;
+}
+
+/// The frames kept, then those after "finish" that the same threshold would have taken.
+std::vector<int> keptAndContinued(const ReplayRun& run, const CameraStageResult& kept_batch) {
+  std::vector<int> order = run.accepted(GuideStage::kCamera);
+  const Decision* finish = run.finish(GuideStage::kCamera);
+  if (finish == nullptr) return order;
+  const auto shares = frameShares(run.sessionFrom(), kept_batch.cameras, run.camera);
+  if (!shares) return order;
+  std::map<TimeNs, int> position;
+  for (const GuideFrame& frame : run.frames) position[frame.t] = frame.index;
+  Eigen::VectorXd typical = Eigen::VectorXd::Zero(shares->information.front().rows());
+  for (const Eigen::MatrixXd& share : shares->information) typical += share.diagonal();
+  ViewSelector selector(run.guide.views.threshold_nats / std::log(2.0), typical);
+  for (std::size_t i = 0; i < shares->frames.size(); ++i) {
+    const int frame = position.at(shares->frames[i].t);
+    const bool after = shares->frames[i].t > finish->t;
+    if (!after && std::binary_search(order.begin(), order.end(), frame)) {
+      selector.offer(shares->information[i]);
+    } else if (after && selector.offer(shares->information[i])) {
+      order.push_back(frame);
+    }
+  }
+  return order;
+}
+
+std::vector<int> firstOf(const std::vector<int>& order, int count) {
+  return {order.begin(), order.begin() + count};
+}
+
+/// The first index from which on every entry holds; empty if the last one does not.
+std::optional<std::size_t> holdsFrom(const std::vector<bool>& holds) {
+  std::optional<std::size_t> first;
+  for (std::size_t i = holds.size(); i-- > 0 && holds[i];) first = i;
+  return first;
+}
+
+std::string sinceStart(const ReplayRun& run, TimeNs t) {
+  return fmt::format("{:.1f} s", secondsBetween(run.frames.front().t, t));
+}
+
+/// Early, late or right, once it is known when the frames were enough.
+void judge(const ReplayRun& run, const StopAuditOptions& options, const std::string& what,
+           StopAudit& audit) {
+  const TimeNs end = run.frames.back().t;
+  const std::string reached =
+      audit.enough ? "from " + sinceStart(run, *audit.enough) + " on" : "never in this recording";
+  if (!audit.finished) {
+    audit.verdict = StopAudit::Verdict::kNeverStopped;
+    audit.explanation =
+        fmt::format("the guide did not say stop before the recording ended at {}; {}: {}",
+                    sinceStart(run, end), what, reached);
+    return;
+  }
+  const std::string said = "the guide said stop at " + sinceStart(run, *audit.finished);
+  audit.saved_s = secondsBetween(*audit.finished, end);
+  if (!audit.enough || *audit.enough > *audit.finished) {
+    audit.verdict = StopAudit::Verdict::kEarly;
+    audit.seconds = secondsBetween(*audit.finished, audit.enough.value_or(end));
+  } else if (secondsBetween(*audit.enough, *audit.finished) > options.tolerance_s) {
+    audit.verdict = StopAudit::Verdict::kLate;
+    audit.seconds = secondsBetween(*audit.enough, *audit.finished);
+  } else {
+    audit.verdict = StopAudit::Verdict::kRight;
+  }
+  audit.explanation = fmt::format("{}; {}: {}", said, what, reached);
+}
+
+template <class StageResult>
+StopAudit auditOf(const ReplayRun& run, GuideStage stage,
+                  const StageBatches<StageResult>& batches) {
+  StopAudit audit;
+  audit.stage = stage;
+  if (const Decision* finish = run.finish(stage)) audit.finished = finish->t;
+  if (batches.kept) audit.entropy_at_finish_nats = batches.kept->summary.entropy_nats;
+  if (batches.full) audit.entropy_of_all_nats = batches.full->summary.entropy_nats;
+  return audit;
+}
+
+std::optional<double> heldOutError(const Session& held_out,
+                                   const std::vector<CameraCalibration>& cameras,
+                                   const CameraStageOptions& options) {
+  const auto scored = scoreCameras(held_out, cameras, options);
+  if (!scored) return std::nullopt;
+  return scored->summary.reprojection.rmse_px;
+}
+
+bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StopAuditOptions& options) {
+  const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
+  return difference.head<3>().norm() <= options.translation_m &&
+         difference.tail<3>().norm() <= options.rotation_rad &&
+         std::abs(a.time_offset_s - b.time_offset_s) <= options.offset_s;
+}
+
+}  // namespace
+
+StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
+                          const StopAuditOptions& options) {
+  StopAudit audit = auditOf(run, GuideStage::kCamera, batches);
+  if (!batches.kept || !batches.full) {
+    audit.explanation = "not judged: " + batches.problem;
+    return audit;
+  }
+  const int finished_with = static_cast<int>(run.accepted(GuideStage::kCamera).size());
+  const std::vector<int> order = keptAndContinued(run, *batches.kept);
+  const Session held_out = run.sessionOfFrames(heldOutFrames(run, order, options.held_out_frames));
+  const auto best = heldOutError(held_out, batches.full->cameras, run.camera);
+  if (!best) {
+    audit.explanation = "not judged: no frame was left to be held out";
+    return audit;
+  }
+  const double bound = options.held_out_factor * *best;
+  CameraStageOptions camera = run.camera;
+  camera.start = batches.kept->cameras;
+  const auto counts = checkpointCounts(run.guide.views.start_frames, static_cast<int>(order.size()),
+                                       options.checkpoints, finished_with);
+  std::vector<bool> holds;
+  std::optional<double> at_finish;
+  for (const int count : counts) {
+    const auto batch = calibrateCameras(run.sessionOfFrames(firstOf(order, count)), camera);
+    const auto error = batch ? heldOutError(held_out, batch->cameras, run.camera) : std::nullopt;
+    holds.push_back(error && *error <= bound);
+    if (count == finished_with) at_finish = error;
+  }
+  if (const auto first = holdsFrom(holds)) {
+    const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];
+    audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
+  }
+  judge(run, options,
+        fmt::format("the views kept by then leave {} px on {} held-out frames, those of the whole "
+                    "recording {:.4f} px; within {:.0f} % of that",
+                    at_finish ? fmt::format("{:.4f}", *at_finish) : "an unknown error in",
+                    held_out.cameras.front().views.size(), *best,
+                    100 * (options.held_out_factor - 1)),
+        audit);
+  return audit;
+}
+
+StopAudit auditCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
+                             const StageBatches<CameraImuStageResult>& batches,
+                             const StopAuditOptions& options) {
+  StopAudit audit = auditOf(run, GuideStage::kCameraImu, batches);
+  if (!batches.kept || !batches.full) {
+    audit.explanation = "not judged: " + batches.problem;
+    return audit;
+  }
+  const std::vector<int> kept = run.accepted(GuideStage::kCameraImu);
+  CameraImuOptions imu = run.camera_imu;
+  imu.noise_check = false;
+  std::vector<int> order(run.frames.size() - static_cast<std::size_t>(kept.front()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = kept.front() + static_cast<int>(i);
+  const int finished_with = kept.back() - kept.front() + 1;
+  const auto counts =
+      checkpointCounts(run.guide.trajectories.start_frames, static_cast<int>(order.size()),
+                       options.checkpoints, finished_with);
+  std::vector<bool> holds;
+  for (const int count : counts) {
+    const auto batch = calibrateCameraImu(run.sessionOfFrames(firstOf(order, count)), cameras, imu);
+    holds.push_back(batch.ok() && isNear(batch->imu, batches.full->imu, options));
+  }
+  if (const auto first = holdsFrom(holds)) {
+    const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];
+    audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
+  }
+  const Vector6d off = boxminus(batches.kept->imu.T_SC0, batches.full->imu.T_SC0);
+  judge(run, options,
+        fmt::format(
+            "T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} "
+            "us from the whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
+            1e3 * off.head<3>().norm(), off.tail<3>().norm() * 180 / M_PI,
+            1e6 * std::abs(batches.kept->imu.time_offset_s - batches.full->imu.time_offset_s),
+            1e3 * options.translation_m, options.rotation_rad * 180 / M_PI, 1e6 * options.offset_s),
+        audit);
+  return audit;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/suggestion_outcomes.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "calibrator/guidance/open_suggestion.h"
+#include "calibrator/simulate/simulate_views.h"
+
+namespace plumbline {
+namespace {
+
+/// Distances while a suggestion is open, frame by frame.
+class DistanceTrack {
+ public:
+  void add(const std::optional<double>& px, const std::optional<Transform>& T_FC0,
+           const Transform& suggested) {
+    if (!px) return;
+    sum_ += *px;
+    ++count_;
+    if (closest_ && *closest_ <= *px) return;
+    closest_ = px;
+    pose_.reset();
+    if (T_FC0) pose_ = boxminus(*T_FC0, suggested);
+  }
+
+  void write(SuggestionOutcome& outcome) const {
+    outcome.closest_px = closest_;
+    if (count_ > 0) outcome.mean_px = sum_ / count_;
+    if (!pose_) return;
+    outcome.closest_m = pose_->head<3>().norm();
+    outcome.closest_rad = pose_->tail<3>().norm();
+  }
+
+ private:
+  double sum_ = 0;
+  int count_ = 0;
+  std::optional<double> closest_;
+  std::optional<Vector6d> pose_;
+};
+
+std::vector<std::vector<Corner>> cornersAt(const Transform& T_FC0,
+                                           const std::vector<CameraCalibration>& cameras,
+                                           const AprilGrid& target) {
+  SimulationOptions visibility;
+  visibility.target = target;
+  std::vector<std::vector<Corner>> corners;
+  for (const CameraCalibration& camera : cameras) {
+    corners.push_back(visibleCorners(camera.intrinsics, T_FC0 * camera.T_C0Ci, visibility));
+  }
+  return corners;
+}
+
+std::map<TimeNs, Transform> posesOf(const ReplayRun& run,
+                                    const std::vector<CameraCalibration>& cameras) {
+  std::map<TimeNs, Transform> poses;
+  const auto scored = scoreCameras(run.sessionFrom(), cameras, run.camera);
+  if (!scored) return poses;
+  for (std::size_t i = 0; i < scored->frames.size(); ++i) {
+    poses[scored->frames[i].t] = scored->T_FC0[i];
+  }
+  return poses;
+}
+
+ReachRule ruleOf(const ReplayRun& run, GuideStage stage) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (stage == GuideStage::kCamera) {
+    return {run.guide.views.reached_px, run.guide.views.reached_s, kNever};
+  }
+  return {run.guide.trajectories.reached_px, run.guide.trajectories.reached_s, kNever};
+}
+
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+/// Plays the frames from a suggestion's time until `end` past it.
+SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, TimeNs end,
+                         std::vector<std::vector<Corner>> corners,
+                         const std::map<TimeNs, Transform>& poses) {
+  SuggestionOutcome outcome;
+  outcome.suggestion = suggestion;
+  outcome.overlay = std::move(corners);
+  outcome.end = SuggestionEvent::kExpired;
+  outcome.ended = std::min(end, run.frames.back().t);
+  const auto camera = static_cast<std::size_t>(suggestion.camera);
+  OpenSuggestion open(suggestion, outcome.overlay[camera], ruleOf(run, suggestion.stage));
+  DistanceTrack track;
+  for (const GuideFrame& frame : run.frames) {
+    if (frame.t < suggestion.t || frame.t >= end) continue;
+    const auto progress = open.update(frame.t, frame.corners[camera]);
+    const auto pose = poses.find(frame.t);
+    track.add(progress.distance_px,
+              pose == poses.end() ? std::nullopt : std::optional(pose->second), suggestion.T_FC0);
+    if (progress.event != SuggestionEvent::kReached) continue;
+    outcome.end = SuggestionEvent::kReached;
+    outcome.ended = frame.t;
+    break;
+  }
+  track.write(outcome);
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
+                                                  const std::vector<CameraCalibration>& cameras) {
+  std::vector<SuggestionOutcome> outcomes;
+  DistanceTrack track;
+  for (const Decision& d : run.decisions) {
+    if (!outcomes.empty() && d.suggestion == outcomes.back().suggestion.id) {
+      track.add(d.distance_px, d.T_FC0, outcomes.back().suggestion.T_FC0);
+      track.write(outcomes.back());
+      if (d.event == SuggestionEvent::kReached || d.event == SuggestionEvent::kExpired) {
+        outcomes.back().end = d.event;
+        outcomes.back().ended = d.t;
+      }
+    }
+    if (!d.opened) continue;
+    track = {};
+    SuggestionOutcome& outcome = outcomes.emplace_back();
+    outcome.suggestion = *d.opened;
+    outcome.ended = run.frames.back().t;
+    outcome.overlay = cornersAt(d.opened->T_FC0, cameras, run.session.target);
+  }
+  return outcomes;
+}
+
+OperatorCompliance operatorCompliance(const ReplayRun& run,
+                                      const std::vector<Suggestion>& suggestions,
+                                      const std::vector<CameraCalibration>& cameras) {
+  OperatorCompliance out;
+  const std::map<TimeNs, Transform> poses = posesOf(run, cameras);
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i < suggestions.size(); ++i) {
+    const TimeNs end =
+        i + 1 < suggestions.size() ? suggestions[i + 1].t : std::numeric_limits<TimeNs>::max();
+    const Suggestion& s = suggestions[i];
+    out.suggestions.push_back(
+        follow(run, s, end, cornersAt(s.T_FC0, cameras, run.session.target), poses));
+    if (out.suggestions.back().end != SuggestionEvent::kReached) continue;
+    ++out.reached;
+    seconds.push_back(secondsBetween(s.t, out.suggestions.back().ended));
+  }
+  out.median_seconds_to_reach = medianOf(std::move(seconds));
+  return out;
+}
+
+}  // namespace plumbline

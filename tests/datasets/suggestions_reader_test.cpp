@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the operator of a guided recording was asked for.
+#include "datasets/suggestions_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kHeader = "#t_ns,stage,id,T_FC0\n";
+
+class Suggestions : public ::testing::Test {
+ protected:
+  std::vector<Suggestion> read(const std::string& rows) {
+    folder_.write("suggestions.csv", kHeader + rows);
+    return readSuggestions(folder_.path("suggestions.csv"));
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Suggestions, APoseIsAQuaternionOrAMatrix) {
+  // A quarter turn about z.
+  const auto list = read(
+      "1000000000000000000,camera,0,1,2,3,0,0,0.70710678,0.70710678\n"
+      "1000000001000000000,camera-imu,0,0,-1,0,1,1,0,0,2,0,0,1,3,0,0,0,1\n"
+      "1000000002000000000,camera,1,0,-1,0,1,1,0,0,2,0,0,1,3\n");
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[0].stage, GuideStage::kCamera);
+  EXPECT_EQ(list[1].stage, GuideStage::kCameraImu);
+  EXPECT_EQ(list[2].id, 1);
+  for (const Suggestion& s : list) {
+    EXPECT_LT((s.T_FC0.t - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
+    EXPECT_LT((s.T_FC0.R * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-7);
+  }
+}
+
+TEST_F(Suggestions, NoneAreNoFault) { EXPECT_TRUE(read("").empty()); }
+
+TEST_F(Suggestions, FaultsNameFileAndLine) {
+  const std::string good = "1000000000000000000,camera,0,1,2,3,0,0,0,1\n";
+  for (const auto& [row, words] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"1000000001000000000,views,1,1,2,3,0,0,0,1\n", "camera or camera-imu"},
+           {"1000000001000000000,camera,0,1,2,3,0,0,0,1\n", "given twice"},
+           {"999999999000000000,camera,1,1,2,3,0,0,0,1\n", "earlier"},
+           {"1000000001000000000,camera,1,1,2,3,1,0,0,1\n", "norm 1.41421"},
+           {"1000000001000000000,camera,1,1,2,3,0,0,0\n", "6 numbers"},
+           {"1000000001000000000,camera,1,1,0,0,0,0,1,0,0,0,0,-1,0\n", "no rotation"},
+           {"1000000001000000000,camera,x,1,2,3,0,0,0,1\n", "id"},
+           {"1000000001000000000,camera,1,1,2,nan,0,0,0,1\n", "T_FC0"}}) {
+    try {
+      (void)read(good + row);
+      ADD_FAILURE() << row;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("suggestions.csv:3:"), HasSubstr(words))) << row;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// decisions.jsonl: one JSON object a line, with every number that drove the decision.
+#include "evaluate/replay/decision_log.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+using ::testing::EndsWith;
+
+Decision decided() {
+  Decision d;
+  d.t = 1'400'000'000'123'456'789;
+  d.frame = 17;
+  d.mode = GuideMode::kCollecting;
+  d.reason = GuideReason::kInformative;
+  d.accepted = true;
+  d.mi_nats = std::log(2.0);
+  d.entropy_nats = -2 * std::log(2.0);
+  d.threshold_nats = 0.2 * std::log(2.0);
+  return d;
+}
+
+TEST(DecisionLog, ScoresStandInNatsAndBits) {
+  const std::string line = decisionLine(decided());
+  EXPECT_THAT(line, EndsWith("\n"));
+  const json read = json::parse(line);
+  EXPECT_EQ(read["t_ns"], 1'400'000'000'123'456'789);
+  EXPECT_EQ(read["stage"], "camera");
+  EXPECT_EQ(read["mode"], "collecting");
+  EXPECT_EQ(read["reason"], "informative");
+  EXPECT_EQ(read["frame"], 17);
+  EXPECT_EQ(read["accepted"], true);
+  EXPECT_DOUBLE_EQ(read["mi_bits"].get<double>(), 1);
+  EXPECT_DOUBLE_EQ(read["mi_nats"].get<double>(), std::log(2.0));
+  EXPECT_DOUBLE_EQ(read["entropy_bits"].get<double>(), -2);
+  EXPECT_NEAR(read["threshold_bits"].get<double>(), 0.2, 1e-15);
+  EXPECT_TRUE(read["suggestion"].is_null());
+  EXPECT_TRUE(read["distance_px"].is_null());
+}
+
+TEST(DecisionLog, AnUnboundedGainIsSaidInWords) {
+  Decision d = decided();
+  d.mi_nats = std::numeric_limits<double>::infinity();
+  const json read = json::parse(decisionLine(d));
+  EXPECT_TRUE(read["mi_bits"].is_null());
+  EXPECT_EQ(read["mi_unbounded"], true);
+}
+
+TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
+  Decision d = decided();
+  d.event = SuggestionEvent::kOpened;
+  d.suggestion = 3;
+  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, 0.5};
+  d.opened->T_FC0.t = {1, 2, 3};
+  d.round = CandidateRound{d.t, d.t + 40'000'000, {"a", "b"}, {{}, {}}, {0.5, std::nan("")}, 0};
+  const json read = json::parse(decisionLine(d));
+  EXPECT_EQ(read["event"], "opened");
+  EXPECT_EQ(read["opened"]["T_FC0"], json({1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0}));
+  EXPECT_EQ(read["round"]["answered_ns"].get<TimeNs>() - read["round"]["asked_ns"].get<TimeNs>(),
+            40'000'000);
+  EXPECT_TRUE(read["round"]["mi_bits"][1].is_null());
+}
+
+}  // namespace
+}  // namespace plumbline
