@@ -237,6 +237,12 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   for (std::size_t c = 0; c < total.size(); ++c) {
     addCamera(total[c].gram, derivatives[c], layout, c, out);
   }
+  if (problem.prior) {
+    const QuadraticCost prior = problem.prior(estimate);
+    out.G += prior.H;
+    out.b += prior.b;
+    out.cost += prior.c;
+  }
   return out;
 }
 
@@ -245,6 +251,7 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
   std::vector<Eigen::MatrixXd> shares(problem.frames.size());
   CameraProblem inner = problem;
   inner.threads = 1;
+  inner.prior = nullptr;
   CameraEstimate at = estimate;
   for (std::size_t f = 0; f < shares.size(); ++f) {
     inner.frames = {problem.frames[f]};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,10 +10,20 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/linear/schur.h"
 #include "calibrator/residuals/packed_corners.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
+
+/// All unknowns. Poses are kept as T_C0F, so that camera 0's derivatives need no chain.
+struct CameraEstimate {
+  std::vector<Intrinsics> intrinsics;
+  std::vector<Transform> T_C0Ci;  ///< identity for camera 0
+  std::vector<Transform> T_C0F;   ///< one per frame
+
+  int cameraCount() const { return static_cast<int>(intrinsics.size()); }
+};
 
 /// All measurements of the camera batch. The corners are shared between problems (a first solution
 /// on some views, then all of them); who makes the problem keeps them alive.
@@ -23,20 +34,14 @@ struct CameraProblem {
   double pixel_sigma = 1;       ///< [px]
   GramOptions gram{0, 0};       ///< of which the solver chooses triggs_clamp by itself
   int threads = 1;
+  /// What is known of the cameras besides, in units of pixel_sigma: a cost about the estimate's
+  /// cameras, in their tangents and the layout's order. Empty: nothing.
+  std::function<QuadraticCost(const CameraEstimate&)> prior;
 
   int frameCount() const { return static_cast<int>(frames.size()); }
   double weight(int frame) const {
     return weights.empty() ? 1.0 : weights[static_cast<std::size_t>(frame)];
   }
-};
-
-/// All unknowns. Poses are kept as T_C0F, so that camera 0's derivatives need no chain.
-struct CameraEstimate {
-  std::vector<Intrinsics> intrinsics;
-  std::vector<Transform> T_C0Ci;  ///< identity for camera 0
-  std::vector<Transform> T_C0F;   ///< one per frame
-
-  int cameraCount() const { return static_cast<int>(intrinsics.size()); }
 };
 
 /// Where each parameter of the cameras stands: intrinsics of all cameras, then all extrinsics.
@@ -61,7 +66,8 @@ struct CameraNormals {
   Eigen::VectorXd b_pose;   ///< 6 per frame
   Eigen::MatrixXd G;
   Eigen::VectorXd b;
-  double cost = 0;  ///< 0.5 sum rho(|e|^2) / pixel_sigma^2, weighted by the frames' weights
+  double cost = 0;  ///< 0.5 sum rho(|e|^2) / pixel_sigma^2, weighted by the frames' weights;
+                    ///< and the prior's, which is also in G and b
 };
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate);
 /// The same with another weighting of the corners.
@@ -72,7 +78,7 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
 /// S = G - sum_f P_f^T H_f^-1 P_f. A frame whose pose is free adds nothing.
 Eigen::MatrixXd reducedInformation(const CameraNormals& normals);
 
-/// The share of every frame in it, which add up to S.
+/// The share of every frame in it, which add up to S less the prior.
 std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
                                               const CameraEstimate& estimate);
 

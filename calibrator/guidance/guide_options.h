@@ -11,11 +11,12 @@ inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
 
 /// Next best view (paper, section IV).
 struct ViewGuideOptions {
-  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 1.5;  ///< scale of the loss [px]; 0: squared error
-  int start_frames = 5;    ///< the first N frames with the target in view start the estimate
-  int window = 10;         ///< views in the fixed-lag window
-  int min_corners = 16;    ///< of one camera, for its view to count
+  double pixel_sigma = 1;     ///< standard deviation of a corner, per axis [px]
+  double cauchy_px = 1.5;     ///< scale of the loss [px]; 0: squared error
+  int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
+  double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
+  int window = 10;            ///< views in the fixed-lag window
+  int min_corners = 16;       ///< of one camera, for its view to count
   double threshold_nats = kGuideThresholdNats;  ///< views that gain less are removed
   int patience = 3;        ///< frames without a new view until a next best view is looked for
   double reached_px = 15;  ///< a suggestion is reached within this mean corner distance [px] ...

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/camera_guide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/kept_frames.h"
+#include "calibrator/guidance/open_suggestion.h"
+#include "calibrator/guidance/view_gain.h"
+#include "calibrator/information/covariance.h"
+#include "calibrator/initialise/camera_poses.h"
+#include "calibrator/window/camera_window.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kRoughLoss = 0.01;   // of a first pose: scale of the loss over the image's width
+constexpr double kGoodPose = 0.005;   // error of a frame's pose over the image's width: settled
+constexpr double kWorstPose = 0.015;  // the same: no plausible pose beyond it
+
+/// The views that hold enough corners; the others are empty.
+FrameCorners usableViews(const GuideFrame& frame, std::size_t cameras, int min_corners) {
+  FrameCorners usable(cameras);
+  for (std::size_t c = 0; c < cameras && c < frame.corners.size(); ++c) {
+    if (static_cast<int>(frame.corners[c].size()) >= min_corners) usable[c] = frame.corners[c];
+  }
+  return usable;
+}
+
+bool seesNothing(const FrameCorners& corners) {
+  return std::all_of(corners.begin(), corners.end(), [](const auto& view) { return view.empty(); });
+}
+
+/// Whether a view of some camera moved by more than `least_px` against the same camera's before.
+bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_px) {
+  for (std::size_t c = 0; c < now.size(); ++c) {
+    if (now[c].empty()) continue;
+    const auto distance = meanCornerDistance(before[c], now[c]);
+    if (!distance || *distance > least_px) return true;
+  }
+  return false;
+}
+
+/// T_FC0 from one frame's corners; empty where none is plausible.
+std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& cameras,
+                                const FrameCorners& corners, double cauchy_px) {
+  std::vector<PackedCorners> packed;
+  packed.reserve(corners.size());
+  std::vector<FrameView> views;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    packed.emplace_back(target, std::vector<ImageView>{{0, corners[c]}});
+    if (corners[c].empty()) continue;
+    views.push_back({&cameras.intrinsics[c], packed[c].view(0), cameras.T_C0Ci[c].inverse()});
+  }
+  const double width = cameras.intrinsics[0].resolution.width;
+  PoseRefinementOptions rough;
+  rough.gram.cauchy_px = kRoughLoss * width;
+  const auto found = findPose(views, kGoodPose * width, rough);
+  if (!found || !(found->errorPx() < kWorstPose * width)) return std::nullopt;
+  PoseRefinementOptions fine;
+  fine.gram.cauchy_px = cauchy_px;
+  return refinePose(views, found->T_C0F, fine).T_C0F.inverse();
+}
+
+}  // namespace
+
+struct CameraGuide::State {
+  GuideRig rig;
+  GuideOptions options;
+  std::vector<KeptFrame> kept;
+  std::optional<CameraWindow> window;  // once the start stands
+  std::optional<ViewScorer> scorer;    // at the window's estimate
+  std::optional<double> entropy, rmse;
+  std::optional<OpenSuggestion> open;
+  std::optional<TimeNs> last_t, last_target_t;
+  TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+  std::size_t next_start = 0;  // frames kept at which the start is tried again
+  int next_suggestion = 0;
+  int frames_without_view = 0;
+  int until_round = 0;  // frames without a view until candidates are scored
+  bool lost_said = false;
+  bool finished = false;
+
+  bool arrives(const GuideFrame& frame, Decision& d);
+  void look(const GuideFrame& frame, Decision& d);
+  void followSuggestion(const GuideFrame& frame, Decision& d);
+  void withoutTarget(Decision& d);
+  void initialise(const FrameCorners& corners, Decision& d);
+  void tryStart(Decision& d);
+  void consider(const FrameCorners& corners, Decision& d);
+  bool accept(const FrameCorners& corners, Decision& d);
+  void windowChanged();
+  void findNextView(Decision& d);
+  void openSuggestion(const CandidateRound& round, int camera, Decision& d);
+  void fill(Decision& d) const;
+};
+
+CameraGuide::CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion)
+    : state_(std::make_unique<State>()) {
+  state_->rig = rig;
+  state_->options = options;
+  state_->next_start = static_cast<std::size_t>(std::max(1, options.views.start_frames));
+  state_->next_suggestion = first_suggestion;
+  state_->until_round = options.views.patience;
+}
+
+CameraGuide::~CameraGuide() = default;
+CameraGuide::CameraGuide(CameraGuide&&) noexcept = default;
+CameraGuide& CameraGuide::operator=(CameraGuide&&) noexcept = default;
+
+bool CameraGuide::finished() const { return state_->finished; }
+TimeNs CameraGuide::busyUntil() const { return state_->busy_until; }
+int CameraGuide::nextSuggestion() const { return state_->next_suggestion; }
+
+Result<CameraStageResult> CameraGuide::batch() const {
+  const State& s = *state_;
+  if (s.kept.empty()) {
+    return Failure{FailureReason::kTooFewViews, "the camera stage kept no frame of the target",
+                   "record the target in view of every camera"};
+  }
+  return calibrateFrames(s.rig, s.kept, s.options,
+                         s.window ? s.window->cameras() : std::vector<CameraCalibration>());
+}
+
+Decision CameraGuide::step(const GuideFrame& frame) {
+  State& s = *state_;
+  Decision d;
+  d.t = frame.t;
+  d.frame = frame.index;
+  d.stage = GuideStage::kCamera;
+  d.threshold_nats = s.options.views.threshold_nats;
+  for (const auto& view : frame.corners) d.corners += static_cast<int>(view.size());
+  if (s.arrives(frame, d)) s.look(frame, d);
+  s.fill(d);
+  return d;
+}
+
+/// Whether the guide looks at the frame at all.
+bool CameraGuide::State::arrives(const GuideFrame& frame, Decision& d) {
+  if (finished) {
+    d.reason = GuideReason::kFinished;
+    return false;
+  }
+  const std::optional<TimeNs> before = last_t;
+  if (before && frame.t <= *before) {
+    d.reason = GuideReason::kTimeJump;
+    d.detail = fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
+                           secondsBetween(frame.t, *before));
+    return false;
+  }
+  last_t = frame.t;
+  if (frame.t < busy_until) {
+    d.reason = GuideReason::kBusy;
+    return false;
+  }
+  if (before && secondsBetween(*before, frame.t) > options.max_frame_gap_s) {
+    d.detail = fmt::format("no frame for {:.3f} s before it", secondsBetween(*before, frame.t));
+    if (open) open->update(*before, {});  // what was held is not held over the pause
+  }
+  return true;
+}
+
+void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
+  busy_until = frame.t + toNanoseconds(options.latency.camera_frame_s);
+  if (!last_target_t) last_target_t = frame.t;
+  followSuggestion(frame, d);
+  const FrameCorners corners = usableViews(frame, rig.cameras.size(), options.views.min_corners);
+  if (seesNothing(corners)) {
+    withoutTarget(d);
+    return;
+  }
+  if (std::exchange(lost_said, false)) {
+    d.detail = fmt::format("the target is back after {:.3f} s out of view",
+                           secondsBetween(*last_target_t, frame.t));
+  }
+  last_target_t = frame.t;
+  if (window) {
+    consider(corners, d);
+  } else {
+    initialise(corners, d);
+  }
+}
+
+/// Progress towards the suggestion that is open, with every frame, target or not.
+void CameraGuide::State::followSuggestion(const GuideFrame& frame, Decision& d) {
+  if (!open) return;
+  const auto camera = static_cast<std::size_t>(open->suggestion().camera);
+  const OpenSuggestion::Progress progress = open->update(frame.t, frame.corners[camera]);
+  d.event = progress.event;
+  d.suggestion = open->suggestion().id;
+  d.distance_px = progress.distance_px;
+  d.held_s = progress.held_s;
+  if (progress.event != SuggestionEvent::kNone) open.reset();
+}
+
+void CameraGuide::State::withoutTarget(Decision& d) {
+  d.reason = GuideReason::kNoTarget;
+  const double lost_s = secondsBetween(*last_target_t, d.t);
+  if (lost_said || !(lost_s > options.lost_target_s)) return;
+  lost_said = true;
+  d.detail = fmt::format("the target has been out of view for {:.3f} s", lost_s);
+}
+
+void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
+  d.reason = GuideReason::kInitialising;
+  if (!kept.empty() && !hasMoved(kept.back().corners, corners, options.views.start_move_px)) {
+    return;
+  }
+  d.accepted = true;
+  kept.push_back({d.t, corners});
+  if (kept.size() >= next_start) tryStart(d);
+}
+
+void CameraGuide::State::tryStart(Decision& d) {
+  const auto start = calibrateFrames(rig, kept, options);
+  if (!start) {
+    // Later, and rarer the more frames there are: each trial costs a batch.
+    next_start = kept.size() +
+                 std::max(static_cast<std::size_t>(options.views.start_frames), kept.size() / 4);
+    d.reason = GuideReason::kInitialiseFailed;
+    d.detail = fmt::format("{} frames do not start the estimate: {}; tried again with {}",
+                           kept.size(), start.failure().message, next_start);
+    return;
+  }
+  const CameraStageResult& result = *start;
+  CameraWindowOptions w;
+  w.size = options.views.window;
+  w.pixel_sigma = options.views.pixel_sigma;
+  w.cauchy_px = options.views.cauchy_px;
+  window.emplace(rig.target, result.cameras, w);
+  std::vector<KeptFrame> used;
+  for (std::size_t i = 0; i < result.frames.size(); ++i) {
+    const TimeNs t = result.frames[i].t;
+    const auto frame =
+        std::find_if(kept.begin(), kept.end(), [t](const KeptFrame& k) { return k.t == t; });
+    if (frame == kept.end()) continue;
+    window->add(frame->corners, result.T_FC0[i]);
+    used.push_back(std::move(*frame));
+  }
+  d.reason = GuideReason::kInitialised;
+  d.T_FC0 = result.T_FC0.back();
+  if (used.size() < kept.size()) {
+    d.detail =
+        fmt::format("{} frames had no plausible pose and are left out", kept.size() - used.size());
+  }
+  kept = std::move(used);
+  windowChanged();
+}
+
+void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
+  d.T_FC0 = poseOf(rig.target, window->estimate(), corners, options.views.cauchy_px);
+  if (!d.T_FC0) {
+    d.reason = GuideReason::kNoPose;
+    return;
+  }
+  d.mi_nats = scorer->seenGain(corners, *d.T_FC0);
+  d.reason = GuideReason::kNotInformative;
+  if (*d.mi_nats >= options.views.threshold_nats) d.accepted = accept(corners, d);
+  if (d.accepted) {
+    frames_without_view = 0;
+    until_round = options.views.patience;
+    return;
+  }
+  ++frames_without_view;
+  --until_round;
+  if (!open && d.event == SuggestionEvent::kNone && until_round <= 0) findNextView(d);
+}
+
+/// Takes the frame into the window; false where the window does not solve with it.
+bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
+  window->add(corners, *d.T_FC0);
+  if (!window->solve()) {
+    window->remove(window->frameCount() - 1);
+    d.reason = GuideReason::kNotSolved;
+    d.detail = "the window with it did not converge: removed again";
+    return false;
+  }
+  d.reason = GuideReason::kInformative;
+  d.T_FC0 = window->estimate().T_C0F.back().inverse();
+  kept.push_back({d.t, corners});
+  windowChanged();
+  return true;
+}
+
+/// The oldest frames leave; what is said of the cameras is taken anew.
+void CameraGuide::State::windowChanged() {
+  while (window->frameCount() > options.views.window) window->marginaliseOldest();
+  const Eigen::MatrixXd information = window->information();
+  ViewGainOptions gain;
+  gain.pixel_sigma = options.views.pixel_sigma;
+  gain.cauchy_px = options.views.cauchy_px;
+  gain.min_corners = options.views.min_corners;
+  scorer.emplace(rig.target, window->estimate(), information, gain);
+  entropy = entropyNats(information);
+  rmse = window->rmsePx();
+}
+
+/// Scores all candidates; suggests the best, or finishes where even that tells too little.
+void CameraGuide::State::findNextView(Decision& d) {
+  const std::vector<CandidateView> views = candidateViews(window->cameras(), rig.target);
+  CandidateRound round;
+  round.asked = d.t;
+  round.answered = busy_until + toNanoseconds(options.latency.next_view_s);
+  busy_until = round.answered;
+  until_round = options.views.patience;
+  for (const CandidateView& view : views) {
+    round.names.push_back(view.name);
+    round.T_FC0.push_back(view.T_FC0);
+  }
+  round.mi_nats = scorer->predictedGains(round.T_FC0, options.threads);
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < round.mi_nats.size(); ++i) {
+    if (!(round.mi_nats[i] > most)) continue;  // NaN as well
+    most = round.mi_nats[i];
+    round.best = static_cast<int>(i);
+  }
+  const bool enough = static_cast<int>(kept.size()) >= options.views.min_views;
+  if (round.best < 0) {
+    d.detail = "no candidate view shows the target to any camera";
+  } else if (most < options.views.threshold_nats && enough) {
+    finished = true;
+    busy_until += toNanoseconds(options.latency.camera_batch_s);
+  } else {
+    openSuggestion(round, views[static_cast<std::size_t>(round.best)].camera, d);
+  }
+  d.round = std::move(round);
+}
+
+void CameraGuide::State::openSuggestion(const CandidateRound& round, int camera, Decision& d) {
+  const auto best = static_cast<std::size_t>(round.best);
+  Suggestion s;
+  s.id = next_suggestion++;
+  s.stage = GuideStage::kCamera;
+  s.t = round.answered;
+  s.candidate = round.names[best];
+  s.camera = camera;
+  s.T_FC0 = round.T_FC0[best];
+  s.mi_nats = round.mi_nats[best];
+  const ViewGuideOptions& v = options.views;
+  open.emplace(s, scorer->predictedCorners(camera, s.T_FC0),
+               ReachRule{v.reached_px, v.reached_s, v.expires_s});
+  d.event = SuggestionEvent::kOpened;
+  d.suggestion = s.id;
+  d.opened = std::move(s);
+}
+
+/// What holds after the frame.
+void CameraGuide::State::fill(Decision& d) const {
+  d.mode = finished  ? GuideMode::kFinished
+           : !window ? GuideMode::kInitialising
+           : open    ? GuideMode::kSuggesting
+                     : GuideMode::kCollecting;
+  d.entropy_nats = entropy;
+  d.rmse_px = rmse;
+  d.views_kept = static_cast<int>(kept.size());
+  d.frames_without_view = frames_without_view;
+  if (open && !d.suggestion) d.suggestion = open->suggestion().id;
+}
+
+}  // namespace plumbline

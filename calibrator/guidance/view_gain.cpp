@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/view_gain.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/residuals/view_gram.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kChunk = 8;              // views
+constexpr double kLeastPivot = 1e-13;  // of I, scaled to a unit diagonal
+
+/// x = A d of T_CiF in the left twist of T_C0F.
+Matrix6d adjoint(const Transform& T) {
+  Matrix6d A;
+  A << T.R, skew(T.t) * T.R, Eigen::Matrix3d::Zero(), T.R;
+  return A;
+}
+
+}  // namespace
+
+/// Lower triangle of [H P; P^T G] of one view, pose first, in units of the scales; and the memory
+/// that takes it.
+class ViewScorer::Sum {
+ public:
+  explicit Sum(const ViewScorer& scorer)
+      : s_(scorer), A_(6 + scorer.layout_.size, 6 + scorer.layout_.size) {
+    for (const VisibleTags& tags : scorer.visible_) {
+      predicted_.emplace_back(tags.cornerCount());
+    }
+  }
+
+  void clear() {
+    A_.setZero();
+    any_ = false;
+  }
+  bool any() const { return any_; }
+  PredictedCorners& predicted(std::size_t camera) { return predicted_[camera]; }
+
+  /// One camera's part.
+  void add(std::size_t c, const Transform& T_CiF, const PackedView& view, const GramOptions& gram) {
+    any_ = true;
+    const ViewGram g = viewGram(s_.cameras_.intrinsics[c], T_CiF, view, gram);
+    const int k = 6 + s_.layout_.intrinsics[c];
+    const int n = s_.layout_.intrinsics_size[c];
+    A_.block(k, k, n, n).noalias() = g.H_k;
+    if (c == 0) {
+      A_.topLeftCorner<6, 6>() += g.H;
+      A_.block(k, 0, n, 6) = g.H_pose_k.transpose();
+      return;
+    }
+    // In the tangent of T_C0Ci: diag(-R, -R), R = R_CiC0.
+    const Eigen::Matrix3d& R = s_.T_CiC0_[c].R;
+    const Matrix6d A_pose = adjoint(s_.T_CiC0_[c]);
+    const int e = 6 + s_.layout_.T_C0Ci[c];
+    Matrix6d EH;  // diag(-R, -R)^T H
+    EH.topRows<3>().noalias() = -R.transpose() * g.H.topRows<3>();
+    EH.bottomRows<3>().noalias() = -R.transpose() * g.H.bottomRows<3>();
+    const Matrix6d AtH = A_pose.transpose().lazyProduct(g.H);
+    A_.topLeftCorner<6, 6>() += AtH.lazyProduct(A_pose);
+    A_.block<6, 6>(e, 0) = EH.lazyProduct(A_pose);
+    A_.block<6, 3>(e, e) = -EH.leftCols<3>().lazyProduct(R);
+    A_.block<6, 3>(e, e + 3) = -EH.rightCols<3>().lazyProduct(R);
+    A_.block(k, 0, n, 6) = g.H_pose_k.transpose().lazyProduct(A_pose);
+    A_.block(e, k, 3, n) = -R.transpose().lazyProduct(g.H_pose_k.topRows<3>());
+    A_.block(e + 3, k, 3, n) = -R.transpose().lazyProduct(g.H_pose_k.bottomRows<3>());
+  }
+
+  /// 0.5 log |I + S| in scaled units; NaN where the pose is not determined.
+  double halfLogDeterminant() {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const Eigen::Index n = s_.layout_.size;
+    const double weight = 1 / (s_.options_.pixel_sigma * s_.options_.pixel_sigma);
+    Eigen::VectorXd scale(6 + n);
+    if (!(A_.diagonal().head<6>().array() > 0).all()) return kNone;
+    scale << (weight * A_.diagonal().head<6>()).cwiseSqrt().cwiseInverse(), s_.scale_;
+    for (Eigen::Index j = 0; j < 6 + n; ++j) {
+      A_.col(j).tail(6 + n - j).array() *= weight * scale(j) * scale.tail(6 + n - j).array();
+    }
+    A_.bottomRightCorner(n, n).triangularView<Eigen::Lower>() += s_.information_;
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(A_);
+    if (llt.info() != Eigen::Success) return kNone;
+    return A_.diagonal().tail(n).array().log().sum();
+  }
+
+ private:
+  const ViewScorer& s_;
+  Eigen::MatrixXd A_;
+  std::vector<PredictedCorners> predicted_;
+  bool any_ = false;
+};
+
+ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
+                       const Eigen::MatrixXd& information, const ViewGainOptions& options)
+    : target_(target), cameras_(cameras), layout_(cameras.intrinsics), options_(options) {
+  for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
+    visible_.emplace_back(cameras.intrinsics[c], target,
+                          VisibleTags::Limits{options.border_px, options.min_tag_px});
+    T_CiC0_.push_back(cameras.T_C0Ci[c].inverse());
+  }
+  assert(information.rows() == layout_.size && information.cols() == layout_.size);
+  if (!information.allFinite() || !(information.diagonal().array() > 0).all()) return;
+  scale_ = information.diagonal().cwiseSqrt().cwiseInverse();
+  information_ = scale_.asDiagonal() * information * scale_.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> llt(information_);
+  if (llt.info() != Eigen::Success) return;
+  const auto pivots = llt.matrixLLT().diagonal().array();
+  determined_ = (pivots.square() >= kLeastPivot).all();
+  half_log_determinant_ = pivots.log().sum();
+}
+
+std::vector<Corner> ViewScorer::predictedCorners(int camera, const Transform& T_FC0) const {
+  const auto c = static_cast<std::size_t>(camera);
+  PredictedCorners memory(visible_[c].cornerCount());
+  visible_[c].predict(T_CiC0_[c] * T_FC0.inverse(), memory);
+  const PackedView view = memory.view();
+  std::vector<Corner> corners;
+  for (int i = 0; i < view.count; ++i) corners.push_back({view.id[i], {view.u[i], view.v[i]}});
+  return corners;
+}
+
+/// NaN where the view says nothing.
+double ViewScorer::gainOf(Sum& sum) const {
+  if (!sum.any()) return std::numeric_limits<double>::quiet_NaN();
+  if (!determined_) return std::numeric_limits<double>::infinity();
+  return sum.halfLogDeterminant() - half_log_determinant_;
+}
+
+double ViewScorer::predictedGain(const Transform& T_FC0) const {
+  return predictedGains({T_FC0}).front();
+}
+
+double ViewScorer::seenGain(const std::vector<std::vector<Corner>>& corners,
+                            const Transform& T_FC0) const {
+  Sum sum(*this);
+  sum.clear();
+  const Transform T_C0F = T_FC0.inverse();
+  for (std::size_t c = 0; c < visible_.size(); ++c) {
+    if (corners[c].empty()) continue;
+    const PackedCorners packed(target_, {{0, corners[c]}});
+    sum.add(c, T_CiC0_[c] * T_C0F, packed.view(0), {options_.cauchy_px, 0});
+  }
+  return gainOf(sum);
+}
+
+std::vector<double> ViewScorer::predictedGains(const std::vector<Transform>& T_FC0,
+                                               int threads) const {
+  std::vector<double> gains(T_FC0.size());
+  forChunks(static_cast<int>(T_FC0.size()), kChunk, threads, [&](const Chunk& chunk) {
+    Sum sum(*this);
+    for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);
+         ++i) {
+      sum.clear();
+      const Transform T_C0F = T_FC0[i].inverse();
+      for (std::size_t c = 0; c < visible_.size(); ++c) {
+        const Transform T_CiF = T_CiC0_[c] * T_C0F;
+        visible_[c].predict(T_CiF, sum.predicted(c));
+        const PackedView view = sum.predicted(c).view();
+        if (view.count >= options_.min_corners) sum.add(c, T_CiF, view, {0, 0});
+      }
+      gains[i] = gainOf(sum);
+    }
+  });
+  return gains;
+}
+
+}  // namespace plumbline

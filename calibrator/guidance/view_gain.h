@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/guidance/visible_tags.h"
+
+namespace plumbline {
+
+struct ViewGainOptions {
+  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
+  double cauchy_px = 0;    ///< of frames that were seen: scale of the loss that weights them [px]
+  int min_corners = 16;    ///< of one camera, for its part of a predicted view to count
+  double border_px = 5;    ///< tags that come closer to the image's border are not seen
+  double min_tag_px = 8;   ///< nor are tags with a side shorter than this
+};
+
+/// Scores views by what they would tell of the cameras: the mutual information with the cameras'
+/// parameters g (CameraLayout), given the information I that is there already,
+///   gain = 0.5 (log |I + S| - log |I|) [nats],   S = G - P^T H^-1 P,
+/// S the information of the view with its own pose marginalised (paper, eq. for MI, and section
+/// IV). From one Cholesky factor of [H P; P^T G + I], pose first: the pivots of the pose are those
+/// of H, the rest |I + S|. Cost: two of viewGram() and a factor of 28 x 28 for a stereo rig.
+class ViewScorer {
+ public:
+  /// `cameras`: intrinsics and T_C0Ci at which all is linearised (poses are not read);
+  /// `information`: I, in the layout's order.
+  ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
+             const Eigen::MatrixXd& information, const ViewGainOptions& options = {});
+
+  /// Whether I determines the parameters at all; if not, every gain is infinite.
+  bool determined() const { return determined_; }
+
+  /// Corners of the tags that a camera sees when camera 0 is at T_FC0, exact, ids ascending: see
+  /// VisibleTags.
+  std::vector<Corner> predictedCorners(int camera, const Transform& T_FC0) const;
+
+  /// Gain of a view that nobody has taken yet [nats]: corners visible in all cameras at T_FC0,
+  /// exact and without loss. NaN where no camera sees enough.
+  double predictedGain(const Transform& T_FC0) const;
+
+  /// Gain of a frame that was seen (corners per camera; empty: no view), whose pose is T_FC0, with
+  /// the loss' weights [nats].
+  double seenGain(const std::vector<std::vector<Corner>>& corners, const Transform& T_FC0) const;
+
+  /// predictedGain() of each. The result does not depend on `threads`.
+  std::vector<double> predictedGains(const std::vector<Transform>& T_FC0, int threads = 1) const;
+
+ private:
+  class Sum;
+  double gainOf(Sum& sum) const;
+
+  AprilGrid target_;
+  CameraEstimate cameras_;
+  CameraLayout layout_;
+  ViewGainOptions options_;
+  std::vector<VisibleTags> visible_;  // per camera
+  std::vector<Transform> T_CiC0_;
+  Eigen::VectorXd scale_;            // to a unit diagonal of I
+  Eigen::MatrixXd information_;      // scaled
+  double half_log_determinant_ = 0;  // of the scaled
+  bool determined_ = false;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/window/camera_window.h"
+
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/batch/camera_batch_solver.h"
+
+namespace plumbline {
+namespace {
+
+CameraEstimate camerasOf(const std::vector<CameraCalibration>& given) {
+  CameraEstimate estimate;
+  for (std::size_t c = 0; c < given.size(); ++c) {
+    estimate.intrinsics.push_back(given[c].intrinsics);
+    estimate.T_C0Ci.push_back(c == 0 ? Transform() : given[c].T_C0Ci);
+  }
+  return estimate;
+}
+
+/// Displacement of the cameras, in the tangent of `from`; and how it changes with the tangent of
+/// `to`, which is the identity but for rotations: Log(Exp(da) R_to R_from^T) = d + Jl^-1(d) da.
+struct Displacement {
+  Eigen::VectorXd d;
+  Eigen::MatrixXd J;
+};
+
+Displacement displacement(const CameraEstimate& to, const CameraEstimate& from) {
+  const CameraLayout layout(from.intrinsics);
+  Displacement out{Eigen::VectorXd(layout.size),
+                   Eigen::MatrixXd::Identity(layout.size, layout.size)};
+  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
+    out.d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
+        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
+    if (c == 0) continue;
+    const int e = layout.T_C0Ci[c];
+    out.d.segment<6>(e) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
+    out.J.block<3, 3>(e + 3, e + 3) = inverseLeftJacobianSO3(out.d.segment<3>(e + 3));
+  }
+  return out;
+}
+
+/// Pose of a single frame, then cameras.
+QuadraticCost joint(const CameraNormals& normals) {
+  assert(normals.H.size() == 1);
+  const Eigen::Index n = normals.b.size();
+  QuadraticCost cost{Eigen::MatrixXd(6 + n, 6 + n), Eigen::VectorXd(6 + n), normals.cost};
+  cost.H << normals.H[0], normals.P, normals.P.transpose(), normals.G;
+  cost.b << normals.b_pose, normals.b;
+  return cost;
+}
+
+}  // namespace
+
+CameraWindow::CameraWindow(const AprilGrid& target, const std::vector<CameraCalibration>& cameras,
+                           const CameraWindowOptions& options)
+    : target_(target),
+      given_(cameras),
+      options_(options),
+      estimate_(camerasOf(cameras)),
+      views_(cameras.size()),
+      corners_(cameras.size()),
+      prior_point_(estimate_),
+      prior_(CameraLayout(estimate_.intrinsics).size) {
+  assert(options.size >= 1 && options.pixel_sigma > 0);
+}
+
+void CameraWindow::add(const std::vector<std::vector<Corner>>& corners, const Transform& T_FC0) {
+  assert(corners.size() == views_.size());
+  for (std::size_t c = 0; c < views_.size(); ++c) views_[c].push_back({0, corners[c]});
+  estimate_.T_C0F.push_back(T_FC0.inverse());
+  pack();
+}
+
+bool CameraWindow::solve() {
+  CameraSolverOptions options;
+  options.max_iterations = options_.max_iterations;
+  options.tolerance = options_.tolerance;
+  CameraSolution solution = solveCameraProblem(problem(allFrames()), estimate_, options);
+  if (!solution.converged) return false;
+  estimate_ = std::move(solution.estimate);
+  return true;
+}
+
+void CameraWindow::marginaliseOldest() {
+  assert(frameCount() > 0);
+  CameraEstimate at = estimate_;
+  at.T_C0F.resize(1);
+  const CameraNormals normals = normalsAt(problem({allFrames().front()}), at);
+  std::vector<int> cameras(static_cast<std::size_t>(normals.b.size()));
+  std::iota(cameras.begin(), cameras.end(), 6);
+  auto rest = marginalised(joint(normals), cameras);
+  if (rest) {
+    prior_ = LinearPrior(std::move(*rest));
+    prior_point_ = at;
+    prior_point_.T_C0F.clear();
+  }
+  remove(0);
+}
+
+void CameraWindow::remove(int frame) {
+  assert(frame >= 0 && frame < frameCount());
+  for (std::vector<ImageView>& views : views_) views.erase(views.begin() + frame);
+  estimate_.T_C0F.erase(estimate_.T_C0F.begin() + frame);
+  pack();
+}
+
+std::vector<CameraCalibration> CameraWindow::cameras() const {
+  std::vector<CameraCalibration> cameras = given_;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    cameras[c].intrinsics = estimate_.intrinsics[c];
+    cameras[c].T_C0Ci = estimate_.T_C0Ci[c];
+    cameras[c].intrinsics_std.reset();
+    cameras[c].T_C0Ci_std.reset();
+  }
+  return cameras;
+}
+
+Eigen::MatrixXd CameraWindow::information() const {
+  return reducedInformation(normalsAt(problem(allFrames()), estimate_));
+}
+
+std::optional<double> CameraWindow::rmsePx() const {
+  double squared = 0;
+  int count = 0;
+  for (std::size_t c = 0; c < corners_.size(); ++c) {
+    const Transform T_CiC0 = estimate_.T_C0Ci[c].inverse();
+    for (int f = 0; f < frameCount(); ++f) {
+      const PackedView view = corners_[c].view(f);
+      if (view.count == 0) continue;
+      const Transform T_CiF = T_CiC0 * estimate_.T_C0F[static_cast<std::size_t>(f)];
+      squared += viewCost(estimate_.intrinsics[c], T_CiF, view);
+      count += view.count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return std::sqrt(squared / count);
+}
+
+CameraProblem CameraWindow::problem(std::vector<Frame> frames) const {
+  CameraProblem problem;
+  problem.corners = corners_;
+  problem.frames = std::move(frames);
+  problem.pixel_sigma = options_.pixel_sigma;
+  problem.gram = {options_.cauchy_px, 0};
+  problem.prior = [this](const CameraEstimate& at) { return priorAt(at); };
+  return problem;
+}
+
+std::vector<Frame> CameraWindow::allFrames() const {
+  std::vector<Frame> frames(static_cast<std::size_t>(frameCount()));
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (const std::vector<ImageView>& views : views_) {
+      frames[f].view.push_back(views[f].corners.empty() ? -1 : static_cast<int>(f));
+    }
+  }
+  return frames;
+}
+
+QuadraticCost CameraWindow::priorAt(const CameraEstimate& estimate) const {
+  const Displacement from = displacement(estimate, prior_point_);
+  QuadraticCost cost = prior_.at(from.d);
+  cost.b = from.J.transpose() * cost.b;
+  cost.H = from.J.transpose() * cost.H * from.J;
+  return cost;
+}
+
+void CameraWindow::pack() {
+  for (std::size_t c = 0; c < views_.size(); ++c) {
+    corners_[c] = PackedCorners(target_, views_[c]);
+  }
+}
+
+}  // namespace plumbline

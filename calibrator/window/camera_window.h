@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/window/linear_prior.h"
+
+namespace plumbline {
+
+struct CameraWindowOptions {
+  int size = 10;           ///< frames; who adds more lets the oldest go (full())
+  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
+  double cauchy_px = 0;    ///< scale of the Cauchy loss [px]; 0: squared error
+  int max_iterations = 50;
+  double tolerance = 1e-4;  ///< of the step that remains, in standard deviations of all parameters
+};
+
+/// A camera calibration over the last frames and a linear prior that stands for all earlier ones
+/// (paper, section IV, "real-time estimation"). It minimises
+///   0.5 sum rho(|measured - projected|^2) / pixel_sigma^2 + prior(cameras)
+/// over the cameras (intrinsics, then T_C0Ci, as in CameraLayout) and T_C0F of the frames held.
+/// Given the cameras the frames' poses are independent, so that a frame that leaves is one 6x6
+/// Schur complement and the prior is dense on the cameras alone. Its terms are linearised at the
+/// estimate at which it leaves, with the loss' weights there (H sums rho' J^T J, b is exact); for
+/// what that means for consistency see LinearPrior.
+class CameraWindow {
+ public:
+  /// Starts at the given cameras, of which it takes values but no certainty: nothing is known yet.
+  CameraWindow(const AprilGrid& target, const std::vector<CameraCalibration>& cameras,
+               const CameraWindowOptions& options = {});
+
+  /// The newest frame; `corners` per camera, ids ascending, empty where it has no view. T_FC0 is
+  /// where its solution starts.
+  void add(const std::vector<std::vector<Corner>>& corners, const Transform& T_FC0);
+  /// Minimises the cost. False, and the estimate stays as it was, where that does not converge.
+  [[nodiscard]] bool solve();
+  /// Takes frame 0 out and keeps what it says of the cameras as prior. A frame whose own pose is
+  /// not determined says nothing.
+  void marginaliseOldest();
+  /// Takes a frame out with all that it says; 0 is the oldest.
+  void remove(int frame);
+
+  int frameCount() const { return static_cast<int>(estimate_.T_C0F.size()); }
+  bool full() const { return frameCount() >= options_.size; }
+  const CameraEstimate& estimate() const { return estimate_; }
+  /// The cameras as they were given, with the values of the estimate.
+  std::vector<CameraCalibration> cameras() const;
+
+  /// Of the cameras: prior and frames held, their poses marginalised.
+  Eigen::MatrixXd information() const;
+  /// sqrt(mean |e|^2) over the corners of the frames held [px]; empty without any.
+  std::optional<double> rmsePx() const;
+
+ private:
+  CameraProblem problem(std::vector<Frame> frames) const;
+  std::vector<Frame> allFrames() const;
+  QuadraticCost priorAt(const CameraEstimate& estimate) const;
+  void pack();
+
+  AprilGrid target_;
+  std::vector<CameraCalibration> given_;
+  CameraWindowOptions options_;
+  CameraEstimate estimate_;
+  std::vector<std::vector<ImageView>> views_;  // per camera, one per frame
+  std::vector<PackedCorners> corners_;         // the same
+  CameraEstimate prior_point_;                 // no poses
+  LinearPrior prior_;
+};
+
+}  // namespace plumbline
