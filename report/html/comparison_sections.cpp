@@ -157,8 +157,7 @@ Section calibrationsSection(const ComparisonRecord& record) {
                           {c.calibration.imu ? "yes" : "no"},
                           lintCell(c)});
   }
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 Section comparedParametersSection(const ComparisonRecord& record) {

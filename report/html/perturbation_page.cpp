@@ -159,8 +159,7 @@ Section baseSection(const PerturbationRecord& record) {
                           {unit}});
   }
   Section section{"base", "Base calibration", "What all cases are compared with.", {}, {}};
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 std::vector<Card> cardsOf(const PerturbationRecord& record) {

@@ -54,4 +54,10 @@ struct Section {
   std::vector<Block> blocks;
 };
 
+/// `section` with a block of the table alone; as it is where the table has no rows.
+inline Section withTable(Section section, Table table) {
+  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
+  return section;
+}
+
 }  // namespace plumbline::html_internal

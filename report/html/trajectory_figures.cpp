@@ -63,22 +63,6 @@ BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, double least, do
   return plot;
 }
 
-/// Axes of a box plot whose names may be many.
-void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& label) {
-  plot.frame.title = title;
-  plot.frame.width = 960;
-  double top = 0;
-  std::size_t longest = 0;
-  for (const BoxSummary& box : plot.boxes) {
-    top = std::max(top, box.quantiles[4]);
-    longest = std::max(longest, box.name.size());
-  }
-  plot.frame.x.upright_labels = longest * plot.boxes.size() > 110;
-  plot.frame.height = plot.frame.x.upright_labels ? 400 : 340;
-  plot.frame.y.label = label;
-  plot.frame.y.range = Range{0, top > 0 ? 1.06 * top : 1};
-}
-
 Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
   BoxPlot plot =
       boxesBySequence(runs, 0.05, 0.95, [](const TrajectoryRun& run, std::vector<double>& values) {
@@ -168,7 +152,7 @@ Range colourRange(const TrajectoryRun& run) {
 
 Block overlayBlock(const TrajectoryRun& run, std::size_t index) {
   Block block;
-  block.heading = run.sequence + ", " + run.calibration + (run.run.empty() ? "" : ", " + run.run);
+  block.heading = runName(run);
   block.text = fmt::format("ATE RMSE {:.4f} m over {} pairs{}.", run.ate_translation_m.rmse,
                            run.association.matches, run.problem.empty() ? "" : "; " + run.problem);
   for (const View& view : kViews) {
@@ -217,58 +201,22 @@ Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& seq
   return {toSvg(plot, id), "", true};
 }
 
-/// p5, quartiles and p95 of what a relative error's statistics keep.
-std::array<double, 5> fiveOf(const SampleStatistics& s) {
-  return {s.percentiles[1], s.percentiles[2], s.median, s.percentiles[3], s.percentiles[4]};
-}
-
-/// The median over runs of each of the five numbers.
-std::array<double, 5> medianOf(const std::vector<std::array<double, 5>>& all) {
-  std::array<double, 5> result{};
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    std::vector<double> column;
-    for (const auto& five : all) column.push_back(five[i]);
-    result[i] = quantile(column, 0.5);
-  }
-  return result;
-}
-
-using Distance = std::pair<std::string, double>;  // unit, delta
-
-std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
-  std::vector<Distance> all;
-  for (const TrajectoryRun& run : runs) {
-    for (const RelativeErrorRecord& r : run.rpe) {
-      if (std::find(all.begin(), all.end(), Distance(r.unit, r.delta)) == all.end()) {
-        all.emplace_back(r.unit, r.delta);
-      }
-    }
-  }
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-BoxPlot relativeBoxes(const std::vector<TrajectoryRun>& runs,
-                      SampleStatistics RelativeErrorRecord::*what) {
-  BoxPlot plot;
-  plot.series = calibrationsOf(runs);
-  for (const auto& [unit, delta] : distancesOf(runs)) {
-    for (std::size_t k = 0; k < plot.series.size(); ++k) {
-      std::vector<std::array<double, 5>> all;
-      for (const TrajectoryRun& run : runs) {
-        if (run.calibration != plot.series[k]) continue;
-        for (const RelativeErrorRecord& r : run.rpe) {
-          if (r.unit == unit && r.delta == delta && (r.*what).n > 0) all.push_back(fiveOf(r.*what));
-        }
-      }
-      if (all.empty()) continue;
-      plot.boxes.push_back({fmt::format("{:g} {}", delta, unit), medianOf(all), k});
-    }
-  }
-  return plot;
-}
-
 }  // namespace
+
+void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& label) {
+  plot.frame.title = title;
+  plot.frame.width = 960;
+  double top = 0;
+  std::size_t longest = 0;
+  for (const BoxSummary& box : plot.boxes) {
+    top = std::max(top, box.quantiles[4]);
+    longest = std::max(longest, box.name.size());
+  }
+  plot.frame.x.upright_labels = longest * plot.boxes.size() > 110;
+  plot.frame.height = plot.frame.x.upright_labels ? 400 : 340;
+  plot.frame.y.label = label;
+  plot.frame.y.range = Range{0, top > 0 ? 1.06 * top : 1};
+}
 
 Section errorSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"ate",
@@ -320,29 +268,6 @@ Section timeSection(const std::vector<TrajectoryRun>& runs) {
   for (const std::string& sequence : sequencesOf(runs)) {
     Figure figure = timeFigure(runs, sequence, fmt::format("error-time-{}", index++));
     if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
-  }
-  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
-  return section;
-}
-
-Section relativeSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"rpe",
-                  "Relative errors by distance",
-                  "Error of the motion over pieces of each length: whiskers at 5 and 95 %, box "
-                  "from 25 to 75 %, line at the median over the pieces; of several runs the median "
-                  "of each of these.",
-                  {},
-                  {}};
-  Block block;
-  BoxPlot translation = relativeBoxes(runs, &RelativeErrorRecord::translation_m);
-  BoxPlot rotation = relativeBoxes(runs, &RelativeErrorRecord::rotation_deg);
-  if (!translation.boxes.empty()) {
-    frameBoxes(translation, "Translation", "translation error [m]");
-    block.figures.push_back({toSvg(translation, "rpe-translation"), "", true});
-  }
-  if (!rotation.boxes.empty()) {
-    frameBoxes(rotation, "Rotation", "rotation error [\u00b0]");
-    block.figures.push_back({toSvg(rotation, "rpe-rotation"), "", true});
   }
   if (!block.figures.empty()) section.blocks.push_back(std::move(block));
   return section;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "report/html/section.h"
+#include "report/plots/plot_data.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline::html_internal {
@@ -16,5 +18,8 @@ Section overlaySection(const std::vector<TrajectoryRun>& runs);
 Section timeSection(const std::vector<TrajectoryRun>& runs);
 /// Relative errors by distance.
 Section relativeSection(const std::vector<TrajectoryRun>& runs);
+
+/// Axes of a box plot whose names may be many; `label` with its unit is that of the values.
+void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& label);
 
 }  // namespace plumbline::html_internal

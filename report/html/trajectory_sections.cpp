@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
 #include "report/html/text.h"
 #include "report/html/trajectory_figures.h"
 #include "report/records/paired_differences.h"
@@ -16,102 +15,6 @@ namespace {
 
 constexpr auto kNumber = Cell::Kind::kNumber;
 constexpr const char* kDash = "\u2013";
-
-std::string metres(double value) { return fmt::format("{:.4f}", value); }
-
-Cell statusCell(const TrajectoryRun& run) {
-  switch (run.status) {
-    case RunStatus::kComplete:
-      return {"complete", Cell::Kind::kTight, VerdictLevel::kGood};
-    case RunStatus::kPartial:
-      return {"partial", Cell::Kind::kTight, VerdictLevel::kDoubtful};
-    case RunStatus::kFailed:
-      break;
-  }
-  return {"failed", Cell::Kind::kTight, VerdictLevel::kBad};
-}
-
-std::string remarksOf(const TrajectoryRun& run) {
-  std::string text = run.problem;
-  for (const std::string& remark : run.remarks) text += (text.empty() ? "" : " ") + remark;
-  return text;
-}
-
-std::vector<Cell> runRow(const TrajectoryRun& run) {
-  const SampleStatistics& ate = run.ate_translation_m;
-  const SampleStatistics& turn = run.ate_rotation_deg;
-  const bool known = ate.n > 0;
-  return {tight(run.sequence),
-          tight(run.calibration),
-          tight(run.run),
-          statusCell(run),
-          number(fmt::format("{:.1f}", 100 * run.coverage)),
-          number(known ? metres(ate.rmse) : kDash),
-          number(known ? metres(ate.median) : kDash),
-          number(known ? metres(ate.max) : kDash),
-          number(turn.n > 0 ? fmt::format("{:.3f}", turn.rmse) : kDash),
-          {remarksOf(run)}};
-}
-
-Table runsTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{{"Sequence"},
-               {"Calibration"},
-               {"Run"},
-               {"Status"},
-               {"Covered [%]", kNumber},
-               {"ATE RMSE [m]", kNumber},
-               {"Median [m]", kNumber},
-               {"Max [m]", kNumber},
-               {"Rotation RMSE [\u00b0]", kNumber},
-               {"Remarks"}},
-              {}};
-  for (const TrajectoryRun& run : runs) table.rows.push_back(runRow(run));
-  return table;
-}
-
-/// What became of a calibration's runs.
-struct Completion {
-  std::size_t runs = 0, complete = 0, partial = 0, failed = 0;
-  std::vector<double> rmse_m;  ///< of the complete ones
-};
-
-Completion completionOf(const std::vector<TrajectoryRun>& runs, const std::string& calibration) {
-  Completion c;
-  for (const TrajectoryRun& run : runs) {
-    if (run.calibration != calibration) continue;
-    ++c.runs;
-    if (run.status == RunStatus::kPartial) ++c.partial;
-    if (run.status == RunStatus::kFailed) ++c.failed;
-    if (run.status != RunStatus::kComplete) continue;
-    ++c.complete;
-    if (run.ate_translation_m.n > 0) c.rmse_m.push_back(run.ate_translation_m.rmse);
-  }
-  return c;
-}
-
-VerdictLevel levelOf(const Completion& c) {
-  if (c.failed > 0) return VerdictLevel::kBad;
-  return c.partial > 0 ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
-}
-
-Table completionTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{{"Calibration"},
-               {"Completed"},
-               {"Partial", kNumber},
-               {"Failed", kNumber},
-               {"Median ATE RMSE of complete runs [m]", kNumber}},
-              {}};
-  for (const std::string& name : calibrationsOf(runs)) {
-    const Completion c = completionOf(runs, name);
-    table.rows.push_back(
-        {{name},
-         {fmt::format("{} of {}", c.complete, c.runs), Cell::Kind::kText, levelOf(c)},
-         number(std::to_string(c.partial)),
-         number(std::to_string(c.failed)),
-         number(c.rmse_m.empty() ? kDash : metres(quantile(c.rmse_m, 0.5)))});
-  }
-  return table;
-}
 
 std::vector<Cell> pairedRow(const PairedDifference& d) {
   const auto n = std::to_string(d.pairs);
@@ -139,11 +42,6 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
           {!interval  ? "too few pairs for an interval (five needed)"
            : !differs ? "no difference at 95 %"
                       : (d.mean_m < 0 ? d.b : d.a) + " is better"}};
-}
-
-std::string runName(const TrajectoryRun& run) {
-  return run.sequence + " \u00b7 " + run.calibration +
-         (run.run.empty() ? "" : " \u00b7 " + run.run);
 }
 
 std::vector<Cell> associationRow(const TrajectoryRun& run) {
@@ -208,35 +106,12 @@ std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs) 
   return names;
 }
 
-std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs) {
-  std::vector<Card> cards;
-  for (const std::string& name : calibrationsOf(runs)) {
-    const Completion c = completionOf(runs, name);
-    cards.push_back({"ATE, " + (name.empty() ? std::string("all runs") : name),
-                     c.rmse_m.empty() ? kDash : metres(quantile(c.rmse_m, 0.5)), "m",
-                     fmt::format("median RMSE of complete runs; {} of {} complete, {} partial, {} "
-                                 "failed",
-                                 c.complete, c.runs, c.partial, c.failed)});
+std::string runName(const TrajectoryRun& run) {
+  std::string name;
+  for (const std::string& part : {run.sequence, run.calibration, run.run}) {
+    if (!part.empty()) name += (name.empty() ? "" : " \u00b7 ") + part;
   }
-  return cards;
-}
-
-Section runsSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"runs",
-                  "Runs",
-                  "Every run counts: those that failed or cover only a part of the truth's span "
-                  "stay in the table and in the completion, whatever the errors of the others.",
-                  {},
-                  {}};
-  if (runs.empty()) return section;
-  section.blocks.push_back({"Completion", "", completionTable(runs), {}, {}});
-  section.blocks.push_back(
-      {"All runs",
-       "ATE is the distance between the aligned estimate and the truth at paired stamps.",
-       runsTable(runs),
-       {},
-       {}});
-  return section;
+  return name.empty() ? run.estimate : name;
 }
 
 Section pairedSection(const std::vector<TrajectoryRun>& runs) {
@@ -260,8 +135,7 @@ Section pairedSection(const std::vector<TrajectoryRun>& runs) {
                {"Reading"}},
               {}};
   for (const PairedDifference& d : pairedDifferences(runs)) table.rows.push_back(pairedRow(d));
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 Section clockSection(const std::vector<TrajectoryRun>& runs) {
@@ -280,8 +154,7 @@ Section clockSection(const std::vector<TrajectoryRun>& runs) {
                           number(twoDigits(1e3 * c.std_s)),
                           number(fmt::format("{:.4f}", c.correlation))});
   }
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
@@ -329,8 +202,7 @@ Section neesSection(const std::vector<TrajectoryRun>& runs) {
   for (const TrajectoryRun& run : runs) {
     for (const NeesRecord& n : run.nees) table.rows.push_back(neesRow(run, n));
   }
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 Section associationSection(const std::vector<TrajectoryRun>& runs) {
@@ -357,8 +229,7 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
     if (run.association.estimate_poses + run.association.matches == 0) continue;
     table.rows.push_back(associationRow(run));
   }
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs) {

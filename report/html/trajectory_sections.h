@@ -17,7 +17,7 @@ std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs);
 /// Runs, completion, and the median error of every calibration.
 std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs);
 
-/// Every run, complete or not, and completion per calibration.
+/// Every run, complete or not, completion per calibration, and what was odd.
 Section runsSection(const std::vector<TrajectoryRun>& runs);
 /// Paired differences of the calibrations, with the tests.
 Section pairedSection(const std::vector<TrajectoryRun>& runs);
@@ -27,6 +27,9 @@ Section handEyeSection(const std::vector<TrajectoryRun>& runs);
 Section neesSection(const std::vector<TrajectoryRun>& runs);
 /// How stamps were paired, and what was odd about them.
 Section associationSection(const std::vector<TrajectoryRun>& runs);
+
+/// "MH_01 · kalibr · 3": what is known of the run's place; otherwise its file.
+std::string runName(const TrajectoryRun& run);
 
 /// Names of the calibrations, in order of appearance.
 std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs);
