@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "evaluate/workflow/runs_document.h"
+#include "report/records/paired_differences.h"
 
 namespace plumbline {
 namespace {
@@ -26,7 +27,7 @@ std::string summaryTable(const TrajectoryRecord& record) {
 
 std::string differenceLines(const TrajectoryRecord& record) {
   std::string text;
-  for (const RunsDifference& d : differences(record.runs)) {
+  for (const PairedDifference& d : pairedDifferences(record.runs)) {
     if (d.pairs == 0) {
       text += fmt::format("{} - {}: no sequence and run that both completed\n", d.b, d.a);
       continue;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +11,7 @@
 
 #include "evaluate/workflow/record_json.h"
 #include "evaluate/workflow/trajectory_document.h"
+#include "report/records/paired_differences.h"
 
 namespace plumbline {
 namespace {
@@ -61,42 +60,6 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
   return s;
 }
 
-using Repetition = std::pair<std::string, std::string>;
-
-std::map<Repetition, double> completeAte(const std::vector<TrajectoryRun>& runs,
-                                         const std::string& calibration) {
-  std::map<Repetition, double> ate;
-  for (const TrajectoryRun& run : runs) {
-    if (run.calibration != calibration || run.status != RunStatus::kComplete) continue;
-    ate[{run.sequence, run.run}] = run.ate_translation_m.rmse;
-  }
-  return ate;
-}
-
-RunsDifference differenceOf(const std::vector<TrajectoryRun>& runs, const std::string& a,
-                            const std::string& b) {
-  const auto of_a = completeAte(runs, a), of_b = completeAte(runs, b);
-  std::set<Repetition> expected;
-  for (const TrajectoryRun& run : runs) expected.insert({run.sequence, run.run});
-  std::vector<double> d;
-  for (const auto& [key, ate] : of_a) {
-    const auto other = of_b.find(key);
-    if (other != of_b.end()) d.push_back(other->second - ate);
-  }
-  RunsDifference difference;
-  difference.a = a;
-  difference.b = b;
-  difference.pairs = d.size();
-  difference.left_out = expected.size() - d.size();
-  difference.b_better = static_cast<std::size_t>(
-      std::count_if(d.begin(), d.end(), [](double value) { return value < 0; }));
-  const SampleStatistics s = sampleStatistics(std::move(d));
-  difference.mean_m = s.mean;
-  difference.median_m = s.median;
-  difference.std_m = s.std;
-  return difference;
-}
-
 Json summaryJson(const RunsSummary& s) {
   return {{"sequence", s.sequence.empty() ? Json() : Json(s.sequence)},
           {"calibration", s.calibration},
@@ -108,11 +71,14 @@ Json summaryJson(const RunsSummary& s) {
           {"ate_median_m", s.ate_median_m ? Json(*s.ate_median_m) : Json()}};
 }
 
-Json differenceJson(const RunsDifference& d) {
-  return {{"a", d.a},           {"b", d.b},
-          {"pairs", d.pairs},   {"left_out", d.left_out},
-          {"mean_m", d.mean_m}, {"median_m", d.median_m},
-          {"std_m", d.std_m},   {"b_better", d.b_better}};
+Json differenceJson(const PairedDifference& d) {
+  Json json{{"a", d.a},           {"b", d.b},
+            {"pairs", d.pairs},   {"left_out", d.left_out},
+            {"mean_m", d.mean_m}, {"median_m", d.median_m},
+            {"std_m", d.std_m},   {"b_better", d.b_better},
+            {"ties", d.ties},     {"sign_test_p", d.sign_test_p}};
+  if (d.low_m && d.high_m) json["mean_interval_m"] = {*d.low_m, *d.high_m};
+  return json;
 }
 
 Json runJson(const TrajectoryRun& run) {
@@ -173,23 +139,12 @@ std::vector<RunsSummary> summarised(const std::vector<TrajectoryRun>& runs) {
   return list;
 }
 
-std::vector<RunsDifference> differences(const std::vector<TrajectoryRun>& runs) {
-  std::vector<RunsDifference> list;
-  const auto names = inOrder(runs, &TrajectoryRun::calibration);
-  for (std::size_t a = 0; a < names.size(); ++a) {
-    for (std::size_t b = a + 1; b < names.size(); ++b) {
-      list.push_back(differenceOf(runs, names[a], names[b]));
-    }
-  }
-  return list;
-}
-
 std::string runsDocument(const TrajectoryRecord& record) {
   Json json = {{"schema", 1}, {"name", record.name}, {"summary", Json::array()}};
   json["paired"] = Json::array();
   json["runs"] = Json::array();
   for (const RunsSummary& s : summarised(record.runs)) json["summary"].push_back(summaryJson(s));
-  for (const RunsDifference& d : differences(record.runs)) {
+  for (const PairedDifference& d : pairedDifferences(record.runs)) {
     json["paired"].push_back(differenceJson(d));
   }
   for (const TrajectoryRun& run : record.runs) json["runs"].push_back(runJson(run));

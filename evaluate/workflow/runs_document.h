@@ -22,19 +22,7 @@ struct RunsSummary {
 /// By sequence, then, of several, all together; calibrations in the order of the runs.
 std::vector<RunsSummary> summarised(const std::vector<TrajectoryRun>& runs);
 
-/// Two calibrations over the (sequence, run) that both completed: d = ATE of b - ATE of a.
-struct RunsDifference {
-  std::string a, b;
-  std::size_t pairs = 0;
-  std::size_t left_out = 0;  ///< of the expected, not complete under both
-  double mean_m = 0, median_m = 0;
-  double std_m = 0;          ///< of d, divisor n
-  std::size_t b_better = 0;  ///< d < 0
-};
-
-std::vector<RunsDifference> differences(const std::vector<TrajectoryRun>& runs);
-
-/// trajectory.json of many runs: provenance, summary, paired differences, and the runs, each as
+/// trajectory.json of a study: provenance, summary, pairedDifferences(), and the runs, each as
 /// trajectoryRunJson with its sequence, calibration, run, status and problem.
 std::string runsDocument(const TrajectoryRecord& record);
 

@@ -50,6 +50,9 @@ void summarise(const std::vector<double>& d, PairedDifference& result) {
   if (d.empty()) return;
   result.mean_m = meanOf(d);
   result.median_m = quantile(d, 0.5);
+  double squares = 0;
+  for (const double value : d) squares += (value - result.mean_m) * (value - result.mean_m);
+  result.std_m = std::sqrt(squares / static_cast<double>(d.size()));
   for (const double value : d) {
     if (value < 0) ++result.b_better;
     if (value == 0) ++result.ties;

@@ -18,6 +18,7 @@ struct PairedDifference {
   std::size_t left_out = 0;  ///< (sequence, run) under either that is not complete under both
   double mean_m = 0;
   double median_m = 0;
+  double std_m = 0;          ///< of d, divisor n
   std::size_t b_better = 0;  ///< pairs with d < 0
   std::size_t ties = 0;      ///< d = 0; the sign test leaves them out
   double sign_test_p = 1;    ///< two-sided, exact (binomial)

@@ -7,6 +7,7 @@
 
 #include "evaluate/workflow/evaluate_runs.h"
 #include "evaluate/workflow/runs_document.h"
+#include "report/records/paired_differences.h"
 
 namespace plumbline {
 namespace {
@@ -47,7 +48,7 @@ TEST(EvaluateRunsReal, WrongCalibrationsHaveLargerErrors) {
     EXPECT_GT(ateOf(record, wrong), nominal) << wrong;
   }
   for (const TrajectoryRun& run : record.runs) EXPECT_EQ(run.status, RunStatus::kComplete);
-  for (const RunsDifference& d : differences(record.runs)) {
+  for (const PairedDifference& d : pairedDifferences(record.runs)) {
     if (d.a == "nominal") {
       EXPECT_GT(d.mean_m, 0) << d.b;
     }

@@ -14,6 +14,7 @@
 #include "datasets/trajectory_writer.h"
 #include "evaluate/workflow/run_pattern.h"
 #include "evaluate/workflow/runs_document.h"
+#include "report/records/paired_differences.h"
 
 namespace plumbline {
 namespace {
@@ -108,7 +109,7 @@ TEST_F(EvaluateRuns, CompleteRunsAreSummarisedAndPaired) {
   for (const RunsSummary& s : summary) EXPECT_EQ(s.completion, 1);
   EXPECT_NEAR(*summary[0].ate_median_m, find(record, "good", "MH_01", "1").ate_translation_m.rmse,
               1e-15);
-  const auto paired = differences(record.runs);
+  const auto paired = pairedDifferences(record.runs);
   ASSERT_EQ(paired.size(), 1U);
   EXPECT_EQ(paired[0].pairs, 6U);
   EXPECT_EQ(paired[0].b_better, 0U);
@@ -146,8 +147,8 @@ TEST_F(EvaluateRuns, NothingIsDropped) {
   EXPECT_EQ(summary[2].complete, 2U);  // MH_02: one diverged, the median is the worse of two
   EXPECT_NEAR(*summary[2].ate_median_m, find(record, "good", "MH_02", "2").ate_translation_m.rmse,
               1e-15);
-  EXPECT_EQ(differences(record.runs)[0].pairs, 2U);
-  EXPECT_EQ(differences(record.runs)[0].left_out, 5U);
+  EXPECT_EQ(pairedDifferences(record.runs)[0].pairs, 2U);
+  EXPECT_EQ(pairedDifferences(record.runs)[0].left_out, 5U);
 }
 
 TEST_F(EvaluateRuns, ThreadsDoNotMatterAndTheFilesSayAll) {
