@@ -86,10 +86,7 @@ void declare(CLI::App& app, Options& o) {
                  "Trajectories estimated with these calibrations: a pattern with the fields "
                  "{calibration}, {sequence} and {run}");
   app.add_option("--truth", o.runs.truth, "Their ground truths, with {sequence}; or one file");
-  app.add_option("--min-coverage", o.runs.min_coverage,
-                 "Share of the truth's time below which a run is partial")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  declareCoverage(app, o.metrics);
   app.add_option("--out", o.out, "Folder for the results")->required();
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
@@ -180,6 +177,7 @@ std::vector<TrajectoryRun> trajectoriesOf(const Options& o) {
   if (o.runs.runs.empty()) return {};
   RunsRequest request = o.runs;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  request.min_coverage = o.metrics.min_coverage;
   return evaluateRuns(request).runs;
 }
 

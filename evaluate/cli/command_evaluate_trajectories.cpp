@@ -35,10 +35,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--truth", o.request.truth, "Ground truths, with {sequence}; or one file")
       ->required();
   app.add_option("--out", o.out, "Folder for the results")->required();
-  app.add_option("--min-coverage", o.request.min_coverage,
-                 "Share of the truth's time below which a run is partial")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  declareCoverage(app, o.metrics);
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: the spread of the truth)")
       ->check(CLI::PositiveNumber);
@@ -52,6 +49,7 @@ void declare(CLI::App& app, Options& o) {
 RunsRequest requestOf(const Options& o) {
   RunsRequest request = o.request;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  request.min_coverage = o.metrics.min_coverage;
   request.how.estimate_w_first = o.metrics.estimate_w_first;
   request.how.truth_w_first = o.metrics.truth_w_first;
   request.how.read_truth.body = o.body;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -10,12 +12,17 @@
 #include "calibrator/base/error.h"
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/failure.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/cli/trajectory_options.h"
 #include "evaluate/cli/trajectory_summary.h"
+#include "evaluate/workflow/evaluate_runs.h"
 #include "evaluate/workflow/evaluate_trajectory.h"
+#include "evaluate/workflow/provenance.h"
+#include "evaluate/workflow/result_folder.h"
 #include "evaluate/workflow/trajectory_document.h"
+#include "evaluate/workflow/write_runs.h"
 
 namespace plumbline {
 namespace {
@@ -26,7 +33,7 @@ struct Options {
   std::string estimate, truth;
   std::string body, estimate_format, format;
   TrajectoryMetricWords metrics;
-  std::optional<std::string> json;
+  std::optional<std::string> json, out;
 };
 
 void declareFiles(CLI::App& app, Options& o) {
@@ -38,6 +45,7 @@ void declareFiles(CLI::App& app, Options& o) {
   app.add_option("--estimate-format", o.estimate_format, "Format of the estimate, as --format");
   app.add_option("--body", o.body, "Rigid body of a motion-capture export");
   app.add_option("--json", o.json, "File to write the figures to; - for standard output");
+  app.add_option("--out", o.out, "Folder for the report, the figures and the records");
 }
 
 TrajectoryRequest requestOf(const Options& o) {
@@ -55,9 +63,24 @@ TrajectoryRequest requestOf(const Options& o) {
   return request;
 }
 
-int evaluateTrajectoryFiles(const Options& o) {
+void writeStudy(const TrajectoryEvaluation& evaluation, const Options& o, const CLI::App& app) {
+  TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
+  auto given = givenOptions(app);
+  std::erase_if(given, [](const auto& option) {
+    return option.first == "estimate" || option.first == "truth" || option.first == "--json";
+  });
+  record.provenance = makeProvenance("evaluate trajectory", std::move(given));
+  record.provenance.input =
+      fmt::format("{} against {}", std::filesystem::path(o.estimate).filename().string(),
+                  std::filesystem::path(o.truth).filename().string());
+  writeRuns(record, *o.out);
+}
+
+int evaluateTrajectoryFiles(const Options& o, const CLI::App& app) {
+  if (o.out) refuseUnwritable(*o.out);
   const Result<TrajectoryEvaluation> result = evaluateTrajectory(requestOf(o));
   if (!result) return tellFailure(result.failure());
+  if (o.out) writeStudy(*result, o, app);
   if (o.json == kStandardOutput) {
     fmt::print("{}", trajectoryDocument(*result));
     return kDone;
@@ -67,6 +90,7 @@ int evaluateTrajectoryFiles(const Options& o) {
     writeFileAtomically(*o.json, trajectoryDocument(*result));
     fmt::print("\nFigures: {}\n", *o.json);
   }
+  if (o.out) fmt::print("\nReport: {}/report.html\n", *o.out);
   return kDone;
 }
 
@@ -79,7 +103,9 @@ Command evaluateTrajectoryCommand() {
             auto options = std::make_shared<Options>();
             declareFiles(app, *options);
             declareTrajectoryMetrics(app, options->metrics);
-            return std::function<int()>([options] { return evaluateTrajectoryFiles(*options); });
+            declareCoverage(app, options->metrics);
+            return std::function<int()>(
+                [options, &app] { return evaluateTrajectoryFiles(*options, app); });
           }};
 }
 

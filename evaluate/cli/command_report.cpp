@@ -11,8 +11,10 @@
 #include "calibrator/base/error.h"
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/compare/comparison_document.h"
 #include "evaluate/studies/perturbation_document.h"
 #include "evaluate/workflow/calibration_document.h"
+#include "evaluate/workflow/runs_document.h"
 #include "evaluate/workflow/write_results.h"
 #include "report/html/calibration_page.h"
 #include "report/html/comparison_page.h"
@@ -46,6 +48,12 @@ std::filesystem::path storeOf(const std::string& input) {
   return path;
 }
 
+[[noreturn]] void refuse(const char* option, const RunSummary& run) {
+  throw InputError(std::string(option) + ": run " + std::to_string(run.id) + " is of kind '" +
+                   toString(run.kind) +
+                   "', for which this program makes none; choose another --run");
+}
+
 /// The page of a run, whatever its kind.
 std::string pageOf(const Store& store, const RunSummary& run) {
   switch (run.kind) {
@@ -57,10 +65,13 @@ std::string pageOf(const Store& store, const RunSummary& run) {
       return renderComparisonPage(store.loadComparison(run.id));
     case RunKind::kPerturbation:
       return renderPerturbationPage(store.loadPerturbation(run.id));
+    case RunKind::kReplay:
+      break;
   }
-  return "";
+  refuse("--out", run);
 }
 
+/// The JSON document of a run, as the command that made it wrote it into its folder.
 std::string documentOf(const Store& store, const RunSummary& run) {
   switch (run.kind) {
     case RunKind::kCalibration:
@@ -68,11 +79,13 @@ std::string documentOf(const Store& store, const RunSummary& run) {
     case RunKind::kPerturbation:
       return perturbationDocument(store.loadPerturbation(run.id));
     case RunKind::kTrajectory:
+      return runsDocument(store.loadTrajectory(run.id));
     case RunKind::kComparison:
+      return comparisonDocument(store.loadComparison(run.id));
+    case RunKind::kReplay:
       break;
   }
-  throw InputError("--json: run " + std::to_string(run.id) + " is of kind '" + toString(run.kind) +
-                   "'; expected a calibration or a perturbation study, or --out PAGE.html");
+  refuse("--json", run);
 }
 
 // What was written is named, unless standard output is the document's.
@@ -104,9 +117,9 @@ Command reportCommand() {
             auto options = std::make_shared<Options>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             app.add_option("--out", options->out, "HTML file to write");
-            app.add_option(
-                "--json", options->json,
-                "File to write as calibration.json (perturbation.json); - for standard output");
+            app.add_option("--json", options->json,
+                           "File for the figures (calibration.json, trajectory.json, "
+                           "comparison.json, perturbation.json); - for standard output");
             app.add_option("--run", options->run, "Number of the run (default: the latest)");
             return std::function<int()>([options] { return report(*options); });
           }};

@@ -74,6 +74,12 @@ double knownOffset(const std::string& word) {
   return value;
 }
 
+CoverageSpan coverageFrom(const std::string& word) {
+  if (word == "start") return CoverageSpan::kTruth;
+  if (word == "first-pose") return CoverageSpan::kFirstPose;
+  throw InputError(fmt::format("--coverage-from {}: expected start or first-pose", word));
+}
+
 bool handEyeFrom(const std::string& word) {
   if (word == "auto") return true;
   if (word == "none") return false;
@@ -86,6 +92,16 @@ void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words) {
   declarePairing(app, words);
   declareFrames(app, words);
   declareErrors(app, words);
+}
+
+void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
+  app.add_option("--min-coverage", o.min_coverage,
+                 "Share of the truth's time below which a run is partial")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--coverage-from", o.coverage_from,
+                 "That time begins at the truth's start, or at the estimate's first-pose")
+      ->capture_default_str();
 }
 
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
@@ -106,6 +122,7 @@ TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   metrics.alignment.kind = alignmentFrom(o.align);
   metrics.alignment.first_n = o.align_first;
   metrics.rpe = relativeDeltasFrom(o.rpe);
+  metrics.coverage = coverageFrom(o.coverage_from);
   return metrics;
 }
 

@@ -5,6 +5,7 @@
 
 #include <CLI/App.hpp>
 
+#include "evaluate/workflow/evaluate_runs.h"
 #include "evaluate/workflow/evaluate_trajectory.h"
 
 namespace plumbline {
@@ -20,10 +21,15 @@ struct TrajectoryMetricWords {
   double time_offset_s = 0;
   double clock_range_s = ClockOffsetOptions{}.max_offset_s;
   bool estimate_w_first = false, truth_w_first = false;
+  std::string coverage_from = "start";
+  double min_coverage = kLeastCoverage;
 };
 
 /// Adds the options to `app`, which fills `words`.
 void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words);
+
+/// --min-coverage and --coverage-from, for commands that judge whether a run is complete.
+void declareCoverage(CLI::App& app, TrajectoryMetricWords& words);
 
 /// The words as values; throws InputError that names an option and what it may be.
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& words);

@@ -15,6 +15,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kLate = 1;  // [s], a start-up worth naming
+
 struct Truth {
   std::filesystem::path path;
   TrajectoryFile file;
@@ -97,6 +99,17 @@ double spreadOf(const std::vector<Eigen::Vector3d>& points) {
   return std::sqrt(sum);
 }
 
+TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
+  if (run.coverage >= min_coverage) return run;
+  run.status = RunStatus::kPartial;
+  run.problem = fmt::format("covers {:.1f} % of the truth's time, less than {:g} %",
+                            100 * run.coverage, 100 * min_coverage);
+  if (run.starts_late_s > kLate) {
+    run.problem += fmt::format("; its first pose is {:.1f} s after the truth's", run.starts_late_s);
+  }
+  return run;
+}
+
 TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
@@ -105,11 +118,19 @@ TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
     return failed(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
                                               ate, limit, which));
   }
-  if (run.coverage >= request.min_coverage) return run;
-  run.status = RunStatus::kPartial;
-  run.problem = fmt::format("covers {:.1f} % of the truth's time, less than {:g} %",
-                            100 * run.coverage, 100 * request.min_coverage);
-  return run;
+  return withCompletion(std::move(run), request.min_coverage);
+}
+
+// "results/V1_01.txt": "V1_01"; in a folder of EuRoC's layout the recording's name.
+std::string nameOfFile(const std::filesystem::path& file) {
+  static const std::set<std::string> kLayout{
+      "data", "mav0", "vicon0", "leica0", "state_groundtruth_estimate0", "groundtruth"};
+  std::string name = file.stem().string();
+  for (auto folder = std::filesystem::absolute(file).parent_path();
+       kLayout.count(name) > 0 && folder.has_filename(); folder = folder.parent_path()) {
+    name = folder.filename().string();
+  }
+  return name;
 }
 
 TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
@@ -157,6 +178,15 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request) {
   parallelFor(record.runs.size(), request.threads, [&](int, std::size_t i) {
     record.runs[i] = judged(record.runs[i], truths, request);
   });
+  return record;
+}
+
+TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage) {
+  run.sequence = nameOfFile(run.truth);
+  run.run = nameOfFile(run.estimate);
+  TrajectoryRecord record;
+  record.name = run.run;
+  record.runs.push_back(withCompletion(std::move(run), min_coverage));
   return record;
 }
 

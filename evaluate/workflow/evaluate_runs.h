@@ -9,12 +9,16 @@
 
 namespace plumbline {
 
+/// Share of the truth's span below which a run is partial, unless told otherwise.
+inline constexpr double kLeastCoverage = 0.9;
+
 /// Runs x sequences x calibrations against their truths.
 struct RunsRequest {
-  std::string runs;           ///< pattern of the estimates, see findRuns
-  std::string truth;          ///< pattern with {sequence} at most
-  TrajectoryRequest how;      ///< but for the files: how each is read and judged
-  double min_coverage = 0.9;  ///< of the truth's span; a run below is partial
+  std::string runs;                      ///< pattern of the estimates, see findRuns
+  std::string truth;                     ///< pattern with {sequence} at most
+  TrajectoryRequest how;                 ///< but for the files: how each is read and judged
+  double min_coverage = kLeastCoverage;  ///< of TrajectoryMetricOptions::coverage's span; a run
+                                         ///< below is partial
   /// ATE (RMSE of positions [m]) above which a run has diverged. Unset: the RMS distance of the
   /// truth's positions from their mean, which an estimate that never moves would reach.
   std::optional<double> max_ate_m;
@@ -27,5 +31,10 @@ struct RunsRequest {
 /// is left out. The result does not depend on threads or on the order of files. name and provenance
 /// are the caller's. Throws InputError where no estimate is found, or a truth cannot be read.
 TrajectoryRecord evaluateRuns(const RunsRequest& request);
+
+/// A study of one run, so that it can be kept and shown as many are: partial below `min_coverage`,
+/// never failed. `run` and `sequence` are named after the files of estimate and truth, or after the
+/// folder of the recording where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").
+TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage);
 
 }  // namespace plumbline

@@ -26,10 +26,10 @@ bool standsOnRotation(AlignmentKind kind) {
          kind == AlignmentKind::kYawFirst;
 }
 
-// Share of the truth's span within the estimate's intervals, holes left out.
-double coverageOf(const std::vector<StampedPose>& estimate, const Trajectory& truth,
-                  TimeNs offset) {
-  const TimeNs from = truth.poses.front().t, to = truth.poses.back().t;
+// Share of the truth's span, from `from` on, within the estimate's intervals, holes left out.
+double coverageOf(const std::vector<StampedPose>& estimate, const Trajectory& truth, TimeNs offset,
+                  TimeNs from) {
+  const TimeNs to = truth.poses.back().t;
   if (estimate.size() < 2 || to <= from) return 0;
   std::vector<TimeNs> intervals;
   for (std::size_t i = 1; i < estimate.size(); ++i) {
@@ -45,6 +45,17 @@ double coverageOf(const std::vector<StampedPose>& estimate, const Trajectory& tr
     if (b > a && estimate[i].t - estimate[i - 1].t <= hole) covered += b - a;
   }
   return static_cast<double>(covered) / static_cast<double>(to - from);
+}
+
+// `run` with what it covers of the truth; both have poses.
+TrajectoryRun withCoverage(TrajectoryRun run, const Trajectory& estimate, const Trajectory& truth,
+                           const TrajectoryMetricOptions& options) {
+  const TimeNs offset = toNanoseconds(options.association.time_offset_s);
+  const TimeNs start = truth.poses.front().t, first = estimate.poses.front().t + offset;
+  const bool whole = options.coverage == CoverageSpan::kTruth;
+  run.coverage = coverageOf(estimate.poses, truth, offset, whole ? start : std::max(start, first));
+  run.starts_late_s = secondsBetween(start, first);
+  return run;
 }
 
 // `run` with every k-th pair, for plots.
@@ -159,8 +170,7 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   TrajectoryRun run;
   run.association = association.record;
   run.alignment = *alignment;
-  run.coverage =
-      coverageOf(estimate.poses, truth, toNanoseconds(options.association.time_offset_s));
+  run = withCoverage(std::move(run), estimate, truth, options);
   run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
   std::vector<std::string> remarks =
       joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));

@@ -16,6 +16,12 @@
 
 namespace plumbline {
 
+/// The span of the truth that coverage is a share of.
+enum class CoverageSpan {
+  kTruth,      ///< all of it: an estimator that starts late leaves its start uncovered
+  kFirstPose,  ///< from the estimate's first pose on: its start-up is not counted
+};
+
 /// How an estimate is judged, whatever the files.
 struct TrajectoryMetricOptions {
   AssociationOptions association;
@@ -24,6 +30,7 @@ struct TrajectoryMetricOptions {
   /// Set: the offset of the clocks is estimated about association.time_offset_s and replaces it.
   std::optional<ClockOffsetOptions> clock;
   bool hand_eye = false;  ///< whether the marker body's transform is estimated, and the truth moved
+  CoverageSpan coverage = CoverageSpan::kTruth;
 };
 
 /// One estimate, its truth, and how it is judged.

@@ -107,6 +107,7 @@ nlohmann::ordered_json trajectoryRunJson(const TrajectoryRun& run) {
                    {"rotation_deg", statisticsOf(run.ate_rotation_deg)}};
     json["rpe"] = rpeOf(run.rpe);
     json["coverage"] = run.coverage;
+    json["starts_late_s"] = run.starts_late_s;
     json["stamps"] = stampsOf(run.association);
   }
   if (run.clock_offset) json["clock_offset"] = clockOf(*run.clock_offset);

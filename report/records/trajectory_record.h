@@ -85,6 +85,7 @@ struct TrajectoryRun {
   std::string problem;               ///< why partial or failed; empty if complete
   std::vector<std::string> remarks;  ///< a sentence each, what a reader should know
   double coverage = 0;  ///< share of the truth's span over which the estimate has poses, 0 to 1
+  double starts_late_s = 0;  ///< first pose of the estimate - of the truth; negative: before it
   AssociationRecord association;
   AlignmentRecord alignment;
   SampleStatistics ate_translation_m;

@@ -93,6 +93,7 @@ void fields(Archive& a, TrajectoryRun& r) {
   a("problem", r.problem);
   a("remarks", r.remarks);
   a("coverage", r.coverage);
+  a.added("starts_late_s", r.starts_late_s);
   a("association", r.association);
   a("alignment", r.alignment);
   a("ate_translation_m", r.ate_translation_m);

@@ -100,6 +100,50 @@ TEST_F(CommandTrajectory, BadOptionsAndFilesExitWithTwo) {
   expectRefusal(plumbline("evaluate trajectory /nowhere /nowhere"), 2, HasSubstr("/nowhere"));
 }
 
+TEST_F(CommandTrajectory, OutKeepsARecordThatPageAndFiguresAreMadeOfAgain) {
+  const fs::path out = folder_ / "study";
+  const Outcome outcome = run("--align none --rpe 1m --out " + out.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("report.html"));
+  const auto study = nlohmann::json::parse(read(out / "trajectory.json"));
+  ASSERT_EQ(study["runs"].size(), 1U);
+  EXPECT_EQ(study["runs"][0]["sequence"], "truth");
+  EXPECT_EQ(study["runs"][0]["run"], "estimate");
+  EXPECT_EQ(study["runs"][0]["status"], "complete");
+  EXPECT_NEAR(study["runs"][0]["ate"]["translation_m"]["rmse"], 0.01, 1e-8);
+  EXPECT_EQ(study["provenance"]["options"]["--align"], "none");
+  EXPECT_EQ(study["provenance"]["input"], "estimate.txt against truth.txt");
+  const std::string again = (folder_ / "again").string();
+  ASSERT_EQ(
+      plumbline("report " + out.string() + " --out " + again + ".html --json " + again + ".json")
+          .exit_code,
+      0);
+  EXPECT_EQ(read(again + ".html"), read(out / "report.html"));
+  EXPECT_EQ(read(again + ".json"), read(out / "trajectory.json"));
+  EXPECT_EQ(read(out / "report.html").find(folder_.string()), std::string::npos);
+}
+
+TEST_F(CommandTrajectory, AnEstimateThatStartsLateIsPartialUnlessItsStartUpIsLeftOut) {
+  std::string late = circle(100, 1);
+  late.erase(0, late.find("101.500000000"));  // 30 of 100 poses
+  write(folder_ / "estimate.txt", late);
+  const std::string out = " --out " + (folder_ / "study").string();
+  const auto statusOf = [&](const std::string& options) {
+    EXPECT_EQ(run(options + out).exit_code, 0);
+    return nlohmann::json::parse(read(folder_ / "study/trajectory.json"))["runs"][0];
+  };
+  const auto judged = statusOf("");
+  EXPECT_EQ(judged["status"], "partial");
+  EXPECT_NEAR(judged["coverage"], 3.45 / 4.95, 1e-9);
+  EXPECT_NEAR(judged["starts_late_s"], 1.5, 1e-9);
+  EXPECT_THAT(judged["problem"], HasSubstr("1.5 s after the truth's"));
+  EXPECT_EQ(statusOf("--min-coverage 0.6")["status"], "complete");
+  const auto from_first = statusOf("--coverage-from first-pose");
+  EXPECT_EQ(from_first["status"], "complete");
+  EXPECT_NEAR(from_first["coverage"], 1, 1e-9);
+  expectRefusal(run("--coverage-from end"), 2, HasSubstr("first-pose"));
+}
+
 TEST_F(CommandTrajectory, HelpHasAnExample) {
   const Outcome outcome = plumbline("evaluate trajectory --help");
   EXPECT_EQ(outcome.exit_code, 0);
