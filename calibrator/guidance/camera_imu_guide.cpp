@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/camera_imu_guide.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/guidance/imu_stage_start.h"
+#include "calibrator/guidance/open_suggestion.h"
+#include "calibrator/guidance/trajectory_evaluator.h"
+#include "calibrator/information/covariance.h"
+#include "calibrator/initialise/camera_poses.h"
+#include "calibrator/simulate/simulate_views.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kGoodPose = 3;          // [px] of RMS error with which the first pose is taken
+constexpr double kAttemptGrowth = 1.25;  // of the number of frames, from one start to the next
+constexpr int kPathPoints = 60;          // of a trajectory, for drawing
+
+void note(Decision& decision, const std::string& text) {
+  decision.detail += (decision.detail.empty() ? "" : "; ") + text;
+}
+
+int cornerCount(const std::vector<std::vector<Corner>>& corners) {
+  int count = 0;
+  for (const auto& camera : corners) count += static_cast<int>(camera.size());
+  return count;
+}
+
+}  // namespace
+
+struct CameraImuGuide::State {
+  State(const GuideRig& rig_, std::vector<CameraCalibration> cameras_, const GuideOptions& options_,
+        int first_suggestion)
+      : rig(rig_),
+        cameras(std::move(cameras_)),
+        options(options_),
+        recording(rig_, options_),
+        next_suggestion(first_suggestion),
+        next_attempt(options_.trajectories.start_frames) {}
+
+  const TrajectoryGuideOptions& stage() const { return options.trajectories; }
+
+  Decision begin(const GuideFrame& frame) const;
+  bool isUsable(const GuideFrame& frame, Decision& d);
+  std::optional<PosedFrame> posed(const GuideFrame& frame) const;
+  void useFrame(PosedFrame frame, Decision& d);
+  void gather(PosedFrame frame, Decision& d);
+  void tryStart(TimeNs t, Decision& d);
+  void beginEvaluator();
+  void track(PosedFrame frame, Decision& d);
+  void drain(Decision& d);
+  FrameLink linkTo(const PosedFrame& frame, Decision& d) const;
+  void enterWindow(const PosedFrame& frame, Decision& d);
+  void report(Decision& d);
+  void evaluate(Decision& d);
+  void judge(CandidateRound round, Decision& d);
+  void open(const CandidateRound& round, Decision& d);
+  void follow(const GuideFrame& frame, Decision& d);
+
+  GuideRig rig;
+  std::vector<CameraCalibration> cameras;
+  GuideOptions options;
+  ImuStageRecording recording;
+  std::optional<CameraImuWindow> window;
+  std::optional<TrajectoryEvaluator> evaluator;
+  std::optional<OpenSuggestion> suggestion;
+  std::deque<PosedFrame> pending;  // kept, but IMU samples do not reach them yet
+  int next_suggestion = 0;
+  int next_attempt = 0;  // number of frames
+  int without_view = 0;
+  bool finished = false;
+  std::optional<TimeNs> last;        // frame, whatever it showed
+  std::optional<TimeNs> last_seen;   // with the target
+  std::optional<TimeNs> last_given;  // to the window
+  std::optional<double> entropy_nats;
+  std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
+  TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+};
+
+Decision CameraImuGuide::State::begin(const GuideFrame& frame) const {
+  Decision d;
+  d.t = frame.t;
+  d.frame = frame.index;
+  d.stage = GuideStage::kCameraImu;
+  d.threshold_nats = stage().threshold_nats;
+  d.corners = cornerCount(frame.corners);
+  return d;
+}
+
+/// Whether the frame's stamp, samples and corners allow its use; says why not.
+bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
+  const std::optional<TimeNs> before =
+      std::exchange(last, std::max(frame.t, last.value_or(frame.t)));
+  if (before && frame.t <= *before) {
+    d.reason = GuideReason::kTimeJump;
+    note(d, fmt::format("its stamp is {:.3f} s before that of the frame before: passed over",
+                        secondsBetween(frame.t, *before)));
+    return false;
+  }
+  const bool seen = std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
+    return static_cast<int>(c.size()) >= stage().min_corners;
+  });
+  if (!seen) {
+    d.reason = GuideReason::kNoTarget;
+    const double lost_s = last_seen ? secondsBetween(*last_seen, frame.t) : 0;
+    if (lost_s > options.lost_target_s) note(d, fmt::format("no target for {:.1f} s", lost_s));
+    return false;
+  }
+  last_seen = frame.t;
+  const bool none = recording.samples().empty();
+  const double since_s = none ? 0 : secondsBetween(recording.samples().back().t, frame.t);
+  if (!none && since_s <= recording.longestInterval()) return true;
+  d.reason = GuideReason::kNoImu;
+  note(d, none ? "no IMU sample has arrived"
+               : fmt::format("the last IMU sample is {:.3f} s before it", since_s));
+  return false;
+}
+
+/// The frame with the views that show enough, and camera 0's pose by them alone.
+std::optional<PosedFrame> CameraImuGuide::State::posed(const GuideFrame& frame) const {
+  PosedFrame out{frame.index, frame.t, frame.corners, {}, false};
+  std::vector<PackedCorners> packed;
+  for (auto& corners : out.corners) {
+    if (static_cast<int>(corners.size()) < stage().min_corners) corners.clear();
+    packed.emplace_back(rig.target, std::vector<ImageView>{{frame.t, corners}});
+  }
+  std::vector<FrameView> views;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    if (out.corners[c].empty()) continue;
+    views.push_back({&cameras[c].intrinsics, packed[c].view(0), cameras[c].T_C0Ci.inverse()});
+  }
+  const auto pose = findPose(views, kGoodPose);
+  if (!pose || !(pose->errorPx() < recording.batchOptions().max_start_rms_px)) return std::nullopt;
+  out.T_FC0 = pose->T_C0F.inverse();
+  return out;
+}
+
+void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
+  d.T_FC0 = frame.T_FC0;
+  if (!recording.frames().empty()) {
+    const double pause_s = secondsBetween(recording.frames().back().t, frame.t);
+    frame.after_jump = pause_s > options.max_frame_gap_s;
+  }
+  if (window) {
+    track(std::move(frame), d);
+  } else {
+    gather(std::move(frame), d);
+  }
+}
+
+void CameraImuGuide::State::gather(PosedFrame frame, Decision& d) {
+  const TimeNs t = frame.t;
+  d.reason = GuideReason::kInitialising;
+  d.accepted = true;
+  recording.keep(std::move(frame));
+  const int count = static_cast<int>(recording.frames().size());
+  if (count < next_attempt) return;
+  next_attempt = std::max(count + 1, static_cast<int>(std::ceil(kAttemptGrowth * count)));
+  tryStart(t, d);
+}
+
+void CameraImuGuide::State::tryStart(TimeNs t, Decision& d) {
+  auto started = startImuWindow(recording, cameras, stage());
+  if (!started) {
+    d.reason = GuideReason::kInitialiseFailed;
+    note(d, started.failure().message);
+    return;
+  }
+  d.reason = GuideReason::kInitialised;
+  window = std::move(started).value();
+  last_given = window->lastStamp();
+  for (const PosedFrame& frame : recording.frames()) {
+    if (frame.t > *last_given) pending.push_back(frame);
+  }
+  beginEvaluator();
+  drain(d);
+  if (t > *last_given) note(d, "IMU samples do not reach the last frames yet");
+}
+
+void CameraImuGuide::State::beginEvaluator() {
+  TrajectoryRecording simulated;
+  simulated.target = rig.target;
+  simulated.camera_rate_hz = recording.cameraRateHz();
+  simulated.imu_rate_hz = kGapIntervals / recording.longestInterval();
+  simulated.noise = *rig.imu;
+  simulated.gravity_m_s2 = stage().gravity_m_s2;
+  simulated.pixel_sigma = stage().pixel_sigma;
+  simulated.min_corners = stage().min_corners;
+  simulated.score_offset = stage().score_offset;
+  evaluator.emplace(
+      simulated,
+      lissajousTrajectories(lissajousShapes(), rig.target, window->estimate().T_SC0,
+                            lissajousOptions(stage())),
+      EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s, options.threads});
+}
+
+void CameraImuGuide::State::track(PosedFrame frame, Decision& d) {
+  d.reason = GuideReason::kUsed;
+  d.accepted = true;
+  recording.keep(frame);
+  pending.push_back(std::move(frame));
+  drain(d);
+}
+
+/// Puts the frames that IMU samples reach by now into the window.
+void CameraImuGuide::State::drain(Decision& d) {
+  const TimeNs offset = toNanoseconds(window->estimate().time_offset_s) + 1;  // rounding
+  while (!pending.empty() && recording.covers(pending.front().t + offset)) {
+    enterWindow(pending.front(), d);
+    pending.pop_front();
+  }
+}
+
+FrameLink CameraImuGuide::State::linkTo(const PosedFrame& frame, Decision& d) const {
+  const TimeNs offset = toNanoseconds(window->estimate().time_offset_s);
+  const bool itself = frame.t == d.t;
+  const double apart_s = secondsBetween(*last_given, frame.t);
+  const std::string which = itself ? "" : fmt::format("frame {}: ", frame.index);
+  if (frame.after_jump) {
+    if (itself) d.reason = GuideReason::kTimeJump;
+    note(d, which + fmt::format("{:.3f} s after the last frame used: joined to it by the biases' "
+                                "walk alone",
+                                apart_s));
+    return FrameLink::kBiasWalk;
+  }
+  const auto gap = recording.gapWithin(*last_given + offset, frame.t + offset);
+  if (!gap) return FrameLink::kInertial;
+  if (itself) d.reason = GuideReason::kImuGap;
+  note(d, which + fmt::format("IMU samples pause for {:.3f} s before it: joined to the frames "
+                              "before by the biases' walk alone",
+                              *gap));
+  return FrameLink::kBiasWalk;
+}
+
+void CameraImuGuide::State::enterWindow(const PosedFrame& frame, Decision& d) {
+  const FrameLink link = linkTo(frame, d);
+  last_given = frame.t;
+  switch (window->add({frame.t, frame.corners, frame.T_FC0, link})) {
+    case WindowEnd::kSolved:
+      return;
+    case WindowEnd::kHeld:
+      note(d, "it waits for the next frame, for nothing tells its velocity");
+      return;
+    case WindowEnd::kNotSolved:
+      break;
+  }
+  recording.drop(frame.t);
+  last_given = window->lastStamp();
+  if (frame.t != d.t) {
+    note(d, fmt::format("frame {}: the window with it has no solution, left out", frame.index));
+    return;
+  }
+  d.reason = GuideReason::kNotSolved;
+  d.accepted = false;
+  note(d, "the window with it has no solution: left out");
+}
+
+/// What is known after the frame.
+void CameraImuGuide::State::report(Decision& d) {
+  d.rmse_px = window->rmsePx();
+  const auto known = window->knowledge();
+  if (!known) return;
+  const auto information = calibrationInformation(known->information, stage().score_offset);
+  const auto entropy = information ? entropyNats(*information) : std::nullopt;
+  if (!entropy) return;
+  if (entropy_nats) d.mi_nats = *entropy_nats - *entropy;
+  d.entropy_nats = entropy_nats = entropy;
+  if (evaluator->isDue(d.t)) evaluator->ask(d.t, *known);
+}
+
+void CameraImuGuide::State::evaluate(Decision& d) {
+  auto round = evaluator->answerAt(d.t);
+  if (round) judge(std::move(*round), d);
+}
+
+void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
+  if (round.best < 0) {
+    note(d, "no trajectory could be scored");
+  } else if (round.mi_nats[static_cast<std::size_t>(round.best)] < stage().threshold_nats) {
+    finished = true;
+  } else if (!suggestion && d.event == SuggestionEvent::kNone &&
+             (!executing_until || d.t >= *executing_until)) {
+    open(round, d);
+  }
+  d.round = std::move(round);
+}
+
+void CameraImuGuide::State::open(const CandidateRound& round, Decision& d) {
+  const auto best = static_cast<std::size_t>(round.best);
+  Suggestion s;
+  s.id = next_suggestion++;
+  s.stage = GuideStage::kCameraImu;
+  s.t = d.t;
+  s.candidate = round.names[best];
+  s.T_FC0 = round.T_FC0[best];
+  s.path = evaluator->trajectories()[best].path(kPathPoints);
+  s.mi_nats = round.mi_nats[best];
+  SimulationOptions seen;
+  seen.target = rig.target;
+  suggestion.emplace(s, visibleCorners(cameras.front().intrinsics, s.T_FC0, seen),
+                     ReachRule{stage().reached_px, stage().reached_s, stage().expires_s});
+  d.event = SuggestionEvent::kOpened;
+  d.suggestion = s.id;
+  d.opened = std::move(s);
+}
+
+void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
+  if (!suggestion) return;
+  const auto progress = suggestion->update(frame.t, frame.corners.front());
+  d.suggestion = suggestion->suggestion().id;
+  d.distance_px = progress.distance_px;
+  d.held_s = progress.held_s;
+  d.event = progress.event;
+  if (progress.event == SuggestionEvent::kNone) return;
+  if (progress.event == SuggestionEvent::kReached) {
+    // The operator is left in peace until the trajectory could be done.
+    const auto& all = evaluator->trajectories();
+    const auto it = std::find_if(all.begin(), all.end(), [&](const LissajousTrajectory& t) {
+      return t.name() == suggestion->suggestion().candidate;
+    });
+    executing_until = frame.t + toNanoseconds(it->durationS());
+  }
+  suggestion.reset();
+}
+
+CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
+                               const GuideOptions& options, int first_suggestion)
+    : state_(std::make_unique<State>(rig, std::move(cameras), options, first_suggestion)) {}
+CameraImuGuide::~CameraImuGuide() = default;
+CameraImuGuide::CameraImuGuide(CameraImuGuide&&) noexcept = default;
+CameraImuGuide& CameraImuGuide::operator=(CameraImuGuide&&) noexcept = default;
+
+Decision CameraImuGuide::step(const GuideFrame& frame) {
+  State& s = *state_;
+  Decision d = s.begin(frame);
+  const bool was_finished = s.finished;
+  if (!was_finished) {
+    const int taken = s.recording.addSamples(frame.imu);
+    if (taken > 0 && s.window) {
+      s.window->addSamples(std::span(s.recording.samples()).last(static_cast<std::size_t>(taken)));
+    }
+  }
+  if (was_finished) {
+    d.reason = GuideReason::kFinished;
+  } else if (frame.t < s.busy_until) {
+    d.reason = GuideReason::kBusy;
+  } else {
+    if (s.isUsable(frame, d)) {
+      auto posed = s.posed(frame);
+      if (!posed) d.reason = GuideReason::kNoPose;
+      if (posed) s.useFrame(std::move(*posed), d);
+    }
+    s.follow(frame, d);
+    if (s.window && d.accepted) s.report(d);
+    if (s.window) s.evaluate(d);
+    s.busy_until = frame.t + toNanoseconds(s.options.latency.imu_frame_s +
+                                           (s.finished ? s.options.latency.imu_batch_s : 0));
+  }
+  s.without_view = d.accepted ? 0 : s.without_view + 1;
+  d.views_kept = static_cast<int>(s.recording.frames().size());
+  d.frames_without_view = s.without_view;
+  d.mode = s.finished     ? GuideMode::kFinished
+           : !s.window    ? GuideMode::kInitialising
+           : s.suggestion ? GuideMode::kSuggesting
+                          : GuideMode::kCollecting;
+  return d;
+}
+
+bool CameraImuGuide::finished() const { return state_->finished; }
+
+TimeNs CameraImuGuide::busyUntil() const { return state_->busy_until; }
+
+int CameraImuGuide::nextSuggestion() const { return state_->next_suggestion; }
+
+Result<CameraImuStageResult> CameraImuGuide::batch() const {
+  return calibrateCameraImu(state_->recording.session(), state_->cameras,
+                            state_->recording.batchOptions());
+}
+
+}  // namespace plumbline

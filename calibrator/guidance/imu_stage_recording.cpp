@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/imu_stage_recording.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "calibrator/base/statistics.h"
+#include "calibrator/initialise/imu_rates.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kRateSamples = 400;  // from which the IMU's rate is taken
+
+}  // namespace
+
+ImuStageRecording::ImuStageRecording(GuideRig rig, const GuideOptions& options)
+    : rig_(std::move(rig)), options_(options) {
+  assert(rig_.imu);
+}
+
+int ImuStageRecording::addSamples(std::span<const ImuSample> samples) {
+  const std::size_t before = samples_.size();
+  for (const ImuSample& sample : samples) {
+    if (samples_.empty() || sample.t > samples_.back().t) samples_.push_back(sample);
+  }
+  return static_cast<int>(samples_.size() - before);
+}
+
+void ImuStageRecording::drop(TimeNs t) {
+  std::erase_if(frames_, [t](const PosedFrame& frame) { return frame.t == t; });
+}
+
+double ImuStageRecording::longestInterval() const {
+  const std::size_t count = std::min(samples_.size(), kRateSamples);
+  const double median = medianSampleInterval(std::span(samples_).first(count));
+  return kGapIntervals * (median > 0 ? median : 1 / rig_.imu->rate_hz);
+}
+
+std::optional<double> ImuStageRecording::gapWithin(TimeNs from, TimeNs to) const {
+  auto s = std::upper_bound(samples_.begin(), samples_.end(), from,
+                            [](TimeNs t, const ImuSample& sample) { return t < sample.t; });
+  if (s != samples_.begin()) --s;
+  double longest = longestInterval();
+  bool found = false;
+  for (; s != samples_.end() && s + 1 != samples_.end() && s->t < to; ++s) {
+    const double pause = secondsBetween(s->t, (s + 1)->t);
+    found = found || pause > longest;
+    longest = std::max(longest, pause);
+  }
+  if (!found) return std::nullopt;
+  return longest;
+}
+
+double ImuStageRecording::cameraRateHz() const {
+  std::vector<double> intervals;
+  for (std::size_t i = 0; i + 1 < frames_.size(); ++i) {
+    intervals.push_back(secondsBetween(frames_[i].t, frames_[i + 1].t));
+  }
+  assert(!intervals.empty());
+  return 1 / quantile(std::move(intervals), 0.5);
+}
+
+Session ImuStageRecording::session() const {
+  Session session;
+  session.target = rig_.target;
+  session.imu = ImuStream{{}, *rig_.imu, samples_};
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+    CameraStream& camera = session.cameras.emplace_back();
+    camera.name = rig_.cameras[c].name;
+    camera.resolution = rig_.cameras[c].resolution;
+    for (const PosedFrame& frame : frames_) {
+      if (!frame.corners[c].empty()) camera.views.push_back({frame.t, frame.corners[c]});
+    }
+  }
+  return session;
+}
+
+CameraImuOptions ImuStageRecording::batchOptions() const {
+  const TrajectoryGuideOptions& t = options_.trajectories;
+  CameraImuOptions batch;
+  batch.pixel_sigma = t.pixel_sigma;
+  batch.gravity_m_s2 = t.gravity_m_s2;
+  batch.cauchy_px = t.cauchy_px;
+  batch.max_interval_s = options_.max_frame_gap_s;
+  batch.threads = options_.threads;
+  return batch;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/guidance/guide_frame.h"
+#include "calibrator/guidance/guide_options.h"
+
+namespace plumbline {
+
+/// A frame whose corners gave a pose.
+struct PosedFrame {
+  int index = 0;  ///< position in the recording
+  TimeNs t = 0;
+  std::vector<std::vector<Corner>> corners;  ///< per camera; empty: too few
+  Transform T_FC0;
+  bool after_jump = false;  ///< the frames paused, or began anew, before it
+};
+
+/// All that has arrived in the camera-IMU stage: IMU samples, and the frames kept.
+class ImuStageRecording {
+ public:
+  ImuStageRecording(GuideRig rig, const GuideOptions& options);
+
+  /// Takes the samples that are later than those before; the others are passed over.
+  /// Returns how many were taken.
+  int addSamples(std::span<const ImuSample> samples);
+  void keep(PosedFrame frame) { frames_.push_back(std::move(frame)); }
+  /// The frame with this stamp is not kept after all.
+  void drop(TimeNs t);
+
+  const std::vector<ImuSample>& samples() const { return samples_; }
+  const std::vector<PosedFrame>& frames() const { return frames_; }
+
+  /// Longest pause between samples that counts as none [s]: five times their median interval.
+  double longestInterval() const;
+  /// The longest pause between samples above that, in [from, to] of the IMU's clock [s].
+  std::optional<double> gapWithin(TimeNs from, TimeNs to) const;
+  /// Whether the samples reach this instant of the IMU's clock.
+  bool covers(TimeNs t_imu) const { return !samples_.empty() && samples_.back().t >= t_imu; }
+  double cameraRateHz() const;  ///< by the median interval between frames kept
+
+  /// The kept frames and all samples.
+  Session session() const;
+  CameraImuOptions batchOptions() const;
+
+ private:
+  GuideRig rig_;
+  GuideOptions options_;
+  std::vector<ImuSample> samples_;
+  std::vector<PosedFrame> frames_;
+};
+
+}  // namespace plumbline

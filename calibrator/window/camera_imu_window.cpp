@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/window/camera_imu_window.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+constexpr double kFirstDamping = 1e-9;
+constexpr double kFreeDamping = 1e-3;  // above it a short step does not mean a minimum
+constexpr double kMostDamping = 1e6;
+constexpr double kRoundingOfCost = 1e-12;  // relative
+constexpr double kSampleMargin = 0.5;      // [s] of samples kept before the first frame
+
+/// Takes the time offset out of the system: it keeps its value.
+void holdOffset(BorderedChain& chain) {
+  constexpr int k = BorderLayout::kOffset;
+  chain.border_block.row(k).setZero();
+  chain.border_block.col(k).setZero();
+  chain.border_block(k, k) = 1;
+  chain.border_gradient(k) = 0;
+  for (ChainBorderRows& rows : chain.to_border) rows.col(k).setZero();
+}
+
+std::vector<Corner> usedCorners(const PackedView& view) {
+  std::vector<Corner> corners;
+  for (int k = 0; k < view.count; ++k) {
+    if (view.w[k] > 0) corners.push_back({view.id[k], {view.u[k], view.v[k]}});
+  }
+  return corners;
+}
+
+std::vector<std::vector<Corner>> frameCorners(const CameraImuProblem& problem, const Frame& frame) {
+  std::vector<std::vector<Corner>> corners(problem.corners.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    if (frame.view[c] >= 0) corners[c] = usedCorners(problem.corners[c].view(frame.view[c]));
+  }
+  return corners;
+}
+
+template <class T>
+void dropFront(std::vector<T>& values, int count) {
+  values.erase(values.begin(), values.begin() + count);
+}
+
+}  // namespace
+
+std::optional<CameraImuWindow> CameraImuWindow::fromBatch(const CameraImuProblem& problem,
+                                                          const CameraImuEstimate& estimate,
+                                                          const AprilGrid& target,
+                                                          const CameraImuWindowOptions& options) {
+  assert(options.states >= 2 && problem.frameCount() >= 2);
+  assert(problem.view_stamps.empty() && !problem.free_cameras && !problem.hold_calibration);
+  CameraImuWindow window;
+  window.options_ = options;
+  window.target_ = target;
+  window.problem_ = problem;
+  window.problem_.threads = 1;  // three frames
+  window.estimate_ = estimate;
+  for (const Frame& frame : problem.frames) {
+    window.corners_.push_back(frameCorners(problem, frame));
+  }
+  const auto weights = imuWeights(problem, estimate);
+  if (!weights) return std::nullopt;
+  window.weights_ = *weights;
+  if (!window.marginaliseOldest() || !window.solve()) return std::nullopt;
+  return window;
+}
+
+void CameraImuWindow::addSamples(std::span<const ImuSample> samples) {
+  problem_.samples.insert(problem_.samples.end(), samples.begin(), samples.end());
+}
+
+WindowEnd CameraImuWindow::add(const WindowFrame& frame) {
+  assert(frame.t > (held_ ? held_->t : lastStamp()));
+  assert(frame.link != FrameLink::kBroken);
+  if (frame.link == FrameLink::kBiasWalk) {
+    held_ = frame;
+    return WindowEnd::kHeld;
+  }
+  CameraImuWindow before = *this;
+  const WindowEnd end = addLinked(frame);
+  if (end != WindowEnd::kSolved) {
+    before.held_.reset();
+    *this = std::move(before);
+  }
+  return end;
+}
+
+WindowEnd CameraImuWindow::addLinked(const WindowFrame& frame) {
+  if (held_) {
+    ImuState state = estimate_.states.back();
+    const Transform T_C0S = estimate_.T_SC0.inverse();
+    state.T_FS = held_->T_FC0 * T_C0S;
+    state.v_F = ((frame.T_FC0 * T_C0S).t - state.T_FS.t) / secondsBetween(held_->t, frame.t);
+    append(*held_, state);
+    held_.reset();
+  }
+  append(frame, predicted(frame));
+  packCorners();
+  const auto weights = imuWeights(problem_, estimate_);
+  if (!weights) return WindowEnd::kNotSolved;
+  weights_ = *weights;
+  return marginaliseOldest() && solve() ? WindowEnd::kSolved : WindowEnd::kNotSolved;
+}
+
+void CameraImuWindow::append(const WindowFrame& frame, const ImuState& state) {
+  problem_.frames.push_back({frame.t, std::vector<int>(frame.corners.size(), -1)});
+  problem_.links.push_back(frame.link);
+  problem_.weights.push_back(1);
+  estimate_.states.push_back(state);
+  corners_.push_back(frame.corners);
+}
+
+/// Pose from the frame's corners, velocity from the IMU.
+ImuState CameraImuWindow::predicted(const WindowFrame& frame) const {
+  ImuState state = estimate_.states.back();
+  const ImuWindow window{lastStamp(), frame.t, estimate_.time_offset_s};
+  const auto motion = preintegrate(problem_.samples, window, {state.gyro_bias, state.accel_bias});
+  if (motion) {
+    state.v_F += problem_.gravity_m_s2 * window.duration_s() * estimate_.gravity_direction +
+                 state.T_FS.R * motion->v;
+  }
+  state.T_FS = frame.T_FC0 * estimate_.T_SC0.inverse();
+  return state;
+}
+
+void CameraImuWindow::packCorners() {
+  for (std::size_t c = 0; c < problem_.corners.size(); ++c) {
+    std::vector<ImageView> views;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const std::vector<Corner>& corners = corners_[i][c];
+      problem_.frames[i].view[c] = corners.empty() ? -1 : static_cast<int>(views.size());
+      if (!corners.empty()) views.push_back({problem_.frames[i].t, corners});
+    }
+    problem_.corners[c] = PackedCorners(target_, views);
+  }
+}
+
+/// Brings the window back to its size; what leaves becomes part of the prior.
+bool CameraImuWindow::marginaliseOldest() {
+  const int count = problem_.frameCount() - options_.states;
+  if (count <= 0) return true;
+  auto prior = marginaliseFront(problem_, estimate_, weights_, prior_, count);
+  if (!prior) return false;
+  prior_ = std::move(prior);
+  dropFront(problem_.frames, count);
+  dropFront(problem_.links, count);
+  dropFront(problem_.weights, count);
+  dropFront(estimate_.states, count);
+  dropFront(weights_, count);
+  dropFront(corners_, count);
+  packCorners();
+  const TimeNs first =
+      problem_.frames.front().t + toNanoseconds(estimate_.time_offset_s - kSampleMargin);
+  std::erase_if(problem_.samples, [first](const ImuSample& s) { return s.t < first; });
+  return true;
+}
+
+std::optional<CameraImuNormals> CameraImuWindow::system(const CameraImuEstimate& estimate) const {
+  auto normals = normalsAt(problem_, estimate, weights_);
+  if (!normals) return std::nullopt;
+  if (prior_) prior_->addTo(estimate, *normals);
+  holdOffset(normals->chain);
+  return normals;
+}
+
+bool CameraImuWindow::solve() {
+  auto normals = system(estimate_);
+  double damping = kFirstDamping;
+  double length = options_.max_last_step;
+  for (int k = 0; normals && k < options_.max_iterations; ++k) {
+    const auto step = solveChain(normals->chain, {damping, 1});
+    bool better = false;
+    if (step) {
+      length = std::sqrt(std::max(0.0, step->decrement));
+      CameraImuEstimate candidate = moved(estimate_, *step, false);
+      auto next = system(candidate);
+      better = next && next->cost <= normals->cost * (1 + kRoundingOfCost);
+      if (better) {
+        estimate_ = std::move(candidate);
+        normals = std::move(next);
+      }
+      if (length < options_.tolerance && damping < kFreeDamping) break;
+    }
+    damping *= better ? 0.1 : 1e3;
+    if (damping > kMostDamping) return false;
+  }
+  if (!normals) return false;
+  cost_ = normals->cost;
+  squared_px_ = normals->squared_px;
+  return length < options_.max_last_step;
+}
+
+double CameraImuWindow::rmsePx() const {
+  std::size_t count = 0;
+  for (const auto& frame : corners_) {
+    for (const auto& camera : frame) count += camera.size();
+  }
+  return count > 0 ? std::sqrt(squared_px_ / static_cast<double>(count)) : 0;
+}
+
+std::optional<WindowKnowledge> CameraImuWindow::knowledge() const {
+  auto normals = informationAt(problem_, estimate_, weights_);
+  if (!normals) return std::nullopt;
+  if (prior_) prior_->addTo(estimate_, *normals);
+  auto cost = frontEliminated(normals->chain, problem_.frameCount() - 1);
+  if (!cost) return std::nullopt;
+  WindowKnowledge out{std::move(cost->H), estimate_, lastStamp()};
+  out.estimate.states = {estimate_.states.back()};
+  return out;
+}
+
+std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& information,
+                                                      bool offset) {
+  const int first = static_cast<int>(information.rows()) - BorderLayout::kFixed;
+  assert(first >= 0);
+  std::vector<int> keep(6);
+  std::iota(keep.begin(), keep.end(), first);
+  const int size = first + (offset ? BorderLayout::kFixed : BorderLayout::kOffset);
+  if (offset) keep.push_back(size - 1);
+  const auto cost =
+      marginalised({information.topLeftCorner(size, size), Eigen::VectorXd::Zero(size), 0}, keep);
+  if (!cost) return std::nullopt;
+  return cost->H;
+}
+
+}  // namespace plumbline
