@@ -160,8 +160,8 @@ std::vector<Frame> CameraWindow::allFrames() const {
   return frames;
 }
 
-QuadraticCost CameraWindow::priorAt(const CameraEstimate& estimate) const {
-  const Displacement from = displacement(estimate, prior_point_);
+QuadraticCost CameraWindow::priorAt(const CameraEstimate& cameras) const {
+  const Displacement from = displacement(cameras, prior_point_);
   QuadraticCost cost = prior_.at(from.d);
   cost.b = from.J.transpose() * cost.b;
   cost.H = from.J.transpose() * cost.H * from.J;

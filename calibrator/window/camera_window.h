@@ -53,6 +53,9 @@ class CameraWindow {
   /// The cameras as they were given, with the values of the estimate.
   std::vector<CameraCalibration> cameras() const;
 
+  /// What the frames that left say, as a cost about other cameras (poses are not read), in their
+  /// tangents and the layout's order, in units of pixel_sigma.
+  QuadraticCost priorAt(const CameraEstimate& cameras) const;
   /// Of the cameras: prior and frames held, their poses marginalised.
   Eigen::MatrixXd information() const;
   /// sqrt(mean |e|^2) over the corners of the frames held [px]; empty without any.
@@ -61,7 +64,6 @@ class CameraWindow {
  private:
   CameraProblem problem(std::vector<Frame> frames) const;
   std::vector<Frame> allFrames() const;
-  QuadraticCost priorAt(const CameraEstimate& estimate) const;
   void pack();
 
   AprilGrid target_;

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrator/base/frames.h"
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline::testing {
+
+/// Frames of a simulated recording as a window takes them.
+struct StereoFrames {
+  SimulatedSession simulated;
+  std::vector<TimeNs> t;
+  std::vector<std::vector<std::vector<Corner>>> corners;  ///< per frame, per camera
+  std::vector<Transform> T_FC0;                           ///< the truth
+};
+
+inline StereoFrames framesOf(SimulatedSession simulated) {
+  StereoFrames out{std::move(simulated), {}, {}, {}};
+  const std::vector<CameraStream>& cameras = out.simulated.session.cameras;
+  for (const Frame& frame : pairFrames(cameras)) {
+    std::vector<std::vector<Corner>> corners(cameras.size());
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      if (frame.view[c] >= 0) {
+        corners[c] = cameras[c].views[static_cast<std::size_t>(frame.view[c])].corners;
+      }
+    }
+    out.t.push_back(frame.t);
+    out.corners.push_back(std::move(corners));
+    out.T_FC0.push_back(out.simulated.cameraPose(0, frame.t));
+  }
+  return out;
+}
+
+/// Of a rig in free motion, `rate_hz` frames a second.
+inline StereoFrames stereoFrames(std::uint64_t seed, double duration_s, double rate_hz,
+                                 double sigma_px, const std::string& rig = "euroc") {
+  SimulationOptions options;
+  options.seed = seed;
+  options.trajectory.seed = seed;
+  options.duration_s = duration_s;
+  options.camera_rate_hz = rate_hz;
+  options.corner_sigma_px = sigma_px;
+  return framesOf(simulateSession(simulatedRig(rig), options));
+}
+
+/// Parameters of `to` minus `from`: intrinsics of all cameras, then the tangents of T_C0Ci.
+inline Eigen::VectorXd cameraDifference(const std::vector<CameraCalibration>& to,
+                                        const std::vector<CameraCalibration>& from) {
+  std::vector<double> d;
+  for (std::size_t c = 0; c < to.size(); ++c) {
+    const Eigen::VectorXd k = to[c].intrinsics.stacked() - from[c].intrinsics.stacked();
+    d.insert(d.end(), k.begin(), k.end());
+  }
+  for (std::size_t c = 1; c < to.size(); ++c) {
+    const Vector6d x = boxminus(to[c].T_C0Ci, from[c].T_C0Ci);
+    d.insert(d.end(), x.begin(), x.end());
+  }
+  return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
+}
+
+}  // namespace plumbline::testing
