@@ -195,10 +195,13 @@ void CameraImuGuide::State::beginEvaluator() {
   simulated.pixel_sigma = stage().pixel_sigma;
   simulated.min_corners = stage().min_corners;
   simulated.score_offset = stage().score_offset;
-  evaluator.emplace(
+  TrajectoryScorer scorer(
       simulated,
       lissajousTrajectories(lissajousShapes(), rig.target, window->estimate().T_SC0,
                             lissajousOptions(stage())),
+      cameras);
+  evaluator.emplace(
+      std::move(scorer),
       EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s, options.threads});
 }
 

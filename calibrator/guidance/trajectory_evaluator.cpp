@@ -21,12 +21,8 @@ int bestOf(const std::vector<double>& gains) {
 
 }  // namespace
 
-TrajectoryEvaluator::TrajectoryEvaluator(TrajectoryRecording recording,
-                                         std::vector<LissajousTrajectory> trajectories,
-                                         const EvaluatorTiming& timing)
-    : scorer_(std::make_shared<TrajectoryScorer>(std::move(recording))),
-      trajectories_(std::make_shared<std::vector<LissajousTrajectory>>(std::move(trajectories))),
-      timing_(timing) {}
+TrajectoryEvaluator::TrajectoryEvaluator(TrajectoryScorer scorer, const EvaluatorTiming& timing)
+    : scorer_(std::make_shared<TrajectoryScorer>(std::move(scorer))), timing_(timing) {}
 
 bool TrajectoryEvaluator::isDue(TimeNs t) const {
   if (gains_.valid()) return false;
@@ -37,10 +33,10 @@ void TrajectoryEvaluator::ask(TimeNs t, WindowKnowledge now) {
   assert(isDue(t));
   asked_ = t;
   const bool beside = timing_.threads > 1 && timing_.latency_s > 0;
-  gains_ = std::async(
-      beside ? std::launch::async : std::launch::deferred,
-      [scorer = scorer_, trajectories = trajectories_, now = std::move(now),
-       threads = timing_.threads] { return scorer->gainsNats(*trajectories, now, threads); });
+  gains_ = std::async(beside ? std::launch::async : std::launch::deferred,
+                      [scorer = scorer_, now = std::move(now), threads = timing_.threads] {
+                        return scorer->gainsNats(now, threads);
+                      });
 }
 
 std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
@@ -50,7 +46,7 @@ std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
   CandidateRound round;
   round.asked = *asked_;
   round.answered = answered;
-  for (const LissajousTrajectory& trajectory : *trajectories_) {
+  for (const LissajousTrajectory& trajectory : trajectories()) {
     round.names.push_back(trajectory.name());
     round.T_FC0.push_back(trajectory.cameraAt(0).T_FB);
   }

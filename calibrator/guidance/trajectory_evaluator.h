@@ -22,10 +22,9 @@ struct EvaluatorTiming {
 /// frames' stamps alone.
 class TrajectoryEvaluator {
  public:
-  TrajectoryEvaluator(TrajectoryRecording recording, std::vector<LissajousTrajectory> trajectories,
-                      const EvaluatorTiming& timing);
+  TrajectoryEvaluator(TrajectoryScorer scorer, const EvaluatorTiming& timing);
 
-  const std::vector<LissajousTrajectory>& trajectories() const { return *trajectories_; }
+  const std::vector<LissajousTrajectory>& trajectories() const { return scorer_->trajectories(); }
   /// Whether a new evaluation should start with the frame at `t`: the last one was answered, and it
   /// was asked for long enough ago.
   bool isDue(TimeNs t) const;
@@ -35,7 +34,6 @@ class TrajectoryEvaluator {
 
  private:
   std::shared_ptr<const TrajectoryScorer> scorer_;
-  std::shared_ptr<const std::vector<LissajousTrajectory>> trajectories_;
   EvaluatorTiming timing_;
   std::optional<TimeNs> asked_;  // the last one
   std::future<std::vector<double>> gains_;

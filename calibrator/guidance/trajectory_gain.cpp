@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "calibrator/batch/parallel_chunks.h"
 #include "calibrator/information/covariance.h"
+#include "calibrator/residuals/tangent.h"
 #include "calibrator/simulate/simulate_views.h"
 
 namespace plumbline {
@@ -50,103 +52,137 @@ void addCarried(const Eigen::MatrixXd& carried, BorderedChain& chain) {
   chain.border_block += carried.bottomRightCorner<kBorder, kBorder>();
 }
 
-/// The motion `t_s` after the trajectory's start, of S.
-MotionState sensorAt(const LissajousTrajectory& trajectory, const Transform& T_SC0, double t_s) {
-  return attached(trajectory.cameraAt(t_s), T_SC0.inverse());
+/// Information of the target's pose in one camera by the corners that it sees, zero for too few.
+Matrix6d viewInformation(const CameraCalibration& camera, const Transform& T_FC0,
+                         const TrajectoryRecording& recording) {
+  SimulationOptions seen;
+  seen.target = recording.target;
+  seen.border_px = recording.border_px;
+  seen.min_tag_px = recording.min_tag_px;
+  const Transform T_FC = T_FC0 * camera.T_C0Ci;
+  auto corners = visibleCorners(camera.intrinsics, T_FC, seen);
+  if (static_cast<int>(corners.size()) < recording.min_corners) return Matrix6d::Zero();
+  const PackedCorners packed(recording.target, {{0, std::move(corners)}});
+  const double weight = 1 / (recording.pixel_sigma * recording.pixel_sigma);
+  return weight * poseGram(camera.intrinsics, T_FC.inverse(), packed.view(0)).H;
 }
 
-std::vector<ImuSample> simulateSamples(const LissajousTrajectory& trajectory,
-                                       const WindowKnowledge& now, TimeNs start,
-                                       const TrajectoryRecording& recording) {
-  const CameraImuEstimate& e = now.estimate;
-  const Eigen::Vector3d gravity = recording.gravity_m_s2 * e.gravity_direction;
-  const double span = trajectory.durationS() + 2 * kSampleMargin;
-  const auto count = static_cast<int>(std::ceil(span * recording.imu_rate_hz)) + 1;
-  std::vector<ImuSample> samples(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k) {
-    const double t_s = k / recording.imu_rate_hz - kSampleMargin;  // of the trajectory
-    const MotionState m = sensorAt(trajectory, e.T_SC0, t_s);
-    ImuSample& s = samples[static_cast<std::size_t>(k)];
-    s.t = start + toNanoseconds(t_s + e.time_offset_s);
-    s.gyro = m.omega_B + e.states.back().gyro_bias;
-    s.accel = m.T_FB.R.transpose() * (m.a_F - gravity) + e.states.back().accel_bias;
-  }
-  return samples;
+/// Of the sensor, from that of camera 0 that it carries.
+ImuState stateOf(const MotionState& camera, const CameraImuEstimate& e) {
+  const MotionState sensor = attached(camera, e.T_SC0.inverse());
+  const ImuState& last = e.states.back();
+  return {sensor.T_FB, sensor.v_F, last.gyro_bias, last.accel_bias};
 }
 
-SimulationOptions viewOptions(const TrajectoryRecording& recording) {
-  SimulationOptions options;
-  options.target = recording.target;
-  options.border_px = recording.border_px;
-  options.min_tag_px = recording.min_tag_px;
-  return options;
+/// What the IMU reads, without noise.
+ImuSample sampleOf(const MotionState& camera, const CameraImuEstimate& e, double gravity_m_s2,
+                   TimeNs t) {
+  const MotionState sensor = attached(camera, e.T_SC0.inverse());
+  const Eigen::Vector3d force = sensor.a_F - gravity_m_s2 * e.gravity_direction;
+  return {t, sensor.omega_B + e.states.back().gyro_bias,
+          sensor.T_FB.R.transpose() * force + e.states.back().accel_bias};
+}
+
+/// Instant k of a grid, after the trajectory's start [s]; the first lies `before` it.
+double instant(std::size_t k, double rate_hz, double before) {
+  return static_cast<double>(k) / rate_hz - before;
 }
 
 }  // namespace
 
-SimulatedTrajectory simulateTrajectory(const LissajousTrajectory& trajectory,
-                                       const WindowKnowledge& now,
-                                       const TrajectoryRecording& recording) {
-  SimulatedTrajectory out;
-  CameraImuProblem& problem = out.problem;
-  out.estimate = now.estimate;
-  out.estimate.states.clear();
-  const std::vector<CameraCalibration>& cameras = now.estimate.cameras;
-  const TimeNs start = now.t + toNanoseconds(recording.pause_s);
-  const SimulationOptions seen = viewOptions(recording);
-  std::vector<std::vector<ImageView>> views(cameras.size());
-  const int count = static_cast<int>(trajectory.durationS() * recording.camera_rate_hz) + 1;
-  for (int k = 0; k < count; ++k) {
-    const double t_s = k / recording.camera_rate_hz;
-    const MotionState sensor = sensorAt(trajectory, now.estimate.T_SC0, t_s);
-    const TimeNs t = start + toNanoseconds(t_s);
-    Frame frame{t, std::vector<int>(cameras.size(), -1)};
-    for (std::size_t c = 0; c < cameras.size(); ++c) {
-      auto corners = visibleCorners(cameras[c].intrinsics,
-                                    sensor.T_FB * now.estimate.T_SC0 * cameras[c].T_C0Ci, seen);
-      if (static_cast<int>(corners.size()) < recording.min_corners) continue;
-      frame.view[c] = static_cast<int>(views[c].size());
-      views[c].push_back({t, std::move(corners)});
-    }
-    problem.frames.push_back(std::move(frame));
-    const ImuState& last = now.estimate.states.back();
-    out.estimate.states.push_back({sensor.T_FB, sensor.v_F, last.gyro_bias, last.accel_bias});
+TrajectoryScorer::TrajectoryScorer(TrajectoryRecording recording,
+                                   std::vector<LissajousTrajectory> trajectories,
+                                   const std::vector<CameraCalibration>& cameras)
+    : recording_(std::move(recording)), trajectories_(std::move(trajectories)), cameras_(cameras) {
+  for (const LissajousTrajectory& trajectory : trajectories_) {
+    prepared_.push_back(prepare(trajectory));
   }
-  for (const auto& camera : views) problem.corners.emplace_back(recording.target, camera);
-  problem.links.assign(problem.frames.size() - 1, FrameLink::kInertial);
-  problem.weights.assign(problem.frames.size(), 1);
-  problem.samples = simulateSamples(trajectory, now, start, recording);
-  problem.noise = recording.noise;
-  problem.gravity_m_s2 = recording.gravity_m_s2;
-  problem.pixel_sigma = recording.pixel_sigma;
+}
+
+TrajectoryScorer::Prepared TrajectoryScorer::prepare(const LissajousTrajectory& trajectory) const {
+  Prepared out;
+  const double T = trajectory.durationS();
+  const auto frames = static_cast<std::size_t>(T * recording_.camera_rate_hz) + 1;
+  const auto samples =
+      static_cast<std::size_t>(std::ceil((T + 2 * kSampleMargin) * recording_.imu_rate_hz)) + 1;
+  for (std::size_t k = 0; k < samples; ++k) {
+    out.samples.push_back(trajectory.cameraAt(instant(k, recording_.imu_rate_hz, kSampleMargin)));
+  }
+  for (std::size_t k = 0; k < frames; ++k) {
+    out.frames.push_back(trajectory.cameraAt(instant(k, recording_.camera_rate_hz, 0)));
+    auto& views = out.views.emplace_back(cameras_.size(), Matrix6d::Zero());
+    for (std::size_t c = 0; c < cameras_.size(); ++c) {
+      views[c] = viewInformation(cameras_[c], out.frames.back().T_FB, recording_);
+    }
+  }
   return out;
 }
 
-std::optional<double> TrajectoryScorer::gainNats(const LissajousTrajectory& trajectory,
-                                                 const WindowKnowledge& now) const {
-  const auto before = calibrationInformation(now.information, recording_.score_offset);
-  const auto carried = carriedInformation(now, recording_);
-  if (!before || !carried) return std::nullopt;
-  const SimulatedTrajectory simulated = simulateTrajectory(trajectory, now, recording_);
-  const auto weights = imuWeights(simulated.problem, simulated.estimate);
-  if (!weights) return std::nullopt;
-  auto normals = informationAt(simulated.problem, simulated.estimate, *weights);
-  if (!normals) return std::nullopt;
-  addCarried(*carried, normals->chain);
-  const auto solved = solveChain(normals->chain);
-  if (!solved) return std::nullopt;
-  const auto after = calibrationInformation(solved->border_information, recording_.score_offset);
-  if (!after) return std::nullopt;
-  return mutualInformationNats(*before, *after);
+/// The trajectory's frames, linked by the IMU, without their corners.
+CameraImuProblem TrajectoryScorer::unseen(const Prepared& prepared,
+                                          const WindowKnowledge& now) const {
+  CameraImuProblem problem;
+  const TimeNs start = now.t + toNanoseconds(recording_.pause_s);
+  for (std::size_t k = 0; k < prepared.frames.size(); ++k) {
+    const TimeNs t = start + toNanoseconds(instant(k, recording_.camera_rate_hz, 0));
+    problem.frames.push_back({t, std::vector<int>(cameras_.size(), -1)});
+  }
+  const double offset_s = now.estimate.time_offset_s;
+  for (std::size_t k = 0; k < prepared.samples.size(); ++k) {
+    const double at = instant(k, recording_.imu_rate_hz, kSampleMargin);
+    problem.samples.push_back(sampleOf(prepared.samples[k], now.estimate, recording_.gravity_m_s2,
+                                       start + toNanoseconds(at + offset_s)));
+  }
+  problem.links.assign(problem.frames.size() - 1, FrameLink::kInertial);
+  problem.weights.assign(problem.frames.size(), 1);
+  problem.noise = recording_.noise;
+  problem.gravity_m_s2 = recording_.gravity_m_s2;
+  return problem;
 }
 
-std::vector<double> TrajectoryScorer::gainsNats(
-    const std::vector<LissajousTrajectory>& trajectories, const WindowKnowledge& now,
-    int threads) const {
-  std::vector<double> gains(trajectories.size());
+void TrajectoryScorer::addViews(const Prepared& prepared, const CameraImuEstimate& estimate,
+                                BorderedChain& chain) const {
+  for (std::size_t k = 0; k < prepared.frames.size(); ++k) {
+    for (std::size_t c = 0; c < cameras_.size(); ++c) {
+      const Matrix6d& H = prepared.views[k][c];
+      const CameraImuChain A =
+          cameraImuChain(estimate.states[k].T_FS, estimate.T_SC0, cameras_[c].T_C0Ci);
+      const Matrix6d HA_FS = H * A.A_FS;
+      const Matrix6d HA_SC0 = H * A.A_SC0;
+      chain.diagonal[k].topLeftCorner<6, 6>() += A.A_FS.transpose() * HA_FS;
+      chain.to_border[k].topLeftCorner<6, 6>() += A.A_FS.transpose() * HA_SC0;
+      chain.border_block.topLeftCorner<6, 6>() += A.A_SC0.transpose() * HA_SC0;
+    }
+  }
+}
+
+std::optional<Eigen::MatrixXd> TrajectoryScorer::informationWith(
+    const Prepared& prepared, const WindowKnowledge& now, const Eigen::MatrixXd& carried) const {
+  const CameraImuProblem problem = unseen(prepared, now);
+  CameraImuEstimate estimate = now.estimate;
+  estimate.states.clear();
+  for (const MotionState& m : prepared.frames) estimate.states.push_back(stateOf(m, now.estimate));
+  const auto weights = imuWeights(problem, estimate);
+  if (!weights) return std::nullopt;
+  auto normals = informationAt(problem, estimate, *weights);
+  if (!normals) return std::nullopt;
+  addViews(prepared, estimate, normals->chain);
+  addCarried(carried, normals->chain);
+  const auto solved = solveChain(normals->chain);
+  if (!solved) return std::nullopt;
+  return calibrationInformation(solved->border_information, recording_.score_offset);
+}
+
+std::vector<double> TrajectoryScorer::gainsNats(const WindowKnowledge& now, int threads) const {
+  std::vector<double> gains(trajectories_.size(), std::numeric_limits<double>::quiet_NaN());
+  const auto before = calibrationInformation(now.information, recording_.score_offset);
+  const auto carried = carriedInformation(now, recording_);
+  if (!before || !carried) return gains;
   forChunks(static_cast<int>(gains.size()), 1, threads, [&](const Chunk& chunk) {
     const auto i = static_cast<std::size_t>(chunk.begin);
-    gains[i] = gainNats(trajectories[i], now).value_or(std::numeric_limits<double>::quiet_NaN());
+    const auto after = informationWith(prepared_[i], now, *carried);
+    const auto gain = after ? mutualInformationNats(*before, *after) : std::nullopt;
+    if (gain) gains[i] = *gain;
   });
   return gains;
 }

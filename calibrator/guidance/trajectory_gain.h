@@ -28,38 +28,45 @@ struct TrajectoryRecording {
 /// What a trajectory's measurements would add, about T_SC0 (and the time offset), to what is known
 /// now: 0.5 (log det after - log det before) [nats].
 ///
-/// Camera frames and IMU samples are simulated without noise along the trajectory at the present
-/// estimate: corners through T_FC0 and the cameras' extrinsics, the IMU through T_SC0, with the
-/// present biases, gravity and time offset. The trajectory brings states of its own (a pose, a
-/// velocity and biases with every frame), all marginalised. Shared with the present are T_SC0, the
-/// time offset, the direction of gravity, and the biases: those of the trajectory's first frame
-/// follow from the present ones by their walk over `pause_s`. No pose or velocity is carried over.
-/// Cameras are held. Information is that of the batch (informationAt()), without loss, for
-/// residuals are zero.
+/// Camera frames and IMU samples are simulated without noise along the trajectory: corners through
+/// T_FC0 and the cameras' extrinsics, the IMU through the present T_SC0, with the present biases,
+/// gravity and time offset. The trajectory brings states of its own (a pose, a velocity and biases
+/// with every frame), all marginalised. Shared with the present are T_SC0, the time offset, the
+/// direction of gravity, and the biases: those of the trajectory's first frame follow from the
+/// present ones by their walk over `pause_s`. No pose or velocity is carried over. Cameras are
+/// held. Information is that of the batch (informationAt()), without loss, for residuals are zero.
 class TrajectoryScorer {
  public:
-  explicit TrajectoryScorer(TrajectoryRecording recording) : recording_(std::move(recording)) {}
+  /// Prepares what no estimate changes: motions, and what the cameras see along them.
+  TrajectoryScorer(TrajectoryRecording recording, std::vector<LissajousTrajectory> trajectories,
+                   const std::vector<CameraCalibration>& cameras);
 
-  /// Empty where nothing can be said: too few corners along the trajectory, or something is not
-  /// determined.
-  std::optional<double> gainNats(const LissajousTrajectory& trajectory,
-                                 const WindowKnowledge& now) const;
-  /// Of each; NaN where gainNats() is empty. Equal for any number of threads.
-  std::vector<double> gainsNats(const std::vector<LissajousTrajectory>& trajectories,
-                                const WindowKnowledge& now, int threads = 1) const;
+  const std::vector<LissajousTrajectory>& trajectories() const { return trajectories_; }
+
+  /// Of each trajectory; NaN where nothing can be said: too few corners along it, or something is
+  /// not determined. Equal for any number of threads.
+  std::vector<double> gainsNats(const WindowKnowledge& now, int threads = 1) const;
 
  private:
-  TrajectoryRecording recording_;
-};
+  /// A trajectory without what depends on the estimate.
+  struct Prepared {
+    std::vector<MotionState> frames;   // of camera 0, with every frame
+    std::vector<MotionState> samples;  // of camera 0, with every IMU sample
+    /// Per frame and camera, the information of the target's pose in that camera; zero: not seen.
+    std::vector<std::vector<Matrix6d>> views;
+  };
+  Prepared prepare(const LissajousTrajectory& trajectory) const;
+  CameraImuProblem unseen(const Prepared& prepared, const WindowKnowledge& now) const;
+  void addViews(const Prepared& prepared, const CameraImuEstimate& estimate,
+                BorderedChain& chain) const;
+  std::optional<Eigen::MatrixXd> informationWith(const Prepared& prepared,
+                                                 const WindowKnowledge& now,
+                                                 const Eigen::MatrixXd& carried) const;
 
-/// A trajectory as a problem: frames with the corners that the cameras would see, and IMU samples,
-/// all exact; the estimate is the truth.
-struct SimulatedTrajectory {
-  CameraImuProblem problem;
-  CameraImuEstimate estimate;
+  TrajectoryRecording recording_;
+  std::vector<LissajousTrajectory> trajectories_;
+  std::vector<CameraCalibration> cameras_;
+  std::vector<Prepared> prepared_;
 };
-SimulatedTrajectory simulateTrajectory(const LissajousTrajectory& trajectory,
-                                       const WindowKnowledge& now,
-                                       const TrajectoryRecording& recording);
 
 }  // namespace plumbline
