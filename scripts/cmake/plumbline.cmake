@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The two functions with which every folder declares its library and its tests.
+include(${CMAKE_CURRENT_LIST_DIR}/unity.cmake)
 
 # plumbline_library(NAME SOURCES a.cpp ... [DEPENDS target ...])
 # A static library `plumbline_NAME` with the project's flags. Headers are included from the root of
@@ -8,6 +9,7 @@ function(plumbline_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   if(ARG_SOURCES)
     add_library(plumbline_${name} STATIC ${ARG_SOURCES})
+    plumbline_unite(plumbline_${name} ${ARG_SOURCES})
     target_link_libraries(plumbline_${name} PUBLIC plumbline_flags ${ARG_DEPENDS})
   else()
     add_library(plumbline_${name} INTERFACE)
@@ -24,6 +26,7 @@ function(plumbline_test name)
     set(ARG_LABELS unit)
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  plumbline_unite(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plumbline_flags ${ARG_DEPENDS} GTest::gmock GTest::gtest
                                         GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE
