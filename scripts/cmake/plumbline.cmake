@@ -26,7 +26,6 @@ function(plumbline_test name)
     set(ARG_LABELS unit)
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  plumbline_unite(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plumbline_flags ${ARG_DEPENDS} GTest::gmock GTest::gtest
                                         GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE
