@@ -8,67 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/guidance/camera_frames.h"
 #include "calibrator/guidance/candidate_views.h"
-#include "calibrator/guidance/kept_frames.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/guidance/view_gain.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/initialise/camera_poses.h"
 #include "calibrator/window/camera_window.h"
 
 namespace plumbline {
-namespace {
-
-constexpr double kRoughLoss = 0.01;   // of a first pose: scale of the loss over the image's width
-constexpr double kGoodPose = 0.005;   // error of a frame's pose over the image's width: settled
-constexpr double kWorstPose = 0.015;  // the same: no plausible pose beyond it
-
-/// The views that hold enough corners; the others are empty.
-FrameCorners usableViews(const GuideFrame& frame, std::size_t cameras, int min_corners) {
-  FrameCorners usable(cameras);
-  for (std::size_t c = 0; c < cameras && c < frame.corners.size(); ++c) {
-    if (static_cast<int>(frame.corners[c].size()) >= min_corners) usable[c] = frame.corners[c];
-  }
-  return usable;
-}
-
-bool seesNothing(const FrameCorners& corners) {
-  return std::all_of(corners.begin(), corners.end(), [](const auto& view) { return view.empty(); });
-}
-
-/// Whether a view of some camera moved by more than `least_px` against the same camera's before.
-bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_px) {
-  for (std::size_t c = 0; c < now.size(); ++c) {
-    if (now[c].empty()) continue;
-    const auto distance = meanCornerDistance(before[c], now[c]);
-    if (!distance || *distance > least_px) return true;
-  }
-  return false;
-}
-
-/// T_FC0 from one frame's corners; empty where none is plausible.
-std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& cameras,
-                                const FrameCorners& corners, double cauchy_px) {
-  std::vector<PackedCorners> packed;
-  packed.reserve(corners.size());
-  std::vector<FrameView> views;
-  for (std::size_t c = 0; c < corners.size(); ++c) {
-    packed.emplace_back(target, std::vector<ImageView>{{0, corners[c]}});
-    if (corners[c].empty()) continue;
-    views.push_back({&cameras.intrinsics[c], packed[c].view(0), cameras.T_C0Ci[c].inverse()});
-  }
-  const double width = cameras.intrinsics[0].resolution.width;
-  PoseRefinementOptions rough;
-  rough.gram.cauchy_px = kRoughLoss * width;
-  const auto found = findPose(views, kGoodPose * width, rough);
-  if (!found || !(found->errorPx() < kWorstPose * width)) return std::nullopt;
-  PoseRefinementOptions fine;
-  fine.gram.cauchy_px = cauchy_px;
-  return refinePose(views, found->T_C0F, fine).T_C0F.inverse();
-}
-
-}  // namespace
-
 struct CameraGuide::State {
   GuideRig rig;
   GuideOptions options;

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Frames that the camera stage cannot use, and the time that it takes.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/guidance/camera_guide.h"
+#include "tests/calibrator/guidance/camera_guide_replay.h"
+
+namespace plumbline {
+namespace {
+
+using testing::LiveRig;
+
+TEST(CameraGuide, RecordingTooShortToStartSaysSo) {
+  const LiveRig rig("euroc", 1, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  const auto decisions = testing::playWandering(guide, rig, 2, 10);
+  for (const Decision& d : decisions) {
+    EXPECT_EQ(d.mode, GuideMode::kInitialising);
+    EXPECT_EQ(d.reason, GuideReason::kInitialising);
+    EXPECT_TRUE(d.accepted);
+    EXPECT_FALSE(d.entropy_nats.has_value());
+  }
+  EXPECT_FALSE(guide.finished());
+  const auto batch = guide.batch();
+  ASSERT_FALSE(batch.ok());
+  EXPECT_EQ(batch.failure().reason, FailureReason::kTooFewViews);
+  EXPECT_FALSE(CameraGuide(rig.guideRig(), {}).batch().ok());
+}
+
+TEST(CameraGuide, StartsWhenTheFramesSuffice) {
+  const LiveRig rig("euroc", 1, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  // Head-on views that only slide tell no focal length: the start is tried and put off.
+  const auto slide = [&](int i) {
+    const Eigen::Matrix3d R = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    return Transform(R, Eigen::Vector3d(0.2 + 0.04 * i, 0.33, 0.9));
+  };
+  int failed = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Decision d = guide.step(rig.frame(i, 0.1 * i, slide(i)));
+    EXPECT_EQ(d.mode, GuideMode::kInitialising);
+    EXPECT_TRUE(d.accepted);
+    if (d.reason != GuideReason::kInitialiseFailed) continue;
+    ++failed;
+    EXPECT_EQ(i, 4);
+    EXPECT_NE(d.detail.find("5 frames do not start the estimate"), std::string::npos) << d.detail;
+    EXPECT_NE(d.detail.find("tried again with 10"), std::string::npos) << d.detail;
+  }
+  EXPECT_EQ(failed, 1);
+  for (int i = 8; i < 30; ++i) {
+    const Decision d = guide.step(rig.frame(i, 0.1 * i, rig.wandering(0.3 * i)));
+    if (d.reason != GuideReason::kInitialised) continue;
+    EXPECT_EQ(i % 5, 4);
+    EXPECT_TRUE(d.entropy_nats.has_value());
+    EXPECT_TRUE(d.rmse_px.has_value());
+    return;
+  }
+  FAIL() << "never started";
+}
+
+TEST(CameraGuide, FramesWithoutMotionDoNotStartIt) {
+  const LiveRig rig("euroc", 1, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  for (int i = 0; i < 10; ++i) {
+    const Decision d = guide.step(rig.frame(i, 0.1 * i, rig.wandering(0)));
+    EXPECT_EQ(d.reason, GuideReason::kInitialising);
+    EXPECT_EQ(d.accepted, i == 0);
+    EXPECT_EQ(d.views_kept, 1);
+  }
+}
+
+TEST(CameraGuide, LostTargetIsSaidOnceAndItsReturn) {
+  const LiveRig rig("euroc", 2, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  const auto decisions = testing::playWandering(guide, rig, 120, 10, [](GuideFrame& frame) {
+    if (frame.index < 60 || frame.index >= 95) return;
+    for (auto& corners : frame.corners) corners.resize(std::min<std::size_t>(corners.size(), 15));
+  });
+  for (std::size_t i = 60; i < 95; ++i) {
+    EXPECT_EQ(decisions[i].reason, GuideReason::kNoTarget);
+    EXPECT_EQ(decisions[i].entropy_nats, decisions[59].entropy_nats);
+    EXPECT_EQ(decisions[i].detail.empty(), i != 80) << i << decisions[i].detail;
+  }
+  EXPECT_NE(decisions[80].detail.find("out of view for 2.100 s"), std::string::npos);
+  EXPECT_NE(decisions[95].detail.find("back after 3.600 s"), std::string::npos)
+      << decisions[95].detail;
+  EXPECT_NE(decisions[95].reason, GuideReason::kNoTarget);
+}
+
+TEST(CameraGuide, CornersThatGiveNoPoseAreLeftOut) {
+  const LiveRig rig("euroc", 2, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  const auto decisions = testing::playWandering(guide, rig, 80, 10, [](GuideFrame& frame) {
+    if (frame.index != 70) return;
+    for (auto& corners : frame.corners) {  // tags in the wrong order
+      for (std::size_t i = 0; i < corners.size() / 2; ++i) {
+        std::swap(corners[i].uv, corners[corners.size() - 1 - i].uv);
+      }
+      for (std::size_t i = 0; i < corners.size(); i += 3) corners[i].uv.x() += 40;
+    }
+  });
+  EXPECT_EQ(decisions[70].reason, GuideReason::kNoPose);
+  EXPECT_FALSE(decisions[70].accepted);
+  EXPECT_EQ(decisions[70].views_kept, decisions[69].views_kept);
+  EXPECT_NE(decisions[71].reason, GuideReason::kNoPose);
+}
+
+TEST(CameraGuide, OneCameraIsEnoughForAView) {
+  const LiveRig rig("euroc", 2, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  const auto decisions = testing::playWandering(guide, rig, 60, 10, [](GuideFrame& frame) {
+    if (frame.index >= 20 && frame.index % 2 == 0) frame.corners[0].clear();
+  });
+  int accepted = 0;
+  for (std::size_t i = 20; i < 60; i += 2) {
+    EXPECT_TRUE(decisions[i].T_FC0.has_value());
+    EXPECT_LT((decisions[i].T_FC0->t - rig.wandering(0.1 * static_cast<double>(i)).t).norm(), 0.02);
+    accepted += decisions[i].accepted ? 1 : 0;
+  }
+  EXPECT_GT(accepted, 2);
+}
+
+TEST(CameraGuide, StampsThatGoBackAndPausesAreSaid) {
+  const LiveRig rig("euroc", 3, 0.3);
+  CameraGuide guide(rig.guideRig(), {});
+  const auto decisions = testing::playWandering(guide, rig, 60, 10, [](GuideFrame& frame) {
+    if (frame.index == 40) frame.t -= 5'000'000'000;
+    if (frame.index >= 50) frame.t += 3'000'000'000;
+  });
+  EXPECT_EQ(decisions[40].reason, GuideReason::kTimeJump);
+  EXPECT_NE(decisions[40].detail.find("4.900000 s before"), std::string::npos)
+      << decisions[40].detail;
+  EXPECT_EQ(decisions[40].entropy_nats, decisions[39].entropy_nats);
+  EXPECT_NE(decisions[41].reason, GuideReason::kTimeJump);
+  EXPECT_NE(decisions[50].detail.find("no frame for 3.100 s"), std::string::npos)
+      << decisions[50].detail;
+  EXPECT_NE(decisions[50].reason, GuideReason::kTimeJump);
+}
+
+TEST(CameraGuide, DropsFramesThatComeWhileItIsBusy) {
+  const LiveRig rig("euroc", 4, 0.3);
+  GuideOptions options;
+  options.latency.camera_frame_s = 0.25;
+  options.latency.next_view_s = 0.4;
+  CameraGuide guide(rig.guideRig(), options);
+  EXPECT_LT(guide.busyUntil(), rig.start());
+  TimeNs busy = 0;
+  int dropped = 0;
+  int rounds = 0;
+  Decision before;
+  for (int i = 0; i < 600; ++i) {
+    const GuideFrame frame = rig.frame(i, 0.1 * i, rig.wandering(0.1 * i));
+    const Decision d = guide.step(frame);
+    ASSERT_EQ(d.reason == GuideReason::kBusy, frame.t < busy) << i;
+    if (d.reason == GuideReason::kBusy) {
+      ++dropped;
+      EXPECT_FALSE(d.accepted);
+      EXPECT_EQ(d.mode, before.mode);
+      EXPECT_EQ(d.views_kept, before.views_kept);
+      EXPECT_EQ(d.entropy_nats, before.entropy_nats);
+    } else {
+      busy = frame.t + 250'000'000;
+      if (d.round) {
+        ++rounds;
+        busy += 400'000'000;
+        EXPECT_EQ(d.round->asked, frame.t);
+        EXPECT_EQ(d.round->answered, busy);
+        if (d.opened) {
+          EXPECT_EQ(d.opened->t, busy);
+        }
+      }
+    }
+    EXPECT_EQ(guide.busyUntil(), busy);
+    before = d;
+  }
+  EXPECT_GT(rounds, 0);
+  EXPECT_NEAR(dropped, 400, 10);
+}
+
+TEST(CameraGuide, FinishingCostsTheBatch) {
+  const LiveRig rig("euroc", 5, 0.3);
+  GuideOptions options;
+  options.views.threshold_nats = 1;
+  options.latency.camera_batch_s = 7;
+  CameraGuide guide(rig.guideRig(), options);
+  const auto decisions = testing::playGuided(guide, rig, 2000);
+  ASSERT_TRUE(guide.finished());
+  EXPECT_EQ(guide.busyUntil(), decisions.back().t + 7'000'000'000);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/camera_guide.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/calibrator/guidance/camera_guide_replay.h"
+#include "tests/calibrator/window/stereo_frames.h"
+
+namespace plumbline {
+namespace {
+
+using testing::LiveRig;
+
+constexpr double kSigma = 0.3;  // [px]
+
+GuideOptions guideOptions() {
+  GuideOptions options;
+  options.views.pixel_sigma = kSigma;
+  options.views.cauchy_px = 0;
+  return options;
+}
+
+TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
+  for (const char* name : {"euroc", "tumvi"}) {
+    const LiveRig rig(name, 5, kSigma);
+    CameraGuide guide(rig.guideRig(), guideOptions());
+    const auto decisions = testing::playGuided(guide, rig, 3000);
+    ASSERT_TRUE(guide.finished()) << name;
+    EXPECT_GT(testing::countOf(decisions, SuggestionEvent::kReached), 2) << name;
+    const Decision& last = decisions.back();
+    EXPECT_EQ(last.mode, GuideMode::kFinished);
+    ASSERT_TRUE(last.round.has_value());
+    ASSERT_GE(last.round->best, 0);
+    EXPECT_LT(last.round->mi_nats[static_cast<std::size_t>(last.round->best)], last.threshold_nats);
+    const auto batch = guide.batch();
+    ASSERT_TRUE(batch.ok()) << batch.failure().message;
+    EXPECT_EQ(static_cast<int>(batch->frames.size()), last.views_kept);
+    EXPECT_NEAR(batch->summary.reprojection.rmse_px, kSigma * std::sqrt(2), 0.02);
+    // Window and batch agree on what is known.
+    EXPECT_NEAR(*last.entropy_nats, batch->summary.entropy_nats, 0.2);
+    const Eigen::VectorXd error = testing::cameraDifference(batch->cameras, rig.truth());
+    const double nees = error.dot(batch->summary.covariance.matrix.llt().solve(error));
+    EXPECT_GT(nees, 6.98) << name;  // chi-square of 22, two-sided 99.9 %
+    EXPECT_LT(nees, 50.51) << name;
+    EXPECT_EQ(guide.step(rig.frame(9999, 1e4, rig.wandering(0))).reason, GuideReason::kFinished);
+  }
+}
+
+TEST(CameraGuide, EveryViewKeptReachesTheThresholdAndEveryOtherDoesNot) {
+  const LiveRig rig("euroc", 6, kSigma);
+  CameraGuide guide(rig.guideRig(), guideOptions());
+  const auto decisions = testing::playWandering(guide, rig, 200, 10);
+  double entropy = std::numeric_limits<double>::infinity();
+  int kept = 0;
+  for (const Decision& d : decisions) {
+    if (d.accepted) ++kept;
+    EXPECT_EQ(d.views_kept, kept);
+    if (!d.mi_nats) continue;
+    EXPECT_EQ(d.accepted, *d.mi_nats >= d.threshold_nats);
+    EXPECT_EQ(d.reason, d.accepted ? GuideReason::kInformative : GuideReason::kNotInformative);
+    EXPECT_EQ(d.frames_without_view == 0, d.accepted);
+    if (d.accepted) {
+      EXPECT_LT(*d.entropy_nats, entropy);
+    }
+    entropy = *d.entropy_nats;
+  }
+  EXPECT_GT(testing::countOf(decisions, GuideReason::kNotInformative), 20);
+  EXPECT_GT(testing::countOf(decisions, GuideReason::kInformative), 20);
+}
+
+TEST(CameraGuide, GainOfAFrameIsWhatTheEntropyLoses) {
+  const LiveRig rig("euroc", 7, kSigma);
+  CameraGuide guide(rig.guideRig(), guideOptions());
+  const auto decisions = testing::playWandering(guide, rig, 120, 10);
+  double promised = 0;
+  double lost = 0;
+  for (std::size_t i = 1; i < decisions.size(); ++i) {
+    if (decisions[i].reason != GuideReason::kInformative) continue;
+    promised += *decisions[i].mi_nats;
+    lost += *decisions[i - 1].entropy_nats - *decisions[i].entropy_nats;
+  }
+  EXPECT_GT(promised, 5);
+  EXPECT_NEAR(lost, promised, 0.05 * promised);
+}
+
+TEST(CameraGuide, DecidesTheSameWithTwoThreads) {
+  const LiveRig rig("euroc", 8, kSigma);
+  const auto run = [&](int threads) {
+    GuideOptions options;  // with the loss
+    options.threads = threads;
+    CameraGuide guide(rig.guideRig(), options);
+    return testing::textOf(testing::playGuided(guide, rig, 150));
+  };
+  const std::string one = run(1);
+  EXPECT_NE(one.find("opened"), std::string::npos);
+  EXPECT_EQ(one, run(2));
+}
+
+TEST(CameraGuide, SuggestionsExpireWhereNobodyFollows) {
+  const LiveRig rig("euroc", 9, kSigma);
+  CameraGuide guide(rig.guideRig(), guideOptions());
+  const auto decisions = testing::playWandering(guide, rig, 450, 10);
+  EXPECT_FALSE(guide.finished());
+  EXPECT_GE(testing::countOf(decisions, SuggestionEvent::kExpired), 2);
+  std::optional<Suggestion> open;
+  int accepted_while_open = 0;
+  int next_id = 0;
+  for (const Decision& d : decisions) {
+    if (d.event == SuggestionEvent::kExpired) {
+      ASSERT_TRUE(open.has_value());
+      EXPECT_EQ(d.suggestion, open->id);
+      EXPECT_NEAR(secondsBetween(open->t, d.t), 10.1, 1e-6);  // the first frame after 10 s
+      open.reset();
+    }
+    if (d.opened) {
+      EXPECT_FALSE(open.has_value());
+      EXPECT_EQ(d.opened->id, next_id++);
+      EXPECT_GE(d.frames_without_view, 3);
+      ASSERT_TRUE(d.round.has_value());
+      const auto best = static_cast<std::size_t>(d.round->best);
+      EXPECT_EQ(d.opened->candidate, d.round->names[best]);
+      for (const double mi : d.round->mi_nats) EXPECT_FALSE(mi > d.opened->mi_nats);
+      open = d.opened;
+    }
+    EXPECT_EQ(d.mode == GuideMode::kSuggesting, open.has_value());
+    if (open && d.accepted) ++accepted_while_open;
+  }
+  EXPECT_GT(accepted_while_open, 0);
+  EXPECT_EQ(guide.nextSuggestion(), next_id);
+}
+
+TEST(CameraGuide, NumbersSuggestionsFromTheGivenOne) {
+  const LiveRig rig("euroc", 9, kSigma);
+  CameraGuide guide(rig.guideRig(), guideOptions(), 7);
+  const auto decisions = testing::playGuided(guide, rig, 150);
+  for (const Decision& d : decisions) {
+    if (d.opened) {
+      EXPECT_EQ(d.opened->id, 7);
+      return;
+    }
+  }
+  FAIL() << "no suggestion";
+}
+
+TEST(CameraGuide, KeepsAtLeastTheViewsAskedFor) {
+  const LiveRig rig("euroc", 5, kSigma);
+  GuideOptions options = guideOptions();
+  options.views.threshold_nats = 0.5;
+  CameraGuide few(rig.guideRig(), options);
+  testing::playGuided(few, rig, 3000);
+  ASSERT_TRUE(few.finished());
+  const int views = static_cast<int>(few.batch()->frames.size());
+  options.views.min_views = views + 20;
+  CameraGuide more(rig.guideRig(), options);
+  const auto decisions = testing::playGuided(more, rig, 600);
+  for (const Decision& d : decisions) {
+    if (d.mode == GuideMode::kFinished) {
+      EXPECT_GE(d.views_kept, views + 20);
+    }
+  }
+  EXPECT_GT(decisions.back().views_kept, 0);
+}
+
+}  // namespace
+}  // namespace plumbline
