@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The guide's camera stage: scoring the 200 candidate views of a stereo rig, and every step of a
+// replayed recording. Percentiles are of processor time, one thread, so that a busy machine does
+// not count.
+#include <algorithm>
+#include <ctime>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/view_gain.h"
+#include "calibrator/window/camera_window.h"
+#include "tests/calibrator/guidance/camera_guide_replay.h"
+
+namespace plumbline {
+namespace {
+
+const char* rigName(std::int64_t index) { return index == 0 ? "euroc" : "tumvi"; }
+
+/// Processor time of each of many calls [ms], in ascending order at the end.
+class CallTimes {
+ public:
+  template <class Call>
+  void time(const Call& call) {
+    const std::clock_t start = std::clock();
+    call();
+    ms_.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  void report(benchmark::State& state) {
+    std::sort(ms_.begin(), ms_.end());
+    const auto at = [&](double share) {
+      return ms_[static_cast<std::size_t>(share * static_cast<double>(ms_.size() - 1))];
+    };
+    state.counters["p50_ms"] = at(0.5);
+    state.counters["p95_ms"] = at(0.95);
+    state.counters["p99_ms"] = at(0.99);
+    state.counters["max_ms"] = ms_.back();
+    state.counters["calls"] = static_cast<double>(ms_.size());
+  }
+
+ private:
+  std::vector<double> ms_;
+};
+
+// Argument: rig (0 euroc, radtan; 1 tumvi, equidistant).
+void scoreCandidates(benchmark::State& state) {
+  const testing::LiveRig rig(rigName(state.range(0)), 1, 0.2);
+  CameraWindow window(rig.guideRig().target, rig.truth());
+  for (int i = 0; i < 10; ++i) {
+    const Transform T_FC0 = rig.wandering(0.7 * i);
+    window.add(rig.frame(i, 0.7 * i, T_FC0).corners, T_FC0);
+  }
+  std::vector<Transform> T_FC0;
+  for (const CandidateView& view : candidateViews(rig.truth(), rig.guideRig().target)) {
+    T_FC0.push_back(view.T_FC0);
+  }
+  const Eigen::MatrixXd information = window.information();
+  CallTimes times;
+  for (auto _ : state) {
+    times.time([&] {
+      const ViewScorer scorer(rig.guideRig().target, window.estimate(), information);
+      benchmark::DoNotOptimize(scorer.predictedGains(T_FC0));
+    });
+  }
+  times.report(state);
+}
+BENCHMARK(scoreCandidates)->ArgName("rig")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+// A minute at 20 Hz in which nobody follows the suggestions.
+void cameraStageFrames(benchmark::State& state) {
+  const testing::LiveRig rig(rigName(state.range(0)), 1, 0.2);
+  std::vector<GuideFrame> frames;
+  for (int i = 0; i < 1200; ++i) frames.push_back(rig.frame(i, i / 20.0, rig.wandering(i / 20.0)));
+  CallTimes times;
+  for (auto _ : state) {
+    CameraGuide guide(rig.guideRig(), {});
+    for (const GuideFrame& frame : frames) {
+      times.time([&] { benchmark::DoNotOptimize(guide.step(frame)); });
+    }
+  }
+  times.report(state);
+}
+BENCHMARK(cameraStageFrames)->ArgName("rig")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace plumbline
