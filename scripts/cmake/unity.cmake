@@ -77,6 +77,8 @@ function(plumbline_unite target)
     set_property(GLOBAL PROPERTY PLUMBLINE_HEADER_NAMES "${header_names}")
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # g++ takes the sources, which are included here, for headers.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   set(count 0)
   foreach(source IN LISTS ARGN)
     set(names "")
