@@ -14,6 +14,12 @@ for argument in "$@"; do
   if [ "$argument" = --all ]; then all=yes; else build=$argument; fi
 done
 [ -f "$build/compile_commands.json" ] || { echo "check_tidy.sh: configure $build first" >&2; exit 2; }
+# The list of files then names only what is compiled together, not each source.
+if grep -q '^PLUMBLINE_UNITY:BOOL=ON' "$build/CMakeCache.txt"; then
+  echo "check_tidy.sh: $build compiles several sources at a time; configure a folder without" \
+    "PLUMBLINE_UNITY and name it" >&2
+  exit 2
+fi
 
 sources=(calibrator datasets report evaluate)
 every() { git ls-files -- "${sources[@]}" | grep '\.cpp$'; }
