@@ -21,4 +21,13 @@ const std::string& page_style();    // templates/page.css
 const std::string& page_script();   // templates/page.js
 const std::string& scene_viewer();  // assets/scene_viewer.bundle.js
 
+// The player of a replay.
+const std::string& replay_player();    // templates/replay_player.mustache
+const std::string& player_style();     // templates/player.css
+const std::string& player_data();      // player/replay_data.js
+const std::string& player_images();    // player/replay_images.js
+const std::string& player_scene();     // player/replay_scene.js
+const std::string& player_timeline();  // player/replay_timeline.js
+const std::string& player_player();    // player/replay_player.js
+
 }  // namespace plumbline::embedded

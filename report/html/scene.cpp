@@ -88,25 +88,6 @@ void addAxes(Scene& scene, const std::string& layer, const Transform& T_FA, doub
   }
 }
 
-/// Apex and the four corners of the image at `depth` [m], in F. Wide lenses are cut at 60 degrees.
-std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transform& T_FC,
-                                     double depth) {
-  const auto& p = intrinsics.projection;
-  const auto n = p.size();
-  std::vector<Eigen::Vector3d> points = {T_FC.t};
-  const double w = intrinsics.resolution.width, h = intrinsics.resolution.height;
-  const double us[] = {0, w, w, 0}, vs[] = {0, 0, h, h};
-  for (int k = 0; k < 4; ++k) {
-    Eigen::Vector3d ray(0, 0, 1);
-    if (n >= 4) {
-      ray.x() = std::clamp((us[k] - p[n - 2]) / p[n - 4], -1.7, 1.7);
-      ray.y() = std::clamp((vs[k] - p[n - 1]) / p[n - 3], -1.7, 1.7);
-    }
-    points.push_back(T_FC * Eigen::Vector3d(depth * ray));
-  }
-  return points;
-}
-
 void appendFrustum(SceneObject& object, const std::vector<Eigen::Vector3d>& corners) {
   const int b = static_cast<int>(object.points.size());
   object.points.insert(object.points.end(), corners.begin(), corners.end());
@@ -202,6 +183,24 @@ void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGri
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transform& T_FC,
+                                     double depth) {
+  const auto& p = intrinsics.projection;
+  const auto n = p.size();
+  std::vector<Eigen::Vector3d> points = {T_FC.t};
+  const double w = intrinsics.resolution.width, h = intrinsics.resolution.height;
+  const double us[] = {0, w, w, 0}, vs[] = {0, 0, h, h};
+  for (int k = 0; k < 4; ++k) {
+    Eigen::Vector3d ray(0, 0, 1);
+    if (n >= 4) {
+      ray.x() = std::clamp((us[k] - p[n - 2]) / p[n - 4], -1.7, 1.7);
+      ray.y() = std::clamp((vs[k] - p[n - 1]) / p[n - 3], -1.7, 1.7);
+    }
+    points.push_back(T_FC * Eigen::Vector3d(depth * ray));
+  }
+  return points;
+}
 
 Scene buildScene(const CalibrationRecord& record) {
   Scene scene;

@@ -32,6 +32,11 @@ struct Scene {
   double seconds = 0;  ///< length of the recording
 };
 
+/// Apex and the four corners of the image at `depth` [m] along the optical axis, in F. Wide lenses
+/// are cut at 60 degrees.
+std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transform& T_FC,
+                                     double depth);
+
 /// Target, path of camera 0, the cameras' frusta at up to 80 frames, and, with an IMU, the rig's
 /// axes and gravity.
 Scene buildScene(const CalibrationRecord& record);

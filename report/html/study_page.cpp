@@ -23,11 +23,20 @@ std::string sentenceOf(const Verdict& verdict) {
 }
 
 std::vector<Pair> contentsOf(const StudyPage& study, const std::vector<Section>& sections) {
-  std::vector<Pair> entries = {{"verdict", study.verdict ? "Verdict" : "Summary"}};
+  std::vector<Pair> entries;
+  if (study.player) entries.push_back({study.player->id, study.player->title});
+  entries.push_back({"verdict", study.verdict ? "Verdict" : "Summary"});
   if (!study.cards.empty()) entries.push_back({"key-figures", "Key figures"});
   for (const Section& section : sections) entries.push_back({section.id, section.title});
   entries.push_back({"provenance", "Provenance"});
   return entries;
+}
+
+void setPlayer(data& page, const std::optional<PagePlayer>& player) {
+  page.set("player", player ? data{player->html} : flag(false));
+  if (!player) return;
+  page.set("css", embedded::page_style() + player->css);
+  page.set("viewer", player->script);
 }
 
 }  // namespace
@@ -36,6 +45,7 @@ std::string renderStudyPage(const StudyPage& study) {
   std::vector<Section> sections = study.sections;
   std::erase_if(sections, [](const Section& s) { return s.blocks.empty(); });
   data page = startPage({study.kicker, study.name, study.provenance});
+  setPlayer(page, study.player);
   if (study.verdict) {
     setVerdict(page, *study.verdict, sentenceOf(*study.verdict));
   } else {

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The player: one frame is shown at a time, in all parts at once.
+(() => {
+  const root = document.getElementById('player');
+  if (!root) return;
+  const {read, views, scene, timeline, lastUpTo} = window.plumblineReplay;
+  const data = read();
+  if (!data.frames) { root.querySelector('.player-body').textContent = 'The recording has no frames.'; return; }
+  const part = (name) => root.querySelector(`[data-part="${name}"]`);
+  const NONE = '\u2013';
+  const known = (v) => !Number.isNaN(v);
+  const fixed = (v, digits, unit) => (known(v) ? `${v.toFixed(digits)} ${unit}` : NONE);
+  const inBits = (nats) => (nats / Math.LN2).toFixed(3);
+
+  const gainText = (nats) => {
+    if (!known(nats)) return NONE;
+    return nats === Infinity ? 'unbounded' : `${inBits(nats)} bits (${nats.toFixed(3)} nats)`;
+  };
+  const entropyText = (nats) => (known(nats) ? `${nats.toFixed(3)} nats (${inBits(nats)} bits)` : NONE);
+  const askedText = (f) => {
+    const s = data.suggestionAt(f);
+    if (!s) return known(data.table.suggestion[f]) ? `#${data.table.suggestion[f]}` : NONE;
+    return `#${s.id} ${s.name}`;
+  };
+
+  /** What the log says of a frame: text, and a class where it matters. */
+  const fields = {
+    time: (f) => [`${(data.offsets[f] / 1e9).toFixed(3)} s`],
+    frame: (f) => [`${f} of ${data.frames - 1}`],
+    stage: (f) => [data.word('stage', f) || NONE],
+    mode: (f) => [data.word('mode', f) || 'not given to the guide'],
+    reason: (f) => [data.word('reason', f) || NONE, data.table.accepted[f] === 1 ? 'good' : ''],
+    corners: (f) => [known(data.table.corners[f]) ? `${data.table.corners[f]}` : NONE],
+    kept: (f) => [known(data.table.kept[f]) ? `${data.table.kept[f]} (${data.table.without[f]} since)` : NONE],
+    mi: (f) => [gainText(data.table.mi[f]), data.table.mi[f] >= data.table.threshold[f] ? 'good' : ''],
+    entropy: (f) => [entropyText(data.table.entropy[f])],
+    rmse: (f) => [fixed(data.table.rmse[f], 3, 'px')],
+    suggestion: (f) => [askedText(f), known(data.table.suggestion[f]) ? 'warn' : ''],
+    distance: (f) => [fixed(data.table.distance[f], 1, 'px')],
+    held: (f) => [known(data.table.suggestion[f]) ? fixed(data.table.held[f], 2, 's') : NONE, data.table.held[f] > 0 ? 'good' : ''],
+    detail: (f) => [[data.word('event', f), data.details.get(f)].filter((t) => t && t !== 'none').join(': ') || NONE, data.details.has(f) ? 'bad' : ''],
+  };
+  const cells = Object.keys(fields).map((name) => {
+    const cell = root.querySelector(`[data-field="${name}"]`);
+    return {name, cell, text: cell.querySelector('span'), base: cell.className};
+  });
+  const showLog = (f) => {
+    for (const {name, cell, text, base} of cells) {
+      const [value, kind] = fields[name](f);
+      text.textContent = value;
+      text.title = name === 'time' ? `${data.start + BigInt(data.offsets[f])} ns` : value;
+      cell.className = `${base} ${kind || ''}`.trim();
+    }
+  };
+
+  const list = part('events');
+  const buttons = data.events.map((event) => {
+    const item = document.createElement('li');
+    const button = document.createElement('button');
+    const [when, what] = [document.createElement('span'), document.createElement('span')];
+    when.textContent = (data.offsets[event.frame] / 1e9).toFixed(1);
+    what.textContent = event.text;
+    button.type = 'button';
+    button.className = event.kind;
+    button.title = event.text;
+    button.append(when, what);
+    button.addEventListener('click', () => jump(event.frame));
+    item.append(button);
+    list.append(item);
+    return button;
+  });
+  const eventFrames = data.events.map((e) => e.frame);
+  let marked = -1;
+  const showEvent = (f) => {
+    const current = lastUpTo(eventFrames, f);
+    if (current === marked) return;
+    if (buttons[marked]) buttons[marked].classList.remove('here');
+    marked = current;
+    if (!buttons[marked]) { list.scrollTop = 0; return; }
+    buttons[marked].classList.add('here');
+    const top = buttons[marked].offsetTop, bottom = top + buttons[marked].offsetHeight;
+    if (top < list.scrollTop || bottom > list.scrollTop + list.clientHeight) list.scrollTop = top - list.clientHeight / 2;
+  };
+
+  const slider = part('slider');
+  let frame = 0;
+  const shown = [views(part('views'), data), scene(part('scene'), data), timeline(part('lines'), data, (f) => jump(f))];
+  const show = () => {
+    slider.value = frame;
+    shown.forEach((s) => s.draw(frame));
+    showLog(frame);
+    showEvent(frame);
+  };
+  const go = (f) => {
+    frame = Math.min(data.frames - 1, Math.max(0, Math.round(f)));
+    show();
+  };
+
+  // Playing: time passes by the recording's stamps.
+  const play = root.querySelector('[data-act="play"]');
+  const speed = part('speed');
+  let at = 0, last = null;  // seconds of playing; null: it rests
+  const rest = () => { last = null; play.classList.remove('playing'); play.setAttribute('aria-label', 'Play'); };
+  const step = (now) => {
+    if (last === null) return;
+    at += Math.max(0, now - last) / 1000 * Number(speed.value);
+    last = now;
+    const due = lastUpTo(data.play, at);
+    if (due !== frame) go(due);
+    if (frame >= data.frames - 1) { rest(); return; }
+    requestAnimationFrame(step);
+  };
+  const toggle = () => {
+    if (last !== null) { rest(); return; }
+    if (frame >= data.frames - 1) go(0);
+    at = data.play[frame];
+    last = performance.now();
+    play.classList.add('playing');
+    play.setAttribute('aria-label', 'Pause');
+    requestAnimationFrame(step);
+  };
+  const jump = (f) => { go(f); at = data.play[frame]; };
+  const second = (sign) => {
+    const f = lastUpTo(data.play, data.play[frame] + sign + 1e-6);
+    jump(sign > 0 ? Math.max(f, frame + 1) : Math.min(f, frame - 1));
+  };
+  const eventAfter = () => { const f = eventFrames.find((e) => e > frame); if (f !== undefined) jump(f); };
+  const eventBefore = () => { const k = lastUpTo(eventFrames, frame - 1); if (k >= 0) jump(eventFrames[k]); };
+
+  const acts = {'event-before': eventBefore, 'event-after': eventAfter, play: toggle,
+    'frame-before': () => jump(frame - 1), 'frame-after': () => jump(frame + 1)};
+  for (const [name, act] of Object.entries(acts)) root.querySelector(`[data-act="${name}"]`).addEventListener('click', act);
+  slider.addEventListener('input', () => jump(Number(slider.value)));
+
+  const keys = {
+    ' ': toggle, ArrowLeft: (e) => (e.shiftKey ? second(-1) : jump(frame - 1)),
+    ArrowRight: (e) => (e.shiftKey ? second(1) : jump(frame + 1)),
+    ArrowUp: eventBefore, ArrowDown: eventAfter, Home: () => jump(0), End: () => jump(data.frames - 1),
+  };
+  const inView = () => { const box = root.getBoundingClientRect(); return box.bottom > 0.4 * window.innerHeight && box.top < 0.6 * window.innerHeight; };
+  document.addEventListener('keydown', (e) => {
+    const typing = e.target.closest && e.target.closest('select, textarea, summary, input:not([type="range"])');
+    if (!keys[e.key] || typing || e.ctrlKey || e.metaKey || e.altKey || !inView()) return;
+    if (e.key === ' ' && e.target.closest && e.target.closest('button')) e.target.blur();
+    e.preventDefault();
+    keys[e.key](e);
+  });
+
+  const layout = () => { shown.forEach((s) => s.layout()); show(); };
+  new ResizeObserver(layout).observe(root.querySelector('.player-body'));
+  window.addEventListener('hashchange', () => fromHash());
+  const fromHash = () => { const wanted = /^#frame=(\d+)$/.exec(location.hash); if (wanted) jump(Number(wanted[1])); };
+  layout();
+  fromHash();
+  window.plumblineReplay.player = {data, go: jump, frame: () => frame, playing: () => last !== null, scene: shown[1]};
+})();

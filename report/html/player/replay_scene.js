@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The target, the cameras and the candidates in space, painted from back to front on a canvas: no
+// GPU is needed. Coordinates are those of the target's frame F [m].
+(() => {
+  const STOPS = [[195, 211, 226], [90, 185, 225], [30, 111, 208], [92, 20, 120]];
+  const UNSCORED = 'rgb(172,178,186)', BEST = '#e8590c', KEPT = 'rgba(20,121,79,.5)', ASKED = '#e07b00';
+
+  const ramp = (unit) => {
+    const at = Math.min(0.9999, Math.max(0, unit)) * (STOPS.length - 1);
+    const [a, b] = [STOPS[Math.floor(at)], STOPS[Math.floor(at) + 1]];
+    return `rgb(${a.map((v, i) => Math.round(v + (at % 1) * (b[i] - v))).join(',')})`;
+  };
+
+  const apply = (T, x, y, z) => [T[0] * x + T[1] * y + T[2] * z + T[3],
+    T[4] * x + T[5] * y + T[6] * z + T[7], T[8] * x + T[9] * y + T[10] * z + T[11]];
+  const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const unit = (a) => { const n = Math.hypot(...a) || 1; return a.map((v) => v / n); };
+
+  /** Apex and image corners of a camera of the rig at T_FC0; `shape`: the same in camera 0 at depth 1. */
+  const frustum = (T, shape, depth) => {
+    const points = [];
+    for (let k = 0; k < 5; ++k) {
+      const p = [0, 1, 2].map((i) => shape[i] + depth * (shape[3 * k + i] - shape[i]));
+      points.push(apply(T, ...p));
+    }
+    return points;
+  };
+
+  /** Turns about the focus with the target's y axis up. */
+  class Eye {
+    constructor(focus, distance) { this.home = {focus, distance, yaw: 0.62, pitch: 0.42}; this.reset(); }
+    reset() { Object.assign(this, this.home); }
+    aim(width, height) {
+      const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
+      const back = [sy * cp, sp, cy * cp];
+      this.at = this.focus.map((v, i) => v + this.distance * back[i]);
+      this.forward = back.map((v) => -v);
+      this.right = unit(cross(this.forward, [0, 1, 0]));
+      this.down = cross(this.forward, this.right);
+      Object.assign(this, {cx: width / 2, cy: height / 2, f: 1.25 * Math.min(width, height)});
+    }
+    /** [x, y, depth] in pixels; null behind the eye. */
+    project(p) {
+      const d = minus(p, this.at);
+      const z = dot(d, this.forward);
+      if (z < 0.02) return null;
+      return [this.cx + this.f * dot(d, this.right) / z, this.cy + this.f * dot(d, this.down) / z, z];
+    }
+    turn(dx, dy) {
+      this.yaw -= dx * 0.008;
+      this.pitch = Math.max(-1.5, Math.min(1.5, this.pitch + dy * 0.008));
+    }
+    move(dx, dy) {
+      const s = this.distance / this.f;
+      this.focus = this.focus.map((v, i) => v - s * (dx * this.right[i] + dy * this.down[i]));
+    }
+    zoom(steps) { this.distance = Math.min(50 * this.home.distance, Math.max(0.05 * this.home.distance, this.distance * Math.exp(0.0012 * steps))); }
+  }
+
+  class Scene {
+    constructor(box, data) {
+      Object.assign(this, {box, data, frame: 0, canvas: box.querySelector('canvas'), layout: () => this.resize()});
+      this.size = Math.max(data.target.width, data.target.height);
+      this.eye = this.firstEye();
+      this.listen();
+    }
+
+    /** From the side, far enough for nine tenths of all poses. */
+    firstEye() {
+      const {target, frames} = this.data;
+      const poses = [];
+      for (let f = 0; f < frames; f += Math.max(1, Math.floor(frames / 200))) poses.push(this.data.pose(f));
+      this.data.rounds.slice(0, 3).forEach((r) => poses.push(...r.poses));
+      const known = poses.filter(Boolean).map((T) => [T[3], T[7], T[11]]);
+      const tenth = (values, share) => values.sort((a, b) => a - b)[Math.floor(share * (values.length - 1))];
+      const far = known.length ? tenth(known.map((p) => Math.abs(p[2])), 0.9) : 2 * this.size;
+      const focus = [target.width / 2, target.height / 2, 0.45 * far];
+      const radius = known.length ? tenth(known.map((p) => Math.hypot(...minus(p, focus))), 0.9) : this.size;
+      return new Eye(focus, Math.max(1.25 * far + 1.15 * this.size, 2.5 * radius));
+    }
+
+    resize() {
+      const ratio = window.devicePixelRatio || 1;
+      this.width = this.box.clientWidth;
+      this.height = this.box.clientHeight;
+      this.canvas.width = Math.round(this.width * ratio);
+      this.canvas.height = Math.round(this.height * ratio);
+      this.ratio = ratio;
+      this.draw(this.frame);
+    }
+
+    line(ctx, points, closed) {
+      let pen = false;
+      for (const point of closed ? [...points, points[0]] : points) {
+        const p = this.eye.project(point);
+        if (p) { if (pen) ctx.lineTo(p[0], p[1]); else ctx.moveTo(p[0], p[1]); }
+        pen = Boolean(p);
+      }
+    }
+
+    stroke(ctx, colour, width, paint) {
+      ctx.beginPath();
+      paint();
+      ctx.strokeStyle = colour;
+      ctx.lineWidth = width;
+      ctx.stroke();
+    }
+
+    frustumLines(ctx, p) {
+      this.line(ctx, p.slice(1), true);
+      this.line(ctx, [p[1], p[0], p[3]], false);
+      this.line(ctx, [p[2], p[0], p[4]], false);
+    }
+
+    drawTarget(ctx) {
+      const {width: w, height: h, margin: m, points, corners} = this.data.target;
+      const front = this.eye.at[2] > 0;
+      ctx.beginPath();
+      this.line(ctx, [[-m, -m, 0], [w + m, -m, 0], [w + m, h + m, 0], [-m, h + m, 0]], true);
+      ctx.fillStyle = front ? '#fff' : '#dde2e8';
+      ctx.fill();
+      this.stroke(ctx, '#969ca6', 1, () => this.line(ctx, [[-m, -m, 0], [w + m, -m, 0], [w + m, h + m, 0], [-m, h + m, 0]], true));
+      if (front) {
+        ctx.beginPath();
+        for (let id = 0; id < corners; id += 4) {
+          this.line(ctx, [0, 1, 2, 3].map((k) => [points[2 * (id + k)], points[2 * (id + k) + 1], 0]), true);
+        }
+        ctx.fillStyle = '#2a3038';
+        ctx.fill();
+      }
+      const axes = [[[1, 0, 0], '#c81e28'], [[0, 1, 0], '#148c3c'], [[0, 0, 1], '#1e50c8']];
+      for (const [d, colour] of axes) this.stroke(ctx, colour, 2, () => this.line(ctx, [[0, 0, 0], d.map((v) => 0.28 * this.size * v)], false));
+    }
+
+    drawKept(ctx) {
+      const kept = this.data.keptBy(this.frame).filter((f) => this.data.pose(f));
+      const stage = this.data.word('stage', this.frame);
+      if (stage === 'camera-imu') {  // every frame is kept: their path says it
+        this.stroke(ctx, KEPT, 1.2, () => this.line(ctx, kept.map((f) => { const T = this.data.pose(f); return [T[3], T[7], T[11]]; }), false));
+        return kept.length;
+      }
+      const step = Math.ceil(kept.length / 150) || 1;
+      this.stroke(ctx, KEPT, 1, () => {
+        for (let i = 0; i < kept.length; i += step) this.frustumLines(ctx, frustum(this.data.pose(kept[i]), this.data.cameras[0].frustum, 0.07 * this.size));
+      });
+      return kept.length;
+    }
+
+    drawCandidates(ctx, round) {
+      this.spots = [];
+      const most = Math.max(1e-9, ...[...round.mi].filter(Number.isFinite));
+      const order = round.poses.map((T, i) => ({T, i, at: this.eye.project([T[3], T[7], T[11]])}))
+        .filter((c) => c.at).sort((a, b) => b.at[2] - a.at[2]);
+      for (const {T, i, at} of order) {
+        this.spots.push({x: at[0], y: at[1], text: `${round.names[i]}: ${this.gain(round.mi[i])}`});
+        if (i === round.best) continue;
+        const scored = !Number.isNaN(round.mi[i]);
+        const colour = scored ? ramp(round.mi[i] / most) : UNSCORED;
+        this.stroke(ctx, colour, scored ? 1.3 : 0.8, () => this.frustumLines(ctx, frustum(T, this.data.cameras[0].frustum, 0.055 * this.size)));
+      }
+      if (round.best < 0) return most;
+      const T = round.poses[round.best];
+      this.stroke(ctx, BEST, 2.2, () => this.frustumLines(ctx, frustum(T, this.data.cameras[0].frustum, 0.085 * this.size)));
+      const at = this.eye.project([T[3], T[7], T[11]]);
+      if (at) { ctx.beginPath(); ctx.arc(at[0], at[1], 6, 0, 7); ctx.lineWidth = 2; ctx.stroke(); }
+      return most;
+    }
+
+    drawSuggestion(ctx, suggestion) {
+      const p = suggestion.path, points = [];
+      for (let i = 0; i < p.length; i += 3) points.push([p[i], p[i + 1], p[i + 2]]);
+      if (points.length) this.stroke(ctx, ASKED, 2, () => this.line(ctx, points, false));
+      ctx.setLineDash([4, 3]);
+      this.stroke(ctx, ASKED, 2, () => this.frustumLines(ctx, frustum(suggestion.pose, this.data.cameras[0].frustum, 0.13 * this.size)));
+      ctx.setLineDash([]);
+    }
+
+    drawRig(ctx) {
+      const T = this.data.pose(this.frame);
+      if (!T) return;
+      for (const camera of this.data.cameras) {
+        this.stroke(ctx, `rgb(${camera.colour.join(',')})`, 2.2, () => this.frustumLines(ctx, frustum(T, camera.frustum, 0.16 * this.size)));
+      }
+    }
+
+    gain(nats) {
+      if (Number.isNaN(nats)) return 'not scored';
+      return nats === Infinity ? 'unbounded' : `${(nats / Math.LN2).toFixed(2)} bits`;
+    }
+
+    draw(frame) {
+      this.frame = frame;
+      if (!this.width) return;
+      const ctx = this.canvas.getContext('2d');
+      ctx.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+      ctx.clearRect(0, 0, this.width, this.height);
+      ctx.lineJoin = ctx.lineCap = 'round';
+      this.eye.aim(this.width, this.height);
+      this.drawTarget(ctx);
+      const kept = this.drawKept(ctx);
+      const round = this.data.roundAt(frame);
+      this.spots = [];
+      const most = round ? this.drawCandidates(ctx, round) : 0;
+      const suggestion = this.data.suggestionAt(frame);
+      if (suggestion) this.drawSuggestion(ctx, suggestion);
+      this.drawRig(ctx);
+      this.say(kept, round, most, suggestion);
+    }
+
+    say(kept, round, most, suggestion) {
+      const legend = this.box.querySelector('[data-part="legend"]');
+      const parts = [this.data.pose(this.frame) ? '<span><b>now</b> thick</span>' : '<span><b>no pose</b> at this frame</span>',
+        `<span style="color:#14794f">kept: ${kept}</span>`];
+      if (suggestion) parts.push('<span style="color:#b4600a">asked: dashed</span>');
+      if (round && round.poses.length > 12) {
+        parts.push(`<span>candidates <i class="ramp"></i>0 to ${this.gain(most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);
+      }
+      if (legend.innerHTML !== parts.join('')) legend.innerHTML = parts.join('');
+      this.list(round);
+    }
+
+    /** Few candidates are named. */
+    list(round) {
+      const box = this.box.querySelector('[data-part="candidates"]');
+      box.hidden = !round || round.poses.length > 12 || !round.poses.length;
+      if (box.hidden || this.listed === round) return;
+      this.listed = round;
+      const table = document.createElement('table');
+      round.names.forEach((name, i) => {
+        const row = table.insertRow();
+        row.className = i === round.best ? 'best' : '';
+        row.insertCell().textContent = name;
+        row.insertCell().textContent = this.gain(round.mi[i]);
+      });
+      box.replaceChildren(table);
+    }
+
+    point(event) {
+      const box = this.canvas.getBoundingClientRect();
+      const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+      let best = null, least = 144;
+      for (const s of this.spots || []) {
+        const d = (s.x - x) ** 2 + (s.y - y) ** 2;
+        if (d < least) { least = d; best = s; }
+      }
+      this.canvas.title = best ? best.text : '';
+    }
+
+    listen() {
+      let last = null;
+      const redraw = () => this.draw(this.frame);
+      this.canvas.addEventListener('pointerdown', (e) => { last = [e.clientX, e.clientY]; this.canvas.setPointerCapture(e.pointerId); });
+      this.canvas.addEventListener('pointerup', () => { last = null; });
+      this.canvas.addEventListener('pointermove', (e) => {
+        if (!last) { this.point(e); return; }
+        this.eye[e.shiftKey ? 'move' : 'turn'](e.clientX - last[0], e.clientY - last[1]);
+        last = [e.clientX, e.clientY];
+        redraw();
+      });
+      this.canvas.addEventListener('wheel', (e) => { e.preventDefault(); this.eye.zoom(e.deltaY); redraw(); }, {passive: false});
+      this.canvas.addEventListener('dblclick', () => { this.eye.reset(); redraw(); });
+    }
+  }
+
+  window.plumblineReplay.scene = (box, data) => new Scene(box, data);
+})();

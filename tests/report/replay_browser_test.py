@@ -1,0 +1,288 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Opens the page of a replay in headless Chromium and plays with it.
+
+usage: replay_browser_test.py WRITE_REPLAY_PAGE PNG_REGIONS
+
+Proves, with the page opened as a file and without a GPU: no script error; the log says of every
+frame what the record says of it, by slider, keys, events, timeline and playing; nothing is blank;
+corners, images and suggestions are drawn where they belong; the scene turns; the player fits into
+the window of a laptop; 1,500 stereo frames stay below 30 MB, with images too.
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+from browser_test import STUDY_PROBE, fail, instrument, photograph, probe
+
+FLAT = ["--disable-gpu"]
+FIELDS = ["frame", "time", "stage", "mode", "reason", "mi", "entropy", "suggestion", "distance"]
+MOST_BYTES = 30_000_000
+
+PROBE = """<script>
+const part = (name) => document.querySelector(`[data-part="${name}"]`);
+const field = (name) => document.querySelector(`[data-field="${name}"] span`).textContent;
+const slide = (f) => { const s = part('slider'); s.value = f; s.dispatchEvent(new Event('input', {bubbles: true})); };
+const press = (key, more) => document.body.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true, ...more}));
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+const frame = () => Number(field('frame').split(' ')[0]);
+const pixels = (c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+const looks = (c) => {
+  const seen = new Map(), data = pixels(c);
+  for (let i = 0; i < data.length; i += 4) {
+    const key = data[i] << 24 ^ data[i + 1] << 16 ^ data[i + 2] << 8 ^ data[i + 3];
+    seen.set(key, (seen.get(key) || 0) + 1);
+  }
+  return {colours: seen.size, share: 1 - Math.max(...seen.values()) / (data.length / 4)};
+};
+const hash = (c) => pixels(c).reduce((h, v) => (h * 31 + v) | 0, 7);
+// How many pixels have the hue of what is asked for: far more red than blue.
+const asked = (c) => { let n = 0; const d = pixels(c); for (let i = 0; i < d.length; i += 4) if (d[i] > 150 && d[i] - d[i + 2] > 90) ++n; return n; };
+const send = (target, kind, x, y, buttons) => target.dispatchEvent(new PointerEvent(kind, {clientX: x, clientY: y,
+  pointerId: 1, pointerType: 'mouse', isPrimary: true, button: 0, buttons, bubbles: true, cancelable: true}));
+const turn = (canvas) => {
+  const box = canvas.getBoundingClientRect(), x = box.left + 80, y = box.top + 80;
+  send(canvas, 'pointerdown', x, y, 1);
+  for (let i = 1; i < 8; ++i) send(canvas, 'pointermove', x + 9 * i, y + 3 * i, 1);
+  send(canvas, 'pointerup', x + 72, y + 24, 0);
+};
+const keys = () => {
+  slide(100);
+  const steps = [['ArrowRight', {}], ['ArrowLeft', {}], ['ArrowRight', {shiftKey: true}], ['ArrowLeft', {shiftKey: true}],
+    ['ArrowDown', {}], ['ArrowUp', {}], ['End', {}], ['Home', {}]];
+  return steps.map(([key, more]) => { press(key, more); return [key, frame()]; });
+};
+const playing = async () => {
+  slide(10);
+  press(' ');
+  await wait(1200);
+  const during = frame();
+  press(' ');
+  const stopped = frame();
+  await wait(400);
+  const resting = frame();
+  part('speed').value = '8';
+  document.querySelector('[data-act="play"]').click();
+  await wait(400);
+  document.querySelector('[data-act="play"]').click();
+  return {during, stopped, resting, fast: frame() - resting};
+};
+const views = () => [...document.querySelectorAll('.player-view canvas')];
+const measure = async () => {
+  const result = {errors: pageErrors, log: [], looks: {}, tags: [], size: [innerWidth, innerHeight, document.getElementById('player').getBoundingClientRect().bottom + scrollY]};
+  const count = Number(part('slider').max) + 1;
+  for (let f = 0; f < count; f += wanted.step) { slide(f); result.log.push(wanted.fields.map(field)); }
+  for (const [f, u, v, width] of wanted.tags) {
+    slide(f);
+    await wait(60);  // the image is decoded
+    const c = views()[0], s = c.width / width;
+    result.tags.push([...c.getContext('2d').getImageData((u + 0.5) * s, (v + 0.5) * s, 1, 1).data]);
+  }
+  const scene = document.querySelector('.player-scene canvas');
+  slide(wanted.with_suggestion);
+  await wait(60);
+  for (const c of document.querySelectorAll('#player canvas')) result.looks[Object.keys(result.looks).length] = looks(c);
+  result.asked = [asked(views()[0]), asked(scene)];
+  result.legend = part('legend').textContent;
+  const before = hash(scene);
+  turn(scene);
+  result.turned = hash(scene) !== before;
+  slide(wanted.trajectory);
+  result.candidates = part('candidates').hidden ? '' : part('candidates').textContent;
+  slide(wanted.without_suggestion);
+  await wait(60);
+  result.not_asked = asked(views()[0]);
+  result.keys = keys();
+  result.events = [...document.querySelectorAll('.player-events button')].map((b) => { b.click(); return [b.className, frame(), b.textContent]; });
+  const line = document.querySelector('[data-line="mi"]').getBoundingClientRect();
+  send(document.querySelector('[data-line="mi"]'), 'pointerdown', line.left + 46 + (line.width - 56) / 2, line.top + 30, 1);
+  result.line = frame();
+  result.playing = await playing();
+  result.note = (document.querySelector('.player-note') || {textContent: ''}).textContent;
+  return result;
+};
+window.addEventListener('load', () => setTimeout(async () => {
+  let result = {errors: pageErrors};
+  try { result = await measure(); } catch (e) { pageErrors.push(String(e.stack)); }
+  const out = document.createElement('script');
+  out.type = 'application/json';
+  out.id = 'probe';
+  out.textContent = JSON.stringify(result).replaceAll('<', '\\\\u003c');
+  document.body.append(out);
+}, 300));
+</script>"""
+
+
+def decisions_of(page):
+    """Rows of what the record says, as write_page left them beside the page."""
+    rows = []
+    with open(page + ".decisions", encoding="utf-8") as file:
+        for line in file:
+            w = line.split()
+            number = [None if v == "-" else float(v) for v in w[5:]]
+            rows.append({"frame": int(w[0]), "seconds": float(w[1]), "stage": w[2], "mode": w[3],
+                         "reason": w[4], "mi": number[0], "entropy": number[1],
+                         "suggestion": number[2], "distance": number[3], "tag": number[4:6]})
+    return rows
+
+
+def expected_log(d, last):
+    """The fields' texts, from the record's numbers and the units alone."""
+    bits = 1 / math.log(2)
+    none = "\u2013"
+    gain = none
+    if d["mi"] is not None:
+        gain = "unbounded" if math.isinf(d["mi"]) else "%.3f bits (%.3f nats)" % (d["mi"] * bits,
+                                                                                d["mi"])
+    entropy = none if d["entropy"] is None else "%.3f nats (%.3f bits)" % (d["entropy"],
+                                                                            d["entropy"] * bits)
+    asked = none if d["suggestion"] is None else "#%d" % d["suggestion"]
+    distance = none if d["distance"] is None else "%.1f px" % d["distance"]
+    return ["%d of %d" % (d["frame"], last), "%.3f s" % d["seconds"], d["stage"], d["mode"],
+            d["reason"], gain, entropy, asked, distance]
+
+
+def check_log(name, result, decisions, step):
+    shown = result["log"]
+    if len(shown) != len(decisions[::step]):
+        fail("%s: the slider has %d frames, the record %d" % (name, len(shown), len(decisions)))
+    suggested = 0
+    for said, d in zip(shown, decisions[::step]):
+        said[7] = said[7].split(" ")[0]  # "#3 name"
+        if said != expected_log(d, len(decisions) - 1):
+            fail("%s: the log says %s where the record has %s" % (name, said, d))
+        suggested += d["suggestion"] is not None
+    if suggested < 5:
+        fail(name + ": hardly any frame with a suggestion was compared")
+
+
+def check_moves(name, result, decisions):
+    last = len(decisions) - 1
+    seconds = [d["seconds"] for d in decisions]
+    keys = dict((key, frame) for key, frame in result["keys"][4:])
+    moves = [frame for _, frame in result["keys"][:4]]
+    if moves[:2] != [101, 100] or not 118 <= moves[2] <= 121 or moves[3] != 100:
+        fail("%s: arrows lead to %s" % (name, moves))
+    frames = [frame for _, frame, _ in result["events"]]
+    after = min(f for f in frames if f > 100)
+    if keys["ArrowDown"] != after or keys["ArrowUp"] != max(f for f in frames if f < after):
+        fail("%s: up and down do not lead to the events: %s" % (name, keys))
+    if keys["End"] != last or keys["Home"] != 0:
+        fail("%s: home and end lead to %s" % (name, keys))
+    if abs(result["line"] - last / 2) > 1:
+        fail("%s: a click on the middle of the timeline leads to %s" % (name, result["line"]))
+    p = result["playing"]
+    played = seconds[p["during"]] - seconds[10]
+    if not 0.5 < played < 1.8 or p["resting"] != p["stopped"] or not 0 <= p["stopped"] - p["during"] <= 2:
+        fail("%s: playing for 1.2 s shows %.2f s, %s" % (name, played, p))
+    if not p["fast"] > 30:
+        fail("%s: 0.4 s at eight times the speed show %d frames" % (name, p["fast"]))
+
+
+def check_events(name, result, decisions):
+    kinds = [kind.split()[0] for kind, _, _ in result["events"]]
+    frames = [frame for _, frame, _ in result["events"]]
+    if frames != sorted(frames) or not {"initialised", "opened", "reached", "expired", "finished",
+                                        "problem"} <= set(kinds):
+        fail("%s: events %s at %s" % (name, kinds, frames))
+    for kind, reason in (("initialised", "initialised"), ("problem", "time-jump")):
+        there = [d["frame"] for d in decisions if d["reason"] == reason]
+        if not set(there) <= {f for f, k in zip(frames, kinds) if k == kind}:
+            fail("%s: no event at the frames %s that are %s" % (name, there, reason))
+    lost = [text for _, _, text in result["events"] if "target lost" in text]
+    if len(lost) != 1 or "frames)" not in lost[0] or '> & "more"' not in lost[0]:
+        fail("%s: the lost target is said as %s" % (name, lost))
+
+
+def check_drawn(name, result, images):
+    for index, looks in result["looks"].items():
+        if looks["share"] < 0.01 or looks["colours"] < 5:
+            fail("%s: canvas %s is blank: %s" % (name, index, looks))
+    if len(result["looks"]) != 5:
+        fail("%s: %d canvases" % (name, len(result["looks"])))
+    dark = [pixel for pixel in result["tags"] if max(pixel[:3]) < 110]
+    if len(dark) < 3 or len(dark) != len(result["tags"]):
+        fail("%s: tags are not drawn where the corners are: %s" % (name, result["tags"]))
+    asked, in_scene = result["asked"]
+    if asked < 100 or in_scene < 50 or result["not_asked"] > 0:
+        fail("%s: suggestion drawn with %d and %d pixels, %d without one"
+             % (name, asked, in_scene, result["not_asked"]))
+    if not result["turned"]:
+        fail(name + ": the scene does not turn when dragged")
+    if "bits" not in result["legend"] or "figure 8" not in result["candidates"]:
+        fail("%s: candidates are not explained: %s, %s" % (name, result["legend"], result["candidates"]))
+    if images and "image" not in result["note"]:
+        fail("%s: nothing is said of the images: %s" % (name, result["note"]))
+
+
+def wanted_of(decisions, step):
+    """What the probe shall look at."""
+    camera = [d for d in decisions if d["stage"] == "camera"]
+    far = [d for d in camera if d["suggestion"] is not None and (d["distance"] or 0) > 60]
+    plain = [d for d in camera if d["suggestion"] is None and d["tag"][0] is not None]
+    path = [d for d in decisions if d["stage"] == "camera-imu" and d["suggestion"] is not None]
+    return {"step": step, "fields": FIELDS, "with_suggestion": far[0]["frame"],
+            "without_suggestion": plain[0]["frame"], "trajectory": path[0]["frame"],
+            "tags": [[d["frame"], *d["tag"], 752] for d in plain[::max(1, len(plain) // 5)]]}
+
+
+def check_page(name, write_page, tool, folder, options):
+    """options: frames, columns of tags, images or not, every how many-th frame is read."""
+    page = os.path.join(folder, "replay.html")
+    words = [str(options["frames"]), str(options["columns"])] + ["images"] * options["images"]
+    subprocess.run([write_page, page, *words], check=True)
+    size = os.path.getsize(page)
+    if size >= MOST_BYTES:
+        fail("%s: %d bytes" % (name, size))
+    decisions = decisions_of(page)
+    wanted = wanted_of(decisions, options["step"])
+    instrument(page, PROBE.replace("<script>", "<script>const wanted = %s;" % json.dumps(wanted), 1))
+    result = probe("file://" + page, *FLAT, "--window-size=1366,740", "--virtual-time-budget=30000")
+    if result["errors"]:
+        fail("%s: script errors: %s" % (name, result["errors"][:5]))
+    check_log(name, result, decisions, options["step"])
+    check_events(name, result, decisions)
+    check_drawn(name, result, options["images"])
+    if options["frames"] == 300:
+        check_moves(name, result, decisions)
+    width, height, bottom = result["size"]
+    if bottom > height or height > 740:
+        fail("%s: the player ends at %d px of a window of %d x %d" % (name, bottom, width, height))
+    print("%s: %.1f MB; %d frames' logs are the record's; player %d px high in %d x %d; %s"
+          % (name, size / 1e6, len(result["log"]), bottom, width, height, result["note"]))
+
+
+def check_figures(write_page, tool, folder):
+    """The static part, as the pages of studies are looked at."""
+    page = os.path.join(folder, "figures.html")
+    subprocess.run([write_page, page, "300", "6"], check=True)
+    instrument(page, STUDY_PROBE)
+    result = probe("file://" + page, *FLAT)
+    shots = photograph("file://" + page, tool, folder, [f[1:] for f in result["figures"]],
+                       graphics=FLAT)
+    for figure, (pixels, share, colours, _) in zip(result["figures"], shots):
+        if pixels < 15000 or share < 0.02 or colours < 10:
+            fail("figure %s is blank (%d px, %.3f, %d colours)" % (figure[0], pixels, share, colours))
+    if result["errors"] or len(shots) < 3 or len(result["tables"]) < 6:
+        fail("static part: %d figures, %d tables, %s"
+             % (len(shots), len(result["tables"]), result["errors"]))
+    print("static part: %d figures, none blank; %d tables" % (len(shots), len(result["tables"])))
+
+
+def main():
+    write_page, tool = sys.argv[1:3]
+    with tempfile.TemporaryDirectory() as folder:
+        pages = (("300 frames", {"frames": 300, "columns": 6, "images": 0, "step": 1}),
+                 ("300 frames, images", {"frames": 300, "columns": 6, "images": 1, "step": 7}),
+                 ("1,500 frames", {"frames": 1500, "columns": 12, "images": 0, "step": 11}),
+                 ("1,500 frames, images", {"frames": 1500, "columns": 12, "images": 1, "step": 50}))
+        for name, options in pages:
+            check_page(name, write_page, tool, folder, options)
+        check_figures(write_page, tool, folder)
+
+
+if __name__ == "__main__":
+    main()

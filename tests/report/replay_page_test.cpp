@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page of a replay: complete, self-contained, escaped, within its size, and what the player is
+// given is what the record holds. That the player shows it is for the browser test.
+#include "report/html/replay_page.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "report/html/base64.h"
+#include "report/html/replay_data.h"
+#include "report/html/replay_events.h"
+#include "tests/report/synthetic_replay.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::size_t kMostBytes = 30'000'000;
+
+/// An independent decoder: digit by digit, no tables.
+std::string decoded(const std::string& text) {
+  std::string bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    const int digit = c >= 'A' && c <= 'Z'   ? c - 'A'
+                      : c >= 'a' && c <= 'z' ? c - 'a' + 26
+                      : c >= '0' && c <= '9' ? c - '0' + 52
+                      : c == '+'             ? 62
+                                             : 63;
+    bits = bits << 6 | static_cast<unsigned>(digit);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 255U);
+  }
+  return bytes;
+}
+
+template <class T>
+std::vector<T> values(const nlohmann::json& text) {
+  const std::string bytes = decoded(text.get<std::string>());
+  std::vector<T> list(bytes.size() / sizeof(T));
+  if (!list.empty()) std::memcpy(list.data(), bytes.data(), bytes.size());
+  return list;
+}
+
+const ReplayRecord& replay() {
+  static const ReplayRecord kRecord = test::syntheticReplay();
+  return kRecord;
+}
+
+nlohmann::json dataOf(const ReplayRecord& record) {
+  return nlohmann::json::parse(html_internal::replayData(record, 1'000'000, 2'000'000).json);
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+/// The text of a script element of the page.
+std::string scriptOf(const std::string& page, const std::string& id) {
+  const std::size_t from = page.find('>', page.find("id=\"" + id + "\"")) + 1;
+  return page.substr(from, page.find("</script>", from) - from);
+}
+
+TEST(Base64, GivesTheVectorsOfRfc4648) {
+  const std::pair<const char*, const char*> vectors[] = {{"", ""},
+                                                         {"f", "Zg=="},
+                                                         {"fo", "Zm8="},
+                                                         {"foo", "Zm9v"},
+                                                         {"foob", "Zm9vYg=="},
+                                                         {"fooba", "Zm9vYmE="},
+                                                         {"foobar", "Zm9vYmFy"}};
+  for (const auto& [bytes, text] : vectors)
+    EXPECT_EQ(html_internal::base64(std::string_view(bytes)), text);
+  std::string all;
+  for (int i = 0; i < 256; ++i) all += static_cast<char>(i);
+  EXPECT_EQ(decoded(html_internal::base64(std::string_view(all))), all);
+}
+
+TEST(ReplayPage, HasEveryPartAndAnEntryForIt) {
+  const std::string page = renderReplayPage(replay());
+  for (const char* id : {"player", "key-figures", "stages", "stop-audit", "suggestions",
+                         "compliance", "counterfactuals", "provenance"}) {
+    EXPECT_THAT(page, HasSubstr("<section id=\"" + std::string(id) + "\"")) << id;
+    EXPECT_THAT(page, HasSubstr("<a href=\"#" + std::string(id) + "\"")) << id;
+  }
+  EXPECT_EQ(count(page, "<svg xmlns"), 3U);  // entropy, held-out error, other model
+  EXPECT_THAT(page, HasSubstr("good enough at 31 views"));
+  EXPECT_THAT(page, HasSubstr("after 4.2 s in the median"));
+}
+
+TEST(ReplayPage, NeedsNothingFromOutsideAndEscapesWhatComesFromThere) {
+  const std::string page = renderReplayPage(replay());
+  for (const char* bad :
+       {"src=\"http", "href=\"http", "@import", "url(http", "fetch(", "<a> & b"}) {
+    EXPECT_THAT(page, Not(HasSubstr(bad))) << bad;
+  }
+  EXPECT_THAT(scriptOf(page, "replay-data"), Not(HasSubstr("<")));
+  EXPECT_EQ(renderReplayPage(replay()), page);
+}
+
+TEST(ReplayPage, SurvivesARecordWithoutAnything) {
+  const std::string page = renderReplayPage({});
+  EXPECT_THAT(page, HasSubstr("<section id=\"player\""));
+  for (const char* id : {"stages", "suggestions", "stop-audit", "compliance", "counterfactuals"}) {
+    EXPECT_THAT(page, Not(HasSubstr("<section id=\"" + std::string(id) + "\""))) << id;
+  }
+}
+
+TEST(ReplayPage, SaysWhyThereAreNoCounterfactuals) {
+  ReplayRecord record;
+  record.counterfactuals = Counterfactuals();
+  record.counterfactuals->problem = "only 9 frames: record more";
+  EXPECT_THAT(renderReplayPage(record), HasSubstr("only 9 frames: record more"));
+}
+
+TEST(ReplayData, HoldsEveryDecision) {
+  const auto json = dataOf(replay());
+  const auto mi = values<double>(json["table"]["mi"]);
+  const auto reasons = values<double>(json["table"]["reason"]);
+  const auto held = values<double>(json["table"]["held"]);
+  const auto offsets = values<double>(json["times"]["offsets"]);
+  const auto poses = values<float>(json["poses"]);
+  const auto start = std::stoll(json["times"]["start"].get<std::string>());
+  ASSERT_EQ(mi.size(), replay().decisions.size());
+  for (const Decision& d : replay().decisions) {
+    const auto f = static_cast<std::size_t>(d.frame);
+    EXPECT_TRUE(d.mi_nats ? mi[f] == *d.mi_nats : std::isnan(mi[f])) << f;
+    EXPECT_EQ(json["words"]["reason"][static_cast<std::size_t>(reasons[f])], toString(d.reason));
+    EXPECT_EQ(held[f], d.held_s);
+    EXPECT_EQ(start + static_cast<TimeNs>(offsets[f]), d.t);
+    EXPECT_EQ(std::isnan(poses[12 * f]), !d.T_FC0);
+    if (d.T_FC0) {
+      EXPECT_NEAR(poses[12 * f + 7], d.T_FC0->t.y(), 1e-6);
+    }
+  }
+}
+
+TEST(ReplayData, HoldsEveryCornerToAQuarterPixel) {
+  const auto json = dataOf(replay());
+  const std::size_t stride = 144 / 8;
+  for (std::size_t camera = 0; camera < 2; ++camera) {
+    const auto masks = values<std::uint8_t>(json["cameras"][camera]["corners"]["masks"]);
+    const auto uv = values<std::int16_t>(json["cameras"][camera]["corners"]["uv"]);
+    std::size_t at = 0;
+    for (std::size_t f = 0; f < replay().frames.size(); ++f) {
+      std::size_t bits = 0;
+      for (std::size_t b = 0; b < stride; ++b)
+        bits += std::bitset<8>(masks[f * stride + b]).count();
+      EXPECT_EQ(bits, replay().frames[f].corners[camera].size());
+      for (const Corner& c : replay().frames[f].corners[camera]) {
+        const auto id = static_cast<std::size_t>(c.id);
+        ASSERT_TRUE(masks[f * stride + id / 8] >> id % 8 & 1);
+        ASSERT_NEAR(uv[at++] / 4.0, c.uv.x(), 0.126);
+        ASSERT_NEAR(uv[at++] / 4.0, c.uv.y(), 0.126);
+      }
+    }
+    EXPECT_EQ(at, uv.size());
+  }
+}
+
+TEST(ReplayData, HoldsTheCandidatesWithTheirPosesAndGains) {
+  const auto json = dataOf(replay())["candidates"];
+  const auto poses = values<std::int16_t>(json["poses"]);
+  std::size_t k = 0, shared = 0;
+  for (const Decision& d : replay().decisions) {
+    if (!d.round) continue;
+    const auto& round = json["rounds"][k++];
+    EXPECT_EQ(round["frame"], d.frame);
+    EXPECT_EQ(round["best"], d.round->best);
+    const auto mi = values<float>(round["mi"]);
+    const auto names = values<std::uint32_t>(round["names"]);
+    const auto places = values<std::uint32_t>(round["poses"]);
+    ASSERT_EQ(mi.size(), d.round->mi_nats.size());
+    for (std::size_t i = 0; i < mi.size(); ++i) {
+      EXPECT_EQ(std::isnan(mi[i]), std::isnan(d.round->mi_nats[i]));
+      EXPECT_EQ(json["names"][names[i]], d.round->names[i]);
+      EXPECT_NEAR(poses[7 * places[i] + 2] / 1e3, d.round->T_FC0[i].t.z(), 5.1e-4);
+      EXPECT_NEAR(poses[7 * places[i] + 6] / 32767.0, std::abs(d.round->T_FC0[i].quaternion().w()),
+                  2e-5);
+      ++shared;
+    }
+  }
+  ASSERT_GE(k, 5U);
+  EXPECT_EQ(k, json["rounds"].size());
+  EXPECT_LT(poses.size() / 7, shared / 2);  // the same candidates stand once
+}
+
+TEST(ReplayData, SuggestionsSpanTheFramesOnWhichTheyWereOpen) {
+  const auto json = dataOf(replay())["suggestions"];
+  ASSERT_EQ(json.size(), replay().suggestions.size());
+  for (const Decision& d : replay().decisions) {
+    if (!d.suggestion) continue;
+    const auto& s = json[static_cast<std::size_t>(*d.suggestion)];
+    EXPECT_LE(s["from"], d.frame);
+    EXPECT_GE(s["to"], d.frame);
+    if (d.opened) {
+      EXPECT_EQ(s["from"], d.frame);
+    }
+    if (d.event == SuggestionEvent::kReached) {
+      EXPECT_EQ(s["to"], d.frame);
+    }
+  }
+  const auto& first = replay().suggestions[0];
+  const auto uv = values<std::int16_t>(json[0]["overlay"][1]["uv"]);
+  ASSERT_EQ(uv.size(), 2 * first.overlay[1].size());
+  EXPECT_NEAR(uv[1] / 4.0, first.overlay[1][0].uv.y(), 0.126);
+}
+
+TEST(ReplayData, TakesASuggestionThatOnlyADecisionNames) {
+  ReplayRecord record = replay();
+  record.suggestions.clear();
+  const auto json = dataOf(record)["suggestions"];
+  ASSERT_EQ(json.size(), replay().suggestions.size());
+  EXPECT_EQ(json[1]["name"], replay().suggestions[1].suggestion.candidate);
+}
+
+TEST(ReplayEvents, SayALastingProblemOnceAndEachFinishOnce) {
+  const auto events = html_internal::replayEvents(replay());
+  int lost = 0, finished = 0;
+  for (const auto& e : events) {
+    lost += e.text.find("target lost") != std::string::npos ? 1 : 0;
+    finished += e.kind == "finished" ? 1 : 0;
+    EXPECT_GE(e.frame, 0);
+  }
+  EXPECT_EQ(lost, 1);
+  EXPECT_EQ(finished, 2);
+  EXPECT_TRUE(std::is_sorted(events.begin(), events.end(),
+                             [](const auto& a, const auto& b) { return a.frame < b.frame; }));
+}
+
+TEST(BitsAndNats, ShowsBoth) {
+  EXPECT_EQ(html_internal::bitsAndNats(0.2 * std::log(2.0)), "0.200 bits (0.139 nats)");
+  EXPECT_EQ(html_internal::bitsAndNats(std::numeric_limits<double>::infinity()), "unbounded");
+}
+
+TEST(ReplayPage, StaysSmallForALongRecording) {
+  test::SyntheticReplayOptions options;
+  options.frames = 1500;
+  const std::size_t stereo = renderReplayPage(test::syntheticReplay(options)).size();
+  EXPECT_LT(stereo, 6'000'000U);  // 144 corners a camera
+  options.columns = 12;
+  const std::size_t dense = renderReplayPage(test::syntheticReplay(options)).size();
+  EXPECT_LT(dense, 10'000'000U);  // 288 corners a camera
+  EXPECT_GT(dense, stereo);
+}
+
+TEST(ReplayPage, LeavesOutImagesEvenlyAndSaysSo) {
+  test::SyntheticReplayOptions options;
+  options.frames = 1500;
+  ReplayRecord record = test::syntheticReplay(options);
+  for (ReplayFrame& frame : record.frames) frame.jpeg.assign(2, std::string(20'000, '\xab'));
+  const std::string page = renderReplayPage(record);  // the images alone would take 80 MB
+  EXPECT_LT(page.size(), kMostBytes);
+  EXPECT_THAT(page, HasSubstr("every 4th of 1\u2009500 frames with images keeps its own"));
+  const auto kept = nlohmann::json::parse(scriptOf(page, "replay-data"))["images"]["frames"];
+  ASSERT_EQ(kept.size(), 375U);
+  for (std::size_t k = 0; k < kept.size(); ++k) ASSERT_EQ(kept[k], 4 * k);
+  EXPECT_EQ(count(scriptOf(page, "replay-images"), "\n"), 2 * kept.size());
+  ReplayPageOptions tight;
+  tight.image_bytes = 1'000'000;
+  const std::string smaller = renderReplayPage(record, tight);
+  EXPECT_LT(scriptOf(smaller, "replay-images").size(), tight.image_bytes);
+  EXPECT_GT(scriptOf(smaller, "replay-images").size(), tight.image_bytes / 2);
+}
+
+}  // namespace
+}  // namespace plumbline
