@@ -5,66 +5,27 @@
 #include <cmath>
 #include <thread>
 
+#include "calibrator/linear/row_kernels.h"
+
 namespace plumbline {
 namespace {
 
 constexpr int kB = kChainBlock;
 using BlockVector = Eigen::Matrix<double, kB, 1>;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using LowerFactor = Eigen::Matrix<double, kB, kB, Eigen::RowMajor>;
 
-/// One eliminated block: L of its pivot, and L^-1 (coupling to the neighbour | border | gradient).
-struct EliminatedBlock {
-  LowerFactor L;
-  ChainBorderRows panel;
-};
+// Rows of a block while it is eliminated: (pivot | coupling to the neighbour | border | gradient),
+// each part filled up with zeros to whole lanes.
+constexpr int kPart = 16;  // a block's columns, filled up
+constexpr int kNeighbour = kPart;
+constexpr int kBorder = 2 * kPart;
 
-/// In-place Cholesky of a symmetric matrix given by its upper triangle; false if not positive.
-bool factorise(const ChainMatrix& A, LowerFactor& L) {
-  L.setZero();
-  for (int j = 0; j < kB; ++j) {
-    const double pivot = A(j, j) - L.row(j).head(j).squaredNorm();
-    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-    L(j, j) = std::sqrt(pivot);
-    for (int i = j + 1; i < kB; ++i) {
-      L(i, j) = (A(j, i) - L.row(i).head(j).dot(L.row(j).head(j))) / L(j, j);
-    }
-  }
-  return true;
-}
+constexpr int filledUp(int columns) { return (columns + kRowLanes - 1) / kRowLanes * kRowLanes; }
 
-/// panel <- L^-1 panel, row operations over contiguous rows.
-void forwardSubstitute(const LowerFactor& L, ChainBorderRows& panel) {
-  for (int i = 0; i < kB; ++i) {
-    for (int k = 0; k < i; ++k) panel.row(i) -= L(i, k) * panel.row(k);
-    panel.row(i) *= 1 / L(i, i);
-  }
-}
-
-/// panel <- L'^-1 panel.
-void backSubstituteRows(const LowerFactor& L, ChainBorderRows& panel) {
-  for (int i = kB - 1; i >= 0; --i) {
-    panel.row(i) *= 1 / L(i, i);
-    for (int k = 0; k < i; ++k) panel.row(k) -= L(i, k) * panel.row(i);
-  }
-}
-
-/// x <- L'^-1 x.
-void backSubstitute(const LowerFactor& L, BlockVector& x) {
-  for (int i = kB - 1; i >= 0; --i) {
-    x(i) /= L(i, i);
-    for (int k = 0; k < i; ++k) x(k) -= L(i, k) * x(i);
-  }
-}
-
-/// What elimination hands on: to the neighbour's block, and (summed) to the border.
+/// What elimination hands on, J' J of the eliminated rows' coupled columns (upper triangle): to the
+/// neighbour's block in the rows of the first part, and (summed) to the border in the others.
 struct Carry {
-  explicit Carry(int border_columns)
-      : rows(ChainBorderRows::Zero(kB, border_columns)),
-        border(RowMatrix::Zero(border_columns, border_columns)) {}
-  ChainMatrix block = ChainMatrix::Zero();
-  ChainBorderRows rows;
-  RowMatrix border;  // upper triangle; last column: the gradient's part; corner: its square
+  explicit Carry(int columns) : gram(RowMatrix::Zero(columns, columns)) {}
+  RowMatrix gram;
   double log_det = 0;
   bool positive = true;
 };
@@ -74,19 +35,17 @@ class Elimination {
   Elimination(const BorderedChain& system, const ChainOptions& options)
       : system_(system),
         options_(options),
-        columns_(system.border() + 1),
+        columns_(kBorder + filledUp(system.border() + 1)),
         middle_(system.blocks() / 2),
         eliminated_(static_cast<std::size_t>(system.blocks())) {}
 
   std::optional<ChainSolution> run() {
-    Carry front(columns_);
-    Carry back(columns_);
+    Carry front(columns_ - kNeighbour);
+    Carry back(columns_ - kNeighbour);
     inParallel([&] { sweep(0, middle_, +1, front); },
                [&] { sweep(system_.blocks() - 1, middle_, -1, back); });
     if (!front.positive || !back.positive) return std::nullopt;
-    front.block += back.block;
-    front.rows += back.rows;
-    front.border += back.border;
+    front.gram += back.gram;
     front.log_det += back.log_det;
     if (system_.blocks() > 0) eliminate(middle_, 0, front);
     if (!front.positive) return std::nullopt;
@@ -136,61 +95,41 @@ class Elimination {
   /// Eliminates block i towards its neighbour i + direction (none for direction 0).
   void eliminate(int i, int direction, Carry& carry) {
     const auto at = static_cast<std::size_t>(i);
-    EliminatedBlock& e = eliminated_[at];
-    ChainMatrix A = system_.diagonal[at];
-    A.diagonal() *= 1 + options_.damping;
-    A -= carry.block;
-    if (!factorise(A, e.L)) {
-      carry.positive = false;
-      return;
+    RowMatrix& rows = eliminated_[at];
+    rows.setZero(kB, columns_);
+    for (int r = 0; r < kB; ++r) {
+      for (int c = r; c < kB; ++c) rows(r, c) = system_.diagonal[at](r, c);
+      rows(r, r) *= 1 + options_.damping;
     }
-    const int neighbour = direction == 0 ? 0 : kB;
-    e.panel.resize(kB, neighbour + columns_);
-    if (direction > 0) e.panel.leftCols(kB) = system_.next[at];
-    if (direction < 0) e.panel.leftCols(kB) = system_.next[at - 1].transpose();
-    e.panel.rightCols(columns_) = system_.to_border[at] - carry.rows;
-    forwardSubstitute(e.L, e.panel);
-    carry.log_det += 2 * e.L.diagonal().array().log().sum();
-    handOn(e.panel, neighbour, carry);
-  }
-
-  /// Products of the eliminated rows: upper triangles by row operations, in a fixed order.
-  void handOn(const ChainBorderRows& panel, int neighbour, Carry& carry) const {
-    if (neighbour > 0) {
-      const auto N = panel.leftCols<kB>();
-      const auto C = panel.rightCols(columns_);
-      carry.block.setZero();
-      carry.rows.setZero();
-      for (int k = 0; k < kB; ++k) {
-        for (int j = 0; j < kB; ++j) {
-          carry.block.col(j).head(j + 1) += N(k, j) * N.row(k).head(j + 1).transpose();
-          carry.rows.row(j) += N(k, j) * C.row(k);
-        }
-      }
-    }
-    const auto C = panel.rightCols(columns_);
-    for (int k = 0; k < kB; ++k) {
-      for (int j = 0; j < columns_; ++j) {
-        carry.border.row(j).tail(columns_ - j) += C(k, j) * C.row(k).tail(columns_ - j);
-      }
-    }
+    rows.leftCols<kPart>() -= carry.gram.topLeftCorner<kB, kPart>();
+    if (direction > 0) rows.middleCols<kB>(kNeighbour) = system_.next[at];
+    if (direction < 0) rows.middleCols<kB>(kNeighbour) = system_.next[at - 1].transpose();
+    const int border = system_.border() + 1;
+    rows.middleCols(kBorder, border) =
+        system_.to_border[at] - carry.gram.block(0, kPart, kB, border);
+    carry.positive = factoriseRows(rows);
+    if (!carry.positive) return;
+    carry.log_det += 2 * rows.diagonal().array().log().sum();
+    carry.gram.topRows<kPart>().setZero();
+    addGram(rows, kNeighbour, carry.gram);
   }
 
   std::optional<ChainSolution> substitute(const Carry& carry) const {
     const int m = system_.border();
+    const auto handed_on = carry.gram.block(kPart, kPart, m + 1, m + 1);
     ChainSolution out;
     Eigen::MatrixXd S = system_.border_block;
     S.diagonal() *= 1 + options_.damping;
-    S -= carry.border.topLeftCorner(m, m);
+    S -= handed_on.topLeftCorner(m, m);
     out.border_information = S.selfadjointView<Eigen::Upper>();
-    const Eigen::VectorXd s = system_.border_gradient - carry.border.col(m).head(m);
+    const Eigen::VectorXd s = system_.border_gradient - handed_on.col(m).head(m);
     const Eigen::LLT<Eigen::MatrixXd> llt(out.border_information);
     if (llt.info() != Eigen::Success) return std::nullopt;
     out.border_step = -llt.solve(s);
     if (!out.border_step.allFinite()) return std::nullopt;
     out.chain_log_det = carry.log_det;
     out.border_log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
-    out.decrement = carry.border(m, m) - s.dot(out.border_step);
+    out.decrement = handed_on(m, m) - s.dot(out.border_step);
     backSweeps(out);
     return out;
   }
@@ -210,57 +149,62 @@ class Elimination {
   }
 
   void blockStep(int i, int direction, ChainSolution& out) const {
-    const EliminatedBlock& e = eliminated_[static_cast<std::size_t>(i)];
+    const RowMatrix& rows = eliminated_[static_cast<std::size_t>(i)];
     const int m = system_.border();
-    BlockVector x = -e.panel.rightCols<1>();
-    if (m > 0) x -= e.panel.middleCols(e.panel.cols() - columns_, m) * out.border_step;
+    BlockVector x = -rows.col(kBorder + m);
+    if (m > 0) x.noalias() -= rows.middleCols(kBorder, m) * out.border_step;
     if (direction != 0) {
-      x -= e.panel.leftCols<kB>() * out.step[static_cast<std::size_t>(i + direction)];
+      const BlockVector& next = out.step[static_cast<std::size_t>(i + direction)];
+      x.noalias() -= rows.middleCols<kB>(kNeighbour).lazyProduct(next);
     }
-    backSubstitute(e.L, x);
+    for (int r = kB - 1; r >= 0; --r) {
+      for (int k = r + 1; k < kB; ++k) x(r) -= rows(r, k) * x(k);
+      x(r) /= rows(r, r);
+    }
     out.step[static_cast<std::size_t>(i)] = x;
   }
 
-  /// Covariance of (neighbour, border) of an eliminated block.
-  RowMatrix neighbourCovariance(int neighbour, const ChainCovariance& out) const {
+  /// Covariance of (neighbour | border) of an eliminated block, in the columns of its rows; zero
+  /// where there is no neighbour and in the columns that fill up.
+  RowMatrix coupledCovariance(int neighbour, const ChainCovariance& out) const {
     const int m = system_.border();
-    if (neighbour < 0) return out.border;
+    const int coupled = columns_ - kNeighbour;
+    RowMatrix S = RowMatrix::Zero(coupled, coupled);
+    S.block(kPart, kPart, m, m) = out.border;
+    if (neighbour < 0) return S;
     const auto at = static_cast<std::size_t>(neighbour);
-    RowMatrix S(kB + m, kB + m);
     S.topLeftCorner<kB, kB>() = out.diagonal[at];
-    S.topRightCorner(kB, m) = out.to_border[at];
-    S.bottomLeftCorner(m, kB) = out.to_border[at].transpose();
-    S.bottomRightCorner(m, m) = out.border;
+    S.block(0, kPart, kB, m) = out.to_border[at];
+    S.block(kPart, 0, m, kB) = out.to_border[at].transpose();
     return S;
   }
 
   void blockCovariance(int i, int direction, ChainCovariance& out) const {
     const auto at = static_cast<std::size_t>(i);
-    const EliminatedBlock& e = eliminated_[at];
+    const RowMatrix& rows = eliminated_[at];
     const int m = system_.border();
-    const int coupled = static_cast<int>(e.panel.cols()) - 1;  // neighbour, if any, and border
-    // L^-1 (panel | I), and then L'^-1 of it: K and (L L')^-1 side by side.
-    ChainBorderRows both(kB, coupled + kB);
-    both.leftCols(coupled) = e.panel.leftCols(coupled);
-    ChainBorderRows identity = ChainBorderRows::Identity(kB, kB);
-    forwardSubstitute(e.L, identity);
-    both.rightCols(kB) = identity;
-    backSubstituteRows(e.L, both);
-    const ChainBorderRows K = both.leftCols(coupled);
-    const ChainBorderRows KS =
-        K.lazyProduct(neighbourCovariance(direction == 0 ? -1 : i + direction, out));
-    const ChainMatrix S_ii = both.rightCols(kB) + KS.lazyProduct(K.transpose());
+    const RowMatrix K = solveUpper(rows, rows.rightCols(columns_ - kNeighbour));
+    const RowMatrix KS = product(K, coupledCovariance(direction == 0 ? -1 : i + direction, out));
+    RowMatrix identity = RowMatrix::Zero(kB, kPart);
+    identity.leftCols<kB>().setIdentity();
+    const RowMatrix inverse = solveUpper(rows, identity);  // of L' = U
+    RowMatrix transposed = RowMatrix::Zero(columns_ - kNeighbour, kPart);
+    transposed.leftCols<kB>() = K.transpose();
+    const ChainMatrix S_ii = product(KS, transposed).leftCols<kB>() +
+                             inverse.leftCols<kB>().lazyProduct(inverse.leftCols<kB>().transpose());
     out.diagonal[at] = 0.5 * (S_ii + S_ii.transpose());
-    out.to_border[at] = -KS.rightCols(m);
-    if (direction > 0) out.next[at] = -KS.leftCols(kB);
-    if (direction < 0) out.next[at - 1] = -KS.leftCols(kB).transpose();
+    out.to_border[at] = -KS.middleCols(kPart, m);
+    if (direction > 0) out.next[at] = -KS.leftCols<kB>();
+    if (direction < 0) out.next[at - 1] = -KS.leftCols<kB>().transpose();
   }
 
   const BorderedChain& system_;
   const ChainOptions& options_;
-  const int columns_;  // border and gradient
+  const int columns_;  // of the rows of a block
   const int middle_;
-  std::vector<EliminatedBlock> eliminated_;
+  /// Of each block L^-1 (pivot, which is then L', | neighbour | border | gradient); below the
+  /// diagonal of L' stands nothing of use.
+  std::vector<RowMatrix> eliminated_;
 };
 
 }  // namespace
