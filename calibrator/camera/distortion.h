@@ -35,24 +35,21 @@ double startRadius(const double* k, double target) {
   return 0.5 * (low + high);
 }
 
-/// The plane point (x, y) with distort(x, y) = (m_x, m_y), by Newton's method, to 1e-12; empty
-/// where there is none below the limit of the radius.
+/// Newton's method for distort(x, y) = (m_x, m_y) from `start`, to 1e-12; empty where it does not
+/// get there within `most_steps` or ends beyond the limit of the radius.
 template <class Distortion>
-std::optional<std::array<double, 2>> undistorted(const double* k, double m_x, double m_y) {
-  constexpr int kMostSteps = 50;
-  const double radius = std::hypot(m_x, m_y);
-  if (!std::isfinite(radius)) return std::nullopt;
-  const double scale = radius > 0 ? startRadius<Distortion>(k, radius) / radius : 0;
-  double x = scale * m_x;
-  double y = scale * m_y;
+std::optional<std::array<double, 2>> undistortedFrom(std::array<double, 2> start, const double* k,
+                                                     double m_x, double m_y, int most_steps) {
+  const double scale = 1 + std::sqrt(m_x * m_x + m_y * m_y);
+  auto [x, y] = start;
   double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < most_steps; ++i) {
     const auto d = Distortion::distort(k, x, y);
     const double miss_x = d.x - m_x;
     const double miss_y = d.y - m_y;
-    const double miss = std::hypot(miss_x, miss_y);
+    const double miss = std::sqrt(miss_x * miss_x + miss_y * miss_y);
     // Done at rounding, or where it no longer improves.
-    if (miss <= 4e-15 * (1 + radius) || (miss < 1e-12 && miss >= last)) {
+    if (miss <= 4e-15 * scale || (miss < 1e-12 && miss >= last)) {
       if (x * x + y * y < Distortion::squaredRadiusLimit(k)) return std::array<double, 2>{x, y};
       return std::nullopt;
     }
@@ -63,6 +60,20 @@ std::optional<std::array<double, 2>> undistorted(const double* k, double m_x, do
     if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
   }
   return std::nullopt;
+}
+
+/// The plane point (x, y) with distort(x, y) = (m_x, m_y), to 1e-12; empty where there is none
+/// below the limit of the radius. The distorted point itself is a good start nearly everywhere.
+template <class Distortion>
+std::optional<std::array<double, 2>> undistorted(const double* k, double m_x, double m_y) {
+  constexpr int kFewSteps = 8;
+  constexpr int kMostSteps = 50;
+  const double radius = std::hypot(m_x, m_y);
+  if (!std::isfinite(radius)) return std::nullopt;
+  const auto near = undistortedFrom<Distortion>({m_x, m_y}, k, m_x, m_y, kFewSteps);
+  if (near || radius == 0) return near;
+  const double scale = startRadius<Distortion>(k, radius) / radius;
+  return undistortedFrom<Distortion>({scale * m_x, scale * m_y}, k, m_x, m_y, kMostSteps);
 }
 
 }  // namespace plumbline
