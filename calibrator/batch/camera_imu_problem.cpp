@@ -5,6 +5,7 @@
 
 #include "calibrator/batch/camera_imu_exposure.h"
 #include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/linear/row_kernels.h"
 #include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
@@ -270,11 +271,12 @@ class Linearisation {
     ImuResidual r = imuResidual(*motion, i, j, gravity_);
     if (purpose_ == Purpose::kInformation) smoothOffset(window, bias, *motion, at, r, partial);
     // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
-    Eigen::Matrix<double, 9, 28> J;
+    RowMatrix J(9, 28);
     J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
-    const Eigen::Matrix<double, 9, 28> WJ =
-        std::sqrt(problem_.weights[at]) * weights_[at].sqrt_information.lazyProduct(J);
-    const Eigen::Matrix<double, 28, 28> G = WJ.transpose().lazyProduct(WJ);
+    J *= std::sqrt(problem_.weights[at]);
+    RowMatrix G = RowMatrix::Zero(28, 28);
+    addGram(product(weights_[at].sqrt_information, J), 0, G);
+    G.triangularView<Eigen::StrictlyLower>() = G.transpose();
     BorderedChain& chain = normals_.chain;
     constexpr int kGravity = BorderLayout::kGravity;
     chain.diagonal[at] += G.topLeftCorner<15, 15>();

@@ -94,29 +94,30 @@ ImuSegment withoutBias(const ImuSegment& s, const ImuBias& bias) {
 /// P <- F P F^T + Q over one segment that starts at attitude R (in S_i). With A = -R [a]x the
 /// attitude error enters velocity as A dt and position as A dt^2/2; noise of the segment itself
 /// enters with half of that lever, and white force noise has the position variance q dt^3/3.
+/// By blocks of 3: F = (dR' 0 0 | A dt, I, 0 | A dt^2/2, I dt, I).
 void advanceCovariance(const ImuSegment& s, const Eigen::Matrix3d& R, const Eigen::Matrix3d& dR,
                        const ImuNoise& noise, Matrix9d& P) {
   const double dt = s.dt;
   const Eigen::Matrix3d A = -R * skew(0.5 * (s.a0 + s.a1));
-  Matrix9d F = Matrix9d::Identity();
-  F.block<3, 3>(0, 0) = dR.transpose();
-  F.block<3, 3>(3, 0) = A * dt;
-  F.block<3, 3>(6, 0) = A * (0.5 * dt * dt);
-  F.block<3, 3>(6, 3).diagonal().setConstant(dt);
-  Eigen::Matrix<double, 9, 6> G = Eigen::Matrix<double, 9, 6>::Zero();
-  G.block<3, 3>(0, 0).setIdentity();
-  G.block<3, 3>(3, 0) = A * (dt / 2);
-  G.block<3, 3>(6, 0) = A * (dt * dt / 6);
-  G.block<3, 3>(3, 3).setIdentity();
-  G.block<3, 3>(6, 3).diagonal().setConstant(dt / 2);
+  const auto timesF = [&](const Matrix9d& X) {  // X F'
+    Matrix9d Y;
+    const Eigen::Matrix<double, 9, 3> lever = X.leftCols<3>().lazyProduct(A.transpose());
+    Y.leftCols<3>() = X.leftCols<3>().lazyProduct(dR);
+    Y.middleCols<3>(3) = X.middleCols<3>(3) + dt * lever;
+    Y.rightCols<3>() = X.rightCols<3>() + dt * X.middleCols<3>(3) + (0.5 * dt * dt) * lever;
+    return Y;
+  };
+  P = timesF(timesF(P).transpose());  // P is symmetric
+
   const double gyro = noise.gyro_density * noise.gyro_density * dt;
   const double accel = noise.accel_density * noise.accel_density * dt;
-  G.leftCols<3>() *= std::sqrt(gyro);
-  G.rightCols<3>() *= std::sqrt(accel);
-  const Matrix9d FP = F * P;
-  P.noalias() = FP * F.transpose();
-  P.noalias() += G * G.transpose();
-  P.diagonal().tail<3>().array() += accel * dt * dt / 12;
+  Eigen::Matrix<double, 9, 3> G;  // of the rates' noise
+  G << Eigen::Matrix3d::Identity(), A * (dt / 2), A * (dt * dt / 6);
+  P += gyro * G.lazyProduct(G.transpose());
+  P.diagonal().segment<3>(3).array() += accel;
+  P.block<3, 3>(3, 6).diagonal().array() += accel * dt / 2;
+  P.block<3, 3>(6, 3).diagonal().array() += accel * dt / 2;
+  P.diagonal().tail<3>().array() += accel * dt * dt / 3;
 }
 
 /// Mean of the samples within +- half_width_s of an instant of the IMU's clock, bias taken off; at
