@@ -32,11 +32,10 @@ std::string_view trimmed(std::string_view text) {
 constexpr std::array<double, 16> kPowersOfTen = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                  1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
-// A plain decimal of at most 15 digits: mantissa and power of ten are both exact doubles, so that
-// one division rounds correctly. False: anything else.
-bool parsePlain(std::string_view text, double& value, int& decimals) {
-  const char* c = text.data();
-  const char* const end = c + text.size();
+// A plain decimal of at most 15 digits at the start of [c, end): mantissa and power of ten are both
+// exact doubles, so that one division rounds correctly. Returns where it ends, null for anything
+// else.
+const char* parsePlain(const char* c, const char* end, double& value, int& decimals) {
   const bool negative = c != end && *c == '-';
   if (negative) ++c;
   const char* const first = c;
@@ -51,11 +50,11 @@ bool parsePlain(std::string_view text, double& value, int& decimals) {
     }
     decimals = static_cast<int>(c - point);
   }
-  if (c != end || whole + decimals == 0 || whole + decimals > 15) return false;
+  if (whole + decimals == 0 || whole + decimals > 15) return nullptr;
   const double magnitude =
       static_cast<double>(mantissa) / kPowersOfTen[static_cast<std::size_t>(decimals)];
   value = negative ? -magnitude : magnitude;
-  return true;
+  return c;
 }
 
 // Any decimal, with an exponent or many digits. False: not a number.
@@ -146,12 +145,20 @@ void CsvTable::failField(const char* name, std::string_view text, const char* ex
                                : "repair or delete this line"});
 }
 
+bool CsvTable::takeUpTo(const char* stop) {
+  if (stop != row_end_ && *stop != ',') return false;
+  field_ = stop == row_end_ ? nullptr : stop + 1;
+  return true;
+}
+
 TimeNs CsvTable::stamp() {
-  const std::string_view text = field("timestamp [ns]");
-  if (stamp_text_ != nullptr && text.size() == stamp_size_ &&
-      std::memcmp(text.data(), stamp_text_, stamp_size_) == 0) {
+  // Rows of one frame: the text of the row above once more.
+  if (stamp_text_ != nullptr && field_ != nullptr &&
+      row_end_ - field_ > static_cast<std::ptrdiff_t>(stamp_size_) &&
+      std::memcmp(field_, stamp_text_, stamp_size_) == 0 && takeUpTo(field_ + stamp_size_)) {
     return stamp_;
   }
+  const std::string_view text = field("timestamp [ns]");
   TimeNs value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc() && stop == text.data() + text.size();
@@ -169,8 +176,12 @@ TimeNs CsvTable::stamp() {
 }
 
 int CsvTable::integer(const char* name) {
-  const std::string_view text = field(name);
   int value = 0;
+  if (field_ != nullptr) {
+    const auto [stop, error] = std::from_chars(field_, row_end_, value);
+    if (error == std::errc() && takeUpTo(stop)) return value;
+  }
+  const std::string_view text = field(name);
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || stop != text.data() + text.size()) {
     failField(name, text, "an integer");
@@ -179,12 +190,20 @@ int CsvTable::integer(const char* name) {
 }
 
 double CsvTable::number(const char* name) {
-  const std::string_view text = field(name);
   const int decimals_before = decimals_;
   double value = 0;
-  if (!parsePlain(text, value, decimals_)) {
-    if (!parseAny(text, value)) failField(name, text, "a number");
-    if (!std::isfinite(value)) failField(name, text, "a finite number");
+  const char* const begin = field_;
+  const char* stop = begin == nullptr ? nullptr : parsePlain(begin, row_end_, value, decimals_);
+  std::string_view text;
+  if (stop != nullptr && takeUpTo(stop)) {
+    text = {begin, static_cast<std::size_t>(stop - begin)};
+  } else {  // blanks around it, an exponent, many digits, or no number
+    text = field(name);
+    stop = text.data() + text.size();
+    if (parsePlain(text.data(), stop, value, decimals_) != stop) {
+      if (!parseAny(text, value)) failField(name, text, "a number");
+      if (!std::isfinite(value)) failField(name, text, "a finite number");
+    }
   }
   // A last line without its newline may have lost digits of its last number: that would be a wrong
   // value rather than a missing one.

@@ -48,6 +48,8 @@ class CsvTable {
 
  private:
   std::string_view field(const char* name);
+  /// Moves behind the field if it ends at `stop`.
+  bool takeUpTo(const char* stop);
   void readHeader();
   [[noreturn]] void failField(const char* name, std::string_view text, const char* expected) const;
 
