@@ -188,8 +188,7 @@ std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
 
 std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
                                            std::vector<CounterfactualCurve> curves,
-                                           const std::vector<int>& views, double target_px,
-                                           int threads) {
+                                           const std::vector<int>& views, int threads) {
   struct Task {
     std::size_t curve;
     int views;
@@ -210,6 +209,12 @@ std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
         pointAt(pool, curves[task.curve].order, task.views);
   });
   for (std::size_t i = 0; i < tasks.size(); ++i) append(points[i], curves[tasks[i].curve]);
+  return curves;
+}
+
+std::vector<CounterfactualCurve> withViewsNeeded(const ViewPool& pool,
+                                                 std::vector<CounterfactualCurve> curves,
+                                                 double target_px, int threads) {
   forChunks(static_cast<int>(curves.size()), 1, threads, [&](const Chunk& chunk) {
     CounterfactualCurve& curve = curves[static_cast<std::size_t>(chunk.begin)];
     curve.views_needed = viewsNeeded(pool, curve, target_px);

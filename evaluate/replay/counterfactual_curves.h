@@ -22,13 +22,17 @@ std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
 std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
                                 const std::vector<int>& asked);
 
-/// The curves with entropies and held-out errors at those numbers of views, and views_needed to
-/// come to `target_px` or below for good: from the last of `views` that misses it, the interval up
-/// to the next one is halved. The same for any number of threads.
+/// The curves with entropies and held-out errors at those numbers of views. The same for any number
+/// of threads.
 std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
                                            std::vector<CounterfactualCurve> curves,
-                                           const std::vector<int>& views, double target_px,
-                                           int threads);
+                                           const std::vector<int>& views, int threads);
+
+/// Evaluated curves with views_needed to come to `target_px` or below for good: from the last
+/// number of views that misses it, the interval up to the next one is halved.
+std::vector<CounterfactualCurve> withViewsNeeded(const ViewPool& pool,
+                                                 std::vector<CounterfactualCurve> curves,
+                                                 double target_px, int threads);
 
 /// Quartiles over the seeds of each strategy, and each strategy's regret.
 std::vector<CounterfactualBand> bandsOf(const std::vector<CounterfactualCurve>& curves);

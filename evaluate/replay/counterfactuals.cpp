@@ -34,6 +34,15 @@ std::vector<CameraModelPair> otherModels(const CameraEstimate& cameras) {
   return models;
 }
 
+/// Entropies, held-out errors and views needed of all orders.
+std::vector<CounterfactualCurve> judged(const ViewPool& pool,
+                                        std::vector<CounterfactualCurve> curves, double full_px,
+                                        const CounterfactualOptions& options) {
+  const auto views = evaluatedViews(curves, options.views);
+  curves = evaluated(pool, std::move(curves), views, options.threads);
+  return withViewsNeeded(pool, std::move(curves), kEnough * full_px, options.threads);
+}
+
 /// Greedy MI and random orders under another model, on the same split.
 void addOtherModel(const ViewPool& first, const FrameSplit& split,
                    const CounterfactualOptions& options, Counterfactuals& out) {
@@ -49,8 +58,7 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
     }
   }
   const double full_px = pool->heldOutError(pool->reference().estimate).px;
-  const auto views = evaluatedViews(curves, options.views);
-  curves = evaluated(*pool, std::move(curves), views, kEnough * full_px, options.threads);
+  curves = judged(*pool, std::move(curves), full_px, options);
   out.other_model = "pinhole-" + toString(camera.models.front().distortion);
   out.other_model_bands = bandsOf(curves);
 }
@@ -78,12 +86,10 @@ Counterfactuals counterfactuals(const Session& session, const FrameSplit& split,
   out.held_out_frames = static_cast<int>(pool->heldOut().size());
   out.full_pool_entropy_nats = pool->reference().entropy_nats;
   out.full_pool_held_out_px = pool->heldOutError(pool->reference().estimate).px;
-  auto curves = strategyOrders(*pool, guide_frames, options);
-  const auto views = evaluatedViews(curves, options.views);
-  curves = evaluated(*pool, std::move(curves), views, kEnough * out.full_pool_held_out_px,
-                     options.threads);
+  const auto curves = judged(*pool, strategyOrders(*pool, guide_frames, options),
+                             out.full_pool_held_out_px, options);
   out.bands = bandsOf(curves);
-  out.curves = withRegret(std::move(curves), out.bands);
+  out.curves = withRegret(curves, out.bands);
   if (options.other_model) addOtherModel(*pool, split, options, out);
   out.remarks = counterfactualRemarks(*pool, out, static_cast<int>(guide_frames.size()));
   return out;

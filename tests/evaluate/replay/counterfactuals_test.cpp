@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/counterfactuals.h"
+
+#include <algorithm>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/statistics.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/replay/counterfactual_curves.h"
+#include "tests/evaluate/replay/simulated_pools.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// 60 s at 5 Hz: 200 frames less guards in the pool, 100 held out.
+Session recording() {
+  SimulationOptions simulation;
+  simulation.duration_s = 60;
+  simulation.camera_rate_hz = 5;
+  simulation.imu_rate_hz = 10;
+  return simulateSession(simulatedRig("euroc"), simulation).session;
+}
+
+CounterfactualOptions quick() {
+  CounterfactualOptions options;
+  options.camera.pixel_sigma = 0.2;
+  options.random_seeds = 3;
+  options.views = {5, 10, 20, 40, 80};
+  options.max_held_out = 40;
+  options.other_model = false;
+  options.threads = 2;
+  return options;
+}
+
+const CounterfactualCurve& curveOf(const Counterfactuals& found, const std::string& strategy) {
+  return *curvesOf(found.curves, strategy).at(0);
+}
+
+TEST(Counterfactuals, EveryStrategyUsesThePoolAndEndsWithAllOfIt) {
+  const Session session = recording();
+  const FrameSplit split = splitFrames(session);
+  // Every third frame, half of them twice, as a guide would never do.
+  std::vector<int> guide;
+  for (int f = 0; f < 300; f += 3) guide.push_back(f);
+  guide.insert(guide.end(), guide.begin(), guide.begin() + 50);
+  const Counterfactuals found = counterfactuals(session, guide, quick());
+  EXPECT_EQ(found.problem, "");
+  EXPECT_EQ(found.pool_frames, static_cast<int>(split.pool.size()));
+  EXPECT_EQ(found.held_out_frames, 40);
+  std::vector<std::string> names;
+  for (const auto& band : found.bands) names.push_back(band.strategy);
+  EXPECT_THAT(names, ElementsAre("recorded", "random", "greedy-mi", "coverage", "guide"));
+  ASSERT_EQ(found.curves.size(), 7u);
+  for (const CounterfactualCurve& curve : found.curves) {
+    std::vector<int> used = curve.order;
+    std::sort(used.begin(), used.end());
+    if (curve.strategy == "guide") continue;
+    EXPECT_EQ(used, split.pool) << curve.strategy;
+    EXPECT_EQ(curve.views.back(), found.pool_frames);
+    EXPECT_EQ(curve.entropy_nats.back().value(), found.full_pool_entropy_nats);
+    EXPECT_EQ(curve.held_out_px.back().value(), found.full_pool_held_out_px);
+    ASSERT_TRUE(curve.views_needed) << curve.strategy;
+  }
+  std::vector<int> kept;
+  for (int f = 0; f < 300; f += 3) {
+    if (std::binary_search(split.pool.begin(), split.pool.end(), f)) kept.push_back(f);
+  }
+  const CounterfactualCurve& own = curveOf(found, "guide");
+  EXPECT_EQ(own.order, kept);
+  EXPECT_EQ(own.views.back(), static_cast<int>(kept.size()));
+  EXPECT_EQ(curveOf(found, "recorded").order, split.pool);
+  EXPECT_EQ(curveOf(found, "random").seed, 1u);
+  EXPECT_THAT(found.remarks.back(),
+              HasSubstr("Of 150 frames that the guide kept " + std::to_string(kept.size())));
+}
+
+TEST(Counterfactuals, GreedyInformationIsSurestAtEveryNumberOfViews) {
+  const Counterfactuals found = counterfactuals(recording(), {}, quick());
+  const CounterfactualCurve& greedy = curveOf(found, "greedy-mi");
+  for (std::size_t i = 0; i + 1 < greedy.views.size(); ++i) {
+    for (const CounterfactualCurve& other : found.curves) {
+      if (&other == &greedy || !other.entropy_nats[i]) continue;
+      // Greedy is no optimum, and covering comes close to it.
+      const double margin = other.strategy == "coverage" ? -0.2 : 1.0;
+      EXPECT_LT(*greedy.entropy_nats[i], *other.entropy_nats[i] - margin)
+          << other.strategy << " with " << greedy.views[i];
+    }
+  }
+  // The model holds here: what is known better predicts better.
+  EXPECT_LT(greedy.held_out_px[1].value(), findBand(found.bands, "random")->held_out_px[1]->median);
+}
+
+TEST(Counterfactuals, ViewsNeededAreTheFewestThatStayWithinTenPercent) {
+  // Exact corners held out: their error is the calibration's own.
+  const testing::SimulatedPool pool = testing::simulatedPool(0, {120, 60, 20});
+  const Counterfactuals found = counterfactuals(pool.session, pool.split, {}, quick());
+  const double target = 1.1 * found.full_pool_held_out_px;
+  for (const char* strategy : {"recorded", "random"}) {
+    const int needed = curveOf(found, strategy).views_needed.value();
+    ASSERT_GT(needed, 5) << "a recording too easy to tell";
+    CounterfactualOptions closer = quick();
+    closer.views = {needed - 1, needed};
+    const Counterfactuals again = counterfactuals(pool.session, pool.split, {}, closer);
+    const CounterfactualCurve& there = curveOf(again, strategy);
+    EXPECT_GT(there.held_out_px[0].value_or(1e9), target) << strategy;
+    EXPECT_LE(there.held_out_px[1].value(), target) << strategy;
+  }
+}
+
+TEST(Counterfactuals, NothingDependsOnTheThreads) {
+  const Session session = recording();
+  CounterfactualOptions options = quick();
+  options.views = {8, 30};
+  options.other_model = true;
+  options.threads = 1;
+  const Counterfactuals one = counterfactuals(session, {1, 30, 60}, options);
+  options.threads = 3;
+  const Counterfactuals three = counterfactuals(session, {1, 30, 60}, options);
+  ASSERT_EQ(one.curves.size(), three.curves.size());
+  for (std::size_t c = 0; c < one.curves.size(); ++c) {
+    EXPECT_EQ(one.curves[c].order, three.curves[c].order);
+    EXPECT_EQ(one.curves[c].entropy_nats, three.curves[c].entropy_nats);
+    EXPECT_EQ(one.curves[c].held_out_px, three.curves[c].held_out_px);
+    EXPECT_EQ(one.curves[c].views_needed, three.curves[c].views_needed);
+  }
+  EXPECT_EQ(one.remarks, three.remarks);
+  EXPECT_EQ(one.other_model, "pinhole-equidistant");
+}
+
+TEST(Counterfactuals, AMisfittingModelIsNamedByTheOther) {
+  // A fisheye calibrated as radtan.
+  SimulationOptions simulation;
+  simulation.duration_s = 30;
+  simulation.camera_rate_hz = 5;
+  simulation.imu_rate_hz = 10;
+  const Session session = simulateSession(simulatedRig("tumvi"), simulation).session;
+  CounterfactualOptions options = quick();
+  options.other_model = true;
+  options.camera.models = {2, {ProjectionModel::kPinhole, DistortionModel::kRadtan}};
+  options.camera.cauchy_px = 0;
+  const Counterfactuals found = counterfactuals(session, {}, options);
+  ASSERT_EQ(found.problem, "");
+  EXPECT_EQ(found.other_model, "pinhole-equidistant");
+  const CounterfactualBand* other = findBand(found.other_model_bands, "random");
+  ASSERT_NE(other, nullptr);
+  // The truth leaves the noise; the other leaves more than twice as much.
+  EXPECT_NEAR(other->held_out_px.back()->median, 0.2 * std::sqrt(2.0), 0.02);
+  EXPECT_GT(found.full_pool_held_out_px, 0.6);
+  EXPECT_THAT(found.remarks, ::testing::Contains(HasSubstr("With pinhole-equidistant the whole")));
+}
+
+TEST(Counterfactuals, SaysWhyThereAreNone) {
+  Session session = recording();
+  for (CameraStream& camera : session.cameras) {
+    for (ImageView& view : camera.views) view.corners.clear();
+  }
+  const Counterfactuals found = counterfactuals(session, {}, quick());
+  EXPECT_THAT(found.curves, IsEmpty());
+  EXPECT_THAT(found.problem, HasSubstr("cam0"));
+  CounterfactualOptions bad = quick();
+  bad.random_seeds = 0;
+  EXPECT_THROW(counterfactuals(session, {}, bad), InputError);
+  bad = quick();
+  bad.views = {0};
+  EXPECT_THROW(counterfactuals(session, {}, bad), InputError);
+}
+
+CounterfactualCurve curve(const char* strategy, std::vector<std::optional<double>> px) {
+  CounterfactualCurve c;
+  c.strategy = strategy;
+  c.views = {5, 10, 20};
+  c.views.resize(px.size());
+  c.entropy_nats = px;
+  c.held_out_px = std::move(px);
+  return c;
+}
+
+TEST(CounterfactualBands, QuartilesOverSeedsAndRegretAgainstTheBestMedian) {
+  const std::vector<CounterfactualCurve> curves = {
+      curve("random", {std::nullopt, 4.0, 2.0}), curve("random", {9.0, 8.0, 3.0}),
+      curve("random", {7.0, 6.0, 2.5}), curve("greedy-mi", {6.0, 5.0})};
+  const auto bands = bandsOf(curves);
+  ASSERT_EQ(bands.size(), 2u);
+  EXPECT_EQ(bands[0].seeds, 3);
+  EXPECT_FALSE(bands[0].held_out_px[0]);  // one seed has no value
+  EXPECT_EQ(bands[0].held_out_px[1]->lower, 5.0);
+  EXPECT_EQ(bands[0].held_out_px[1]->median, 6.0);
+  EXPECT_EQ(bands[0].held_out_px[1]->upper, 7.0);
+  EXPECT_FALSE(bands[0].regret_px[0]);
+  EXPECT_EQ(bands[0].regret_px[1], 1.0);
+  EXPECT_EQ(bands[0].regret_px[2], 0.0);
+  EXPECT_EQ(bands[1].regret_px[0], 0.0);
+  const auto with = withRegret(curves, bands);
+  EXPECT_FALSE(with[0].regret_px[0]);
+  EXPECT_EQ(with[0].regret_px[1], -1.0);  // a lucky seed
+  EXPECT_EQ(with[1].regret_px[0], 3.0);
+  EXPECT_EQ(with[1].regret_px[2], 0.5);
+  EXPECT_EQ(findBand(bands, "guide"), nullptr);
+}
+
+TEST(CounterfactualBands, DefaultNumbersOfViewsEndWithEveryOrder) {
+  CounterfactualCurve whole, guide;
+  whole.order.resize(300);
+  guide.order.resize(37);
+  EXPECT_THAT(evaluatedViews({whole, guide}, {}),
+              ElementsAre(5, 8, 10, 15, 20, 30, 37, 40, 60, 80, 120, 160, 240, 300));
+  EXPECT_THAT(evaluatedViews({whole, guide}, {10, 400}), ElementsAre(10, 37, 300));
+}
+
+}  // namespace
+}  // namespace plumbline
