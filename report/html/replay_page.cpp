@@ -21,8 +21,7 @@ constexpr std::size_t kPageBytes = 29'000'000;  // what decisions, corners and i
 constexpr std::size_t kRestBytes = 1'000'000;   // what the rest of a page takes at most
 
 std::string imagesNote(const ReplayData& data) {
-  if (data.frames_with_images == 0) return "";
-  if (data.image_step == 1) return "The images are those of the recording, smaller.";
+  if (data.frames_with_images == 0 || data.image_step == 1) return "";
   return fmt::format(
       "To keep this file small, every {}{} of {} frames with images keeps its own; between them "
       "the "

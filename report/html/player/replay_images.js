@@ -93,10 +93,9 @@
     say(frame, image, suggestion) {
       const camera = this.data.cameras[this.camera];
       const parts = [camera.name];
-      if (suggestion && !suggestion.path.length && suggestion.camera === this.camera) parts.push(`asked in this image: #${suggestion.id}`);
-      if (suggestion && suggestion.path.length) parts.push(`#${suggestion.id}: start of the path`);
+      if (suggestion && !suggestion.path.length && suggestion.camera === this.camera) parts.push(`#${suggestion.id} asked here`);
+      if (suggestion && suggestion.path.length) parts.push(`#${suggestion.id}: its start`);
       if (image && image.frame !== frame) parts.push(`image of frame ${image.frame}`);
-      if (!this.data.images.any) parts.push('corners');
       this.caption.textContent = parts.join(' \u00b7 ');
     }
 

@@ -101,14 +101,15 @@
   const speed = part('speed');
   let at = 0, last = null;  // seconds of playing; null: it rests
   const rest = () => { last = null; play.classList.remove('playing'); play.setAttribute('aria-label', 'Play'); };
-  const step = (now) => {
+  const step = () => {
     if (last === null) return;
+    const now = performance.now();
     at += Math.max(0, now - last) / 1000 * Number(speed.value);
     last = now;
     const due = lastUpTo(data.play, at);
     if (due !== frame) go(due);
     if (frame >= data.frames - 1) { rest(); return; }
-    requestAnimationFrame(step);
+    setTimeout(step, 16);
   };
   const toggle = () => {
     if (last !== null) { rest(); return; }
@@ -117,11 +118,13 @@
     last = performance.now();
     play.classList.add('playing');
     play.setAttribute('aria-label', 'Pause');
-    requestAnimationFrame(step);
+    setTimeout(step, 16);
   };
   const jump = (f) => { go(f); at = data.play[frame]; };
   const second = (sign) => {
-    const f = lastUpTo(data.play, data.play[frame] + sign + 1e-6);
+    const due = data.play[frame] + sign;
+    const below = Math.max(0, lastUpTo(data.play, due)), above = Math.min(data.frames - 1, below + 1);
+    const f = due - data.play[below] <= data.play[above] - due ? below : above;
     jump(sign > 0 ? Math.max(f, frame + 1) : Math.min(f, frame - 1));
   };
   const eventAfter = () => { const f = eventFrames.find((e) => e > frame); if (f !== undefined) jump(f); };

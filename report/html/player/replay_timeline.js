@@ -223,7 +223,7 @@
     }
 
     drawTicks(ctx, part, k, scale) {
-      const step = roundStep(scale.high - scale.low, Math.max(2, this.height / 28));
+      const step = roundStep(scale.high - scale.low, Math.max(2.5, this.height / 22));
       for (let v = step * Math.ceil(scale.low / step); v <= scale.high + 1e-9; v += step) {
         const label = `${+v.toPrecision(6)}`;
         if (k === 0) { this.tick(ctx, scale.unit(v), label, this.x(part.from), this.x(part.to)); continue; }
