@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "calibrator/camera/lanes.h"
-
 #if defined(__x86_64__)
 #define PLUMBLINE_CLONES [[gnu::target_clones("default", "arch=haswell")]]
 #else
@@ -16,7 +14,8 @@
 namespace plumbline {
 namespace {
 
-using Row = Lanes<kRowLanes>;
+/// kRowLanes doubles at once (GCC vector extension); halves where the machine has no more.
+using Row [[gnu::vector_size(8 * kRowLanes)]] = double;
 
 [[gnu::always_inline]] inline Row load(const double* from) {
   Row row;
