@@ -2,6 +2,7 @@
 // EuRoC's imu_april: where greedy information wins over random orders, and where it loses.
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 namespace plumbline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -66,10 +68,18 @@ TEST_F(CounterfactualsOfEuroc, ADistortionThatFitsLeavesLittleOfIt) {
   EXPECT_LT(random.median, 0.9 * at("random", &CounterfactualCurve::held_out_px, 2));
 }
 
-TEST_F(CounterfactualsOfEuroc, RemarksSaySo) {
-  EXPECT_THAT(found.remarks, Contains(HasSubstr("Near the image's border")));
+TEST_F(CounterfactualsOfEuroc, RemarksSaySoWithTheCurvesFigures) {
+  const auto figures = [](CurveValues values) {
+    return HasSubstr(fmt::format("{:.4g} px against {:.4g} px", at("greedy-mi", values, 2),
+                                 at("random", values, 2)));
+  };
+  EXPECT_THAT(found.remarks, Contains(figures(&CounterfactualCurve::held_out_px)));
+  EXPECT_THAT(found.remarks, Contains(AllOf(HasSubstr("Near the image's border"),
+                                            figures(&CounterfactualCurve::held_out_border_px),
+                                            figures(&CounterfactualCurve::held_out_centre_px))));
+  EXPECT_THAT(found.remarks, Contains(AllOf(HasSubstr("Under the batch's own robust loss"),
+                                            figures(&CounterfactualCurve::held_out_loss_px))));
   EXPECT_THAT(found.remarks, Contains(HasSubstr("of the corners of greedy MI's first 80 views")));
-  EXPECT_THAT(found.remarks, Contains(HasSubstr("Under the batch's own robust loss")));
   EXPECT_THAT(found.remarks, Contains(HasSubstr("With pinhole-equidistant the whole pool")));
 }
 
