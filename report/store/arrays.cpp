@@ -3,12 +3,15 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <stdexcept>
 
 namespace plumbline::store_internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie");
+
+constexpr std::size_t kResidualBytes = 29;  // of packResiduals(): 3 integers, 4 floats, 1 byte
 
 class Writer {
  public:
@@ -23,7 +26,6 @@ class Writer {
       for (Eigen::Index j = 0; j < m.cols(); ++j) put(m(i, j));
     }
   }
-  void reserve(std::size_t n) { bytes_.reserve(n); }
   std::string take() { return std::move(bytes_); }
 
  private:
@@ -70,22 +72,26 @@ Transform getTransform(Reader& reader) {
 }  // namespace
 
 std::string packResiduals(const std::vector<CornerResidual>& residuals) {
-  Writer writer;
-  writer.reserve(residuals.size() * 29);
+  std::string bytes(residuals.size() * kResidualBytes, '\0');
+  char* at = bytes.data();
+  const auto put = [&](const auto& value) {
+    std::memcpy(at, &value, sizeof value);
+    at += sizeof value;
+  };
   for (const CornerResidual& r : residuals) {
-    writer.put(static_cast<std::int32_t>(r.camera));
-    writer.put(static_cast<std::int32_t>(r.frame));
-    writer.put(static_cast<std::int32_t>(r.corner_id));
-    writer.putAll(r.uv);
-    writer.putAll(r.error);
-    writer.put(static_cast<std::uint8_t>(r.used));
+    put(static_cast<std::int32_t>(r.camera));
+    put(static_cast<std::int32_t>(r.frame));
+    put(static_cast<std::int32_t>(r.corner_id));
+    for (const float value : {r.uv.x(), r.uv.y(), r.error.x(), r.error.y()}) put(value);
+    put(static_cast<std::uint8_t>(r.used));
   }
-  return writer.take();
+  return bytes;
 }
 
 std::vector<CornerResidual> unpackResiduals(const std::string& bytes) {
   Reader reader(bytes);
   std::vector<CornerResidual> residuals;
+  residuals.reserve(bytes.size() / kResidualBytes);
   while (reader.more()) {
     CornerResidual& r = residuals.emplace_back();
     r.camera = reader.get<std::int32_t>();
