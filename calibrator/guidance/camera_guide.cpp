@@ -200,12 +200,12 @@ void CameraGuide::State::tryStart(Decision& d) {
 }
 
 void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
+  d.reason = GuideReason::kNoPose;
   d.T_FC0 = poseOf(rig.target, window->estimate(), corners, options.views.cauchy_px);
-  if (!d.T_FC0) {
-    d.reason = GuideReason::kNoPose;
-    return;
-  }
-  d.mi_nats = scorer->seenGain(corners, *d.T_FC0);
+  if (!d.T_FC0) return;
+  const double gain = scorer->seenGain(corners, *d.T_FC0);
+  if (std::isnan(gain)) return;  // the corners leave the pose free
+  d.mi_nats = gain;
   d.reason = GuideReason::kNotInformative;
   if (*d.mi_nats >= options.views.threshold_nats) d.accepted = accept(corners, d);
   if (d.accepted) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/visible_tags.h"
 
-#include <array>
+#include <cstring>
 #include <limits>
+
+#include "calibrator/camera/lanes.h"
 
 namespace plumbline {
 namespace {
@@ -17,13 +19,42 @@ double squaredRadiusLimit(Model, const double*) {
   return std::numeric_limits<double>::infinity();
 }
 
+/// A tag's corners side by side.
+using Tag = Lanes<4>;
+using TagMask = decltype(Tag{} < Tag{});
+
+Tag load(const double* from) {
+  Tag tag;
+  std::memcpy(&tag, from, sizeof tag);
+  return tag;
+}
+
+bool all(const TagMask& mask) { return mask[0] && mask[1] && mask[2] && mask[3]; }
+
+/// Points of the camera frame [m].
+struct TagPoints {
+  Tag X, Y, Z;
+};
+
 template <class Distortion>
-bool isInDomain(Pinhole<Distortion>, const double*, const Eigen::Vector3d& p, double limit) {
-  return p.z() > 0 && p.head<2>().squaredNorm() < limit * p.z() * p.z();
+bool isInDomain(Pinhole<Distortion>, const double*, const TagPoints& p, double limit) {
+  return all((p.Z > 0.0) & (p.X * p.X + p.Y * p.Y < limit * p.Z * p.Z));
 }
 template <class Model>
-bool isInDomain(Model, const double* k, const Eigen::Vector3d& p, double) {
-  return Model::isInDomain(k, p.x(), p.y(), p.z());
+bool isInDomain(Model, const double* k, const TagPoints& p, double) {
+  for (int i = 0; i < 4; ++i) {
+    if (!Model::isInDomain(k, p.X[i], p.Y[i], p.Z[i])) return false;
+  }
+  return true;
+}
+
+bool hasLongSides(const Tag& u, const Tag& v, double least_squared) {
+  for (int i = 0; i < 4; ++i) {
+    const double du = u[(i + 1) % 4] - u[i];
+    const double dv = v[(i + 1) % 4] - v[i];
+    if (!(du * du + dv * dv >= least_squared)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -33,12 +64,12 @@ PredictedCorners::PredictedCorners(int most)
       columns_(static_cast<std::size_t>(5 * stride_)),
       ids_(static_cast<std::size_t>(stride_)) {}
 
-void PredictedCorners::add(int id, const Eigen::Vector2d& target, const Eigen::Vector2d& uv) {
+void PredictedCorners::add(int id, double x, double y, double u, double v) {
   double* row = columns_.data() + count_;
-  row[0] = target.x();
-  row[stride_] = target.y();
-  row[2 * stride_] = uv.x();
-  row[3 * stride_] = uv.y();
+  row[0] = x;
+  row[stride_] = y;
+  row[2 * stride_] = u;
+  row[3 * stride_] = v;
   row[4 * stride_] = 1;
   ids_[static_cast<std::size_t>(count_)] = id;
   ++count_;
@@ -73,37 +104,38 @@ VisibleTags::VisibleTags(const Intrinsics& camera, const AprilGrid& target, cons
       squared_side_(limits.min_tag_px * limits.min_tag_px),
       right_px_(camera.resolution.width - 1 - limits.border_px),
       bottom_px_(camera.resolution.height - 1 - limits.border_px) {
-  for (int id = 0; id < target.cornerCount(); ++id) corners_.push_back(target.corner(id));
+  for (int id = 0; id < target.cornerCount(); ++id) {
+    x_.push_back(target.corner(id).x());
+    y_.push_back(target.corner(id).y());
+  }
 }
 
 void VisibleTags::predict(const Transform& T_CF, PredictedCorners& into) const {
   into.clear();
   const double ahead_of_target = -T_CF.R.col(2).dot(T_CF.t);  // z of the camera in F
   if (!(ahead_of_target > 0)) return;
-  std::visit(
-      [&]<class Model>(Model model) {
-        const double* k = lens_.k.data();
-        std::array<Eigen::Vector2d, 4> uv;
-        const auto sees = [&](std::size_t corner, const Eigen::Vector2d& p_F) {
-          const Eigen::Vector3d p = T_CF.R.leftCols<2>() * p_F + T_CF.t;
-          if (!isInDomain(model, k, p, squared_radius_limit_)) return false;
-          const auto m = Model::image(k, p.x(), p.y(), p.z());
-          uv[corner] = {lens_.fu * m.x + lens_.pu, lens_.fv * m.y + lens_.pv};
-          return uv[corner].x() >= border_px_ && uv[corner].y() >= border_px_ &&
-                 uv[corner].x() <= right_px_ && uv[corner].y() <= bottom_px_;
-        };
-        for (std::size_t first = 0; first < corners_.size(); first += 4) {
-          bool seen = true;
-          for (std::size_t j = 0; j < 4 && seen; ++j) seen = sees(j, corners_[first + j]);
-          for (std::size_t j = 0; j < 4 && seen; ++j) {
-            seen = (uv[(j + 1) % 4] - uv[j]).squaredNorm() >= squared_side_;
-          }
-          for (std::size_t j = 0; j < 4 && seen; ++j) {
-            into.add(static_cast<int>(first + j), corners_[first + j], uv[j]);
-          }
-        }
-      },
-      model_);
+  std::visit([&](auto model) { predictAs(model, T_CF, into); }, model_);
+}
+
+template <class Model>
+void VisibleTags::predictAs(Model model, const Transform& T_CF, PredictedCorners& into) const {
+  const double* k = lens_.k.data();
+  const Eigen::Matrix3d& R = T_CF.R;
+  const Eigen::Vector3d& t = T_CF.t;
+  for (int first = 0; first < cornerCount(); first += 4) {
+    const Tag x = load(x_.data() + first);
+    const Tag y = load(y_.data() + first);
+    const TagPoints p{R(0, 0) * x + R(0, 1) * y + t[0], R(1, 0) * x + R(1, 1) * y + t[1],
+                      R(2, 0) * x + R(2, 1) * y + t[2]};
+    if (!isInDomain(model, k, p, squared_radius_limit_)) continue;
+    const auto m = Model::image(k, p.X, p.Y, p.Z);
+    const Tag u = lens_.fu * m.x + lens_.pu;
+    const Tag v = lens_.fv * m.y + lens_.pv;
+    const bool inside =
+        all((u >= border_px_) & (u <= right_px_) & (v >= border_px_) & (v <= bottom_px_));
+    if (!inside || !hasLongSides(u, v, squared_side_)) continue;
+    for (int i = 0; i < 4; ++i) into.add(first + i, x[i], y[i], u[i], v[i]);
+  }
 }
 
 }  // namespace plumbline

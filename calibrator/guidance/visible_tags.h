@@ -17,7 +17,8 @@ class PredictedCorners {
  public:
   explicit PredictedCorners(int most);
   void clear() { count_ = 0; }
-  void add(int id, const Eigen::Vector2d& target, const Eigen::Vector2d& uv);
+  /// A corner at (x, y) of F [m], seen at (u, v) [px].
+  void add(int id, double x, double y, double u, double v);
   /// All that was added, each with weight 1; valid until the next change.
   PackedView view();
 
@@ -39,12 +40,15 @@ class VisibleTags {
   };
   VisibleTags(const Intrinsics& camera, const AprilGrid& target, const Limits& limits);
 
-  int cornerCount() const { return static_cast<int>(corners_.size()); }
+  int cornerCount() const { return static_cast<int>(x_.size()); }
   /// Their corners for the target at T_CF, exact, ids ascending. None from behind the target.
   void predict(const Transform& T_CF, PredictedCorners& into) const;
 
  private:
-  std::vector<Eigen::Vector2d> corners_;  // by id, in F [m]
+  template <class Model>
+  void predictAs(Model model, const Transform& T_CF, PredictedCorners& into) const;
+
+  std::vector<double> x_, y_;  // of the corners by id, in F [m]
   AnyCameraModel model_;
   CameraValues lens_;
   double squared_radius_limit_;  // of X/Z, Y/Z, where a pinhole's distortion folds
