@@ -2,7 +2,7 @@
 #include "evaluate/replay/counterfactuals.h"
 
 #include <algorithm>
-#include <set>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -155,6 +155,16 @@ TEST(Counterfactuals, AMisfittingModelIsNamedByTheOther) {
   EXPECT_NEAR(other->held_out_px.back()->median, 0.2 * std::sqrt(2.0), 0.02);
   EXPECT_GT(found.full_pool_held_out_px, 0.6);
   EXPECT_THAT(found.remarks, ::testing::Contains(HasSubstr("With pinhole-equidistant the whole")));
+}
+
+TEST(Counterfactuals, OneCameraWillDo) {
+  Session session = recording();
+  session.cameras.pop_back();
+  const Counterfactuals found = counterfactuals(session, {}, quick());
+  EXPECT_EQ(found.problem, "");
+  EXPECT_EQ(found.bands.size(), 4u);
+  // Corners with 0.2 px of noise per axis, and little that the calibration adds.
+  EXPECT_NEAR(found.full_pool_held_out_px, 0.2 * std::sqrt(2.0), 0.02);
 }
 
 TEST(Counterfactuals, SaysWhyThereAreNone) {
