@@ -25,6 +25,7 @@ Command simulateCommand();
 Command detectCommand();
 Command calibrateCommand();
 Command perturbCommand();
+Command replayCommand();
 Command reportCommand();
 Command exportCommand();
 Command compareCommand();

@@ -19,8 +19,9 @@ namespace plumbline {
 namespace {
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(), calibrateCommand(), evaluateCommand(),
-          compareCommand(),  exportCommand(), perturbCommand(),   reportCommand()};
+  return {simulateCommand(), detectCommand(),  calibrateCommand(),
+          evaluateCommand(), compareCommand(), exportCommand(),
+          perturbCommand(),  replayCommand(),  reportCommand()};
 }
 
 // " evaluate trajectory": the commands that were chosen, one within the other.

@@ -20,25 +20,30 @@ class DistanceTrack {
     if (!px) return;
     sum_ += *px;
     ++count_;
-    if (closest_ && *closest_ <= *px) return;
-    closest_ = px;
-    pose_.reset();
-    if (T_FC0) pose_ = boxminus(*T_FC0, suggested);
+    if (closest_px_ <= *px) return;
+    closest_px_ = *px;
+    posed_ = T_FC0.has_value();
+    if (!posed_) return;
+    closest_m_ = (T_FC0->t - suggested.t).norm();
+    closest_rad_ = rotationAngle(T_FC0->R * suggested.R.transpose());
   }
 
   void write(SuggestionOutcome& outcome) const {
-    outcome.closest_px = closest_;
-    if (count_ > 0) outcome.mean_px = sum_ / count_;
-    if (!pose_) return;
-    outcome.closest_m = pose_->head<3>().norm();
-    outcome.closest_rad = pose_->tail<3>().norm();
+    if (count_ == 0) return;
+    outcome.mean_px = sum_ / count_;
+    outcome.closest_px = closest_px_;
+    if (!posed_) return;
+    outcome.closest_m = closest_m_;
+    outcome.closest_rad = closest_rad_;
   }
 
  private:
-  double sum_ = 0;
   int count_ = 0;
-  std::optional<double> closest_;
-  std::optional<Vector6d> pose_;
+  bool posed_ = false;  // whether a pose is known at the closest frame
+  double sum_ = 0;
+  double closest_px_ = std::numeric_limits<double>::infinity();
+  double closest_m_ = 0;
+  double closest_rad_ = 0;
 };
 
 std::vector<std::vector<Corner>> cornersAt(const Transform& T_FC0,
