@@ -125,10 +125,34 @@ Json pointsJson(const std::vector<Eigen::Vector3d>& points) {
   return cells;
 }
 
+/// The camera; where none is known to the end, one of the size that its corners need.
+CameraCalibration cameraOf(const ReplayRecord& record, std::size_t i) {
+  CameraCalibration camera;
+  if (i < record.cameras.size()) camera = record.cameras[i];
+  if (camera.name.empty()) camera.name = "cam" + std::to_string(i);
+  Resolution& size = camera.intrinsics.resolution;
+  if (size.width > 0 && size.height > 0) return camera;
+  size = {1, 1};
+  for (const ReplayFrame& frame : record.frames) {
+    if (i >= frame.corners.size()) continue;
+    for (const Corner& c : frame.corners[i]) {
+      size.width = std::max(size.width, static_cast<int>(c.uv.x()) + 2);
+      size.height = std::max(size.height, static_cast<int>(c.uv.y()) + 2);
+    }
+  }
+  return camera;
+}
+
+std::size_t cameraCount(const ReplayRecord& record) {
+  std::size_t count = record.cameras.size();
+  for (const ReplayFrame& frame : record.frames) count = std::max(count, frame.corners.size());
+  return count;
+}
+
 Json camerasJson(const ReplayRecord& record) {
   Json cameras = Json::array();
-  for (std::size_t i = 0; i < record.cameras.size(); ++i) {
-    const CameraCalibration& c = record.cameras[i];
+  for (std::size_t i = 0; i < cameraCount(record); ++i) {
+    const CameraCalibration c = cameraOf(record, i);
     const Colour colour = seriesColour(i);
     cameras.push_back({{"name", c.name},
                        {"width", c.intrinsics.resolution.width},
@@ -177,7 +201,7 @@ Json timesJson(const ReplayRecord& record, const ByFrame& decisions) {
   return {{"start", std::to_string(start)}, {"offsets", base64(offsets)}};
 }
 
-std::string escaped(std::string json) {  // nothing in a script element may look like its end
+std::string escaped(const std::string& json) {  // nothing in a script element may look like its end
   std::string text;
   text.reserve(json.size());
   for (const char c : json) {
@@ -223,7 +247,7 @@ Json addImages(ReplayData& data, const ReplayRecord& record, std::size_t most_by
   for (std::size_t k = 0; k < frames.size(); k += step) {
     kept.push_back(frames[k]);
     const auto& jpeg = record.frames[frames[k]].jpeg;
-    for (std::size_t i = 0; i < record.cameras.size(); ++i) {
+    for (std::size_t i = 0; i < cameraCount(record); ++i) {
       data.images += (i < jpeg.size() ? base64(jpeg[i]) : "") + '\n';
     }
   }

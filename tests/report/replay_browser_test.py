@@ -265,6 +265,34 @@ def check_page(name, write_page, tool, folder, options):
           % (name, size / 1e6, len(result["log"]), bottom, width, height, result["note"]))
 
 
+BARE_PROBE = """<script>
+setTimeout(() => {
+  const out = document.createElement('script');
+  out.type = 'application/json';
+  out.id = 'probe';
+  const views = [...document.querySelectorAll('.player-view canvas')].map((c) =>
+    new Set(new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer)).size);
+  out.textContent = JSON.stringify({errors: pageErrors, views, text: document.getElementById('player').innerText});
+  document.body.append(out);
+}, 500);
+</script>"""
+
+
+def check_bare(write_page, folder):
+    """A replay that did not get anywhere still shows what was recorded; an empty one says so."""
+    for words, views in ((["60", "6", "bare"], 2), (["0", "6"], 0)):
+        page = os.path.join(folder, "bare.html")
+        subprocess.run([write_page, page, *words], check=True)
+        instrument(page, BARE_PROBE)
+        result = probe("file://" + page, *FLAT)
+        blank = [colours for colours in result["views"] if colours < 5]
+        if result["errors"] or len(result["views"]) != views or blank:
+            fail("%s: %s, %s" % (words, result["views"], result["errors"]))
+        if views == 0 and "no frames" not in result["text"]:
+            fail("an empty replay says: " + result["text"])
+    print("without decisions: the corners are shown; without frames: the page says so")
+
+
 def check_figures(write_page, tool, folder):
     """The static part, as the pages of studies are looked at."""
     page = os.path.join(folder, "figures.html")
@@ -291,6 +319,7 @@ def main():
                  ("1,500 frames, images", {"frames": 1500, "columns": 12, "images": 1, "step": 50}))
         for name, options in pages:
             check_page(name, write_page, tool, folder, options)
+        check_bare(write_page, folder)
         check_figures(write_page, tool, folder)
 
 

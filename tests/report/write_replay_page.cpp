@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the page of a synthetic replay, and beside it FILE.decisions with what its log must say:
-// write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images]
+// write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images|bare]; without frames the record is empty,
+// "bare" leaves it nothing but its corners.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -52,14 +53,21 @@ void writeDecisions(const plumbline::ReplayRecord& record, const std::string& pa
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "usage: write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images]\n");
+    std::fprintf(stderr, "usage: write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images|bare]\n");
     return 2;
   }
   plumbline::test::SyntheticReplayOptions options;
   options.frames = std::atoi(argv[2]);
   options.columns = std::atoi(argv[3]);
-  options.images = argc > 4;
-  const auto record = plumbline::test::syntheticReplay(options);
+  const std::string with = argc > 4 ? argv[4] : "";
+  options.images = with == "images";
+  plumbline::ReplayRecord record;
+  if (options.frames > 0) record = plumbline::test::syntheticReplay(options);
+  if (with == "bare") {
+    plumbline::ReplayRecord bare;
+    bare.frames = record.frames;
+    record = bare;
+  }
   std::ofstream(argv[1]) << plumbline::renderReplayPage(record);
   writeDecisions(record, std::string(argv[1]) + ".decisions");
   return 0;

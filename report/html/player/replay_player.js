@@ -5,7 +5,7 @@
   if (!root) return;
   const {read, views, scene, timeline, lastUpTo} = window.plumblineReplay;
   const data = read();
-  if (!data.frames) { root.querySelector('.player-body').textContent = 'The recording has no frames.'; return; }
+  if (!data.frames) { root.textContent = 'The recording has no frames: there is nothing to play.'; return; }
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const NONE = '\u2013';
   const known = (v) => !Number.isNaN(v);
@@ -28,7 +28,7 @@
     time: (f) => [`${(data.offsets[f] / 1e9).toFixed(3)} s`],
     frame: (f) => [`${f} of ${data.frames - 1}`],
     stage: (f) => [data.word('stage', f) || NONE],
-    mode: (f) => [data.word('mode', f) || 'not given to the guide'],
+    mode: (f) => [data.word('mode', f) || 'not given'],
     reason: (f) => [data.word('reason', f) || NONE, data.table.accepted[f] === 1 ? 'good' : ''],
     corners: (f) => [known(data.table.corners[f]) ? `${data.table.corners[f]}` : NONE],
     kept: (f) => [known(data.table.kept[f]) ? `${data.table.kept[f]} (${data.table.without[f]} since)` : NONE],

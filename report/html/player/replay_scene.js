@@ -32,14 +32,15 @@
   class Eye {
     constructor(focus, distance) { this.home = {focus, distance, yaw: 0.62, pitch: 0.42}; this.reset(); }
     reset() { Object.assign(this, this.home); }
-    aim(width, height) {
+    /** `aside`: how far right of the middle the focus is seen, as a share of the width. */
+    aim(width, height, aside) {
       const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
       const back = [sy * cp, sp, cy * cp];
       this.at = this.focus.map((v, i) => v + this.distance * back[i]);
       this.forward = back.map((v) => -v);
       this.right = unit(cross(this.forward, [0, 1, 0]));
       this.down = cross(this.forward, this.right);
-      Object.assign(this, {cx: width / 2, cy: height / 2, f: 1.25 * Math.min(width, height)});
+      Object.assign(this, {cx: (0.5 + aside) * width, cy: height / 2, f: 1.25 * Math.min(width, height)});
     }
     /** [x, y, depth] in pixels; null behind the eye. */
     project(p) {
@@ -197,10 +198,10 @@
       ctx.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
       ctx.clearRect(0, 0, this.width, this.height);
       ctx.lineJoin = ctx.lineCap = 'round';
-      this.eye.aim(this.width, this.height);
+      const round = this.data.roundAt(frame);
+      this.eye.aim(this.width, this.height, this.isListed(round) ? 0.17 : 0);
       this.drawTarget(ctx);
       const kept = this.drawKept(ctx);
-      const round = this.data.roundAt(frame);
       this.spots = [];
       const most = round ? this.drawCandidates(ctx, round) : 0;
       const suggestion = this.data.suggestionAt(frame);
@@ -214,7 +215,7 @@
       const parts = [this.data.pose(this.frame) ? '<span><b>now</b> thick</span>' : '<span><b>no pose</b> at this frame</span>',
         `<span style="color:#14794f">kept: ${kept}</span>`];
       if (suggestion) parts.push('<span style="color:#b4600a">asked: dashed</span>');
-      if (round && round.poses.length > 12) {
+      if (round && round.poses.length && !this.isListed(round)) {
         parts.push(`<span>candidates <i class="ramp"></i>0 to ${this.gain(most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);
       }
       if (legend.innerHTML !== parts.join('')) legend.innerHTML = parts.join('');
@@ -222,9 +223,11 @@
     }
 
     /** Few candidates are named. */
+    isListed(round) { return Boolean(round) && round.poses.length > 0 && round.poses.length <= 12; }
+
     list(round) {
       const box = this.box.querySelector('[data-part="candidates"]');
-      box.hidden = !round || round.poses.length > 12 || !round.poses.length;
+      box.hidden = !this.isListed(round);
       if (box.hidden || this.listed === round) return;
       this.listed = round;
       const table = document.createElement('table');
