@@ -12,6 +12,21 @@
 namespace plumbline {
 
 /// The camera stage of the Guide: next best view (paper, section IV).
+///
+/// Start: a batch over the first frames that moved against each other; where it fails (too few
+/// views, not observable), again with more, and the decision says why it failed. From then on each
+/// frame gets a pose from its own corners and the cameras as they are, and is scored against the
+/// information of all views kept (fixed-lag window and its prior, CameraWindow): below the
+/// threshold it is left out before it takes part, otherwise the window is solved with it. After
+/// `patience` frames without a new view candidateViews() are scored: the best is suggested, or the
+/// stage finishes where even that gains less than the threshold. While a suggestion is open
+/// informative frames are taken as before; a new one is looked for once it is reached or has
+/// expired.
+///
+/// Every frame gets a Decision. Those without target, without plausible pose, or with a stamp that
+/// is not after the one before change nothing but the suggestion's clock; pauses and a target that
+/// is long out of view are said in `detail`. Decisions depend on frames and options alone, not on
+/// `threads`. Throws InputError for a model that cannot be calibrated or an image without size.
 class CameraGuide {
  public:
   /// Suggestions are numbered from `first_suggestion`.
@@ -25,7 +40,8 @@ class CameraGuide {
   /// Until when the guide is busy with what it was given last, latencies included.
   TimeNs busyUntil() const;
   int nextSuggestion() const;
-  /// Batch over the frames kept so far.
+  /// Batch over the frames kept so far, from the estimate as it stands; from nothing before the
+  /// start stands. Fails as calibrateCameras() does.
   Result<CameraStageResult> batch() const;
 
  private:
