@@ -4,29 +4,23 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "calibrator/guidance/imu_stage_start.h"
+#include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/guidance/trajectory_evaluator.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/initialise/camera_poses.h"
 #include "calibrator/simulate/simulate_views.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kGoodPose = 3;          // [px] of RMS error with which the first pose is taken
 constexpr double kAttemptGrowth = 1.25;  // of the number of frames, from one start to the next
 constexpr int kPathPoints = 60;          // of a trajectory, for drawing
-
-void note(Decision& decision, const std::string& text) {
-  decision.detail += (decision.detail.empty() ? "" : "; ") + text;
-}
 
 int cornerCount(const std::vector<std::vector<Corner>>& corners) {
   int count = 0;
@@ -48,17 +42,18 @@ struct CameraImuGuide::State {
 
   const TrajectoryGuideOptions& stage() const { return options.trajectories; }
 
+  FramePoseOptions poseOptions() const {
+    return {stage().min_corners, recording.batchOptions().max_start_rms_px};
+  }
+
   Decision begin(const GuideFrame& frame) const;
+  bool isInTime(const GuideFrame& frame, Decision& d);
   bool isUsable(const GuideFrame& frame, Decision& d);
-  std::optional<PosedFrame> posed(const GuideFrame& frame) const;
   void useFrame(PosedFrame frame, Decision& d);
   void gather(PosedFrame frame, Decision& d);
-  void tryStart(TimeNs t, Decision& d);
+  void tryStart(Decision& d);
   void beginEvaluator();
   void track(PosedFrame frame, Decision& d);
-  void drain(Decision& d);
-  FrameLink linkTo(const PosedFrame& frame, Decision& d) const;
-  void enterWindow(const PosedFrame& frame, Decision& d);
   void report(Decision& d);
   void evaluate(Decision& d);
   void judge(CandidateRound round, Decision& d);
@@ -69,17 +64,16 @@ struct CameraImuGuide::State {
   std::vector<CameraCalibration> cameras;
   GuideOptions options;
   ImuStageRecording recording;
-  std::optional<CameraImuWindow> window;
+  std::optional<ImuStageTracker> tracker;  // once the start stands
   std::optional<TrajectoryEvaluator> evaluator;
   std::optional<OpenSuggestion> suggestion;
-  std::deque<PosedFrame> pending;  // kept, but IMU samples do not reach them yet
   int next_suggestion = 0;
   int next_attempt = 0;  // number of frames
   int without_view = 0;
   bool finished = false;
-  std::optional<TimeNs> last;        // frame, whatever it showed
-  std::optional<TimeNs> last_seen;   // with the target
-  std::optional<TimeNs> last_given;  // to the window
+  std::optional<TimeNs> last;       // frame, whatever it showed
+  std::optional<TimeNs> last_seen;  // with the target
+  double pause_s = 0;               // of the frames, before the one at hand
   std::optional<double> entropy_nats;
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
   TimeNs busy_until = std::numeric_limits<TimeNs>::min();
@@ -95,16 +89,23 @@ Decision CameraImuGuide::State::begin(const GuideFrame& frame) const {
   return d;
 }
 
-/// Whether the frame's stamp, samples and corners allow its use; says why not.
-bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
-  const std::optional<TimeNs> before =
-      std::exchange(last, std::max(frame.t, last.value_or(frame.t)));
-  if (before && frame.t <= *before) {
+/// Whether the frame's stamp is after those before, and not while the guide was busy; says if not.
+bool CameraImuGuide::State::isInTime(const GuideFrame& frame, Decision& d) {
+  const TimeNs before = last.value_or(frame.t - 1);
+  last = std::max(frame.t, before);
+  pause_s = secondsBetween(before, frame.t);
+  if (frame.t <= before) {
     d.reason = GuideReason::kTimeJump;
     note(d, fmt::format("its stamp is {:.3f} s before that of the frame before: passed over",
-                        secondsBetween(frame.t, *before)));
-    return false;
+                        -pause_s));
+  } else if (frame.t < busy_until) {
+    d.reason = GuideReason::kBusy;
   }
+  return frame.t > before && frame.t >= busy_until;
+}
+
+/// Whether the frame's corners and samples allow its use; says why not.
+bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   const bool seen = std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
     return static_cast<int>(c.size()) >= stage().min_corners;
   });
@@ -124,32 +125,14 @@ bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   return false;
 }
 
-/// The frame with the views that show enough, and camera 0's pose by them alone.
-std::optional<PosedFrame> CameraImuGuide::State::posed(const GuideFrame& frame) const {
-  PosedFrame out{frame.index, frame.t, frame.corners, {}, false};
-  std::vector<PackedCorners> packed;
-  for (auto& corners : out.corners) {
-    if (static_cast<int>(corners.size()) < stage().min_corners) corners.clear();
-    packed.emplace_back(rig.target, std::vector<ImageView>{{frame.t, corners}});
-  }
-  std::vector<FrameView> views;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    if (out.corners[c].empty()) continue;
-    views.push_back({&cameras[c].intrinsics, packed[c].view(0), cameras[c].T_C0Ci.inverse()});
-  }
-  const auto pose = findPose(views, kGoodPose);
-  if (!pose || !(pose->errorPx() < recording.batchOptions().max_start_rms_px)) return std::nullopt;
-  out.T_FC0 = pose->T_C0F.inverse();
-  return out;
-}
-
 void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
   d.T_FC0 = frame.T_FC0;
+  frame.after_jump = pause_s > options.max_frame_gap_s;
   if (!recording.frames().empty()) {
-    const double pause_s = secondsBetween(recording.frames().back().t, frame.t);
-    frame.after_jump = pause_s > options.max_frame_gap_s;
+    const double apart_s = secondsBetween(recording.frames().back().t, frame.t);
+    frame.far_apart = apart_s > options.max_frame_gap_s;
   }
-  if (window) {
+  if (tracker) {
     track(std::move(frame), d);
   } else {
     gather(std::move(frame), d);
@@ -157,17 +140,20 @@ void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
 }
 
 void CameraImuGuide::State::gather(PosedFrame frame, Decision& d) {
-  const TimeNs t = frame.t;
   d.reason = GuideReason::kInitialising;
   d.accepted = true;
+  if (frame.far_apart) {
+    note(d, fmt::format("{:.3f} s after the last frame used",
+                        secondsBetween(recording.frames().back().t, frame.t)));
+  }
   recording.keep(std::move(frame));
   const int count = static_cast<int>(recording.frames().size());
   if (count < next_attempt) return;
   next_attempt = std::max(count + 1, static_cast<int>(std::ceil(kAttemptGrowth * count)));
-  tryStart(t, d);
+  tryStart(d);
 }
 
-void CameraImuGuide::State::tryStart(TimeNs t, Decision& d) {
+void CameraImuGuide::State::tryStart(Decision& d) {
   auto started = startImuWindow(recording, cameras, stage());
   if (!started) {
     d.reason = GuideReason::kInitialiseFailed;
@@ -175,14 +161,14 @@ void CameraImuGuide::State::tryStart(TimeNs t, Decision& d) {
     return;
   }
   d.reason = GuideReason::kInitialised;
-  window = std::move(started).value();
-  last_given = window->lastStamp();
-  for (const PosedFrame& frame : recording.frames()) {
-    if (frame.t > *last_given) pending.push_back(frame);
+  tracker.emplace(std::move(started).value());
+  const TimeNs last_used = tracker->window().lastStamp();
+  const std::vector<PosedFrame> kept = recording.frames();  // of which drain() may drop some
+  for (const PosedFrame& frame : kept) {
+    if (frame.t > last_used) tracker->add(frame);
   }
   beginEvaluator();
-  drain(d);
-  if (t > *last_given) note(d, "IMU samples do not reach the last frames yet");
+  tracker->drain(recording, d);
 }
 
 void CameraImuGuide::State::beginEvaluator() {
@@ -197,7 +183,7 @@ void CameraImuGuide::State::beginEvaluator() {
   simulated.score_offset = stage().score_offset;
   TrajectoryScorer scorer(
       simulated,
-      lissajousTrajectories(lissajousShapes(), rig.target, window->estimate().T_SC0,
+      lissajousTrajectories(lissajousShapes(), rig.target, tracker->window().estimate().T_SC0,
                             lissajousOptions(stage())),
       cameras);
   evaluator.emplace(
@@ -209,67 +195,14 @@ void CameraImuGuide::State::track(PosedFrame frame, Decision& d) {
   d.reason = GuideReason::kUsed;
   d.accepted = true;
   recording.keep(frame);
-  pending.push_back(std::move(frame));
-  drain(d);
-}
-
-/// Puts the frames that IMU samples reach by now into the window.
-void CameraImuGuide::State::drain(Decision& d) {
-  const TimeNs offset = toNanoseconds(window->estimate().time_offset_s) + 1;  // rounding
-  while (!pending.empty() && recording.covers(pending.front().t + offset)) {
-    enterWindow(pending.front(), d);
-    pending.pop_front();
-  }
-}
-
-FrameLink CameraImuGuide::State::linkTo(const PosedFrame& frame, Decision& d) const {
-  const TimeNs offset = toNanoseconds(window->estimate().time_offset_s);
-  const bool itself = frame.t == d.t;
-  const double apart_s = secondsBetween(*last_given, frame.t);
-  const std::string which = itself ? "" : fmt::format("frame {}: ", frame.index);
-  if (frame.after_jump) {
-    if (itself) d.reason = GuideReason::kTimeJump;
-    note(d, which + fmt::format("{:.3f} s after the last frame used: joined to it by the biases' "
-                                "walk alone",
-                                apart_s));
-    return FrameLink::kBiasWalk;
-  }
-  const auto gap = recording.gapWithin(*last_given + offset, frame.t + offset);
-  if (!gap) return FrameLink::kInertial;
-  if (itself) d.reason = GuideReason::kImuGap;
-  note(d, which + fmt::format("IMU samples pause for {:.3f} s before it: joined to the frames "
-                              "before by the biases' walk alone",
-                              *gap));
-  return FrameLink::kBiasWalk;
-}
-
-void CameraImuGuide::State::enterWindow(const PosedFrame& frame, Decision& d) {
-  const FrameLink link = linkTo(frame, d);
-  last_given = frame.t;
-  switch (window->add({frame.t, frame.corners, frame.T_FC0, link})) {
-    case WindowEnd::kSolved:
-      return;
-    case WindowEnd::kHeld:
-      note(d, "it waits for the next frame, for nothing tells its velocity");
-      return;
-    case WindowEnd::kNotSolved:
-      break;
-  }
-  recording.drop(frame.t);
-  last_given = window->lastStamp();
-  if (frame.t != d.t) {
-    note(d, fmt::format("frame {}: the window with it has no solution, left out", frame.index));
-    return;
-  }
-  d.reason = GuideReason::kNotSolved;
-  d.accepted = false;
-  note(d, "the window with it has no solution: left out");
+  tracker->add(std::move(frame));
+  tracker->drain(recording, d);
 }
 
 /// What is known after the frame.
 void CameraImuGuide::State::report(Decision& d) {
-  d.rmse_px = window->rmsePx();
-  const auto known = window->knowledge();
+  d.rmse_px = tracker->window().rmsePx();
+  const auto known = tracker->window().knowledge();
   if (!known) return;
   const auto information = calibrationInformation(known->information, stage().score_offset);
   const auto entropy = information ? entropyNats(*information) : std::nullopt;
@@ -346,24 +279,20 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
   Decision d = s.begin(frame);
   const bool was_finished = s.finished;
   if (!was_finished) {
-    const int taken = s.recording.addSamples(frame.imu);
-    if (taken > 0 && s.window) {
-      s.window->addSamples(std::span(s.recording.samples()).last(static_cast<std::size_t>(taken)));
-    }
+    const auto taken = static_cast<std::size_t>(s.recording.addSamples(frame.imu));
+    if (s.tracker) s.tracker->addSamples(std::span(s.recording.samples()).last(taken));
   }
   if (was_finished) {
     d.reason = GuideReason::kFinished;
-  } else if (frame.t < s.busy_until) {
-    d.reason = GuideReason::kBusy;
-  } else {
+  } else if (s.isInTime(frame, d)) {
     if (s.isUsable(frame, d)) {
-      auto posed = s.posed(frame);
+      auto posed = poseFrame(frame, s.rig.target, s.cameras, s.poseOptions());
       if (!posed) d.reason = GuideReason::kNoPose;
       if (posed) s.useFrame(std::move(*posed), d);
     }
     s.follow(frame, d);
-    if (s.window && d.accepted) s.report(d);
-    if (s.window) s.evaluate(d);
+    if (s.tracker && d.accepted) s.report(d);
+    if (s.tracker) s.evaluate(d);
     s.busy_until = frame.t + toNanoseconds(s.options.latency.imu_frame_s +
                                            (s.finished ? s.options.latency.imu_batch_s : 0));
   }
@@ -371,7 +300,7 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
   d.views_kept = static_cast<int>(s.recording.frames().size());
   d.frames_without_view = s.without_view;
   d.mode = s.finished     ? GuideMode::kFinished
-           : !s.window    ? GuideMode::kInitialising
+           : !s.tracker   ? GuideMode::kInitialising
            : s.suggestion ? GuideMode::kSuggesting
                           : GuideMode::kCollecting;
   return d;

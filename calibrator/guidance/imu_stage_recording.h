@@ -10,17 +10,9 @@
 #include "calibrator/batch/camera_imu_batch.h"
 #include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
+#include "calibrator/guidance/posed_frame.h"
 
 namespace plumbline {
-
-/// A frame whose corners gave a pose.
-struct PosedFrame {
-  int index = 0;  ///< position in the recording
-  TimeNs t = 0;
-  std::vector<std::vector<Corner>> corners;  ///< per camera; empty: too few
-  Transform T_FC0;
-  bool after_jump = false;  ///< the frames paused, or began anew, before it
-};
 
 /// All that has arrived in the camera-IMU stage: IMU samples, and the frames kept.
 class ImuStageRecording {

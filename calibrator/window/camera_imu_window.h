@@ -13,7 +13,7 @@ namespace plumbline {
 
 struct CameraImuWindowOptions {
   int states = 3;           ///< frames in the window, at least 2
-  int max_iterations = 8;   ///< of Levenberg-Marquardt, with every frame
+  int max_iterations = 20;  ///< of Levenberg-Marquardt, with every frame
   double tolerance = 0.01;  ///< length of the last step in standard deviations of all parameters
   /// A solution whose last step is still longer than this is none [standard deviations].
   double max_last_step = 1;

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The camera-IMU stage on simulated recordings: its end, its decisions, and what it does with bad
-// input. The trajectories' scores and the window have tests of their own.
+// The camera-IMU stage on simulated recordings: its end, its decisions and its suggestions. Bad
+// input has a file of its own (camera_imu_guide_input_test.cpp). The trajectories' scores and the
+// window have tests of their own.
 #include "calibrator/guidance/camera_imu_guide.h"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,15 +46,194 @@ CameraImuGuide guideFor(const SimulatedSession& s, const GuideOptions& options) 
   return {testing::rigOf(s), s.truth.cameras, options};
 }
 
-TEST(CameraImuGuide, FinishesWithAnExtrinsicCalibrationWithinItsCovariance) {
-  CameraImuGuide guide = guideFor(recording(), matched());
-  const auto decisions = testing::replay(guide, testing::framesOf(recording().session));
-  ASSERT_TRUE(guide.finished());
-  const auto result = guide.batch();
-  ASSERT_TRUE(result) << result.failure().message;
+struct Replay {
+  std::vector<Decision> decisions;
+  CameraImuGuide guide;
+};
+Replay replayed(const std::vector<GuideFrame>& frames, const GuideOptions& options = matched()) {
+  Replay r{{}, guideFor(recording(), options)};
+  r.decisions = testing::replay(r.guide, frames);
+  return r;
+}
+std::vector<GuideFrame> frames() { return testing::framesOf(recording().session); }
+
+/// A threshold that is never reached: the guide goes on to the recording's end.
+GuideOptions endless() {
+  GuideOptions options = matched();
+  options.trajectories.threshold_nats = 0;
+  return options;
+}
+
+/// chi-square of T_SC0's error under the batch's own covariance, 6 degrees of freedom.
+double squaredError(const Result<CameraImuStageResult>& result) {
   const Vector6d error = boxminus(recording().truth.imu->T_SC0, result->imu.T_SC0);
   const Eigen::MatrixXd covariance = result->summary.covariance.matrix.topLeftCorner(6, 6);
-  EXPECT_LT(error.dot(covariance.llt().solve(error)), 22.46);  // chi-square, 6 dof, 99.9 %
+  return error.dot(covariance.llt().solve(error));
+}
+constexpr double kChi2_999 = 22.46;  // 6 degrees of freedom, 99.9 %
+
+int count(const std::vector<Decision>& decisions, GuideReason reason) {
+  return static_cast<int>(
+      std::count_if(decisions.begin(), decisions.end(),
+                    [reason](const Decision& d) { return d.reason == reason; }));
+}
+
+/// Every number of a decision that the stage fills, to the last bit.
+std::string described(const Decision& d) {
+  std::string out = fmt::format("{} {} {} {} {} {}", d.t, d.frame, toString(d.mode),
+                                toString(d.reason), d.accepted, d.detail);
+  const auto add = [&out](double value) { out += fmt::format(" {:a}", value); };
+  for (const auto& value : {d.mi_nats, d.entropy_nats, d.rmse_px, d.distance_px}) {
+    add(value.value_or(-1));
+  }
+  if (d.T_FC0) add(d.T_FC0->matrix().sum());
+  if (d.round) {
+    out += fmt::format(" {} {} {}", d.round->asked, d.round->answered, d.round->best);
+    for (const double gain : d.round->mi_nats) add(gain);
+  }
+  if (d.opened) out += d.opened->candidate;
+  return out + toString(d.event);
+}
+
+TEST(CameraImuGuide, FinishesWithAnExtrinsicCalibrationWithinItsCovariance) {
+  const Replay r = replayed(frames());
+  ASSERT_TRUE(r.guide.finished());
+  const auto result = r.guide.batch();
+  ASSERT_TRUE(result) << result.failure().message;
+  EXPECT_LT(squaredError(result), kChi2_999);
+  EXPECT_LT(std::abs(result->imu.time_offset_s - recording().truth.imu->time_offset_s),
+            4 * *result->imu.time_offset_std_s);
+  EXPECT_LT(result->frames.size(), 120u);  // of those kept before the end, not of all 160
+}
+
+TEST(CameraImuGuide, LogsWhatDroveItsDecisions) {
+  const Replay r = replayed(frames());
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  std::optional<double> entropy;
+  bool finished = false;
+  for (const Decision& d : r.decisions) {
+    EXPECT_EQ(d.stage, GuideStage::kCameraImu);
+    EXPECT_EQ(d.threshold_nats, 1.2);
+    EXPECT_EQ(d.reason == GuideReason::kFinished, finished);
+    finished = d.mode == GuideMode::kFinished;
+    if (d.reason != GuideReason::kUsed) continue;
+    EXPECT_TRUE(d.accepted && d.T_FC0 && d.rmse_px && d.entropy_nats && d.mi_nats);
+    EXPECT_LT(*d.rmse_px, 3 * kSigma);
+    EXPECT_GT(*d.mi_nats, -0.05);  // knowledge grows, but for the estimate moving
+    if (entropy) {
+      EXPECT_NEAR(*entropy - *d.entropy_nats, *d.mi_nats, 1e-12);
+    }
+    entropy = d.entropy_nats;
+  }
+  const auto last = std::find_if(r.decisions.begin(), r.decisions.end(),
+                                 [](const Decision& d) { return d.mode == GuideMode::kFinished; });
+  ASSERT_NE(last, r.decisions.end());
+  ASSERT_TRUE(last->round);
+  EXPECT_LT(last->round->mi_nats[static_cast<std::size_t>(last->round->best)], 1.2);
+  EXPECT_EQ(last->round->names.size(), 6u);
+}
+
+TEST(CameraImuGuide, ThreadsDoNotChangeADecision) {
+  std::vector<std::string> one;
+  for (const int threads : {1, 2, 4}) {
+    GuideOptions options = endless();
+    options.threads = threads;
+    options.latency.trajectories_s = 0.3;
+    std::vector<std::string> log;
+    for (const Decision& d : replayed(frames(), options).decisions) log.push_back(described(d));
+    if (threads == 1) one = log;
+    EXPECT_EQ(log, one) << threads;
+  }
+}
+
+// The answer of the evaluator stands on the frame that asked and comes with the first frame at its
+// time; the next one is asked for no sooner than the options say.
+TEST(CameraImuGuide, TheEvaluatorsLatencyShiftsItsAnswers) {
+  const Replay at_once = replayed(frames(), endless());
+  GuideOptions options = endless();
+  options.latency.trajectories_s = 0.42;
+  const Replay late = replayed(frames(), options);
+  TimeNs asked = 0;
+  for (std::size_t i = 0; i < late.decisions.size(); ++i) {
+    if (at_once.decisions[i].round) {
+      EXPECT_EQ(at_once.decisions[i].round->answered, at_once.decisions[i].t);
+    }
+    const auto& round = late.decisions[i].round;
+    if (!round) continue;
+    EXPECT_EQ(round->answered, round->asked + 420'000'000);
+    EXPECT_GE(late.decisions[i].t, round->answered);
+    EXPECT_LT(late.decisions[i - 1].t, round->answered);
+    EXPECT_GE(round->asked, asked + 1'000'000'000);
+    asked = round->asked;
+    // Same snapshot, same scores as when they were there at once.
+    const Decision& then = at_once.decisions[i - 9];
+    ASSERT_TRUE(then.round);
+    EXPECT_EQ(then.t, round->asked);
+    EXPECT_EQ(then.round->mi_nats, round->mi_nats);
+  }
+  EXPECT_GT(asked, 0);
+}
+
+TEST(CameraImuGuide, FramesThatComeWhileItIsBusyAreDroppedButTheirSamplesAreNot) {
+  GuideOptions options = endless();
+  options.latency.imu_frame_s = 0.06;  // more than a frame's interval, less than two
+  const Replay r = replayed(frames(), options);
+  EXPECT_EQ(count(r.decisions, GuideReason::kBusy), 80);
+  EXPECT_EQ(count(r.decisions, GuideReason::kImuGap), 0);
+  EXPECT_GT(count(r.decisions, GuideReason::kUsed), 30);
+  for (const Decision& d : r.decisions) {
+    if (d.reason != GuideReason::kBusy) continue;
+    EXPECT_FALSE(d.accepted || d.entropy_nats || d.round);
+  }
+}
+
+TEST(CameraImuGuide, ASuggestionIsOpenedReachedAndLeftAloneForItsDuration) {
+  GuideOptions options = endless();
+  options.trajectories.reached_px = 1e6;  // wherever the camera is
+  options.trajectories.duration_s = 4;
+  options.trajectories.max_speed_m_s = 5;
+  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, options, 7);
+  const auto decisions = testing::replay(guide, frames());
+  std::optional<TimeNs> opened;
+  std::optional<TimeNs> reached;
+  int next = 7;
+  for (const Decision& d : decisions) {
+    if (d.event == SuggestionEvent::kOpened) {
+      ASSERT_TRUE(d.opened);
+      EXPECT_EQ(d.opened->id, next++);
+      EXPECT_EQ(d.opened->path.size(), 60u);
+      EXPECT_LT(boxminus(d.opened->path.front(), d.opened->T_FC0).norm(), 1e-12);
+      EXPECT_EQ(d.mode, GuideMode::kSuggesting);
+      if (reached) {
+        EXPECT_GE(d.t - *reached, 4'000'000'000);
+      }
+      if (!opened) opened = d.t;
+    }
+    if (d.event == SuggestionEvent::kReached && !reached) {
+      EXPECT_GE(d.held_s, 1);
+      EXPECT_GE(d.t - *opened, 1'000'000'000);
+      EXPECT_LE(d.t - *opened, 1'200'000'000);
+      reached = d.t;
+    }
+  }
+  EXPECT_TRUE(reached);
+  EXPECT_EQ(guide.nextSuggestion(), next);
+  EXPECT_EQ(next, 9);  // one after the start, one four seconds after it was reached
+}
+
+TEST(CameraImuGuide, ASuggestionThatNobodyFollowsExpires) {
+  GuideOptions options = endless();
+  options.trajectories.expires_s = 2;
+  options.trajectories.reached_px = 0.1;
+  int expired = 0;
+  for (const Decision& d : replayed(frames(), options).decisions) {
+    if (d.event == SuggestionEvent::kReached) ADD_FAILURE();
+    if (d.event != SuggestionEvent::kExpired) continue;
+    ++expired;
+    EXPECT_TRUE(d.suggestion);
+    EXPECT_EQ(d.mode, GuideMode::kCollecting);
+  }
+  EXPECT_GE(expired, 2);
 }
 
 }  // namespace

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/imu_stage_tracker.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+/// Of which frame a note speaks, unless it is the decision's own.
+std::string prefix(const PosedFrame& frame, const Decision& decision) {
+  return frame.t == decision.t ? "" : fmt::format("frame {}: ", frame.index);
+}
+
+void becauseOf(GuideReason reason, const PosedFrame& frame, Decision& decision) {
+  if (frame.t == decision.t) decision.reason = reason;
+}
+
+}  // namespace
+
+void note(Decision& decision, const std::string& text) {
+  decision.detail += (decision.detail.empty() ? "" : "; ") + text;
+}
+
+ImuStageTracker::ImuStageTracker(CameraImuWindow window)
+    : window_(std::move(window)), last_given_(window_.lastStamp()) {}
+
+void ImuStageTracker::drain(ImuStageRecording& recording, Decision& decision) {
+  const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s) + 1;  // rounding
+  while (!pending_.empty() && recording.covers(pending_.front().t + offset)) {
+    const PosedFrame frame = std::move(pending_.front());
+    pending_.pop_front();
+    enter(frame, recording, decision);
+  }
+}
+
+FrameLink ImuStageTracker::linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
+                                  Decision& decision) const {
+  const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s);
+  const auto gap = recording.gapWithin(last_given_ + offset, frame.t + offset);
+  if (!gap && !frame.far_apart) return FrameLink::kInertial;
+  if (frame.after_jump) becauseOf(GuideReason::kTimeJump, frame, decision);
+  if (gap) becauseOf(GuideReason::kImuGap, frame, decision);
+  const std::string pause =
+      gap ? fmt::format("IMU samples pause for {:.3f} s before it", *gap)
+          : fmt::format("{:.3f} s after the last frame used", secondsBetween(last_given_, frame.t));
+  note(decision, prefix(frame, decision) + pause + ": joined by the biases' walk alone");
+  return FrameLink::kBiasWalk;
+}
+
+void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recording,
+                            Decision& decision) {
+  const FrameLink link = linkTo(frame, recording, decision);
+  last_given_ = frame.t;
+  const WindowEnd end = window_.add({frame.t, frame.corners, frame.T_FC0, link});
+  if (end == WindowEnd::kHeld) {
+    note(decision, prefix(frame, decision) + "waits for the next frame to tell its velocity");
+  }
+  if (end != WindowEnd::kNotSolved) return;
+  recording.drop(frame.t);
+  last_given_ = window_.lastStamp();
+  becauseOf(GuideReason::kNotSolved, frame, decision);
+  if (frame.t == decision.t) decision.accepted = false;
+  note(decision, prefix(frame, decision) + "the window with it has no solution: left out");
+}
+
+}  // namespace plumbline

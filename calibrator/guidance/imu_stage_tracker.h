@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <span>
+
+#include "calibrator/base/guide_decision.h"
+#include "calibrator/guidance/imu_stage_recording.h"
+#include "calibrator/window/camera_imu_window.h"
+
+namespace plumbline {
+
+/// The window of the camera-IMU stage and how frames come into it: one waits until IMU samples
+/// reach it under the time offset, and is joined to the frame before by them or, across a pause of
+/// the samples or of the frames, by the biases' walk alone. What became of a frame is written to
+/// the decision of the frame that is at hand.
+class ImuStageTracker {
+ public:
+  explicit ImuStageTracker(CameraImuWindow window);
+
+  const CameraImuWindow& window() const { return window_; }
+  void addSamples(std::span<const ImuSample> samples) { window_.addSamples(samples); }
+  void add(PosedFrame frame) { pending_.push_back(std::move(frame)); }
+  /// Puts the frames that the recording's samples reach by now into the window. A frame without a
+  /// solution is dropped from the recording.
+  void drain(ImuStageRecording& recording, Decision& decision);
+  /// Frames that wait for IMU samples.
+  std::size_t pending() const { return pending_.size(); }
+
+ private:
+  FrameLink linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
+                   Decision& decision) const;
+  void enter(const PosedFrame& frame, ImuStageRecording& recording, Decision& decision);
+
+  CameraImuWindow window_;
+  TimeNs last_given_;  // stamp of the frame given to the window last
+  std::deque<PosedFrame> pending_;
+};
+
+/// Adds to a decision's detail.
+void note(Decision& decision, const std::string& text);
+
+}  // namespace plumbline

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the camera-IMU stage does with recordings that lack something: it says what and at which
+// frame, and goes on.
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/guidance/camera_imu_guide.h"
+#include "tests/calibrator/guidance/imu_guide_replay.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+const SimulatedSession& recording() {
+  static const SimulatedSession s = [] {
+    SimulationOptions options;
+    options.duration_s = 8;
+    options.seed = options.trajectory.seed = 1;
+    return simulateSession(simulatedRig("euroc"), options);
+  }();
+  return s;
+}
+
+struct Replay {
+  std::vector<Decision> decisions;
+  CameraImuGuide guide;
+};
+Replay replayed(const std::vector<GuideFrame>& frames) {
+  GuideOptions options;
+  options.trajectories.pixel_sigma = 0.2;
+  options.trajectories.cauchy_px = 0;
+  options.trajectories.threshold_nats = 0;  // it goes on to the end
+  Replay r{{}, {testing::rigOf(recording()), recording().truth.cameras, options}};
+  r.decisions = testing::replay(r.guide, frames);
+  return r;
+}
+
+std::vector<GuideFrame> frames() { return testing::framesOf(recording().session); }
+
+int count(const std::vector<Decision>& decisions, GuideReason reason) {
+  return static_cast<int>(
+      std::count_if(decisions.begin(), decisions.end(),
+                    [reason](const Decision& d) { return d.reason == reason; }));
+}
+
+/// Frames used well after the fault, and the truth within the batch's covariance.
+void expectItWentOn(const Replay& r, std::size_t after) {
+  int used = 0;
+  for (std::size_t i = after; i < r.decisions.size(); ++i) {
+    if (r.decisions[i].reason == GuideReason::kUsed) ++used;
+    if (r.decisions[i].rmse_px) {
+      EXPECT_LT(*r.decisions[i].rmse_px, 0.6);
+    }
+  }
+  EXPECT_GT(used, static_cast<int>(r.decisions.size() - after) / 2);
+  const auto result = r.guide.batch();
+  ASSERT_TRUE(result) << result.failure().message;
+  const Vector6d error = boxminus(recording().truth.imu->T_SC0, result->imu.T_SC0);
+  const Eigen::MatrixXd covariance = result->summary.covariance.matrix.topLeftCorner(6, 6);
+  EXPECT_LT(error.dot(covariance.llt().solve(error)), 22.46);  // 6 dof, 99.9 %
+}
+
+TEST(CameraImuGuideInput, WithoutImuNothingBegins) {
+  auto without = frames();
+  for (GuideFrame& frame : without) frame.imu.clear();
+  const Replay r = replayed(without);
+  EXPECT_EQ(count(r.decisions, GuideReason::kNoImu), 160);
+  EXPECT_THAT(r.decisions[5].detail, HasSubstr("no IMU sample has arrived"));
+  EXPECT_FALSE(r.guide.finished());
+  EXPECT_FALSE(r.guide.batch());
+}
+
+TEST(CameraImuGuideInput, ASensorAtRestIsNotEnoughToStart) {
+  SimulationOptions still;
+  still.duration_s = 3;
+  still.trajectory.kind = MotionKind::kStatic;
+  const SimulatedSession s = simulateSession(simulatedRig("euroc"), still);
+  const Replay r = replayed(testing::framesOf(s.session));
+  EXPECT_GT(count(r.decisions, GuideReason::kInitialiseFailed), 2);
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 0);
+  const Decision* failed = testing::firstWith(r.decisions, GuideReason::kInitialiseFailed);
+  EXPECT_FALSE(failed->detail.empty());
+  EXPECT_TRUE(failed->accepted);  // kept for the next try
+  EXPECT_EQ(r.decisions.back().mode, GuideMode::kInitialising);
+}
+
+TEST(CameraImuGuideInput, ARecordingTooShortToStartSaysSo) {
+  auto few = frames();
+  few.resize(12);
+  const Replay r = replayed(few);
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialising), 12);
+  EXPECT_FALSE(r.guide.batch());
+}
+
+// Samples of 0.4 s are missing: frames in between have no IMU, the first one after is joined by the
+// biases' walk and waits for the one that follows it.
+TEST(CameraImuGuideInput, AnImuGapInTheWindow) {
+  auto broken = frames();
+  const TimeNs from = broken[80].t;
+  const TimeNs to = from + 400'000'000;
+  for (GuideFrame& frame : broken) {
+    std::erase_if(frame.imu, [&](const ImuSample& s) { return s.t > from && s.t < to; });
+  }
+  const Replay r = replayed(broken);
+  EXPECT_EQ(r.decisions[79].reason, GuideReason::kUsed);
+  for (std::size_t i = 82; i < 87; ++i) {
+    EXPECT_EQ(r.decisions[i].reason, GuideReason::kNoImu) << i;
+    EXPECT_FALSE(r.decisions[i].accepted);
+    EXPECT_THAT(r.decisions[i].detail, HasSubstr("the last IMU sample is 0."));
+  }
+  const Decision* gap = testing::firstWith(r.decisions, GuideReason::kImuGap);
+  ASSERT_TRUE(gap);
+  EXPECT_THAT(gap->frame, ::testing::AllOf(::testing::Ge(87), ::testing::Le(89)));
+  EXPECT_THAT(gap->detail, HasSubstr("IMU samples pause for 0.4"));
+  EXPECT_THAT(gap->detail, HasSubstr("biases' walk alone"));
+  EXPECT_EQ(count(r.decisions, GuideReason::kNotSolved), 0);
+  expectItWentOn(r, 92);
+}
+
+TEST(CameraImuGuideInput, AJumpForwardInTime) {
+  auto jumped = frames();
+  for (std::size_t i = 80; i < jumped.size(); ++i) {
+    jumped[i].t += 3'000'000'000;
+    for (ImuSample& s : jumped[i].imu) s.t += 3'000'000'000;
+  }
+  const Replay r = replayed(jumped);
+  const Decision& d = r.decisions[80];
+  EXPECT_THAT(d.reason, ::testing::AnyOf(GuideReason::kTimeJump, GuideReason::kImuGap));
+  EXPECT_THAT(d.detail, HasSubstr("walk alone"));
+  EXPECT_EQ(count(r.decisions, GuideReason::kNotSolved), 0);
+  expectItWentOn(r, 84);
+}
+
+TEST(CameraImuGuideInput, APauseOfTheFramesAlone) {
+  auto paused = frames();
+  std::vector<ImuSample> between;
+  for (std::size_t i = 80; i < 105; ++i) {
+    between.insert(between.end(), paused[i].imu.begin(), paused[i].imu.end());
+  }
+  paused.erase(paused.begin() + 80, paused.begin() + 105);
+  paused[80].imu.insert(paused[80].imu.begin(), between.begin(), between.end());
+  const Replay r = replayed(paused);
+  EXPECT_EQ(r.decisions[80].reason, GuideReason::kTimeJump);
+  EXPECT_TRUE(r.decisions[80].accepted);
+  EXPECT_THAT(r.decisions[80].detail, HasSubstr("1.300 s after the last frame used"));
+  EXPECT_EQ(count(r.decisions, GuideReason::kTimeJump), 1);
+  expectItWentOn(r, 82);
+}
+
+TEST(CameraImuGuideInput, StampsThatGoBackArePassedOver) {
+  auto back = frames();
+  const std::vector<GuideFrame> again(back.begin() + 70, back.begin() + 80);
+  back.insert(back.begin() + 80, again.begin(), again.end());
+  const Replay r = replayed(back);
+  EXPECT_EQ(count(r.decisions, GuideReason::kTimeJump), 10);
+  for (std::size_t i = 80; i < 90; ++i) {
+    EXPECT_EQ(r.decisions[i].reason, GuideReason::kTimeJump);
+    EXPECT_FALSE(r.decisions[i].accepted);
+  }
+  EXPECT_THAT(r.decisions[80].detail, HasSubstr("0.450 s before"));
+  EXPECT_EQ(r.decisions[90].reason, GuideReason::kUsed);
+  expectItWentOn(r, 90);
+}
+
+TEST(CameraImuGuideInput, TheTargetIsLostForLong) {
+  auto lost = frames();
+  for (std::size_t i = 60; i < 110; ++i) {
+    for (auto& corners : lost[i].corners) corners.clear();
+  }
+  const Replay r = replayed(lost);
+  EXPECT_EQ(count(r.decisions, GuideReason::kNoTarget), 50);
+  EXPECT_TRUE(r.decisions[90].detail.empty());
+  EXPECT_THAT(r.decisions[105].detail, HasSubstr("no target for 2.3 s"));
+  EXPECT_EQ(r.decisions[110].reason, GuideReason::kUsed);
+  EXPECT_THAT(r.decisions[110].detail, HasSubstr("walk alone"));
+  expectItWentOn(r, 112);
+}
+
+TEST(CameraImuGuideInput, AFewCornersAreNoView) {
+  auto few = frames();
+  for (auto& corners : few[70].corners) corners.resize(8);
+  const Replay r = replayed(few);
+  EXPECT_EQ(r.decisions[70].reason, GuideReason::kNoTarget);
+  EXPECT_EQ(r.decisions[71].reason, GuideReason::kUsed);
+}
+
+TEST(CameraImuGuideInput, CornersThatFitNoPoseAreLeftOut) {
+  auto wrong = frames();
+  for (auto& corners : wrong[70].corners) {
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      corners[k].uv = Eigen::Vector2d(40.0 * ((7 * k) % 17), 25.0 * ((5 * k) % 19));
+    }
+  }
+  const Replay r = replayed(wrong);
+  EXPECT_EQ(r.decisions[70].reason, GuideReason::kNoPose);
+  expectItWentOn(r, 72);
+}
+
+// Samples that arrive with the frame after: frames wait for them, and none is lost.
+TEST(CameraImuGuideInput, SamplesThatArriveLate) {
+  const Replay late = replayed(testing::framesOf(recording().session, -0.001));
+  EXPECT_EQ(count(late.decisions, GuideReason::kNoImu), 0);
+  EXPECT_EQ(count(late.decisions, GuideReason::kImuGap), 0);
+  expectItWentOn(late, 40);
+}
+
+}  // namespace
+}  // namespace plumbline
