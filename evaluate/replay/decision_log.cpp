@@ -22,6 +22,9 @@ Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); 
 
 Json bits(const std::optional<double>& nats) { return nats ? finite(bitsFromNats(*nats)) : Json(); }
 
+/// The threshold as it was asked for: without the last digits that the change of unit disturbs.
+double thresholdBits(double nats) { return std::round(1e12 * bitsFromNats(nats)) / 1e12; }
+
 /// Position, then the Hamilton quaternion x y z w.
 Json poseJson(const Transform& T) {
   const Eigen::Quaterniond q = T.quaternion();
@@ -59,7 +62,7 @@ std::string decisionLine(const Decision& d) {
             {"mi_bits", bits(d.mi_nats)},
             {"mi_nats", d.mi_nats ? finite(*d.mi_nats) : Json()},
             {"mi_unbounded", d.mi_nats.has_value() && std::isinf(*d.mi_nats)},
-            {"threshold_bits", bitsFromNats(d.threshold_nats)},
+            {"threshold_bits", thresholdBits(d.threshold_nats)},
             {"entropy_nats", d.entropy_nats ? finite(*d.entropy_nats) : Json()},
             {"entropy_bits", bits(d.entropy_nats)},
             {"suggestion", orNull(d.suggestion)},

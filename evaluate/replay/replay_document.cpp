@@ -96,6 +96,8 @@ Json outcomesJson(const std::vector<SuggestionOutcome>& outcomes) {
 
 const char* wordOf(StopAudit::Verdict verdict) {
   switch (verdict) {
+    case StopAudit::Verdict::kNotJudged:
+      return "not judged";
     case StopAudit::Verdict::kNeverStopped:
       return "never stopped";
     case StopAudit::Verdict::kEarly:

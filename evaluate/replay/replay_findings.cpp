@@ -15,6 +15,12 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   Finding f;
   f.rule = ruleName(s.stage, "start");
   f.unit = "s";
+  if (s.frames_offered == 0) {
+    f.level = VerdictLevel::kDoubtful;
+    f.evidence = "not played: " + s.problem;
+    f.advice = "give the cameras (--cameras FILE) to play this stage over the whole recording";
+    return f;
+  }
   if (!s.ran) {
     f.level = VerdictLevel::kBad;
     f.evidence = "the stage never started: " + s.problem;
@@ -42,6 +48,9 @@ Finding stopFinding(const StopAudit& audit) {
   f.evidence = audit.explanation;
   switch (audit.verdict) {
     case StopAudit::Verdict::kRight:
+      break;
+    case StopAudit::Verdict::kNotJudged:
+      f.level = VerdictLevel::kDoubtful;
       break;
     case StopAudit::Verdict::kNeverStopped:
       f.level = VerdictLevel::kDoubtful;

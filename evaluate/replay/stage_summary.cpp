@@ -40,7 +40,8 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   }
   s.ran = s.started.has_value();
   if (const Decision* finish = run.finish(stage)) s.finished = finish->t;
-  if (!s.ran) s.problem = entered ? startProblem(run, stage) : "no frame was left for it";
+  if (!s.ran)
+    s.problem = entered ? startProblem(run, stage) : "the camera stage took the whole recording";
   return s;
 }
 

@@ -122,6 +122,12 @@ StopAudit auditOf(const ReplayRun& run, GuideStage stage,
   return audit;
 }
 
+StopAudit notJudged(StopAudit audit, const std::string& why) {
+  audit.verdict = StopAudit::Verdict::kNotJudged;
+  audit.explanation = "not judged: " + why;
+  return audit;
+}
+
 std::optional<double> heldOutError(const Session& held_out,
                                    const std::vector<CameraCalibration>& cameras,
                                    const CameraStageOptions& options) {
@@ -143,16 +149,14 @@ StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
                           const StopAuditOptions& options) {
   StopAudit audit = auditOf(run, GuideStage::kCamera, batches);
   if (!batches.kept || !batches.full) {
-    audit.explanation = "not judged: " + batches.problem;
-    return audit;
+    return notJudged(std::move(audit), batches.problem);
   }
   const int finished_with = static_cast<int>(run.accepted(GuideStage::kCamera).size());
   const std::vector<int> order = keptAndContinued(run, *batches.kept);
   const Session held_out = run.sessionOfFrames(heldOutFrames(run, order, options.held_out_frames));
   const auto best = heldOutError(held_out, batches.full->cameras, run.camera);
   if (!best) {
-    audit.explanation = "not judged: no frame was left to be held out";
-    return audit;
+    return notJudged(std::move(audit), "no frame was left to be held out");
   }
   const double bound = options.held_out_factor * *best;
   CameraStageOptions camera = run.camera;
@@ -186,8 +190,7 @@ StopAudit auditCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
                              const StopAuditOptions& options) {
   StopAudit audit = auditOf(run, GuideStage::kCameraImu, batches);
   if (!batches.kept || !batches.full) {
-    audit.explanation = "not judged: " + batches.problem;
-    return audit;
+    return notJudged(std::move(audit), batches.problem);
   }
   const std::vector<int> kept = run.accepted(GuideStage::kCameraImu);
   CameraImuOptions imu = run.camera_imu;

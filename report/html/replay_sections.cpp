@@ -142,6 +142,8 @@ Block tableBlock(std::string heading, Table table) {
 
 Cell verdictCell(StopAudit::Verdict verdict) {
   switch (verdict) {
+    case StopAudit::Verdict::kNotJudged:
+      return {"not judged", Cell::Kind::kTight, VerdictLevel::kDoubtful};
     case StopAudit::Verdict::kNeverStopped:
       return {"never stopped", Cell::Kind::kTight, VerdictLevel::kDoubtful};
     case StopAudit::Verdict::kEarly:

@@ -42,7 +42,7 @@ struct OperatorCompliance {
 
 /// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.
 struct StopAudit {
-  enum class Verdict { kNeverStopped, kEarly, kLate, kRight };
+  enum class Verdict { kNeverStopped, kEarly, kLate, kRight, kNotJudged };
   GuideStage stage = GuideStage::kCamera;
   Verdict verdict = Verdict::kNeverStopped;
   std::optional<TimeNs> finished;     ///< the guide's "finish"

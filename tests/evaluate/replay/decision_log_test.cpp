@@ -41,7 +41,7 @@ TEST(DecisionLog, ScoresStandInNatsAndBits) {
   EXPECT_DOUBLE_EQ(read["mi_bits"].get<double>(), 1);
   EXPECT_DOUBLE_EQ(read["mi_nats"].get<double>(), std::log(2.0));
   EXPECT_DOUBLE_EQ(read["entropy_bits"].get<double>(), -2);
-  EXPECT_NEAR(read["threshold_bits"].get<double>(), 0.2, 1e-15);
+  EXPECT_EQ(read["threshold_bits"], 0.2);
   EXPECT_TRUE(read["suggestion"].is_null());
   EXPECT_TRUE(read["distance_px"].is_null());
 }

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `plumbline replay` as a user runs it.
+#include <functional>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::vector<json> lines(const fs::path& file) {
+  std::vector<json> parsed;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) parsed.push_back(json::parse(line));
+  return parsed;
+}
+
+class CommandReplay : public CommandLine {
+ protected:
+  fs::path out() const { return scratch() / "out"; }
+  Outcome replay(const fs::path& folder, const std::string& options = "") const {
+    fs::create_directories(scratch());
+    return plumbline("replay " + folder.string() + " --out " + out().string() +
+                     " --no-cache --no-counterfactuals " + options);
+  }
+  /// Rewrites a file of the spoiled session's mav0, keeping the rows that `keep` accepts.
+  static void keepRows(const fs::path& file, const std::function<bool(int row)>& keep) {
+    std::istringstream in(read(file));
+    std::string kept;
+    int row = -1;
+    for (std::string line; std::getline(in, line);) {
+      if (line[0] == '#' || keep(++row)) kept += line + "\n";
+    }
+    write(file, kept);
+  }
+};
+
+TEST_F(CommandReplay, OneLineAFrameAndAPageFromTheRecords) {
+  const auto before = contents(session());
+  const Outcome run = replay(session());
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("camera stage:"));
+  const auto decisions = lines(out() / "decisions.jsonl");
+  const json document = json::parse(read(out() / "replay.json"));
+  EXPECT_EQ(decisions.size(), document["frames"].get<std::size_t>());
+  EXPECT_EQ(decisions.front()["reason"], "initialising");
+  int accepted = 0;
+  for (const json& d : decisions) {
+    if (d["stage"] == "camera" && d["accepted"].get<bool>()) ++accepted;
+    if (d["reason"] != "not-informative") continue;
+    EXPECT_LT(d["mi_bits"].get<double>(), 0.2);
+  }
+  EXPECT_EQ(document["stages"][0]["views_used"], accepted);
+  const Outcome again =
+      plumbline("report " + out().string() + " --out " + (scratch() / "again.html").string() +
+                " --json " + (scratch() / "again.json").string());
+  ASSERT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_EQ(read(scratch() / "again.html"), read(out() / "report.html"));
+  EXPECT_EQ(read(scratch() / "again.json"), read(out() / "replay.json"));
+  EXPECT_EQ(contents(session()), before);
+}
+
+TEST_F(CommandReplay, TheLogDoesNotDependOnTheThreads) {
+  ASSERT_EQ(replay(session(), "--no-report --threads 1").exit_code, 0);
+  const std::string one = read(out() / "decisions.jsonl");
+  const std::string one_document = read(out() / "replay.json");
+  ASSERT_EQ(replay(session(), "--no-report --threads 3").exit_code, 0);
+  EXPECT_EQ(read(out() / "decisions.jsonl"), one);
+  EXPECT_EQ(replaced(read(out() / "replay.json"), "\"--threads\": \"3\"", "\"--threads\": \"1\""),
+            one_document);
+}
+
+TEST_F(CommandReplay, LatencyDropsFramesAndCountsThem) {
+  ASSERT_EQ(replay(session(), "--no-report --latency-ms camera-frame=120").exit_code, 0);
+  const json document = json::parse(read(out() / "replay.json"));
+  int busy = 0;
+  for (const json& d : lines(out() / "decisions.jsonl")) busy += d["reason"] == "busy" ? 1 : 0;
+  EXPECT_GT(busy, 0);
+  EXPECT_EQ(document["stages"][0]["frames_dropped"], busy);
+}
+
+TEST_F(CommandReplay, GivenCamerasLeaveTheImuStageAlone) {
+  ASSERT_EQ(calibrate(session(), "--no-imu --no-report").exit_code, 0);
+  fs::copy(out() / "camchain.yaml", scratch() / "camchain.yaml");
+  const Outcome run =
+      replay(session(), "--no-report --cameras " + (scratch() / "camchain.yaml").string());
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  const json document = json::parse(read(out() / "replay.json"));
+  ASSERT_EQ(document["stages"].size(), 1u);
+  EXPECT_EQ(document["stages"][0]["stage"], "camera-imu");
+  EXPECT_GT(document["stages"][0]["views_used"].get<int>(), 100);
+}
+
+TEST_F(CommandReplay, SuggestionsOfTheRecordingAreFollowed) {
+  const fs::path folder = spoiled();
+  write(folder / "suggestions.csv",
+        "#t_ns,stage,id,T_FC0\n1400000001000000000,camera,0,0.3,0.3,1.2,1,0,0,0\n");
+  ASSERT_EQ(replay(folder, "--no-report").exit_code, 0);
+  const json document = json::parse(read(out() / "replay.json"));
+  ASSERT_EQ(document["compliance"]["suggestions"].size(), 1u);
+  write(folder / "suggestions.csv", "#t_ns,stage,id,T_FC0\n1400000001000000000,view,0,0,0,1\n");
+  fs::remove_all(out());
+  expectRefusal(replay(folder), 2, HasSubstr("suggestions.csv:2:"));
+}
+
+TEST_F(CommandReplay, ARecordingTooShortToStartSaysAtWhichFrame) {
+  const Outcome run = replay(session(), "--no-report --to 0.1");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("never started"));
+  EXPECT_EQ(json::parse(read(out() / "replay.json"))["verdict"]["level"], "bad");
+}
+
+TEST_F(CommandReplay, WithoutImuTheCameraStageIsAll) {
+  const Outcome run = replay(session(), "--no-report --no-imu");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_EQ(json::parse(read(out() / "replay.json"))["stages"].size(), 1u);
+  EXPECT_THAT(run.text, Not(HasSubstr("camera-imu")));
+}
+
+TEST_F(CommandReplay, ATargetLostForLongIsSaidAndTheReplayGoesOn) {
+  const fs::path folder = spoiled();
+  for (const char* camera : {"cam0", "cam1"}) {
+    const fs::path stream = folder / "mav0" / camera;
+    // Of every frame between 4 s and 8 s the corners are gone, its stamp stays.
+    std::istringstream in(read(stream / "corners.csv"));
+    std::string kept;
+    for (std::string line; std::getline(in, line);) {
+      const bool lost = line[0] != '#' && std::stoll(line) > 1'400'000'004'000'000'000 &&
+                        std::stoll(line) < 1'400'000'008'000'000'000;
+      if (!lost) kept += line + "\n";
+    }
+    write(stream / "corners.csv", kept);
+  }
+  ASSERT_EQ(replay(folder, "--no-report --no-imu").exit_code, 0);
+  int without = 0;
+  bool said = false;
+  bool went_on = false;
+  for (const json& d : lines(out() / "decisions.jsonl")) {
+    without += d["reason"] == "no-target" ? 1 : 0;
+    said = said || (d["reason"] == "no-target" && d["detail"] != "");
+    went_on = went_on || (without > 0 && d["accepted"].get<bool>());
+  }
+  EXPECT_GT(without, 60);
+  EXPECT_TRUE(said);
+  EXPECT_TRUE(went_on);
+}
+
+TEST_F(CommandReplay, AnImuGapIsSaidAndTheReplayGoesOn) {
+  const fs::path folder = spoiled();
+  keepRows(folder / "mav0/imu0/data.csv", [](int row) { return row < 1000 || row > 1150; });
+  ASSERT_EQ(calibrate(session(), "--no-imu --no-report").exit_code, 0);
+  fs::copy(out() / "camchain.yaml", scratch() / "camchain.yaml");
+  const Outcome run =
+      replay(folder, "--no-report --cameras " + (scratch() / "camchain.yaml").string());
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  int gaps = 0;
+  bool went_on = false;
+  for (const json& d : lines(out() / "decisions.jsonl")) {
+    if (d["reason"] == "no-imu" || d["reason"] == "imu-gap") ++gaps;
+    went_on = went_on || (gaps > 0 && d["reason"] == "used");
+  }
+  EXPECT_GT(gaps, 0);
+  EXPECT_TRUE(went_on);
+}
+
+TEST_F(CommandReplay, BadUsageLeavesNothing) {
+  for (const char* options :
+       {"--latency-ms frame=5", "--latency-ms camera-frame=x", "--latency-ms camera-frame=-1",
+        "--threshold-bits 0", "--window 0", "--imu-window 1", "--suggestions none.csv",
+        "--max-rate -3", "--reached-s -1"}) {
+    expectRefusal(replay(session(), options), 2, Not(HasSubstr("terminate")));
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Was the stop right? On a simulated recording, for decisions made up so that the answer is known.
+#include "evaluate/replay/stop_audit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/replay/guide_frames.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using Stop = StopAudit::Verdict;
+
+/// A recording of 20 s, and a guide that keeps every n-th frame of a stage and then says stop.
+class Stopping : public ::testing::Test {
+ protected:
+  static SimulatedSession simulated() {
+    SimulationOptions options;
+    options.duration_s = 20;
+    options.camera_rate_hz = 10;
+    return simulateSession(simulatedRig("euroc"), options);
+  }
+
+  void decide(GuideStage stage, int every, double stop_s) {
+    for (const GuideFrame& frame : frames_) {
+      const double t = secondsBetween(frames_.front().t, frame.t);
+      Decision d;
+      d.t = frame.t;
+      d.frame = frame.index;
+      d.stage = stage;
+      d.corners = static_cast<int>(frame.corners[0].size() + frame.corners[1].size());
+      d.accepted = t <= stop_s && frame.index % every == 0;
+      d.reason = stopped_ ? GuideReason::kFinished : GuideReason::kInformative;
+      d.mode = t >= stop_s ? GuideMode::kFinished : GuideMode::kCollecting;
+      stopped_ = stopped_ || t >= stop_s;
+      decisions_.push_back(d);
+    }
+  }
+
+  ReplayRun run() const { return {recording_.session, frames_, decisions_, {}, {}, {}}; }
+
+  StopAudit cameraAudit() const {
+    const ReplayRun r = run();
+    const auto kept = calibrateCameras(r.sessionOfFrames(r.accepted(GuideStage::kCamera)));
+    return auditCameraStop(r, cameraBatches(r, kept));
+  }
+
+  StopAudit imuAudit() const {
+    const ReplayRun r = run();
+    const auto& cameras = recording_.truth.cameras;
+    const auto kept =
+        calibrateCameraImu(r.sessionOfFrames(r.accepted(GuideStage::kCameraImu)), cameras);
+    return auditCameraImuStop(r, cameras, cameraImuBatches(r, cameras, kept));
+  }
+
+  SimulatedSession recording_ = simulated();
+  std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
+  std::vector<Decision> decisions_;
+  bool stopped_ = false;
+};
+
+TEST_F(Stopping, LongAfterEnoughIsLate) {
+  decide(GuideStage::kCamera, 2, 15);
+  const StopAudit audit = cameraAudit();
+  EXPECT_EQ(audit.verdict, Stop::kLate);
+  ASSERT_TRUE(audit.enough.has_value());
+  EXPECT_NEAR(audit.seconds, secondsBetween(*audit.enough, *audit.finished), 1e-9);
+  EXPECT_GT(audit.seconds, 5);
+  EXPECT_NEAR(audit.saved_s, 5, 0.2);
+  EXPECT_LT(audit.entropy_of_all_nats, audit.entropy_at_finish_nats);
+}
+
+TEST_F(Stopping, SoonAfterEnoughIsRight) {
+  decide(GuideStage::kCamera, 2, 4);
+  EXPECT_EQ(cameraAudit().verdict, Stop::kRight);
+}
+
+TEST_F(Stopping, ARecordingWithoutAStopSaysSo) {
+  decide(GuideStage::kCamera, 4, 1e9);
+  const StopAudit audit = cameraAudit();
+  EXPECT_EQ(audit.verdict, Stop::kNeverStopped);
+  EXPECT_FALSE(audit.finished.has_value());
+  EXPECT_THAT(audit.explanation, HasSubstr("did not say stop"));
+}
+
+TEST_F(Stopping, WhatCannotBeSolvedIsNotJudged) {
+  decide(GuideStage::kCameraImu, 1, 1.5);
+  const StopAudit audit = imuAudit();
+  EXPECT_EQ(audit.verdict, Stop::kNotJudged);
+  EXPECT_THAT(audit.explanation, HasSubstr("pairs of neighbouring frames"));
+}
+
+TEST_F(Stopping, ACameraImuStageThatStopsAtOnceIsEarly) {
+  decide(GuideStage::kCameraImu, 1, 2.5);
+  const StopAudit audit = imuAudit();
+  EXPECT_EQ(audit.verdict, Stop::kEarly) << audit.explanation;
+  EXPECT_GT(audit.seconds, 0);
+}
+
+TEST_F(Stopping, ACameraImuStageIsJudgedByItsDistanceFromAllFrames) {
+  decide(GuideStage::kCameraImu, 1, 18);
+  const StopAudit audit = imuAudit();
+  EXPECT_NE(audit.verdict, Stop::kEarly) << audit.explanation;
+  EXPECT_THAT(audit.explanation, HasSubstr("mm"));
+}
+
+}  // namespace
+}  // namespace plumbline

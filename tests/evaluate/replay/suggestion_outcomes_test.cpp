@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How suggestions ended, and how an operator followed those of a guided recording.
+#include "evaluate/replay/suggestion_outcomes.h"
+
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/replay/guide_frames.h"
+
+namespace plumbline {
+namespace {
+
+class Following : public ::testing::Test {
+ protected:
+  static SimulatedSession simulated() {
+    SimulationOptions options;
+    options.duration_s = 6;
+    options.trajectory.pace = 0.3;
+    options.corner_sigma_px = 0.1;
+    return simulateSession(simulatedRig("euroc"), options);
+  }
+  ReplayRun run() const {
+    ReplayRun r{recording_.session, frames_, decisions_, {}, {}, {}};
+    r.guide.views.reached_px = 25;
+    r.guide.views.reached_s = 0.1;
+    return r;
+  }
+  TimeNs at(std::size_t frame) const { return frames_[frame].t; }
+
+  SimulatedSession recording_ = simulated();
+  std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
+  std::vector<Decision> decisions_{frames_.size()};
+};
+
+TEST_F(Following, AnOperatorWhoGoesThereReachesIt) {
+  // Asked at the start for where the camera will be at frame 40, then for a place it never sees.
+  Suggestion ahead;
+  ahead.t = at(0);
+  ahead.T_FC0 = recording_.cameraPose(0, at(40));
+  Suggestion far = ahead;
+  far.id = 1;
+  far.t = at(60);
+  far.T_FC0.t += Eigen::Vector3d(0.3, -0.3, 0);
+  const auto c = operatorCompliance(run(), {ahead, far}, recording_.truth.cameras);
+  ASSERT_EQ(c.suggestions.size(), 2u);
+  EXPECT_EQ(c.reached, 1);
+  const SuggestionOutcome& first = c.suggestions[0];
+  EXPECT_EQ(first.end, SuggestionEvent::kReached);
+  EXPECT_LE(first.ended, at(44));
+  EXPECT_GT(first.ended, at(30));
+  EXPECT_LT(*first.closest_px, 25);
+  EXPECT_LT(*first.closest_m, 0.05);
+  EXPECT_NEAR(c.median_seconds_to_reach, secondsBetween(ahead.t, first.ended), 1e-9);
+  const SuggestionOutcome& second = c.suggestions[1];
+  EXPECT_EQ(second.end, SuggestionEvent::kExpired);
+  EXPECT_GT(*second.closest_px, 25);
+  EXPECT_GT(*second.closest_m, 0.05);
+}
+
+TEST_F(Following, TheOverlayIsWhatEachCameraWouldSee) {
+  Suggestion ahead;
+  ahead.t = at(0);
+  ahead.T_FC0 = recording_.cameraPose(0, at(40));
+  const auto c = operatorCompliance(run(), {ahead}, recording_.truth.cameras);
+  const auto& overlay = c.suggestions.at(0).overlay;
+  ASSERT_EQ(overlay.size(), 2u);
+  ASSERT_FALSE(overlay[1].empty());
+  for (const Corner& corner : overlay[1]) {
+    for (const Corner& seen : frames_[40].corners[1]) {
+      if (seen.id != corner.id) continue;
+      EXPECT_LT((seen.uv - corner.uv).norm(), 1);
+    }
+  }
+}
+
+TEST_F(Following, TheGuidesOwnSuggestionsAreReadOffItsDecisions) {
+  Suggestion s;
+  s.id = 4;
+  s.t = at(10);
+  s.T_FC0 = recording_.cameraPose(0, at(12));
+  decisions_[10].t = at(10);
+  decisions_[10].event = SuggestionEvent::kOpened;
+  decisions_[10].opened = s;
+  for (std::size_t i = 11; i <= 13; ++i) {
+    decisions_[i].t = at(i);
+    decisions_[i].suggestion = 4;
+    decisions_[i].distance_px = i == 12 ? 3 : 30;
+    decisions_[i].T_FC0 = recording_.cameraPose(0, at(i));
+  }
+  decisions_[13].event = SuggestionEvent::kExpired;
+  const auto outcomes = suggestionOutcomes(run(), recording_.truth.cameras);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].end, SuggestionEvent::kExpired);
+  EXPECT_EQ(outcomes[0].ended, at(13));
+  EXPECT_DOUBLE_EQ(*outcomes[0].closest_px, 3);
+  EXPECT_DOUBLE_EQ(*outcomes[0].mean_px, 21);
+  EXPECT_LT(*outcomes[0].closest_m, 1e-9);
+  EXPECT_LT(*outcomes[0].closest_rad, 1e-6);
+}
+
+}  // namespace
+}  // namespace plumbline
