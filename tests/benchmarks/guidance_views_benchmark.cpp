@@ -2,8 +2,6 @@
 // The guide's camera stage: scoring the 200 candidate views of a stereo rig, and every step of a
 // replayed recording. Percentiles are of processor time, one thread, so that a busy machine does
 // not count.
-#include <algorithm>
-#include <ctime>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -11,37 +9,13 @@
 #include "calibrator/guidance/candidate_views.h"
 #include "calibrator/guidance/view_gain.h"
 #include "calibrator/window/camera_window.h"
+#include "tests/benchmarks/call_times.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {
 namespace {
 
 const char* rigName(std::int64_t index) { return index == 0 ? "euroc" : "tumvi"; }
-
-/// Processor time of each of many calls [ms], in ascending order at the end.
-class CallTimes {
- public:
-  template <class Call>
-  void time(const Call& call) {
-    const std::clock_t start = std::clock();
-    call();
-    ms_.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-  }
-  void report(benchmark::State& state) {
-    std::sort(ms_.begin(), ms_.end());
-    const auto at = [&](double share) {
-      return ms_[static_cast<std::size_t>(share * static_cast<double>(ms_.size() - 1))];
-    };
-    state.counters["p50_ms"] = at(0.5);
-    state.counters["p95_ms"] = at(0.95);
-    state.counters["p99_ms"] = at(0.99);
-    state.counters["max_ms"] = ms_.back();
-    state.counters["calls"] = static_cast<double>(ms_.size());
-  }
-
- private:
-  std::vector<double> ms_;
-};
 
 // Argument: rig (0 euroc, radtan; 1 tumvi, equidistant).
 void scoreCandidates(benchmark::State& state) {
@@ -56,7 +30,7 @@ void scoreCandidates(benchmark::State& state) {
     T_FC0.push_back(view.T_FC0);
   }
   const Eigen::MatrixXd information = window.information();
-  CallTimes times;
+  testing::CallTimes times;
   for (auto _ : state) {
     times.time([&] {
       const ViewScorer scorer(rig.guideRig().target, window.estimate(), information);
@@ -72,7 +46,7 @@ void cameraStageFrames(benchmark::State& state) {
   const testing::LiveRig rig(rigName(state.range(0)), 1, 0.2);
   std::vector<GuideFrame> frames;
   for (int i = 0; i < 1200; ++i) frames.push_back(rig.frame(i, i / 20.0, rig.wandering(i / 20.0)));
-  CallTimes times;
+  testing::CallTimes times;
   for (auto _ : state) {
     CameraGuide guide(rig.guideRig(), {});
     for (const GuideFrame& frame : frames) {
