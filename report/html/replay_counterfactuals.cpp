@@ -26,7 +26,7 @@ Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quarti
   Series series;
   const auto& values = band.*column;
   for (std::size_t i = 0; i < std::min(band.views.size(), values.size()); ++i) {
-    series.x.push_back(band.views[i]);
+    series.x.push_back(std::log10(std::max(1, band.views[i])));
     series.y.push_back(values[i] ? (*values[i]).*part : std::numeric_limits<double>::quiet_NaN());
   }
   return series;
@@ -63,6 +63,37 @@ Range rangeShown(const LinePlot& plot) {
   return {low - 0.06 * (high - low), high + 0.06 * (high - low)};
 }
 
+/// 1, 2, 5, 10, ... on the logarithmic axis.
+std::vector<AxisTick> viewTicks(const Range& range) {
+  std::vector<AxisTick> ticks;
+  for (int power = 0; power <= 6; ++power) {
+    for (const int first : {1, 2, 5}) {
+      const double views = first * std::pow(10, power);
+      const double at = std::log10(views);
+      if (at >= range.min && at <= range.max) ticks.push_back({at, fmt::format("{:g}", views)});
+    }
+  }
+  return ticks;
+}
+
+Range viewRange(const Bands& bands) {
+  int least = std::numeric_limits<int>::max(), most = 2;
+  for (const CounterfactualBand& b : bands) {
+    if (b.views.empty()) continue;
+    least = std::min(least, std::max(1, b.views.front()));
+    most = std::max(most, b.views.back());
+  }
+  return {std::log10(std::min(least, most - 1)), std::log10(most)};
+}
+
+/// One colour a strategy, in all figures.
+std::size_t placeOf(const std::string& strategy) {
+  static const char* const kKnown[] = {"recorded", "random", "greedy-mi", "coverage", "guide"};
+  std::size_t place = 0;
+  while (place < std::size(kKnown) && strategy != kKnown[place]) ++place;
+  return place;
+}
+
 struct BandFigure {
   const char* id;
   std::string title;
@@ -77,22 +108,20 @@ Figure bandFigure(const Bands& bands, const BandFigure& what) {
   plot.frame.title = what.title;
   plot.frame.width = 960;
   plot.frame.height = 380;
-  plot.frame.x.label = "views used";
+  const Range views = viewRange(bands);
+  plot.frame.x = {"views used", views, viewTicks(views), false, false};
   plot.frame.y.label = what.y_label;
-  double most = 1;
-  for (std::size_t k = 0; k < bands.size(); ++k) {
-    addBand(plot, bands[k], what.column, k);
-    if (!bands[k].views.empty()) most = std::max(most, 1.0 * bands[k].views.back());
+  for (const CounterfactualBand& band : bands) {
+    addBand(plot, band, what.column, placeOf(band.strategy));
   }
   if (what.full_pool) {
     plot.series.push_back({"all of the pool",
-                           {0, most},
+                           {views.min, views.max},
                            {*what.full_pool, *what.full_pool},
                            {90, 98, 110, 255},
                            1,
                            true});
   }
-  plot.frame.x.range = Range{0, most};
   plot.frame.y.range = rangeShown(plot);
   return {toSvg(plot, what.id), what.caption + kAbove, true};
 }

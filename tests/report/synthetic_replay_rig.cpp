@@ -107,9 +107,10 @@ std::vector<std::vector<Corner>> SyntheticRig::seenFrom(const Transform& T_FC0) 
 CandidateRound SyntheticRig::views(int f, double best_nats) const {
   CandidateRound round;
   for (int k = 0; k < 100; ++k) {
-    const double x = (k % 10 - 4.5) / 4.5, y = (k / 10 - 4.5) / 4.5;
-    round.names.push_back("cam" + std::to_string(k % 2) + " x " + std::to_string(k % 10) + " y " +
-                          std::to_string(k / 10));
+    const int column = k % 10, row = k / 10;
+    const double x = (column - 4.5) / 4.5, y = (row - 4.5) / 4.5;
+    round.names.push_back("cam" + std::to_string(k % 2) + " x " + std::to_string(column) + " y " +
+                          std::to_string(row));
     round.T_FC0.push_back(lookAt({0.3 + 0.8 * x, 0.3 + 0.6 * y, 0.9 - 0.2 * (x * x + y * y)}, 0));
     round.mi_nats.push_back(best_nats * 0.95 * (0.2 + 0.8 * std::abs(std::sin(0.37 * k + f))));
     if (k % 17 == 16) round.mi_nats.back() = std::numeric_limits<double>::quiet_NaN();

@@ -68,18 +68,28 @@
       this.listen();
     }
 
-    /** From the side, far enough for nine tenths of all poses. */
     firstEye() {
       const {target, frames} = this.data;
       const poses = [];
-      for (let f = 0; f < frames; f += Math.max(1, Math.floor(frames / 200))) poses.push(this.data.pose(f));
+      for (let f = 0; f < frames; f += Math.max(1, Math.floor(frames / 300))) poses.push(this.data.pose(f));
       this.data.rounds.slice(0, 3).forEach((r) => poses.push(...r.poses));
-      const known = poses.filter(Boolean).map((T) => [T[3], T[7], T[11]]);
-      const tenth = (values, share) => values.sort((a, b) => a - b)[Math.floor(share * (values.length - 1))];
-      const far = known.length ? tenth(known.map((p) => Math.abs(p[2])), 0.9) : 2 * this.size;
-      const focus = [target.width / 2, target.height / 2, 0.45 * far];
-      const radius = known.length ? tenth(known.map((p) => Math.hypot(...minus(p, focus))), 0.9) : this.size;
-      return new Eye(focus, Math.max(1.25 * far + 1.15 * this.size, 2.5 * radius));
+      this.known = poses.filter(Boolean).map((T) => [T[3], T[7], T[11]]);
+      const depths = this.known.map((p) => Math.abs(p[2])).sort((a, b) => a - b);
+      const far = depths.length ? depths[Math.floor(0.9 * (depths.length - 1))] : 2 * this.size;
+      return new Eye([target.width / 2, target.height / 2, 0.45 * far], 1.25 * far + 1.15 * this.size);
+    }
+
+    /** Steps back until nearly all poses are in view. */
+    fit() {
+      const margin = 0.1 * Math.min(this.width, this.height);
+      const inside = (p) => p && p[0] > margin && p[0] < this.width - margin && p[1] > margin && p[1] < this.height - 2 * margin;
+      for (let k = 0; k < 20; ++k) {
+        this.eye.aim(this.width, this.height, 0);
+        if (this.known.filter((p) => inside(this.eye.project(p))).length >= 0.97 * this.known.length) break;
+        this.eye.home.distance *= 1.08;
+        this.eye.reset();
+      }
+      this.fitted = true;
     }
 
     resize() {
@@ -89,6 +99,7 @@
       this.canvas.width = Math.round(this.width * ratio);
       this.canvas.height = Math.round(this.height * ratio);
       this.ratio = ratio;
+      if (!this.fitted && this.width && this.height) this.fit();
       this.draw(this.frame);
     }
 
@@ -140,13 +151,12 @@
       const stage = this.data.word('stage', this.frame);
       if (stage === 'camera-imu') {  // every frame is kept: their path says it
         this.stroke(ctx, KEPT, 1.2, () => this.line(ctx, kept.map((f) => { const T = this.data.pose(f); return [T[3], T[7], T[11]]; }), false));
-        return kept.length;
+        return;
       }
       const step = Math.ceil(kept.length / 150) || 1;
       this.stroke(ctx, KEPT, 1, () => {
         for (let i = 0; i < kept.length; i += step) this.frustumLines(ctx, frustum(this.data.pose(kept[i]), this.data.cameras[0].frustum, 0.07 * this.size));
       });
-      return kept.length;
     }
 
     drawCandidates(ctx, round) {
@@ -201,19 +211,19 @@
       const round = this.data.roundAt(frame);
       this.eye.aim(this.width, this.height, this.isListed(round) ? 0.17 : 0);
       this.drawTarget(ctx);
-      const kept = this.drawKept(ctx);
+      this.drawKept(ctx);
       this.spots = [];
       const most = round ? this.drawCandidates(ctx, round) : 0;
       const suggestion = this.data.suggestionAt(frame);
       if (suggestion) this.drawSuggestion(ctx, suggestion);
       this.drawRig(ctx);
-      this.say(kept, round, most, suggestion);
+      this.say(round, most, suggestion);
     }
 
-    say(kept, round, most, suggestion) {
+    say(round, most, suggestion) {
       const legend = this.box.querySelector('[data-part="legend"]');
       const parts = [this.data.pose(this.frame) ? '<span><b>now</b> thick</span>' : '<span><b>no pose</b> at this frame</span>',
-        `<span style="color:#14794f">kept: ${kept}</span>`];
+        `<span style="color:#14794f">kept: ${this.data.table.kept[this.frame] || 0}</span>`];
       if (suggestion) parts.push('<span style="color:#b4600a">asked: dashed</span>');
       if (round && round.poses.length && !this.isListed(round)) {
         parts.push(`<span>candidates <i class="ramp"></i>0 to ${this.gain(most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);

@@ -144,6 +144,9 @@
       ctx.fill();
     }
 
+    /** Smaller where frames lie close together. */
+    dotSize() { return Math.min(2.6, Math.max(1.3, 2 * (this.x(1) - this.x(0)))); }
+
     name(ctx, text) {
       ctx.fillStyle = INK;
       ctx.textAlign = 'left';
@@ -159,6 +162,7 @@
       const low = Math.max(-3, Math.floor(Math.min(-1, ...known))), high = Math.max(1, Math.ceil(Math.max(-9, ...known)));
       this.unit = (bits) => (bits === Infinity ? 1 : Math.min(1, Math.max(0, (Math.log10(Math.max(bits, 1e-12)) - low) / (high - low))));
       const step = this.height < 90 ? 2 : 1;
+      const size = this.dotSize();
       for (let e = high; e >= low; e -= step) this.tick(ctx, this.unit(10 ** e), `${+(10 ** e).toPrecision(1)}`, LEFT, this.width - RIGHT);
       this.drawThreshold(ctx);
       for (const round of [0, 1]) {  // what was kept lies on top
@@ -166,7 +170,7 @@
           const accepted = table.accepted[f] === 1;
           if (Boolean(round) !== accepted) continue;
           if (table.reason[f] === this.busy) { ctx.fillStyle = DROPPED; ctx.fillRect(this.x(f) - 0.5, this.y(0) - 4, 1.2, 4); }
-          if (!Number.isNaN(table.mi[f])) this.dot(ctx, f, this.unit(table.mi[f] / Math.LN2), accepted ? KEPT : NOT, accepted ? 2.6 : 1.6);
+          if (!Number.isNaN(table.mi[f])) this.dot(ctx, f, this.unit(table.mi[f] / Math.LN2), accepted ? KEPT : NOT, accepted ? size : 0.65 * size);
         }
       }
       const nats = table.threshold.find((v) => v > 0);
@@ -217,8 +221,9 @@
         pen = true;
       }
       ctx.stroke();
+      const size = this.dotSize();
       for (let f = part.from; k === 0 && f <= part.to; ++f) {
-        if (table.accepted[f] === 1 && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), KEPT, 2);
+        if (table.accepted[f] === 1 && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), KEPT, 0.8 * size);
       }
     }
 
