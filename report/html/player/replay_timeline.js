@@ -64,6 +64,7 @@
     }
 
     draw(frame) {
+      if (!this.still.width || !this.still.height) return;  // not shown
       const ctx = this.canvas.getContext('2d');
       ctx.setTransform(1, 0, 0, 1, 0, 0);
       ctx.clearRect(0, 0, this.canvas.width, this.canvas.height);
