@@ -52,6 +52,9 @@ void requireWhole(const char* option, int value, int least) {
 void declareViews(CLI::App& app, ViewGuideOptions& o) {
   app.add_option("--start-frames", o.start_frames, "Frames that start the camera stage")
       ->capture_default_str();
+  app.add_option("--start-move-px", o.start_move_px,
+                 "Corners must have moved so far between two of them [px]")
+      ->capture_default_str();
   app.add_option("--window", o.window, "Views in the camera stage's window")->capture_default_str();
   app.add_option("--patience", o.patience,
                  "Frames without a new view until a next best view is looked for")
@@ -119,6 +122,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gr
   requireWhole("--min-views", o.views.min_views, 0);
   requireWhole("--imu-start-frames", o.trajectories.start_frames, 3);
   requireWhole("--imu-window", o.trajectories.window, 2);
+  if (!(o.views.start_move_px >= 0)) throw InputError("--start-move-px: expected zero or more");
   if (!(o.views.reached_s >= 0)) throw InputError("--reached-s: expected zero or more");
   if (!(arrival_ms >= 0)) throw InputError("--arrival-ms: expected zero or more");
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
