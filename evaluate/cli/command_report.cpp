@@ -12,6 +12,7 @@
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/compare/comparison_document.h"
+#include "evaluate/replay/replay_document.h"
 #include "evaluate/studies/perturbation_document.h"
 #include "evaluate/workflow/calibration_document.h"
 #include "evaluate/workflow/runs_document.h"
@@ -19,6 +20,7 @@
 #include "report/html/calibration_page.h"
 #include "report/html/comparison_page.h"
 #include "report/html/perturbation_page.h"
+#include "report/html/replay_page.h"
 #include "report/html/trajectory_page.h"
 #include "report/store/store.h"
 
@@ -41,17 +43,11 @@ std::filesystem::path storeOf(const std::string& input) {
     if (!std::filesystem::exists(store)) {
       throw InputError(store.string(), 0,
                        "is missing; expected a result folder of `plumbline calibrate`, `perturb`, "
-                       "`compare` or `evaluate`, or the path of a records file");
+                       "`compare`, `evaluate` or `replay`, or the path of a records file");
     }
     return store;
   }
   return path;
-}
-
-[[noreturn]] void refuse(const char* option, const RunSummary& run) {
-  throw InputError(std::string(option) + ": run " + std::to_string(run.id) + " is of kind '" +
-                   toString(run.kind) +
-                   "', for which this program makes none; choose another --run");
 }
 
 /// The page of a run, whatever its kind.
@@ -66,9 +62,9 @@ std::string pageOf(const Store& store, const RunSummary& run) {
     case RunKind::kPerturbation:
       return renderPerturbationPage(store.loadPerturbation(run.id));
     case RunKind::kReplay:
-      break;
+      return renderReplayPage(store.loadReplay(run.id));
   }
-  refuse("--out", run);
+  return "";
 }
 
 /// The JSON document of a run, as the command that made it wrote it into its folder.
@@ -83,9 +79,9 @@ std::string documentOf(const Store& store, const RunSummary& run) {
     case RunKind::kComparison:
       return comparisonDocument(store.loadComparison(run.id));
     case RunKind::kReplay:
-      break;
+      return replayDocument(store.loadReplay(run.id));
   }
-  refuse("--json", run);
+  return "";
 }
 
 // What was written is named, unless standard output is the document's.
@@ -117,9 +113,10 @@ Command reportCommand() {
             auto options = std::make_shared<Options>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             app.add_option("--out", options->out, "HTML file to write");
-            app.add_option("--json", options->json,
-                           "File for the figures (calibration.json, trajectory.json, "
-                           "comparison.json, perturbation.json); - for standard output");
+            app.add_option(
+                "--json", options->json,
+                "File for the figures (calibration.json, trajectory.json, "
+                "comparison.json, perturbation.json, replay.json); - for standard output");
             app.add_option("--run", options->run, "Number of the run (default: the latest)");
             return std::function<int()>([options] { return report(*options); });
           }};
