@@ -12,6 +12,7 @@
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/compare/comparison_document.h"
+#include "evaluate/compare/evaluation_document.h"
 #include "evaluate/studies/perturbation_document.h"
 #include "evaluate/workflow/calibration_document.h"
 #include "evaluate/workflow/runs_document.h"
@@ -71,11 +72,15 @@ std::string pageOf(const Store& store, const RunSummary& run) {
   refuse("--out", run);
 }
 
+std::string calibrationOrEvaluation(const CalibrationRecord& record) {
+  return record.held ? evaluationDocument(record) : calibrationDocument(record);
+}
+
 /// The JSON document of a run, as the command that made it wrote it into its folder.
 std::string documentOf(const Store& store, const RunSummary& run) {
   switch (run.kind) {
     case RunKind::kCalibration:
-      return calibrationDocument(store.loadCalibration(run.id));
+      return calibrationOrEvaluation(store.loadCalibration(run.id));
     case RunKind::kPerturbation:
       return perturbationDocument(store.loadPerturbation(run.id));
     case RunKind::kTrajectory:
@@ -118,8 +123,8 @@ Command reportCommand() {
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             app.add_option("--out", options->out, "HTML file to write");
             app.add_option("--json", options->json,
-                           "File for the figures (calibration.json, trajectory.json, "
-                           "comparison.json, perturbation.json); - for standard output");
+                           "File for the figures (calibration.json, evaluation.json, "
+                           "trajectory.json, comparison.json, perturbation.json); - for standard output");
             app.add_option("--run", options->run, "Number of the run (default: the latest)");
             return std::function<int()>([options] { return report(*options); });
           }};
