@@ -9,6 +9,7 @@
 #include "calibrator/base/time_offsets.h"
 #include "calibrator/batch/camera_imu_noise.h"
 #include "calibrator/batch/camera_imu_outliers.h"
+#include "calibrator/batch/camera_imu_report.h"
 #include "calibrator/batch/camera_imu_stage.h"
 #include "calibrator/batch/camera_imu_start.h"
 
@@ -121,6 +122,15 @@ void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
   }
 }
 
+/// What the session tells of the calibration that was held.
+void addInformation(CameraImuProblem problem, const CameraImuSolution& solution, double cauchy_px,
+                    StageSummary& summary) {
+  auto covariance = heldCovariance(std::move(problem), solution, cauchy_px);
+  if (!covariance) return;
+  summary.entropy_nats = gaussianEntropy(covariance->matrix);
+  summary.covariance = std::move(*covariance);
+}
+
 /// Per camera, by how much its given offset differs from camera 0's; empty where it does not.
 std::vector<std::optional<double>> givenDifferences(const ImuCalibration& imu, std::size_t count) {
   std::vector<std::optional<double>> differences(count);
@@ -166,6 +176,10 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   result.value().frames_without_pose = posed.without_pose;
   result.value().frames_without_imu = selected->frames_without_imu;
   result.value().imu_gaps = selected->gaps;
+  if (options.score_information_px) {
+    addInformation(std::move(problem), solution, *options.score_information_px,
+                   result.value().summary);
+  }
   return result;
 }
 

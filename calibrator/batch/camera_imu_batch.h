@@ -43,6 +43,11 @@ struct CameraImuOptions {
   double max_offset_std_s = 0.005;      ///< likewise
   bool state_covariances = false;       ///< report those of the states and of gravity's direction
 
+  /// scoreCameraImu(): also report what the session tells of T_SC0 and the time offset at their
+  /// given values (StageSummary::covariance, entropy_nats), the corners weighted by a Cauchy loss
+  /// of this scale [px]; 0: all alike. Unset: no covariance.
+  std::optional<double> score_information_px;
+
   /// Judge the assumed densities by the inertial residuals: a fifth of the batch's time. Without it
   /// ImuResidualSummary::noise says nothing (redundancies 0).
   bool noise_check = true;
@@ -60,20 +65,21 @@ struct CameraImuOptions {
 /// with the pre-integration redone at every step (paper, section VI, in the target's frame, so that
 /// no gauge freedom remains). Deterministic, whatever the number of threads.
 ///
-/// `cameras` in the session's order. The covariance lists T_SC0 (6), time_offset and, if freed, the
-/// cameras as their own stage does (all intrinsics, then all T_C0Ci); everything else is
-/// marginalised. Fails with kNoOverlap, kImplausible, kNotObservable, kTooFewViews or
-/// kNotConverged.
+/// `cameras` in the session's order. The covariance lists T_SC0 (6), time_offset, if freed the
+/// cameras as their own stage does (all intrinsics, then all T_C0Ci), and time_offset.cam<i> of
+/// cameras that are not synchronised; everything else is marginalised. Fails with kNoOverlap,
+/// kImplausible, kNotObservable, kTooFewViews or kNotConverged.
 Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
                                                 const std::vector<CameraCalibration>& cameras,
                                                 const CameraImuOptions& options = {});
 
 /// Scores a given camera-IMU calibration on a session: the cameras, T_SC0 and the time offsets stay
 /// as they are; only poses, velocities, biases and the direction of gravity move, under the same
-/// cost. No covariance, no check of the noise. The noise is the session's (or the options'), not
-/// the calibration's, so that scores compare; options.free_cameras does not matter. Unlike
-/// calibrateCameraImu() it takes a calibration that contradicts the data: that is what it is for.
-/// Fails with kNoOverlap, kTooFewViews or kNotConverged (no step lowers the cost).
+/// cost. No check of the noise; options.score_information_px for a covariance. The noise is the
+/// session's (or the options'), not the calibration's, so that scores compare; options.free_cameras
+/// does not matter. Unlike calibrateCameraImu() it takes a calibration that contradicts the data:
+/// that is what it is for. Fails with kNoOverlap, kTooFewViews or kNotConverged (no step lowers the
+/// cost).
 Result<CameraImuStageResult> scoreCameraImu(const Session& session,
                                             const std::vector<CameraCalibration>& cameras,
                                             const ImuCalibration& imu,

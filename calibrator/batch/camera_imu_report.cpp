@@ -54,6 +54,8 @@ struct ParameterList {
   std::vector<int> rows;
   std::vector<std::string> names;
   std::vector<std::string> units;
+  /// Those from here on are camera 0's offset plus their row.
+  std::size_t own_offsets = 0;
 
   void add(int row, std::string name, std::string unit) {
     rows.push_back(row);
@@ -91,13 +93,39 @@ ParameterList parameterList(const CameraImuEstimate& estimate, bool free_cameras
   ParameterList list;
   list.addTransform(BorderLayout::kExtrinsics, "T_SC0");
   list.add(BorderLayout::kOffset, "time_offset", "s");
+  list.own_offsets = list.rows.size();
   if (!free_cameras) return list;
   const BorderLayout layout(estimate, true);
   for (std::size_t c = 0; c < cameras.size(); ++c) addIntrinsics(list, cameras[c], c, layout);
   for (std::size_t c = 1; c < cameras.size(); ++c) {
     list.addTransform(layout.T_C0Ci[c], fmt::format("T_C0C{}", c));
   }
+  list.own_offsets = list.rows.size();
   return list;
+}
+
+/// With the offsets of cameras that have their own behind.
+ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estimate,
+                             bool free_cameras) {
+  const BorderLayout layout(estimate, free_cameras);
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    if (layout.own_offset[c] < 0) continue;
+    list.add(layout.own_offset[c], fmt::format("time_offset.cam{}", c), "s");
+  }
+  return list;
+}
+
+/// Of the listed parameters, from that of the border.
+Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixXd& border) {
+  Eigen::MatrixXd J =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(list.rows.size()), border.cols());
+  for (std::size_t i = 0; i < list.rows.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    J(at, list.rows[i]) = 1;
+    if (i >= list.own_offsets) J(at, BorderLayout::kOffset) = 1;
+  }
+  const Eigen::MatrixXd out = J * border * J.transpose();
+  return 0.5 * (out + out.transpose());
 }
 
 /// Inverse of an information matrix whose rows differ in unit: scaled to a unit diagonal first, and
@@ -221,7 +249,8 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options) {
   const CameraImuEstimate& estimate = solution.estimate;
-  const ParameterList list = parameterList(estimate, problem.free_cameras);
+  const ParameterList list =
+      withOwnOffsets(parameterList(estimate, problem.free_cameras), estimate, problem.free_cameras);
   const auto normals = informationAt(problem, estimate, solution.weights);
   std::optional<ChainSolution> chain;
   if (normals) chain = solveChain(normals->chain, {0, problem.threads});
@@ -234,9 +263,30 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   // Sandwich: the gradient by t_d varies by more than the information says.
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
-  ParameterCovariance out{list.names, list.units, {}};
-  out.matrix = full(list.rows, list.rows);
+  ParameterCovariance out{list.names, list.units, listedCovariance(list, full)};
   if (const auto failure = unobservable(out.matrix, options)) return *failure;
+  return out;
+}
+
+std::optional<ParameterCovariance> heldCovariance(CameraImuProblem problem,
+                                                  const CameraImuSolution& solution,
+                                                  double cauchy_px) {
+  problem.hold_calibration = false;
+  problem.free_cameras = false;
+  problem.gram.cauchy_px = cauchy_px;
+  const auto normals = informationAt(problem, solution.estimate, solution.weights);
+  if (!normals) return std::nullopt;
+  const auto chain = solveChain(normals->chain, {0, problem.threads});
+  if (!chain) return std::nullopt;
+  constexpr int kFixed = BorderLayout::kFixed;  // own offsets stand behind: leaving them out holds
+  Eigen::MatrixXd full = invert(chain->border_information.topLeftCorner(kFixed, kFixed));
+  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
+  full += normals->offset_noise * offset * offset.transpose();
+  const ParameterList list = parameterList(solution.estimate, false);
+  ParameterCovariance out{list.names, list.units, full(list.rows, list.rows)};
+  if (!out.matrix.allFinite() || Eigen::LLT<Eigen::MatrixXd>(out.matrix).info() != Eigen::Success) {
+    return std::nullopt;
+  }
   return out;
 }
 

@@ -24,13 +24,23 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
 /// RMS values and chi-square of the inertial residuals.
 ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals);
 
-/// Covariance of T_SC0, time_offset and, if freed, the cameras, all else marginalised: the inverse
+/// Covariance of T_SC0, time_offset, if freed the cameras, and "time_offset.cam<i>" of cameras that
+/// are not synchronised (camera 0's plus the difference), all else marginalised: the inverse
 /// information, plus (sandwich) what the noise of single IMU samples at the frames adds to the
 /// gradient by the time offset; it matters for noisy IMUs at high rates. Fails with
 /// kNotObservable, naming directions, where a standard deviation exceeds the options' limits.
 Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options);
+
+/// The same parameters at a solution that held them (hold_calibration): the inverse information
+/// with states and gravity's direction marginalised, cameras and the differences between the
+/// cameras' own offsets held, so that the list is the same for every calibration; with the
+/// sandwich's part. The corners are weighted by a Cauchy loss of scale `cauchy_px`; 0: all alike.
+/// Empty where the information is singular.
+std::optional<ParameterCovariance> heldCovariance(CameraImuProblem problem,
+                                                  const CameraImuSolution& solution,
+                                                  double cauchy_px);
 
 /// Covariance of every state and of gravity's direction, by the same rules: the selected inverse of
 /// the information, plus the sandwich's part. Empty where the information is singular.

@@ -2,10 +2,16 @@
 #include "calibrator/batch/camera_imu_resample.h"
 
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
+
+#include "calibrator/base/time_offsets.h"
 
 namespace plumbline {
 namespace {
+
+constexpr std::string_view kOwnOffset = "time_offset.cam";
 
 void append(std::vector<double>& to, const Eigen::VectorXd& values) {
   to.insert(to.end(), values.begin(), values.end());
@@ -22,6 +28,11 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
   }
   for (std::size_t c = 1; free_cameras && c < to.cameras.size(); ++c) {
     append(d, boxminus(to.cameras[c].T_C0Ci, from.cameras[c].T_C0Ci));
+  }
+  for (const std::string& name : from.summary.covariance.names) {
+    if (name.rfind(kOwnOffset, 0) != 0) continue;
+    const auto c = static_cast<std::size_t>(std::stoi(name.substr(kOwnOffset.size())));
+    d.push_back(cameraTimeOffset(to.imu, c) - cameraTimeOffset(from.imu, c));
   }
   return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
 }

@@ -90,10 +90,10 @@ double instant(std::size_t k, double rate_hz, double before) {
 
 }  // namespace
 
-TrajectoryScorer::TrajectoryScorer(TrajectoryRecording recording,
+TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
                                    std::vector<LissajousTrajectory> trajectories,
                                    const std::vector<CameraCalibration>& cameras)
-    : recording_(std::move(recording)), trajectories_(std::move(trajectories)), cameras_(cameras) {
+    : recording_(recording), trajectories_(std::move(trajectories)), cameras_(cameras) {
   for (const LissajousTrajectory& trajectory : trajectories_) {
     prepared_.push_back(prepare(trajectory));
   }

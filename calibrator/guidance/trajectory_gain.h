@@ -38,7 +38,8 @@ struct TrajectoryRecording {
 class TrajectoryScorer {
  public:
   /// Prepares what no estimate changes: motions, and what the cameras see along them.
-  TrajectoryScorer(TrajectoryRecording recording, std::vector<LissajousTrajectory> trajectories,
+  TrajectoryScorer(const TrajectoryRecording& recording,
+                   std::vector<LissajousTrajectory> trajectories,
                    const std::vector<CameraCalibration>& cameras);
 
   const std::vector<LissajousTrajectory>& trajectories() const { return trajectories_; }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,20 +9,19 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/compare/evaluate_calibration.h"
 #include "evaluate/compare/evaluation_document.h"
+#include "evaluate/compare/write_evaluation.h"
 #include "evaluate/workflow/provenance.h"
 #include "evaluate/workflow/result_folder.h"
 
 namespace plumbline {
 namespace {
 
-constexpr const char* kEvaluationFile = "evaluation.json";
 constexpr int kMostFolds = 100;
 
 struct Options {
@@ -82,10 +80,8 @@ int evaluateCalibrationFile(const Options& o, const CLI::App& app) {
     fmt::print(stderr, "plumbline: {}; {}\n", result.failure().message, result.failure().cure);
     return kFailed;
   }
-  writeResultFolder(o.out, {kEvaluationFile}, [&](const std::filesystem::path& folder) {
-    writeFileAtomically((folder / kEvaluationFile).string(), evaluationDocument(*result));
-  });
-  fmt::print("{}\nResult: {}/{}\n", evaluationSummary(*result), o.out, kEvaluationFile);
+  writeEvaluation(*result, o.out);
+  fmt::print("{}\nReport: {}/report.html\n", evaluationSummary(*result), o.out);
   return kDone;
 }
 

@@ -12,6 +12,7 @@
 #include "datasets/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/compare/comparison_document.h"
+#include "evaluate/compare/evaluation_document.h"
 #include "evaluate/replay/replay_document.h"
 #include "evaluate/studies/perturbation_document.h"
 #include "evaluate/workflow/calibration_document.h"
@@ -67,11 +68,15 @@ std::string pageOf(const Store& store, const RunSummary& run) {
   return "";
 }
 
+std::string calibrationOrEvaluation(const CalibrationRecord& record) {
+  return record.held ? evaluationDocument(record) : calibrationDocument(record);
+}
+
 /// The JSON document of a run, as the command that made it wrote it into its folder.
 std::string documentOf(const Store& store, const RunSummary& run) {
   switch (run.kind) {
     case RunKind::kCalibration:
-      return calibrationDocument(store.loadCalibration(run.id));
+      return calibrationOrEvaluation(store.loadCalibration(run.id));
     case RunKind::kPerturbation:
       return perturbationDocument(store.loadPerturbation(run.id));
     case RunKind::kTrajectory:
@@ -113,10 +118,10 @@ Command reportCommand() {
             auto options = std::make_shared<Options>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             app.add_option("--out", options->out, "HTML file to write");
-            app.add_option(
-                "--json", options->json,
-                "File for the figures (calibration.json, trajectory.json, "
-                "comparison.json, perturbation.json, replay.json); - for standard output");
+            app.add_option("--json", options->json,
+                           "File for the figures (calibration.json, evaluation.json, "
+                           "trajectory.json, comparison.json, perturbation.json, replay.json); - "
+                           "for standard output");
             app.add_option("--run", options->run, "Number of the run (default: the latest)");
             return std::function<int()>([options] { return report(*options); });
           }};

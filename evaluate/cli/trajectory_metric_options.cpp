@@ -51,6 +51,11 @@ void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
       ->capture_default_str();
   app.add_option("--rpe", o.rpe, "Distances of relative errors: 1m,10m,1frames,0.5s, or none")
       ->capture_default_str();
+  app.add_option("--rpe-pairs", o.rpe_pairs,
+                 "Between which poses: plumbline (from every pose, within 10 % along the truth), "
+                 "evo (one after the other along the estimate), evo-all (from every pose along the "
+                 "estimate), rpg (within 20 %) or ov_eval (within 0.5 m)")
+      ->capture_default_str();
 }
 
 double secondsFrom(const char* name, double value, double least, double most = kLongest) {
@@ -72,6 +77,20 @@ double knownOffset(const std::string& word) {
         fmt::format("--clock-offset {}: expected auto, none, or seconds, e.g. -0.035", word));
   }
   return value;
+}
+
+std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<RelativeDelta> deltas) {
+  const RelativePairs pairs = relativePairsFrom(word);
+  for (RelativeDelta& delta : deltas) {
+    if (!hasPairsOver(pairs, delta.unit)) {
+      throw InputError(
+          fmt::format("--rpe-pairs {}: that tool has no pairs over {}; expected --rpe "
+                      "in metres, e.g. 8m",
+                      word, nameOf(delta.unit)));
+    }
+    delta.pairs = pairs;
+  }
+  return deltas;
 }
 
 CoverageSpan coverageFrom(const std::string& word) {
@@ -121,7 +140,7 @@ TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   }
   metrics.alignment.kind = alignmentFrom(o.align);
   metrics.alignment.first_n = o.align_first;
-  metrics.rpe = relativeDeltasFrom(o.rpe);
+  metrics.rpe = pairedBy(o.rpe_pairs, relativeDeltasFrom(o.rpe));
   metrics.coverage = coverageFrom(o.coverage_from);
   return metrics;
 }

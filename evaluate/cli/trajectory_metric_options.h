@@ -14,6 +14,7 @@ namespace plumbline {
 /// `evaluate trajectories` share them.
 struct TrajectoryMetricWords {
   std::string align = "se3", association = "one-to-one", rpe = "1m";
+  std::string rpe_pairs = "plumbline";
   std::string clock_offset = "none", hand_eye = "none";
   int align_first = 0;
   double max_dt_s = AssociationOptions{}.max_dt_s;

@@ -68,6 +68,13 @@ AssociationRule associationFrom(const std::string& word) {
   return byName<AssociationRule>("--association", word, kRules);
 }
 
+RelativePairs relativePairsFrom(const std::string& word) {
+  static constexpr std::array kPairs = {RelativePairs::kPlumbline, RelativePairs::kEvo,
+                                        RelativePairs::kEvoAll, RelativePairs::kRpg,
+                                        RelativePairs::kOvEval};
+  return byName<RelativePairs>("--rpe-pairs", word, kPairs);
+}
+
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
   std::vector<RelativeDelta> deltas;
   if (words == "none") return deltas;

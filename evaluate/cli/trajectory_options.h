@@ -23,6 +23,9 @@ AssociationRule associationFrom(const std::string& word);
 /// --rpe: "1m,10m,1frames,0.5s", or "none".
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words);
 
+/// --rpe-pairs: "plumbline", "evo", "evo-all", "rpg", "ov_eval".
+RelativePairs relativePairsFrom(const std::string& word);
+
 /// --format: "tum", "euroc", "kitti", "motive", "vicon".
 TrajectoryFormat trajectoryFormatFrom(const std::string& word);
 

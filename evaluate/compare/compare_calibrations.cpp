@@ -28,19 +28,14 @@ const char* methodName(FrameAlignment alignment) {
   return alignment == FrameAlignment::kMeanFrames ? "mean-frames" : "cross-reprojection";
 }
 
-/// Entropy and uncertainty under the recording's corners, all weighted alike.
-void addInformation(const Session& session, const CompareRequest& request, OnSession& out) {
+/// Uncertainty of projections under the recording's corners, all weighted alike.
+void addUncertainty(const Session& session, const CompareRequest& request, OnSession& out) {
   CameraInformationOptions options;
   options.pixel_sigma = request.score.camera.pixel_sigma;
   options.alignment = request.alignment;
   options.threads = request.score.camera.threads;
   const auto information = cameraInformation(session, *out.stage, options);
-  CalibrationScore& score = out.scores.front();
-  score.entropy_nats.reset();
-  score.entropy_parameters.clear();
   if (!information) return;
-  score.entropy_nats = information->entropy_nats;
-  score.entropy_parameters = information->covariance.names;
   out.uncertainty.method = fmt::format("{} on {}", methodName(request.alignment), session.name);
   out.uncertainty.projection = information->projection;
 }
@@ -48,15 +43,15 @@ void addInformation(const Session& session, const CompareRequest& request, OnSes
 OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
                   const CompareRequest& request, const ProgressSink& progress) {
   const ScoredCalibration scored{file.compared.label, file.path, file.compared.calibration};
+  ScoreOptions options = request.score;
+  options.entropy_under_loss = false;
+  SessionScores scored_on = scoreSession(scored, loaded.session, options, progress);
   OnSession out;
-  out.scores = scoreCalibration(scored, loaded.session, request.score, progress);
+  out.scores = std::move(scored_on.scores);
   const bool seen = !file.extras.input_hash.empty() && file.extras.input_hash == loaded.input_hash;
   out.scores.front().held_out = !file.extras.input_hash.empty() && !seen;
-  auto stage =
-      scoreCameras(loaded.session, file.compared.calibration.cameras, request.score.camera);
-  if (!stage) return out;
-  out.stage = std::move(stage).value();
-  addInformation(loaded.session, request, out);
+  out.stage = std::move(scored_on.camera);
+  if (out.stage) addUncertainty(loaded.session, request, out);
   return out;
 }
 

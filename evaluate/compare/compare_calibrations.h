@@ -30,10 +30,11 @@ struct CompareRequest {
 
 /// Reads the calibrations, and with them what stands beside Kalibr's; compares their parameters and
 /// projections; with a recording scores each on it (scoreCalibration()), compares their predictions
-/// view by view, and gives each the entropy of its cameras' parameters at its own values, under
-/// the same corners, noise and list, without a loss. The verdict is of comparisonFindings().
-/// Throws InputError for bad input: fewer than two calibrations, labels that are not unique, files
-/// that cannot be read, a recording whose cameras a calibration has not.
+/// view by view, and gives each the entropy of its cameras' parameters, and of T_SC0 and the
+/// time offset, at its own values, under the same corners, noise and list, without a loss. The
+/// verdict is of comparisonFindings(). Throws InputError for bad input: fewer than two
+/// calibrations, labels that are not unique, files that cannot be read, a recording whose cameras a
+/// calibration has not.
 ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress);
 
 }  // namespace plumbline

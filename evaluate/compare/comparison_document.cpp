@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
 
 namespace plumbline {
@@ -22,19 +23,10 @@ void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
   fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
 }
 
-Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 Json numbers(const std::vector<std::optional<double>>& values) {
   Json list = Json::array();
-  for (const auto& value : values) list.push_back(number(value));
+  for (const auto& value : values) list.push_back(optionalJson(value));
   return list;
-}
-
-Json matrixJson(const Transform& T) {
-  const Eigen::Matrix4d M = T.matrix();
-  Json rows = Json::array();
-  for (int i = 0; i < 4; ++i) rows.push_back({M(i, 0), M(i, 1), M(i, 2), M(i, 3)});
-  return rows;
 }
 
 Json rangeJson(double range_m) { return std::isfinite(range_m) ? Json(range_m) : Json("infinity"); }
@@ -88,6 +80,10 @@ Json scoreJson(const CalibrationScore& score) {
     json["entropy_nats"] = *score.entropy_nats;
     json["entropy_parameters"] = score.entropy_parameters;
   }
+  if (score.camera_imu_entropy_nats) {
+    json["camera_imu_entropy_nats"] = *score.camera_imu_entropy_nats;
+    json["camera_imu_entropy_parameters"] = score.camera_imu_entropy_parameters;
+  }
   return json;
 }
 
@@ -105,7 +101,7 @@ Json mapJson(const ImageMap& map) {
     for (const Eigen::Vector2d& v : map.vectors) vectors.push_back({v.x(), v.y()});
     json["vectors_px"] = vectors;
   }
-  if (map.implied) json["implied_T_BA"] = matrixJson(*map.implied);
+  if (map.implied) json["implied_T_BA"] = rowsJson(map.implied->matrix());
   return json;
 }
 
@@ -117,7 +113,7 @@ Json listJson(const std::vector<T>& values, ToJson to_json) {
 }
 
 Json offsetJson(const OffsetSummary& offset) {
-  Json json{{"label", offset.label}, {"time_offset_s", number(offset.time_offset_s)}};
+  Json json{{"label", offset.label}, {"time_offset_s", optionalJson(offset.time_offset_s)}};
   if (offset.std_s) json["std_s"] = *offset.std_s;
   if (!offset.per_camera_s.empty()) json["per_camera_s"] = offset.per_camera_s;
   return json;
@@ -129,14 +125,6 @@ Json pairedJson(const PairedPrediction& p) {
           {"views", p.views},
           {"difference_px2", p.difference_px2},
           {"std_px2", p.std_px2}};
-}
-
-// Commas and line ends would break a row.
-std::string cell(std::string text) {
-  for (char& c : text) {
-    if (c == ',' || c == '\n') c = ';';
-  }
-  return text;
 }
 
 void addCells(Text& text, const std::vector<std::optional<double>>& values) {
@@ -166,7 +154,7 @@ std::string comparisonTable(const ComparisonRecord& record) {
   add(text, "#name,unit");
   for (const char* what : {"value", "std", "difference", "significance"}) {
     for (const ComparedCalibration& c : record.calibrations)
-      add(text, ",{} {}", what, cell(c.label));
+      add(text, ",{} {}", what, csvCell(c.label));
   }
   add(text, "\n");
   for (const ComparedParameter& p : record.parameters) {

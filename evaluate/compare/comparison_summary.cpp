@@ -95,6 +95,9 @@ void addScores(Text& text, const ComparisonRecord& record) {
     }
     if (s.camera_imu) add(text, "; with IMU {:.4f} px", s.camera_imu->rmse_px);
     if (s.entropy_nats) add(text, "; entropy {:.3f} nats", *s.entropy_nats);
+    if (s.camera_imu_entropy_nats) {
+      add(text, ", of camera-IMU {:.3f} nats", *s.camera_imu_entropy_nats);
+    }
     add(text, "\n");
   }
   const auto told = std::find_if(record.scores.begin(), record.scores.end(),
@@ -103,6 +106,11 @@ void addScores(Text& text, const ComparisonRecord& record) {
   add(text, "  Entropy: of {} parameters ({} ... {}), corners of {:g} px\n",
       told->entropy_parameters.size(), told->entropy_parameters.front(),
       told->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
+  const auto imu = std::find_if(record.scores.begin(), record.scores.end(), [](const auto& s) {
+    return s.camera_imu_entropy_nats.has_value();
+  });
+  if (imu == record.scores.end()) return;
+  add(text, "  Camera-IMU: of T_SC0 and time_offset, the session's IMU noise, cameras held\n");
 }
 
 /// Centre and worst value of a map.

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -33,36 +34,47 @@ LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
   return load;
 }
 
+/// All but what was computed.
+CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibrationRequest& asked) {
+  CalibrationRecord record;
+  record.name = loaded.session.name;
+  record.provenance = asked.provenance;
+  record.provenance.input = loaded.session.name;
+  record.provenance.input_hash = loaded.input_hash;
+  record.assumptions = assumptionsOf(asked.score, loaded.session);
+  record.target = loaded.session.target;
+  record.counts = loaded.counts;
+  return record;
+}
+
 }  // namespace
 
-Result<CalibrationEvaluation> evaluateCalibration(const EvaluateCalibrationRequest& asked,
-                                                  const ProgressSink& progress) {
+Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& asked,
+                                              const ProgressSink& progress) {
   LoadRequest load = asked.load;
   load.others.push_back(asked.calibration);
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
   const ScoredCalibration scored{label, asked.calibration, readCalibration(asked.calibration)};
   const LoadedSession loaded = loadSession(load, progress);
-  CalibrationEvaluation out;
-  out.label = label;
-  out.calibration = matchCalibration(scored.calibration, scored.path, loaded.session);
+  matchCalibration(scored.calibration, scored.path, loaded.session);
   checkTargetLayout(loaded, {});
-  out.provenance = asked.provenance;
-  out.provenance.input = loaded.session.name;
-  out.provenance.input_hash = loaded.input_hash;
-  out.assumptions = assumptionsOf(asked.score, loaded.session);
-  out.scores = scoreCalibration(scored, loaded.session, asked.score, progress);
-  const CalibrationScore& whole = out.scores.front();
+  SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
+  const CalibrationScore& whole = on_session.scores.front();
   if (whole.reprojection.count == 0) {
     return Failure{FailureReason::kTooFewViews,
                    fmt::format("{} gives {} no score: {}", label, whole.session, whole.problem),
                    "check that the calibration belongs to these cameras"};
   }
+  CalibrationRecord record = recordOf(loaded, asked);
+  record.camera = std::move(on_session.camera);
+  record.camera_imu = std::move(on_session.camera_imu);
+  record.held = HeldCalibration{label, std::move(on_session.scores)};
   for (const std::string& folder : asked.held_out) {
     const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);
     progress("scoring " + other.session.name, -1);
-    out.scores.push_back(scoreHeldOut(scored, other.session, asked.score));
+    record.held->scores.push_back(scoreHeldOut(scored, other.session, asked.score));
   }
-  return out;
+  return record;
 }
 
 }  // namespace plumbline

@@ -9,7 +9,6 @@
 #include "evaluate/workflow/load_session.h"
 #include "evaluate/workflow/progress.h"
 #include "report/records/calibration_record.h"
-#include "report/records/comparison_record.h"
 
 namespace plumbline {
 
@@ -23,18 +22,9 @@ struct EvaluateCalibrationRequest {
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in
 };
 
-/// A calibration's scores, the session's first.
-struct CalibrationEvaluation {
-  std::string label;  ///< name of the calibration's file
-  Calibration calibration;
-  Provenance provenance;
-  Assumptions assumptions;
-  std::vector<CalibrationScore> scores;
-};
-
-/// Reads, detects and scores. Fails where the calibration gives the session no score at all; throws
-/// InputError for bad input.
-Result<CalibrationEvaluation> evaluateCalibration(const EvaluateCalibrationRequest& request,
-                                                  const ProgressSink& progress);
+/// Reads, detects and scores: a record whose `held` has the scores, the session's first. Fails
+/// where the calibration gives the session no score at all; throws InputError for bad input.
+Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& request,
+                                              const ProgressSink& progress);
 
 }  // namespace plumbline

@@ -16,13 +16,9 @@ using Json = nlohmann::ordered_json;
 constexpr int kSchema = 1;
 
 Json statisticsJson(const ErrorStatistics& e) {
-  return {{"rmse_px", e.rmse_px},
-          {"mean_px", e.mean_px},
-          {"median_px", e.median_px},
-          {"std_px", e.std_px},
-          {"axis_mean_px", {e.axis_mean_px.x(), e.axis_mean_px.y()}},
-          {"axis_std_px", {e.axis_std_px.x(), e.axis_std_px.y()}},
-          {"corners", e.count}};
+  Json json = errorsJson(e);
+  json["corners"] = e.count;
+  return json;
 }
 
 Json camerasJson(const CalibrationScore& score) {
@@ -47,15 +43,19 @@ Json scoreJson(const CalibrationScore& s) {
   }
   if (!s.camera_imu) return json;
   json["camera_imu"] = statisticsJson(*s.camera_imu);
+  if (s.camera_imu_entropy_nats) {
+    json["camera_imu"]["entropy_nats"] = *s.camera_imu_entropy_nats;
+    json["camera_imu"]["entropy_parameters"] = s.camera_imu_entropy_parameters;
+  }
   if (s.camera_imu_cost) json["camera_imu"]["cost"] = *s.camera_imu_cost;
   if (s.gyro_rms_rad_s) json["camera_imu"]["gyro_rms_rad_s"] = *s.gyro_rms_rad_s;
   if (s.accel_rms_m_s2) json["camera_imu"]["accel_rms_m_s2"] = *s.accel_rms_m_s2;
   return json;
 }
 
-Json modelsJson(const Calibration& calibration) {
+Json modelsJson(const std::vector<CameraCalibration>& cameras) {
   Json json = Json::object();
-  for (const CameraCalibration& camera : calibration.cameras) {
+  for (const CameraCalibration& camera : cameras) {
     const Intrinsics& k = camera.intrinsics;
     json[camera.name] = toString(k.projection_model) + "-" + toString(k.distortion_model);
   }
@@ -83,24 +83,25 @@ std::string line(const CalibrationScore& s, std::size_t width) {
 
 }  // namespace
 
-std::string evaluationDocument(const CalibrationEvaluation& evaluation) {
+std::string evaluationDocument(const CalibrationRecord& record) {
   Json scores = Json::array();
-  for (const CalibrationScore& score : evaluation.scores) scores.push_back(scoreJson(score));
+  for (const CalibrationScore& score : record.held->scores) scores.push_back(scoreJson(score));
   const Json json{{"schema", kSchema},
-                  {"calibration", evaluation.label},
-                  {"models", modelsJson(evaluation.calibration)},
+                  {"calibration", record.held->file},
+                  {"models", modelsJson(record.cameras())},
                   {"scores", scores},
-                  {"assumptions", assumptionsJson(evaluation.assumptions)},
-                  {"provenance", provenanceJson(evaluation.provenance)}};
+                  {"assumptions", assumptionsJson(record.assumptions)},
+                  {"provenance", provenanceJson(record.provenance)}};
   return json.dump(2) + "\n";
 }
 
-std::string evaluationSummary(const CalibrationEvaluation& evaluation) {
+std::string evaluationSummary(const CalibrationRecord& record) {
+  const HeldCalibration& evaluation = *record.held;
   std::size_t width = 0;
   for (const CalibrationScore& score : evaluation.scores) {
     width = std::max(width, nameOf(score).size());
   }
-  std::string text = fmt::format("{}\n{:<{}}{:>11}", evaluation.label, "RMSE [px]", width, "all");
+  std::string text = fmt::format("{}\n{:<{}}{:>11}", evaluation.file, "RMSE [px]", width, "all");
   for (const std::string& camera : evaluation.scores.front().cameras) {
     text += fmt::format("{:>11}", camera);
   }

@@ -3,16 +3,16 @@
 
 #include <string>
 
-#include "evaluate/compare/evaluate_calibration.h"
+#include "report/records/calibration_record.h"
 
 namespace plumbline {
 
 /// evaluation.json: scores[] with label, session, part, held_out, reprojection errors of all
 /// corners and of each camera, those under the IMU, entropy with its parameters, and what prevented
 /// a score; then assumptions and provenance. Figures that there are not are absent.
-std::string evaluationDocument(const CalibrationEvaluation& evaluation);
+std::string evaluationDocument(const CalibrationRecord& record);
 
 /// The same for a person: one line a score.
-std::string evaluationSummary(const CalibrationEvaluation& evaluation);
+std::string evaluationSummary(const CalibrationRecord& record);
 
 }  // namespace plumbline

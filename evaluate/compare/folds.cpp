@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <cstdint>
+#include <vector>
 
 namespace plumbline {
 namespace {
@@ -13,6 +14,15 @@ void takeViews(const CameraStream& from, const std::vector<char>& chosen, Camera
   for (std::size_t v = 0; v < from.views.size(); ++v) {
     if (chosen[v] != 0) to.views.push_back(from.views[v]);
   }
+}
+
+/// Removes the IMU samples strictly between two instants of the cameras' clock.
+void cutBetween(TimeNs from, TimeNs to, double time_offset_s, Session& session) {
+  if (!session.imu) return;
+  const TimeNs offset = toNanoseconds(time_offset_s);
+  std::erase_if(session.imu->samples, [&](const ImuSample& sample) {
+    return sample.t > from + offset && sample.t < to + offset;
+  });
 }
 
 /// The session without views.
@@ -34,7 +44,8 @@ Session emptied(const Session& session) {
 
 }  // namespace
 
-Fold foldOf(const Session& session, const FrameOptions& options, int index, int count) {
+Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice) {
+  const int index = choice.index, count = choice.count;
   assert(count >= 2 && index >= 0 && index < count);
   const auto frames = pairFrames(session.cameras, options);
   const auto n = static_cast<std::int64_t>(frames.size());
@@ -52,6 +63,9 @@ Fold foldOf(const Session& session, const FrameOptions& options, int index, int 
     }
     takeViews(camera, training, fold.training.cameras[c]);
     takeViews(camera, held_out, fold.held_out.cameras[c]);
+  }
+  if (end > first) {
+    cutBetween(frames[first].t, frames[end - 1].t, choice.time_offset_s, fold.training);
   }
   return fold;
 }

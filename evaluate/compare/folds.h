@@ -12,12 +12,20 @@ struct Fold {
   Session held_out;
 };
 
+/// Which part of a session is held out: 0 <= index < count, 2 <= count.
+struct FoldChoice {
+  int index = 0;
+  int count = 2;
+  double time_offset_s = 0;  ///< t_imu = t_cam + this, to cut the IMU's samples by
+};
+
 /// Fold `index` of `count`: the frames (see pairFrames()) in `count` runs of consecutive ones whose
 /// numbers differ by one at most; run `index` is held out, the others are for training. Neighbours
 /// in time resemble each other, so that scattered frames would not be held out in earnest. Views
-/// that no frame takes are in neither part; IMU samples are in both, since only corners are scored.
-/// 0 <= index < count, 2 <= count.
-Fold foldOf(const Session& session, const FrameOptions& options, int index, int count);
+/// that no frame takes are in neither part. IMU samples between the first and the last frame that
+/// is held out are not for training: its chain of states breaks there. The held-out part keeps all
+/// samples, of which only those between its own frames enter.
+Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice);
 
 /// How many frames the session has.
 int frameCount(const Session& session, const FrameOptions& options);

@@ -20,8 +20,10 @@ using CameraErrors = std::vector<std::vector<Eigen::Vector2d>>;
 /// What a score was made of, kept so that folds can be pooled.
 struct Scored {
   CalibrationScore score;
-  CameraErrors camera;      ///< of the cameras alone
-  CameraErrors camera_imu;  ///< empty without IMU
+  CameraErrors camera;                                   ///< of the cameras alone
+  CameraErrors camera_imu;                               ///< empty without IMU
+  std::optional<CameraStageResult> camera_stage;         ///< of scoreMatched()
+  std::optional<CameraImuStageResult> camera_imu_stage;  ///< likewise
 };
 
 CameraErrors errorsOf(const std::vector<CornerResidual>& residuals, std::size_t cameras) {
@@ -62,16 +64,36 @@ void addImuStage(const CameraImuStageResult& stage, Scored& out) {
 }
 
 /// What the session tells of the calibration's own parameters, at their values.
-void addEntropy(const Session& session, const CameraStageResult& stage,
-                const CameraStageOptions& options, CalibrationScore& score) {
+void addEntropy(const Session& session, const ScoreOptions& options, Scored& out) {
   CameraInformationOptions information;
-  information.pixel_sigma = options.pixel_sigma;
-  information.cauchy_px = options.cauchy_px;
-  information.threads = options.threads;
-  const auto told = cameraInformation(session, stage, information);
+  information.pixel_sigma = options.camera.pixel_sigma;
+  information.cauchy_px = options.entropy_under_loss ? options.camera.cauchy_px : 0;
+  information.threads = options.camera.threads;
+  StageSummary& summary = out.camera_stage->summary;
+  const auto told = cameraInformation(session, *out.camera_stage, information);
   if (!told) return;
-  score.entropy_nats = told->entropy_nats;
-  score.entropy_parameters = told->covariance.names;
+  summary.covariance = told->covariance;
+  summary.entropy_nats = told->entropy_nats;
+  out.score.entropy_nats = told->entropy_nats;
+  out.score.entropy_parameters = told->covariance.names;
+}
+
+/// Camera and IMU, the calibration held; what it tells of T_SC0 and the offset with it.
+void addHeldImu(const Session& session, const Calibration& calibration, const ScoreOptions& options,
+                Scored& out) {
+  CameraImuOptions held = options.camera_imu;
+  held.score_information_px = options.entropy_under_loss ? held.cauchy_px : 0;
+  auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, held);
+  if (!imu) {
+    out.score.problem = "camera-IMU: " + problemOf(imu.failure());
+    return;
+  }
+  addImuStage(*imu, out);
+  if (!imu->summary.covariance.names.empty()) {
+    out.score.camera_imu_entropy_nats = imu->summary.entropy_nats;
+    out.score.camera_imu_entropy_parameters = imu->summary.covariance.names;
+  }
+  out.camera_imu_stage = std::move(imu).value();
 }
 
 CalibrationScore emptyScore(const std::string& label, const Session& session) {
@@ -102,20 +124,16 @@ Scored scoreMatched(const std::string& label, const Calibration& calibration,
         "the session holds no corner of the target; check its images and target.yaml";
     return out;
   }
-  const auto cameras = scoreCameras(session, calibration.cameras, options.camera);
+  auto cameras = scoreCameras(session, calibration.cameras, options.camera);
   if (!cameras) {
     out.score.problem = problemOf(cameras.failure());
     return out;
   }
   addCameraStage(*cameras, out);
-  addEntropy(session, *cameras, options.camera, out.score);
-  if (!options.use_imu || !calibration.imu || !session.imu) return out;
-  const auto imu =
-      scoreCameraImu(session, calibration.cameras, *calibration.imu, options.camera_imu);
-  if (imu) {
-    addImuStage(*imu, out);
-  } else {
-    out.score.problem = "camera-IMU: " + problemOf(imu.failure());
+  out.camera_stage = std::move(cameras).value();
+  addEntropy(session, options, out);
+  if (options.use_imu && calibration.imu && session.imu) {
+    addHeldImu(session, calibration, options, out);
   }
   return out;
 }
@@ -199,7 +217,8 @@ void addFolds(const ScoredCalibration& scored, const Calibration& calibration,
   sum.in_sample.score = sum.held_out.score = emptyScore(scored.label, session);
   for (int k = 0; k < options.folds; ++k) {
     progress("validating", static_cast<double>(k) / options.folds);
-    const Fold fold = foldOf(session, options.camera.frames, k, options.folds);
+    const double offset_s = calibration.imu ? calibration.imu->time_offset_s : 0;
+    const Fold fold = foldOf(session, options.camera.frames, {k, options.folds, offset_s});
     FoldScores one = scoreFold(scored, calibration, fold, options);
     one.in_sample.score.part = one.held_out.score.part =
         fmt::format("fold {} of {}", k + 1, options.folds);
@@ -235,25 +254,31 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
 
 }  // namespace
 
-std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
-                                               const Session& session, const ScoreOptions& options,
-                                               const ProgressSink& progress) {
+SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
+                           const ScoreOptions& options, const ProgressSink& progress) {
   const Calibration calibration = matchCalibration(scored.calibration, scored.path, session);
   progress("scoring", -1);
-  std::vector<CalibrationScore> scores;
-  scores.push_back(scoreMatched(scored.label, calibration, session, options).score);
-  if (options.folds < 2) return scores;
+  Scored whole = scoreMatched(scored.label, calibration, session, options);
+  SessionScores out{{}, std::move(whole.camera_stage), std::move(whole.camera_imu_stage)};
+  out.scores.push_back(std::move(whole.score));
+  if (options.folds < 2) return out;
   const std::string why = whyNoFolds(calibration, session, options);
   if (why.empty()) {
-    addFolds(scored, calibration, session, options, progress, scores);
+    addFolds(scored, calibration, session, options, progress, out.scores);
   } else {
     CalibrationScore none = emptyScore(scored.label, session);
     none.part = fmt::format("all {} folds", options.folds);
     none.held_out = true;
     none.problem = why;
-    scores.push_back(std::move(none));
+    out.scores.push_back(std::move(none));
   }
-  return scores;
+  return out;
+}
+
+std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
+                                               const Session& session, const ScoreOptions& options,
+                                               const ProgressSink& progress) {
+  return scoreSession(scored, session, options, progress).scores;
 }
 
 CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,18 @@ struct ScoreOptions {
   CameraStageOptions camera;    ///< noise, loss, filter, frames; models and start do not matter
   CameraImuOptions camera_imu;  ///< likewise
   bool use_imu = true;          ///< score the camera-IMU part where both sides have one
+  /// Entropies weight the corners by the stages' loss; false: all alike, so that two calibrations
+  /// are judged by the same corners.
+  bool entropy_under_loss = true;
   /// 2 or more: also K-fold validation, see scoreCalibration().
   int folds = 0;
+};
+
+/// A calibration's scores on a session, and what its poses and states are there.
+struct SessionScores {
+  std::vector<CalibrationScore> scores;
+  std::optional<CameraStageResult> camera;         ///< of the whole session, the calibration held
+  std::optional<CameraImuStageResult> camera_imu;  ///< likewise
 };
 
 /// Scores a calibration on a session: of the cameras only the poses move (scoreCameras()), and with
@@ -40,6 +51,10 @@ struct ScoreOptions {
 /// scored) is said in CalibrationScore::problem.
 /// Throws InputError where the session has a camera that the calibration has not, or in another
 /// resolution.
+SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
+                           const ScoreOptions& options, const ProgressSink& progress);
+
+/// The scores alone.
 std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
                                                const Session& session, const ScoreOptions& options,
                                                const ProgressSink& progress);

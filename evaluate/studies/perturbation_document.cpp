@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/studies/perturbation.h"
+#include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
 
 namespace plumbline {
@@ -45,18 +46,10 @@ Json caseJson(const PerturbationCase& c, bool is_base) {
   return json;
 }
 
-// Commas and line ends would break a row.
-std::string cell(std::string text) {
-  for (char& c : text) {
-    if (c == ',' || c == '\n') c = ';';
-  }
-  return text;
-}
-
 void addRow(Text& text, const PerturbationCase& c, std::size_t parameters) {
   add(text, "{},{},{},{},{},{},{},{},{},{},{},{}", c.kind, c.amount, c.unit, c.seed,
       c.problem.empty() ? "yes" : "no", c.rmse_px, c.frames, c.iterations, c.time_offset_s,
-      c.time_offset_std_s.value_or(0), c.offset_error_s, cell(c.problem));
+      c.time_offset_std_s.value_or(0), c.offset_error_s, csvCell(c.problem));
   for (std::size_t i = 0; i < parameters; ++i) {
     add(text, ",{}", i < c.changes.size() ? fmt::format("{}", c.changes[i]) : "");
   }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/workflow/calibration_document.h"
 
+#include <algorithm>
 #include <iterator>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
 
 namespace plumbline {
@@ -16,42 +19,23 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
 
-template <class Vector>
-Json list(const Vector& values) {
-  Json json = Json::array();
-  for (Eigen::Index i = 0; i < values.size(); ++i) json.push_back(values[i]);
-  return json;
-}
-
-template <class Matrix>
-Json rows(const Matrix& matrix) {
-  Json json = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) json.push_back(list(matrix.row(i)));
-  return json;
-}
-
 Json secondsOf(const StageSeconds& s) {
   return {{"load", s.load},   {"detect", s.detect},         {"initialise", s.initialise},
           {"solve", s.solve}, {"covariance", s.covariance}, {"total", s.total}};
 }
 
 Json stageOf(const StageSummary& s) {
-  const ErrorStatistics& e = s.reprojection;
-  return {{"rmse_px", e.rmse_px},
-          {"mean_px", e.mean_px},
-          {"median_px", e.median_px},
-          {"std_px", e.std_px},
-          {"axis_mean_px", list(e.axis_mean_px)},
-          {"axis_std_px", list(e.axis_std_px)},
-          {"corners_used", s.corners_used},
-          {"corners_offered", s.corners_offered},
-          {"views_used", s.views_used},
-          {"views_offered", s.views_offered},
-          {"entropy_nats", s.entropy_nats},
-          {"converged", s.converged},
-          {"iterations", s.iterations},
-          {"cost", s.cost},
-          {"seconds", secondsOf(s.seconds)}};
+  Json json = errorsJson(s.reprojection);
+  json.update(Json{{"corners_used", s.corners_used},
+                   {"corners_offered", s.corners_offered},
+                   {"views_used", s.views_used},
+                   {"views_offered", s.views_offered},
+                   {"entropy_nats", s.entropy_nats},
+                   {"converged", s.converged},
+                   {"iterations", s.iterations},
+                   {"cost", s.cost},
+                   {"seconds", secondsOf(s.seconds)}});
+  return json;
 }
 
 Json checkOf(const ImuNoiseCheck& check) {
@@ -69,6 +53,20 @@ Json noiseChecksOf(const ImuNoiseChecks& noise) {
           {"pose_pixel_sigma", noise.pose_pixel_sigma}};
 }
 
+// Of each camera's own time offset; null where the covariance has none.
+Json offsetDeviations(const CameraImuStageResult& stage) {
+  const std::vector<std::string>& names = stage.summary.covariance.names;
+  const Eigen::VectorXd std = stage.summary.covariance.standardDeviations();
+  Json json = Json::array();
+  for (std::size_t c = 0; c < stage.imu.camera_time_offsets_s.size(); ++c) {
+    const auto own = std::find(names.begin(), names.end(), fmt::format("time_offset.cam{}", c));
+    const auto shared = std::find(names.begin(), names.end(), "time_offset");
+    const auto found = own != names.end() ? own : shared;
+    json.push_back(found != names.end() ? Json(std[found - names.begin()]) : Json());
+  }
+  return json;
+}
+
 Json cameraImuOf(const CameraImuStageResult& stage) {
   Json json = stageOf(stage.summary);
   const ImuResidualSummary& imu = stage.imu_summary;
@@ -76,6 +74,7 @@ Json cameraImuOf(const CameraImuStageResult& stage) {
   if (stage.imu.time_offset_std_s) json["time_offset_std_s"] = *stage.imu.time_offset_std_s;
   if (!stage.imu.camera_time_offsets_s.empty()) {
     json["camera_time_offsets_s"] = stage.imu.camera_time_offsets_s;
+    json["camera_time_offsets_std_s"] = offsetDeviations(stage);
   }
   json["gyro_rms_rad_s"] = imu.gyro_rms_rad_s;
   json["accel_rms_m_s2"] = imu.accel_rms_m_s2;
@@ -94,7 +93,7 @@ Json cameraImuOf(const CameraImuStageResult& stage) {
   json["imu_noise"] = noiseChecksOf(imu.noise);
   json["imu_chi2"] = imu.chi2;
   json["imu_dof"] = imu.dof;
-  json["gravity_F_m_s2"] = list(stage.gravity_F);
+  json["gravity_F_m_s2"] = vectorJson(stage.gravity_F);
   return json;
 }
 
@@ -105,21 +104,21 @@ Json cameraOf(const CameraCalibration& camera, const ErrorStatistics& errors) {
   json["model"] = toString(k.projection_model);
   json["distortion"] = toString(k.distortion_model);
   json["resolution"] = {k.resolution.width, k.resolution.height};
-  json["intrinsics"] = list(k.projection);
-  json["distortion_coeffs"] = list(k.distortion);
+  json["intrinsics"] = vectorJson(k.projection);
+  json["distortion_coeffs"] = vectorJson(k.distortion);
   if (camera.intrinsics_std) {
-    json["intrinsics_std"] = list(camera.intrinsics_std->head(k.projection.size()));
-    json["distortion_coeffs_std"] = list(camera.intrinsics_std->tail(k.distortion.size()));
+    json["intrinsics_std"] = vectorJson(camera.intrinsics_std->head(k.projection.size()));
+    json["distortion_coeffs_std"] = vectorJson(camera.intrinsics_std->tail(k.distortion.size()));
   }
-  json["T_C0Ci"] = rows(camera.T_C0Ci.matrix());
-  if (camera.T_C0Ci_std) json["T_C0Ci_std"] = list(*camera.T_C0Ci_std);
+  json["T_C0Ci"] = rowsJson(camera.T_C0Ci.matrix());
+  if (camera.T_C0Ci_std) json["T_C0Ci_std"] = vectorJson(*camera.T_C0Ci_std);
   json["rmse_px"] = errors.rmse_px;
   return json;
 }
 
 Json imuOf(const ImuCalibration& imu) {
-  Json json{{"T_SC0", rows(imu.T_SC0.matrix())}};
-  if (imu.T_SC0_std) json["T_SC0_std"] = list(*imu.T_SC0_std);
+  Json json{{"T_SC0", rowsJson(imu.T_SC0.matrix())}};
+  if (imu.T_SC0_std) json["T_SC0_std"] = vectorJson(*imu.T_SC0_std);
   json["time_offset_s"] = imu.time_offset_s;
   if (imu.time_offset_std_s) json["time_offset_std_s"] = *imu.time_offset_std_s;
   json["gravity_m_s2"] = imu.gravity_m_s2;
@@ -133,7 +132,7 @@ Json covarianceOf(const ParameterCovariance& covariance) {
   for (std::size_t i = 0; i < covariance.names.size(); ++i) {
     parameters.push_back({{"name", covariance.names[i]}, {"unit", covariance.units[i]}});
   }
-  return {{"parameters", parameters}, {"matrix", rows(covariance.matrix)}};
+  return {{"parameters", parameters}, {"matrix", rowsJson(covariance.matrix)}};
 }
 
 Json spreadOf(const ResampleSpread& spread) {

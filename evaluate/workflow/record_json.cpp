@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/workflow/record_json.h"
 
+#include "evaluate/workflow/json_values.h"
+
 namespace plumbline {
 
 using Json = nlohmann::ordered_json;
+
+Json errorsJson(const ErrorStatistics& e) {
+  return {{"rmse_px", e.rmse_px},
+          {"mean_px", e.mean_px},
+          {"median_px", e.median_px},
+          {"std_px", e.std_px},
+          {"axis_mean_px", vectorJson(e.axis_mean_px)},
+          {"axis_std_px", vectorJson(e.axis_std_px)}};
+}
 
 Json noiseJson(const ImuNoise& noise) {
   return {{"gyroscope_noise_density", noise.gyro_density},

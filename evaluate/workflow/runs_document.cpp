@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
 #include "evaluate/workflow/trajectory_document.h"
 #include "report/records/paired_differences.h"
@@ -68,7 +69,7 @@ Json summaryJson(const RunsSummary& s) {
           {"partial", s.partial},
           {"failed", s.failed},
           {"completion", s.completion},
-          {"ate_median_m", s.ate_median_m ? Json(*s.ate_median_m) : Json()}};
+          {"ate_median_m", optionalJson(s.ate_median_m)}};
 }
 
 Json differenceJson(const PairedDifference& d) {
@@ -91,17 +92,10 @@ Json runJson(const TrajectoryRun& run) {
   return json;
 }
 
-// A cell of a CSV file: quoted where it must be.
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string rowOf(const TrajectoryRun& run) {
-  std::string text = fmt::format("{},{},{},{},{:.6f},", cell(run.sequence), cell(run.calibration),
-                                 cell(run.run), nameOf(run.status), run.coverage);
+  std::string text =
+      fmt::format("{},{},{},{},{:.6f},", csvCell(run.sequence), csvCell(run.calibration),
+                  csvCell(run.run), nameOf(run.status), run.coverage);
   if (run.ate_translation_m.n > 0) {
     text +=
         fmt::format("{},{:.9g},{:.9g},{:.9g},", run.ate_translation_m.n, run.ate_translation_m.rmse,
@@ -110,7 +104,7 @@ std::string rowOf(const TrajectoryRun& run) {
     text += ",,,,";
   }
   if (run.ate_rotation_deg.n > 0) text += fmt::format("{:.9g}", run.ate_rotation_deg.rmse);
-  return text + "," + cell(run.problem) + "," + cell(run.estimate) + "\n";
+  return text + "," + csvCell(run.problem) + "," + csvCell(run.estimate) + "\n";
 }
 
 }  // namespace

@@ -4,18 +4,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/workflow/json_values.h"
+
 namespace plumbline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json listOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-Json rowsOf(const Eigen::Matrix3d& R) {
-  Json rows = Json::array();
-  for (int i = 0; i < 3; ++i) rows.push_back(listOf(R.row(i).transpose()));
-  return rows;
-}
 
 Json statisticsOf(const SampleStatistics& s) {
   Json percentiles;
@@ -45,21 +39,11 @@ Json rpeOf(const std::vector<RelativeErrorRecord>& records) {
   for (const RelativeErrorRecord& r : records) {
     list.push_back({{"delta", r.delta},
                     {"unit", r.unit},
+                    {"pairs", r.pairs},
                     {"translation_m", statisticsOf(r.translation_m)},
                     {"rotation_deg", statisticsOf(r.rotation_deg)}});
   }
   return list;
-}
-
-template <class Matrix>
-Json matrixRows(const Matrix& M) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < M.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < M.cols(); ++j) row.push_back(M(i, j));
-    rows.push_back(row);
-  }
-  return rows;
 }
 
 Json clockOf(const ClockOffsetRecord& r) {
@@ -70,10 +54,10 @@ Json clockOf(const ClockOffsetRecord& r) {
 }
 
 Json handEyeOf(const HandEyeRecord& r) {
-  return {{"T_SM", matrixRows(r.T_SM.matrix())},
-          {"T_SM_std", std::vector<double>(r.T_SM_std.data(), r.T_SM_std.data() + 6)},
-          {"T_SM_covariance", matrixRows(r.T_SM_covariance)},
-          {"T_VW", matrixRows(r.T_VW.matrix())},
+  return {{"T_SM", rowsJson(r.T_SM.matrix())},
+          {"T_SM_std", vectorJson(r.T_SM_std)},
+          {"T_SM_covariance", rowsJson(r.T_SM_covariance)},
+          {"T_VW", rowsJson(r.T_VW.matrix())},
           {"rms_translation_m", r.rms_translation_m},
           {"rms_rotation_rad", r.rms_rotation_rad}};
 }
@@ -101,8 +85,8 @@ nlohmann::ordered_json trajectoryRunJson(const TrajectoryRun& run) {
     json["alignment"] = run.alignment.kind;
     json["align_first"] = run.alignment.first_n;
     json["scale"] = run.alignment.scale;
-    json["R"] = rowsOf(run.alignment.T_truth_estimate.R);
-    json["t"] = listOf(run.alignment.T_truth_estimate.t);
+    json["R"] = rowsJson(run.alignment.T_truth_estimate.R);
+    json["t"] = vectorJson(run.alignment.T_truth_estimate.t);
     json["ate"] = {{"translation_m", statisticsOf(run.ate_translation_m)},
                    {"rotation_deg", statisticsOf(run.ate_rotation_deg)}};
     json["rpe"] = rpeOf(run.rpe);

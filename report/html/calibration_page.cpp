@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "report/html/assets.h"
+#include "report/html/held_scores.h"
 #include "report/html/imu_figures.h"
 #include "report/html/page_data.h"
 #include "report/html/page_parts.h"
@@ -52,23 +53,26 @@ Section correlationSection(const CalibrationRecord& record) {
   return section;
 }
 
+std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise) {
+  if (noise.gyro.redundancy <= 0) return {};  // nobody asked
+  return {judgeDensity("Gyroscope noise", noise.gyro),
+          judgeDensity("Accelerometer noise", noise.accel),
+          judgeDensity("Gyroscope bias walk", noise.gyro_bias),
+          judgeDensity("Accelerometer bias walk", noise.accel_bias),
+          fmt::format("The noise of the poses is that of corners of {:.2f} px.",
+                      noise.pose_pixel_sigma)};
+}
+
 Section imuSection(const CameraImuStageResult& stage) {
-  const ImuNoiseChecks& noise = stage.imu_summary.noise;
-  return {"imu-residuals",
-          "Inertial residuals",
+  return {"imu-residuals", "Inertial residuals",
           "What is left between the inertial samples and the motion that explains them together "
           "with the corners, and what it says of the densities that were assumed.",
-          {judgeDensity("Gyroscope noise", noise.gyro),
-           judgeDensity("Accelerometer noise", noise.accel),
-           judgeDensity("Gyroscope bias walk", noise.gyro_bias),
-           judgeDensity("Accelerometer bias walk", noise.accel_bias),
-           fmt::format("The noise of the poses is that of corners of {:.2f} px.",
-                       noise.pose_pixel_sigma)},
-          blocksOf(imuResidualFigures(stage))};
+          noiseRemarks(stage.imu_summary.noise), blocksOf(imuResidualFigures(stage))};
 }
 
 std::vector<Section> figureSections(const CalibrationRecord& record) {
   std::vector<Section> sections;
+  if (record.held) sections.push_back(heldScoresSection(*record.held));
   Section correlations = correlationSection(record);
   if (!correlations.blocks.empty()) sections.push_back(std::move(correlations));
   if (record.camera) {
@@ -97,16 +101,27 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   return sections;
 }
 
+std::string heldLead(const HeldCalibration& held) {
+  return "Estimates are those of " + held.file +
+         ", as they stand there. Std is not theirs: it is what this recording could tell of them, "
+         "under the assumed noise, with all poses and states marginalised; of the camera-IMU "
+         "parameters with the cameras held.";
+}
+
 void setParameters(data& page, const CalibrationRecord& record) {
   const bool spread = record.camera_resample || record.camera_imu_resample;
   page.set(
       "parameters_lead",
-      std::string("Std is the formal standard deviation: it follows from the assumed noise and "
-                  "holds only if model and noise are right. ") +
-          (spread ? "Spread is what resampled time segments of the recording gave; where it is "
-                    "several times the std, trust the spread."
-                  : "A resampled calibration (--resample) would show the real spread beside "
-                    "it."));
+      record.held
+          ? heldLead(*record.held)
+          : std::string(
+                "Std is the formal standard deviation: it follows from the assumed noise and "
+                "holds only if model and noise are right. ") +
+                (spread
+                     ? "Spread is what resampled time segments of the recording gave; where it is "
+                       "several times the std, trust the spread."
+                     : "A resampled calibration (--resample) would show the real spread beside "
+                       "it."));
   page.set("parameter_groups", listOf(parameterGroups(record), [](const ParameterGroup& group) {
              data g{data::type::object};
              g.set("heading", group.heading);
@@ -183,7 +198,7 @@ void setProvenance(data& page, const CalibrationRecord& record) {
 }
 
 std::vector<Pair> contents(const CalibrationRecord& record, const std::vector<Section>& sections) {
-  std::vector<Pair> entries = {{"verdict", "Verdict"},
+  std::vector<Pair> entries = {{"verdict", record.held ? "Summary" : "Verdict"},
                                {"key-figures", "Key figures"},
                                {"scene", "Scene"},
                                {"parameters", "Parameters"}};
@@ -197,13 +212,18 @@ std::vector<Pair> contents(const CalibrationRecord& record, const std::vector<Se
 
 std::string renderCalibrationPage(const CalibrationRecord& record) {
   const std::vector<Section> sections = figureSections(record);
-  data page = startPage({"Calibration report", record.name, record.provenance});
+  data page = startPage({record.held ? "Calibration scored, not estimated" : "Calibration report",
+                         record.name, record.provenance});
   page.set("viewer", embedded::scene_viewer());
   page.set("footer", "Made by Plumbline " + record.provenance.version +
                          " from its records alone. The 3D viewer contains vtk.js (BSD-3-Clause, "
                          "Kitware); notices stand in the page's source.");
   setContents(page, contents(record, sections));
-  setVerdict(page, record.verdict, verdictSentence(record.verdict));
+  if (record.held) {
+    for (const char* part : {"verdict", "has_concerns", "has_holds"}) page.set(part, flag(false));
+  } else {
+    setVerdict(page, record.verdict, verdictSentence(record.verdict));
+  }
   page.set("cards", cardsData(keyFigures(record)));
   setScene(page, record);
   setParameters(page, record);

@@ -176,6 +176,47 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+/// One row for each score, where any has such an entropy.
+Table entropyTable(const std::vector<CalibrationScore>& scores,
+                   std::optional<double> CalibrationScore::*entropy,
+                   std::vector<std::string> CalibrationScore::*parameters) {
+  Table table{{{"Calibration"},
+               {"Recording"},
+               {"Part"},
+               {"Entropy [nats]", kNumber},
+               {"Parameters", kNumber},
+               {"Of"}},
+              {}};
+  bool any = false;
+  for (const CalibrationScore& s : scores) {
+    const std::optional<double>& value = s.*entropy;
+    any = any || value;
+    const std::string why = s.problem.empty() ? "not computed for this part" : s.problem;
+    table.rows.push_back({{s.label},
+                          {s.session},
+                          {s.part},
+                          number(value ? fmt::format("{:.2f}", *value) : kDash),
+                          number(value ? std::to_string((s.*parameters).size()) : kDash),
+                          {value ? listed(s.*parameters) : "\u2013 (" + why + ")"}});
+  }
+  if (!any) table.rows.clear();
+  return table;
+}
+
+std::string imuAssumed(const Assumptions& a) {
+  std::string text =
+      "Poses, velocities, biases and gravity's direction are marginalised; the cameras and the "
+      "differences between their own time offsets are held. Under the recording's noise densities";
+  if (a.imu_noise) {
+    text += fmt::format(
+        ": gyroscope {:.5g} rad/s/\u221aHz (walk {:.5g}), accelerometer {:.5g} m/s\u00b2/\u221aHz "
+        "(walk {:.5g})",
+        a.imu_noise->gyro_density, a.imu_noise->gyro_random_walk, a.imu_noise->accel_density,
+        a.imu_noise->accel_random_walk);
+  }
+  return text + ".";
+}
+
 }  // namespace
 
 Section scoresSection(const ComparisonRecord& record) {
@@ -215,26 +256,21 @@ Section entropySection(const ComparisonRecord& record) {
                               record.assumptions.pixel_sigma_px),
                   {},
                   {}};
-  Table table{{{"Calibration"},
-               {"Recording"},
-               {"Part"},
-               {"Entropy [nats]", kNumber},
-               {"Parameters", kNumber},
-               {"Of"}},
-              {}};
-  bool any = false;
-  for (const CalibrationScore& s : record.scores) {
-    any = any || s.entropy_nats;
-    table.rows.push_back({{s.label},
-                          {s.session},
-                          {s.part},
-                          number(s.entropy_nats ? fmt::format("{:.2f}", *s.entropy_nats) : kDash),
-                          number(std::to_string(s.entropy_parameters.size())),
-                          {s.entropy_nats      ? listed(s.entropy_parameters)
-                           : s.problem.empty() ? "\u2013 (not computed for this part)"
-                                               : "\u2013 (" + s.problem + ")"}});
+  Table cameras = entropyTable(record.scores, &CalibrationScore::entropy_nats,
+                               &CalibrationScore::entropy_parameters);
+  Table imu = entropyTable(record.scores, &CalibrationScore::camera_imu_entropy_nats,
+                           &CalibrationScore::camera_imu_entropy_parameters);
+  if (!cameras.rows.empty()) {
+    section.blocks.push_back({"Cameras",
+                              "All corners weigh alike; poses are marginalised.",
+                              std::move(cameras),
+                              {},
+                              {}});
   }
-  if (any) section.blocks.push_back({"", "", std::move(table), {}, {}});
+  if (!imu.rows.empty()) {
+    section.blocks.push_back(
+        {"Camera-IMU", imuAssumed(record.assumptions), std::move(imu), {}, {}});
+  }
   return section;
 }
 

@@ -31,11 +31,18 @@ std::string noiseAssumed(const Assumptions& a, bool with_imu) {
   return text + ", loss " + a.loss;
 }
 
-Card entropyCard(const std::string& stage, const StageSummary& s, const std::string& noise) {
-  return {"Entropy, " + stage, fmt::format("{:.2f}", s.entropy_nats), "nats",
-          fmt::format("of {} parameters: {}; {}", s.covariance.names.size(),
-                      parameterList(s.covariance), noise),
-          true};
+void addEntropyCard(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,
+                    const std::string& noise) {
+  if (s.covariance.names.empty()) return;
+  cards.push_back({"Entropy, " + stage, fmt::format("{:.2f}", s.entropy_nats), "nats",
+                   fmt::format("of {} parameters: {}; {}", s.covariance.names.size(),
+                               parameterList(s.covariance), noise),
+                   true});
+}
+
+/// Beside the assumed density, where residuals were held against it.
+std::string densityNote(const ImuNoiseCheck& check) {
+  return check.redundancy > 0 ? fmt::format("{:.2f} \u00d7 assumed density", check.factor) : "";
 }
 
 void addStageCards(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,
@@ -119,12 +126,12 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   std::vector<Card> cards;
   if (const auto& s = record.camera) {
     addStageCards(cards, "cameras", s->summary, s->cameras);
-    cards.push_back(entropyCard("cameras", s->summary, noiseAssumed(record.assumptions, false)));
+    addEntropyCard(cards, "cameras", s->summary, noiseAssumed(record.assumptions, false));
   }
   const auto& s = record.camera_imu;
   if (!s) return cards;
   addStageCards(cards, "camera-IMU", s->summary, s->cameras);
-  cards.push_back(entropyCard("camera-IMU", s->summary, noiseAssumed(record.assumptions, true)));
+  addEntropyCard(cards, "camera-IMU", s->summary, noiseAssumed(record.assumptions, true));
   const double offset_std = 1e3 * s->imu.time_offset_std_s.value_or(0);
   cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.time_offset_s, offset_std), "ms",
                    offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});
@@ -135,11 +142,9 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
                    fmt::format("{:.3f}", readable("rad").factor * rotationAngle(s->imu.T_SC0.R)),
                    "\u00b0", ""});
   cards.push_back({"Gyroscope residual", fmt::format("{:.2f}", 1e3 * s->imu_summary.gyro_rms_rad_s),
-                   "mrad/s",
-                   fmt::format("{:.2f} \u00d7 assumed density", s->imu_summary.noise.gyro.factor)});
-  cards.push_back(
-      {"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2), "m/s\u00b2",
-       fmt::format("{:.2f} \u00d7 assumed density", s->imu_summary.noise.accel.factor)});
+                   "mrad/s", densityNote(s->imu_summary.noise.gyro)});
+  cards.push_back({"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2),
+                   "m/s\u00b2", densityNote(s->imu_summary.noise.accel)});
   return cards;
 }
 
@@ -191,6 +196,9 @@ std::vector<Pair> provenanceRows(const CalibrationRecord& record) {
   const Assumptions& a = record.assumptions;
   const AprilGrid& g = record.target;
   std::vector<Pair> rows = provenanceRows(record.provenance);
+  if (record.held) {
+    rows.insert(rows.begin(), {"Calibration", record.held->file + ": scored, not estimated here"});
+  }
   rows.push_back({"Target", fmt::format("AprilGrid {} \u00d7 {} tags of {:g} mm, spacing {:g}",
                                         g.rows, g.cols, 1e3 * g.tag_size, g.spacing)});
   rows.push_back({"Corner noise", fmt::format("{:g} px per coordinate", a.pixel_sigma_px)});

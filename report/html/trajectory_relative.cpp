@@ -70,6 +70,7 @@ BoxPlot relativeBoxes(const std::vector<TrajectoryRun>& runs,
 std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std::string& name,
                               const Distance& distance) {
   std::vector<double> metres, degrees;
+  std::string pairs;
   std::size_t pieces = 0;
   for (const TrajectoryRun& run : runs) {
     if (run.calibration != name) continue;
@@ -78,11 +79,13 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
       metres.push_back(r.translation_m.rmse);
       degrees.push_back(r.rotation_deg.rmse);
       pieces += r.translation_m.n;
+      pairs = r.pairs;
     }
   }
   if (metres.empty()) return {};
   return {{name.empty() ? "\u2013" : name},
           tight(fmt::format("{:g} {}", distance.second, distance.first)),
+          tight(pairs),
           number(std::to_string(metres.size())),
           number(grouped(pieces)),
           number(fmt::format("{:.4f}", quantile(metres, 0.5))),
@@ -93,6 +96,7 @@ Table relativeTable(const std::vector<TrajectoryRun>& runs) {
   constexpr auto kNumber = Cell::Kind::kNumber;
   Table table{{{"Calibration"},
                {"Length"},
+               {"Pieces by the rule of"},
                {"Runs", kNumber},
                {"Pieces", kNumber},
                {"Translation RMSE [m]", kNumber},
@@ -104,7 +108,7 @@ Table relativeTable(const std::vector<TrajectoryRun>& runs) {
       if (!row.empty()) table.rows.push_back(std::move(row));
     }
   }
-  return table;
+  return withoutEmptyColumns(std::move(table));
 }
 
 }  // namespace

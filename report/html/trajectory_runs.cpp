@@ -46,20 +46,6 @@ std::vector<Cell> runRow(const TrajectoryRun& run) {
           run.problem.empty() ? Cell{kDash} : Cell{run.problem}};
 }
 
-/// `table` without the columns that say nothing in any row.
-Table withoutEmptyColumns(Table table) {
-  for (std::size_t c = table.columns.size(); c-- > 0;) {
-    const bool empty = std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
-      return row[c].text == kDash || row[c].text.empty();
-    });
-    if (!empty || table.rows.empty()) continue;
-    const auto at = static_cast<std::ptrdiff_t>(c);
-    table.columns.erase(table.columns.begin() + at);
-    for (auto& row : table.rows) row.erase(row.begin() + at);
-  }
-  return table;
-}
-
 Table runsTable(const std::vector<TrajectoryRun>& runs) {
   Table table{{{"Sequence"},
                {"Calibration"},
@@ -145,12 +131,22 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
   return table;
 }
 
+Card oneRunCard(const TrajectoryRun& run) {
+  return {"ATE RMSE", run.ate_translation_m.n > 0 ? metres(run.ate_translation_m.rmse) : kDash, "m",
+          fmt::format("{}, {:.1f} % of the truth's time",
+                      run.status == RunStatus::kComplete  ? "complete"
+                      : run.status == RunStatus::kPartial ? "partial"
+                                                          : "failed",
+                      100 * run.coverage)};
+}
+
 }  // namespace
 
 std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs) {
   std::vector<Card> cards;
   for (const std::string& name : calibrationsOf(runs)) {
     const Completion c = completionOf(runs, name);
+    if (runs.size() == 1) return {oneRunCard(runs.front())};
     cards.push_back({"ATE, " + (name.empty() ? std::string("all runs") : name),
                      c.rmse_m.empty() ? kDash : metres(quantile(c.rmse_m, 0.5)), "m",
                      fmt::format("median RMSE of complete runs; {} of {} complete, {} partial, {} "
@@ -162,9 +158,11 @@ std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs) {
 
 Section runsSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"runs",
-                  "Runs",
-                  "Every run counts: those that failed or cover only a part of the truth's span "
-                  "stay in the table and in the completion, whatever the errors of the others.",
+                  runs.size() > 1 ? "Runs" : "Run",
+                  runs.size() > 1 ? "Every run counts: those that failed or cover only a part of "
+                                    "the truth's span stay in the table and in the completion, "
+                                    "whatever the errors of the others."
+                                  : "",
                   {},
                   {}};
   if (runs.empty()) return section;

@@ -232,6 +232,19 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
   return withTable(std::move(section), std::move(table));
 }
 
+Table withoutEmptyColumns(Table table) {
+  for (std::size_t c = table.columns.size(); c-- > 0;) {
+    const bool empty = std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+      return row[c].text == kDash || row[c].text.empty();
+    });
+    if (!empty || table.rows.empty()) continue;
+    const auto at = static_cast<std::ptrdiff_t>(c);
+    table.columns.erase(table.columns.begin() + at);
+    for (auto& row : table.rows) row.erase(row.begin() + at);
+  }
+  return table;
+}
+
 std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs) {
   return {runsSection(runs), errorSection(runs),      pairedSection(runs), overlaySection(runs),
           timeSection(runs), relativeSection(runs),   clockSection(runs),  handEyeSection(runs),

@@ -31,6 +31,9 @@ Section associationSection(const std::vector<TrajectoryRun>& runs);
 /// "MH_01 · kalibr · 3": what is known of the run's place; otherwise its file.
 std::string runName(const TrajectoryRun& run);
 
+/// `table` without the columns that hold nothing but dashes.
+Table withoutEmptyColumns(Table table);
+
 /// Names of the calibrations, in order of appearance.
 std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs);
 

@@ -59,13 +59,22 @@ std::optional<double> cameraValue(const std::vector<CameraCalibration>& cameras,
   return std::nullopt;
 }
 
+// Of camera 0, or of the camera that the suffix names ("cam1").
+std::optional<double> offsetValue(const ImuCalibration& imu, const std::string& suffix) {
+  if (suffix.empty()) return imu.time_offset_s;
+  for (std::size_t i = 0; i < imu.camera_time_offsets_s.size(); ++i) {
+    if (suffix == "cam" + std::to_string(i)) return imu.camera_time_offsets_s[i];
+  }
+  return std::nullopt;
+}
+
 std::optional<double> valueOf(const CalibrationRecord& record, const std::string& name,
                               const std::vector<CameraCalibration>& cameras) {
   const std::size_t dot = name.find('.');
   const std::string prefix = name.substr(0, dot);
   const std::string suffix = dot == std::string::npos ? "" : name.substr(dot + 1);
   if (record.camera_imu) {
-    if (prefix == "time_offset") return record.camera_imu->imu.time_offset_s;
+    if (prefix == "time_offset") return offsetValue(record.camera_imu->imu, suffix);
     if (prefix == "T_SC0") return component(record.camera_imu->imu.T_SC0, suffix);
   }
   return cameraValue(cameras, prefix, suffix);

@@ -11,6 +11,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
+#include "report/records/calibration_score.h"
 
 namespace plumbline {
 
@@ -76,6 +77,12 @@ struct ResampleSpread {
   Eigen::VectorXd std;  ///< one per name, in the parameter's own unit
 };
 
+/// A calibration that was not estimated from the recording but held fixed on it.
+struct HeldCalibration {
+  std::string file;                      ///< name, without folders of the machine
+  std::vector<CalibrationScore> scores;  ///< the recording's first, then folds and held-out ones
+};
+
 /// Everything that a calibration page shows, as plain values, so that the page can be made again
 /// from the store without the recording. A stage that did not run is empty: a camera-only
 /// calibration has no `camera_imu`, one with given cameras no `camera`.
@@ -90,6 +97,9 @@ struct CalibrationRecord {
   std::optional<CameraImuStageResult> camera_imu;
   std::optional<ResampleSpread> camera_resample;
   std::optional<ResampleSpread> camera_imu_resample;
+  /// Set by `evaluate calibration`: the stages' calibrations are then the file's, only poses and
+  /// states are estimated, and covariances say what the recording could tell at these values.
+  std::optional<HeldCalibration> held;
 
   /// The final cameras: of the camera-IMU stage if it ran, otherwise of the camera stage.
   const std::vector<CameraCalibration>& cameras() const;

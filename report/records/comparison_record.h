@@ -9,6 +9,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics.h"
 #include "report/records/calibration_record.h"
+#include "report/records/calibration_score.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
@@ -31,26 +32,6 @@ struct ComparedParameter {
   std::vector<std::optional<double>> difference;  ///< to the first calibration
   /// |difference| / sqrt(std_i^2 + std_0^2), where both are known.
   std::vector<std::optional<double>> significance;
-};
-
-/// A calibration scored on a session that it did not see (or did: `held_out` tells).
-struct CalibrationScore {
-  std::string label;  ///< of the calibration
-  std::string session;
-  std::string part;  ///< "all", "fold 2 of 5"
-  bool held_out = false;
-  ErrorStatistics reprojection;
-  std::vector<ErrorStatistics> per_camera;
-  std::vector<std::string> cameras;           ///< their names
-  int views_used = 0;                         ///< (camera, frame) pairs that a pose was found for
-  int views_offered = 0;                      ///< those in the session, whatever they saw
-  std::optional<ErrorStatistics> camera_imu;  ///< with IMU: only states and gravity move
-  std::optional<double> camera_imu_cost;      ///< 0.5 * sum of squared normalised residuals
-  std::optional<double> gyro_rms_rad_s;
-  std::optional<double> accel_rms_m_s2;
-  std::optional<double> entropy_nats;  ///< of its own parameters on that session
-  std::vector<std::string> entropy_parameters;
-  std::string problem;  ///< why there is no score, or none of camera and IMU; empty if there is
 };
 
 /// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:

@@ -40,7 +40,8 @@ struct AlignmentRecord {
 /// Errors of relative motion over one distance.
 struct RelativeErrorRecord {
   double delta = 0;
-  std::string unit;  ///< "frames", "m", "s"
+  std::string unit;                 ///< "frames", "m", "s"
+  std::string pairs = "plumbline";  ///< whose rule chose the pieces: also "evo", "rpg", ...
   SampleStatistics translation_m;
   SampleStatistics rotation_deg;
 };

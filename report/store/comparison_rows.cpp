@@ -45,26 +45,6 @@ void fields(Archive& a, ComparedParameter& p) {
   a("significance", p.significance);
 }
 
-template <class Archive>
-void fields(Archive& a, CalibrationScore& s) {
-  a("label", s.label);
-  a("session", s.session);
-  a("part", s.part);
-  a("held_out", s.held_out);
-  a("reprojection", s.reprojection);
-  a("per_camera", s.per_camera);
-  a("cameras", s.cameras);
-  a("views_used", s.views_used);
-  a("views_offered", s.views_offered);
-  a("camera_imu", s.camera_imu);
-  a("camera_imu_cost", s.camera_imu_cost);
-  a("gyro_rms_rad_s", s.gyro_rms_rad_s);
-  a("accel_rms_m_s2", s.accel_rms_m_s2);
-  a("entropy_nats", s.entropy_nats);
-  a("entropy_parameters", s.entropy_parameters);
-  a("problem", s.problem);
-}
-
 /// All but the cells, which are arrays.
 template <class Archive>
 void fields(Archive& a, ImageMap& m) {
@@ -129,29 +109,6 @@ void readMaps(const RunReader& run, const std::string& name, std::vector<ImageMa
   }
 }
 
-std::string stageOf(const CalibrationScore& score) {
-  return score.label + "/" + score.session + "/" + score.part;
-}
-
-std::vector<Metric> metricsOf(const ComparisonRecord& record) {
-  std::vector<Metric> metrics;
-  std::map<std::string, int> seen;
-  for (const CalibrationScore& score : record.scores) {
-    std::string stage = stageOf(score);
-    if (const int n = ++seen[stage]; n > 1) stage += " #" + std::to_string(n);
-    metrics.push_back({stage, "scored", "1", score.problem.empty() ? 1.0 : 0.0});
-    if (!score.problem.empty()) continue;
-    metrics.push_back({stage, "held_out", "1", score.held_out ? 1.0 : 0.0});
-    metrics.push_back({stage, "rmse_px", "px", score.reprojection.rmse_px});
-    for (std::size_t i = 0; i < score.per_camera.size(); ++i) {
-      metrics.push_back(
-          {stage, "cam" + std::to_string(i) + ".rmse_px", "px", score.per_camera[i].rmse_px});
-    }
-    if (score.entropy_nats) metrics.push_back({stage, "entropy_nats", "nat", *score.entropy_nats});
-  }
-  return metrics;
-}
-
 /// The parameters of one calibration, those that it has.
 std::vector<ParameterEstimate> estimatesOf(const ComparisonRecord& record, std::size_t k) {
   std::vector<ParameterEstimate> estimates;
@@ -181,7 +138,7 @@ void checkLevels(const ComparisonRecord& record) {
 }  // namespace
 
 void writeRecord(RunWriter& run, const ComparisonRecord& record) {
-  run.metrics(metricsOf(record));
+  run.metrics(metricsOf(record.scores));
   std::map<std::string, int> seen;
   for (std::size_t k = 0; k < record.calibrations.size(); ++k) {
     std::string stage = record.calibrations[k].label;

@@ -79,6 +79,12 @@ void fields(Archive& a, ResampleSpread& s) {
   a("std", s.std);
 }
 
+template <class Archive>
+void fields(Archive& a, HeldCalibration& h) {
+  a("file", h.file);
+  a("scores", h.scores);
+}
+
 /// What stands in the document "head".
 template <class Archive>
 void fields(Archive& a, CalibrationRecord& r) {
@@ -87,6 +93,7 @@ void fields(Archive& a, CalibrationRecord& r) {
   a("counts", r.counts);
   a("camera_resample", r.camera_resample);
   a("camera_imu_resample", r.camera_imu_resample);
+  a.added("held", r.held);
 }
 
 namespace store_internal {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/store/metrics.h"
 
+#include <map>
+
 namespace plumbline::store_internal {
 namespace {
 
@@ -47,10 +49,40 @@ void addCheck(std::vector<Metric>& metrics, const std::string& name, const ImuNo
   metrics.push_back({"camera_imu", name + "_noise_redundancy", "1", check.redundancy});
 }
 
+std::string stageOf(const CalibrationScore& score) {
+  return score.label + "/" + score.session + "/" + score.part;
+}
+
 }  // namespace
+
+std::vector<Metric> metricsOf(const std::vector<CalibrationScore>& scores) {
+  std::vector<Metric> metrics;
+  std::map<std::string, int> seen;
+  for (const CalibrationScore& score : scores) {
+    std::string stage = stageOf(score);
+    if (const int n = ++seen[stage]; n > 1) stage += " #" + std::to_string(n);
+    metrics.push_back({stage, "scored", "1", score.problem.empty() ? 1.0 : 0.0});
+    if (!score.problem.empty()) continue;
+    metrics.push_back({stage, "held_out", "1", score.held_out ? 1.0 : 0.0});
+    metrics.push_back({stage, "rmse_px", "px", score.reprojection.rmse_px});
+    for (std::size_t i = 0; i < score.per_camera.size(); ++i) {
+      metrics.push_back(
+          {stage, "cam" + std::to_string(i) + ".rmse_px", "px", score.per_camera[i].rmse_px});
+    }
+    if (score.camera_imu) {
+      metrics.push_back({stage, "camera_imu.rmse_px", "px", score.camera_imu->rmse_px});
+    }
+    if (score.camera_imu_entropy_nats) {
+      metrics.push_back({stage, "camera_imu.entropy_nats", "nat", *score.camera_imu_entropy_nats});
+    }
+    if (score.entropy_nats) metrics.push_back({stage, "entropy_nats", "nat", *score.entropy_nats});
+  }
+  return metrics;
+}
 
 std::vector<Metric> metricsOf(const CalibrationRecord& record) {
   std::vector<Metric> metrics;
+  if (record.held) metrics = metricsOf(record.held->scores);
   if (record.camera) {
     addSummary(metrics, "camera", record.camera->summary, record.camera->cameras);
   }

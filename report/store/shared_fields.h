@@ -125,4 +125,26 @@ void fields(Archive& a, AprilGrid& g) {
   a("spacing", g.spacing);
 }
 
+template <class Archive>
+void fields(Archive& a, CalibrationScore& s) {
+  a("label", s.label);
+  a("session", s.session);
+  a("part", s.part);
+  a("held_out", s.held_out);
+  a("reprojection", s.reprojection);
+  a("per_camera", s.per_camera);
+  a("cameras", s.cameras);
+  a("views_used", s.views_used);
+  a("views_offered", s.views_offered);
+  a("camera_imu", s.camera_imu);
+  a("camera_imu_cost", s.camera_imu_cost);
+  a("gyro_rms_rad_s", s.gyro_rms_rad_s);
+  a("accel_rms_m_s2", s.accel_rms_m_s2);
+  a("entropy_nats", s.entropy_nats);
+  a("entropy_parameters", s.entropy_parameters);
+  a("problem", s.problem);
+  a.added("camera_imu_entropy_nats", s.camera_imu_entropy_nats);
+  a.added("camera_imu_entropy_parameters", s.camera_imu_entropy_parameters);
+}
+
 }  // namespace plumbline

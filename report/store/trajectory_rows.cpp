@@ -51,6 +51,7 @@ void fields(Archive& a, RelativeErrorRecord& r) {
   a("unit", r.unit);
   a("translation_m", r.translation_m);
   a("rotation_deg", r.rotation_deg);
+  a.added("pairs", r.pairs);
 }
 
 template <class Archive>

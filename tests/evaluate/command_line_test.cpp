@@ -19,11 +19,18 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
-  for (const char* command : {"simulate", "detect", "calibrate", "report"}) {
+  for (const char* command :
+       {"simulate", "detect", "calibrate", "evaluate calibration", "evaluate trajectory",
+        "evaluate trajectories", "compare", "export", "perturb", "report"}) {
     const Outcome outcome = plumbline(std::string(command) + " --help");
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_THAT(outcome.text, HasSubstr(std::string("plumbline ") + command)) << command;
     EXPECT_THAT(outcome.text, HasSubstr("Example")) << command;
+  }
+  const std::string listed = plumbline("--help").text;
+  for (const char* command :
+       {"simulate", "detect", "calibrate", "evaluate", "compare", "export", "perturb", "report"}) {
+    EXPECT_THAT(listed, HasSubstr(std::string("\n  ") + command + " ")) << command;
   }
   EXPECT_EQ(plumbline("--version").exit_code, 0);
 }

@@ -77,6 +77,24 @@ TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {
   EXPECT_THAT(outcome.text, HasSubstr("other, held out"));
 }
 
+TEST_F(EvaluateCalibration, ThePageAndTheFiguresAreMadeAgainFromTheRecord) {
+  const fs::path out = scratch() / "out";
+  ASSERT_EQ(score(ours(), session(), "--folds 2").exit_code, 0);
+  const std::string page = read(out / "report.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("Calibration scored, not estimated"),
+                          HasSubstr("calibration.json: scored, not estimated here"),
+                          HasSubstr("K-fold validation"), HasSubstr("all 2 folds")));
+  EXPECT_EQ(page.find("this calibration can be used"), std::string::npos);
+  const auto s = document().at("scores").at(0);
+  EXPECT_EQ(s.at("camera_imu").at("entropy_parameters").size(), 7u);
+  const std::string again = (scratch() / "again").string();
+  const Outcome outcome = plumbline("report " + out.string() + " --out " + again + ".html --json " +
+                                    again + ".json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_EQ(read(again + ".html"), page);
+  EXPECT_EQ(read(again + ".json"), read(out / "evaluation.json"));
+}
+
 TEST_F(EvaluateCalibration, AnotherResolutionIsRefusedByTheFilesName) {
   auto json = nlohmann::json::parse(read(ours()));
   json["cameras"][1]["resolution"] = {640, 480};

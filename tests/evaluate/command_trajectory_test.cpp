@@ -66,6 +66,16 @@ TEST_F(CommandTrajectory, PrintsATableAndWritesTheFigures) {
   EXPECT_EQ(nlohmann::json::parse(run("--json -").text)["alignment"], "se3");
 }
 
+TEST_F(CommandTrajectory, PairsOfToolsAreNamed) {
+  const auto rpe = [&](const std::string& pairs) {
+    return nlohmann::json::parse(run("--rpe 1m --rpe-pairs " + pairs + " --json -").text)["rpe"][0];
+  };
+  EXPECT_EQ(rpe("evo")["pairs"], "evo");
+  EXPECT_LT(rpe("evo")["translation_m"]["n"], 6);  // one after the other on 5 m
+  EXPECT_GT(rpe("plumbline")["translation_m"]["n"], 70);
+  EXPECT_GT(rpe("ov_eval")["translation_m"]["n"], rpe("rpg")["translation_m"]["n"]);
+}
+
 TEST_F(CommandTrajectory, Sim3FindsTheScale) {
   const auto figures = nlohmann::json::parse(run("--align sim3 --json -").text);
   EXPECT_NEAR(figures["scale"], 1 / 1.01, 1e-8);
@@ -92,6 +102,8 @@ TEST_F(CommandTrajectory, BadOptionsAndFilesExitWithTwo) {
   expectRefusal(run("--association nearest"), 2, HasSubstr("one-to-one"));
   expectRefusal(run("--rpe 10miles"), 2, HasSubstr("10m"));
   expectRefusal(run("--rpe 1.5frames"), 2, HasSubstr("1.5frames"));
+  expectRefusal(run("--rpe-pairs kitti"), 2, HasSubstr("ov_eval"));
+  expectRefusal(run("--rpe 1frames --rpe-pairs rpg"), 2, HasSubstr("frames"));
   expectRefusal(run("--max-dt -1"), 2, HasSubstr("--max-dt"));
   expectRefusal(run("--format csv"), 2, HasSubstr("motive"));
   expectRefusal(plumbline("evaluate"), 2, Not(HasSubstr("unexpected")));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/metrics/trajectory/relative_error.h"
 
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +11,9 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kTolerance = 0.1;  // of delta
+constexpr double kTolerance = 0.1;        // of delta; evo's too
+constexpr double kRpgTolerance = 0.2;     // of delta
+constexpr double kOvEvalTolerance = 0.5;  // [m]
 
 struct YawPitchRoll {
   double yaw = 0, pitch = 0, roll = 0;
@@ -29,6 +32,17 @@ double measured(const Transform& E, const Eigen::Matrix3d& R_end, RelativeMeasur
   const YawPitchRoll angles = anglesOf(R_end * E.R * R_end.transpose());
   if (measure == RelativeMeasure::kHeadingDeg) return kDegrees * std::abs(angles.yaw);
   return kDegrees * std::hypot(angles.pitch, angles.roll);
+}
+
+SubTrajectoryRule ruleOf(const RelativeDelta& delta) {
+  switch (delta.pairs) {
+    case RelativePairs::kRpg:
+      return {delta.delta, kRpgTolerance * delta.delta, false, true};
+    case RelativePairs::kOvEval:
+      return {delta.delta, kOvEvalTolerance, false, true};
+    default:
+      return {delta.delta, kTolerance * delta.delta};
+  }
 }
 
 std::vector<double> secondsFromStart(const std::vector<TimeNs>& t) {
@@ -64,15 +78,43 @@ const char* nameOf(RelativeDelta::Unit unit) {
   return "";
 }
 
+const char* nameOf(RelativePairs pairs) {
+  switch (pairs) {
+    case RelativePairs::kPlumbline:
+      return "plumbline";
+    case RelativePairs::kEvo:
+      return "evo";
+    case RelativePairs::kEvoAll:
+      return "evo-all";
+    case RelativePairs::kRpg:
+      return "rpg";
+    case RelativePairs::kOvEval:
+      return "ov_eval";
+  }
+  return "";
+}
+
+bool hasPairsOver(RelativePairs pairs, RelativeDelta::Unit unit) {
+  if (pairs == RelativePairs::kPlumbline || unit == RelativeDelta::Unit::kMetres) return true;
+  const bool evo = pairs == RelativePairs::kEvo || pairs == RelativePairs::kEvoAll;
+  return evo && unit == RelativeDelta::Unit::kFrames;
+}
+
 std::vector<IndexPair> pairsOver(const RelativeDelta& delta, const AlignedPoses& poses,
                                  const std::vector<TimeNs>& t) {
+  assert(hasPairsOver(delta.pairs, delta.unit));
+  const bool evo = delta.pairs == RelativePairs::kEvo;
   if (delta.unit == RelativeDelta::Unit::kFrames) {
-    return overlappingFrames(poses.truth.size(), static_cast<std::size_t>(delta.delta));
+    const auto step = static_cast<std::size_t>(delta.delta);
+    return evo ? consecutiveFrames(poses.truth.size(), step)
+               : overlappingFrames(poses.truth.size(), step);
   }
-  const SubTrajectoryRule rule{delta.delta, kTolerance * delta.delta};
-  return subTrajectories(
-      delta.unit == RelativeDelta::Unit::kMetres ? pathLengths(poses.truth) : secondsFromStart(t),
-      rule);
+  if (evo) return consecutiveStretches(poses.estimate, delta.delta);
+  const SubTrajectoryRule rule = ruleOf(delta);
+  if (delta.unit == RelativeDelta::Unit::kSeconds)
+    return subTrajectories(secondsFromStart(t), rule);
+  const bool along_estimate = delta.pairs == RelativePairs::kEvoAll;
+  return subTrajectories(pathLengths(along_estimate ? poses.estimate : poses.truth), rule);
 }
 
 RelativeErrorRecord relativeErrorOver(const RelativeDelta& delta, const AlignedPoses& poses,
@@ -81,6 +123,7 @@ RelativeErrorRecord relativeErrorOver(const RelativeDelta& delta, const AlignedP
   RelativeErrorRecord record;
   record.delta = delta.delta;
   record.unit = nameOf(delta.unit);
+  record.pairs = nameOf(delta.pairs);
   record.translation_m =
       sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kTranslation));
   record.rotation_deg =

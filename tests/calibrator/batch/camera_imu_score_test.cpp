@@ -100,6 +100,48 @@ TEST(CameraImuScore, TheCalibrationIsTheBestThatScores) {
   }
 }
 
+TEST(CameraImuScore, InformationAtTheSolutionIsThatOfTheCalibration) {
+  Case c;
+  c.options.cauchy_px = 0;
+  const auto calibrated =
+      calibrateCameraImu(c.simulated.session, c.simulated.truth.cameras, c.options);
+  ASSERT_TRUE(calibrated);
+  EXPECT_TRUE(c.score(calibrated->imu)->summary.covariance.names.empty());
+  c.options.score_information_px = 0;
+  const auto scored = c.score(calibrated->imu);
+  ASSERT_TRUE(scored);
+  const ParameterCovariance& own = calibrated->summary.covariance;
+  const ParameterCovariance& told = scored->summary.covariance;
+  EXPECT_EQ(told.names, own.names);
+  EXPECT_EQ(told.units, own.units);
+  const Eigen::VectorXd std = own.standardDeviations();
+  for (Eigen::Index i = 0; i < std.size(); ++i) {
+    for (Eigen::Index k = 0; k < std.size(); ++k) {
+      EXPECT_NEAR(told.matrix(i, k), own.matrix(i, k), 1e-4 * std[i] * std[k]) << i << k;
+    }
+  }
+  EXPECT_NEAR(scored->summary.entropy_nats, calibrated->summary.entropy_nats, 1e-3);
+  // Twice the corners' noise: less is known, by at most log 2 for each of the seven parameters.
+  c.options.pixel_sigma *= 2;
+  const auto noisier = c.score(calibrated->imu);
+  ASSERT_TRUE(noisier);
+  EXPECT_GT(noisier->summary.entropy_nats, scored->summary.entropy_nats + 0.1);
+  EXPECT_LT(noisier->summary.entropy_nats, scored->summary.entropy_nats + 7 * std::log(2.0));
+}
+
+TEST(CameraImuScore, InformationListsTheSameWhereCamerasHaveTheirOwnOffsets) {
+  Case c;
+  c.options.score_information_px = 0;
+  ImuCalibration imu = *c.simulated.truth.imu;
+  const auto shared = c.score(imu);
+  imu.camera_time_offsets_s = {imu.time_offset_s, imu.time_offset_s + 1e-7};
+  const auto own = c.score(imu);
+  ASSERT_TRUE(shared && own);
+  ASSERT_EQ(shared->summary.covariance.names.size(), 7U);
+  EXPECT_EQ(own->summary.covariance.names, shared->summary.covariance.names);
+  EXPECT_NEAR(own->summary.entropy_nats, shared->summary.entropy_nats, 1e-2);
+}
+
 TEST(CameraImuScore, HoldsTheOffsetsOfEachCamera) {
   const Case c;
   ImuCalibration imu = *c.simulated.truth.imu;

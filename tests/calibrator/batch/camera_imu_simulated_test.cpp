@@ -134,6 +134,11 @@ TEST(CameraImu, AConstantShiftOfACamerasStampsIsItsOwnOffset) {
     // One more parameter: camera 1's own offset, known to some microseconds.
     const double own = moved.imu.camera_time_offsets_s[1] + static_cast<double>(shift) * 1e-9;
     EXPECT_NEAR(own, s.truth.imu->time_offset_s, 100e-6) << shift;
+    const ParameterCovariance& covariance = moved.summary.covariance;
+    ASSERT_EQ(covariance.names.back(), "time_offset.cam1");
+    const double own_std = covariance.standardDeviations()(7);
+    EXPECT_LT(std::abs(own - s.truth.imu->time_offset_s), 4 * own_std) << shift;
+    EXPECT_LT(own_std, 100e-6) << shift;
     EXPECT_NEAR(moved.imu.time_offset_s, base.imu.time_offset_s, *base.imu.time_offset_std_s);
     const Vector6d change = boxminus(moved.imu.T_SC0, base.imu.T_SC0);
     EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).cwiseAbs().maxCoeff(), 1) << shift;

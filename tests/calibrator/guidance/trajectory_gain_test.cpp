@@ -38,8 +38,8 @@ std::vector<LissajousTrajectory> six() {
   return lissajousTrajectories(lissajousShapes(), AprilGrid{}, recording().truth.T_SC0, {});
 }
 
-TrajectoryScorer scorer(TrajectoryRecording planned) {
-  return {std::move(planned), six(), recording().truth.cameras};
+TrajectoryScorer scorer(const TrajectoryRecording& planned) {
+  return {planned, six(), recording().truth.cameras};
 }
 
 TEST(TrajectoryGain, IsTheInformationThatOneProblemWithTheTrajectoryHasMore) {

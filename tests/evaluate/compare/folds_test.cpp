@@ -31,7 +31,7 @@ TEST(Folds, PartEveryFrameOnceIntoRunsOfTime) {
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     std::set<TimeNs> seen;
     for (int k = 0; k < 5; ++k) {
-      const Fold fold = foldOf(session, {}, k, 5);
+      const Fold fold = foldOf(session, {}, {k, 5});
       const auto held_out = stampsOf(fold.held_out.cameras[c]);
       const auto training = stampsOf(fold.training.cameras[c]);
       EXPECT_LE(std::abs(static_cast<double>(held_out.size()) - frames / 5.0), 1);
@@ -48,20 +48,35 @@ TEST(Folds, PartEveryFrameOnceIntoRunsOfTime) {
 
 TEST(Folds, KeepWhatIsNotOfViews) {
   const Session session = recording();
-  const Fold fold = foldOf(session, {}, 1, 3);
+  const Fold fold = foldOf(session, {}, {1, 3});
   for (const Session* part : {&fold.training, &fold.held_out}) {
     EXPECT_EQ(part->name, session.name);
     EXPECT_EQ(part->target.rows, session.target.rows);
-    EXPECT_EQ(part->imu->samples.size(), session.imu->samples.size());
     EXPECT_EQ(part->cameras[1].name, session.cameras[1].name);
     EXPECT_EQ(part->cameras[1].resolution, session.cameras[1].resolution);
+  }
+}
+
+TEST(Folds, NoSampleBetweenHeldOutFramesIsForTraining) {
+  const Session session = recording();
+  for (const double offset_s : {0.0, 0.25}) {
+    const Fold fold = foldOf(session, {}, {1, 3, offset_s});
+    const auto held_out = stampsOf(fold.held_out.cameras[0]);
+    const TimeNs from = *held_out.begin() + toNanoseconds(offset_s);
+    const TimeNs to = *held_out.rbegin() + toNanoseconds(offset_s);
+    std::size_t inside = 0;
+    for (const ImuSample& s : session.imu->samples) inside += s.t > from && s.t < to ? 1 : 0;
+    ASSERT_GT(inside, 100U);
+    EXPECT_EQ(fold.training.imu->samples.size(), session.imu->samples.size() - inside);
+    for (const ImuSample& s : fold.training.imu->samples) EXPECT_FALSE(s.t > from && s.t < to);
+    EXPECT_EQ(fold.held_out.imu->samples.size(), session.imu->samples.size());
   }
 }
 
 TEST(Folds, KeepAFramesViewsTogetherWhereStampsAreShifted) {
   Session session = recording();
   for (ImageView& view : session.cameras[1].views) view.t += 30'000'000;
-  const Fold fold = foldOf(session, {}, 0, 4);
+  const Fold fold = foldOf(session, {}, {0, 4});
   ASSERT_EQ(fold.held_out.cameras[0].views.size(), fold.held_out.cameras[1].views.size());
   for (std::size_t i = 0; i < fold.held_out.cameras[0].views.size(); ++i) {
     EXPECT_EQ(fold.held_out.cameras[1].views[i].t - fold.held_out.cameras[0].views[i].t,

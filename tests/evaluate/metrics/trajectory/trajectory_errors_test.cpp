@@ -122,6 +122,26 @@ TEST(RelativeErrors, DoNotSeeARigidMotion) {
   EXPECT_NEAR(before[0], 0.1, 1e-13);
 }
 
+TEST(RelativeErrorOver, EachToolFindsItsPairs) {
+  // The estimate is a fifth longer than the truth, so that it matters along which of them one goes.
+  const AlignedPoses poses{alongX({0, 1, 2, 3, 4, 5, 6}), alongX({0, 1.2, 2.4, 3.6, 4.8, 6, 7.2})};
+  using Unit = RelativeDelta::Unit;
+  const auto pairs = [&](RelativePairs rule, double delta, Unit unit = Unit::kMetres) {
+    return pairsOver({delta, unit, rule}, poses, {});
+  };
+  EXPECT_EQ(pairs(RelativePairs::kPlumbline, 2), overlappingFrames(7, 2));
+  EXPECT_EQ(pairs(RelativePairs::kEvo, 2.4), consecutiveStretches(poses.estimate, 2.4));
+  EXPECT_EQ(pairs(RelativePairs::kEvoAll, 2.4), overlappingFrames(7, 2));
+  EXPECT_THAT(pairs(RelativePairs::kPlumbline, 2.4), IsEmpty());  // 2 m is 17 % short of it
+  EXPECT_EQ(pairs(RelativePairs::kRpg, 2.4), overlappingFrames(7, 2));
+  EXPECT_THAT(pairs(RelativePairs::kRpg, 2.5), IsEmpty());  // 20 % are excluded
+  EXPECT_EQ(pairs(RelativePairs::kOvEval, 2.4), overlappingFrames(7, 2));
+  EXPECT_EQ(pairs(RelativePairs::kEvo, 2, Unit::kFrames), consecutiveFrames(7, 2));
+  EXPECT_EQ(pairs(RelativePairs::kEvoAll, 2, Unit::kFrames), overlappingFrames(7, 2));
+  EXPECT_FALSE(hasPairsOver(RelativePairs::kRpg, Unit::kFrames));
+  EXPECT_FALSE(hasPairsOver(RelativePairs::kEvo, Unit::kSeconds));
+}
+
 TEST(RelativeErrorOver, EachUnitFindsItsPairs) {
   const AlignedPoses poses{alongX({0, 1, 2, 3, 4}), alongX({0, 1.1, 2.2, 3.3, 4.4})};
   std::vector<TimeNs> t;
