@@ -90,7 +90,7 @@ TrajectoryRun trajectory(const std::string& sequence, const std::string& calibra
   const double worse = calibration == "b" ? 1.25 : 1;
   fillSamples(run, worse * (0.05 + 0.01 * index), 1);
   for (const double delta : {1.0, 10.0, 50.0}) {
-    run.rpe.push_back({delta, "m", statistics(worse * 0.01 * std::sqrt(delta), 40),
+    run.rpe.push_back({delta, "m", "plumbline", statistics(worse * 0.01 * std::sqrt(delta), 40),
                        statistics(worse * 0.2 * std::sqrt(delta), 40)});
   }
   return run;
