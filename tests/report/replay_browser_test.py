@@ -111,6 +111,7 @@ window.addEventListener('load', () => setTimeout(async () => {
   out.type = 'application/json';
   out.id = 'probe';
   out.textContent = JSON.stringify(result).replaceAll('<', '\\\\u003c');
+  for (const id of ['replay-data', 'replay-images']) document.getElementById(id).remove();  // less to dump
   document.body.append(out);
 }, 300));
 </script>"""
