@@ -216,7 +216,7 @@ TEST(TrajectoryPage, SurvivesRunsThatAllFailed) {
   TrajectoryRecord record = test::syntheticTrajectories();
   record.runs = {record.runs[5]};
   const std::string page = renderTrajectoryPage(record);
-  EXPECT_THAT(page, HasSubstr("0 of 1 complete"));
+  EXPECT_THAT(page, HasSubstr("failed, 0.0 % of the truth"));
   EXPECT_THAT(page, Not(HasSubstr("<section id=\"overlays\"")));
   EXPECT_THAT(renderTrajectoryPage({}), HasSubstr("<section id=\"provenance\""));
 }

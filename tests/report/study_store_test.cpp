@@ -392,7 +392,7 @@ TEST_F(StudyStoreTest, LiftsVersion1WhenARunIsAdded) {
   const double metrics = number("SELECT count(*) FROM metrics");
   const Store store(file());
   EXPECT_EQ(store.save(test::syntheticTrajectories()), 2);
-  EXPECT_EQ(number("PRAGMA user_version"), 2);
+  EXPECT_EQ(number("PRAGMA user_version"), 3);
   EXPECT_EQ(store.runs().size(), 2U);
   EXPECT_EQ(number("SELECT count(*) FROM metrics WHERE run_id = 1"), metrics);
   EXPECT_EQ(number("SELECT count(*) FROM findings WHERE run_id = 1"), 2);
@@ -422,8 +422,8 @@ TEST_F(StudyStoreTest, RefusesDamagedStudies) {
 
 TEST_F(StudyStoreTest, RefusesANewerStore) {
   Store(file()).save(test::syntheticPerturbation());
-  change("PRAGMA user_version = 3");
-  EXPECT_THAT(complaintOf([&] { Store(file()).runs(); }), HasSubstr("knows up to 2"));
+  change("PRAGMA user_version = 4");
+  EXPECT_THAT(complaintOf([&] { Store(file()).runs(); }), HasSubstr("knows up to 3"));
 }
 
 }  // namespace
