@@ -13,7 +13,8 @@ build=${BUILD:-build}
 
 scripts/install_dependencies.sh build bench
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
-cmake --build "$build" --target plumbline detector_benchmark >&2
+cmake --build "$build" --target plumbline detector_benchmark guidance_views_benchmark \
+  guidance_trajectories_benchmark >&2
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -50,4 +51,10 @@ for session in "$data/euroc_imu_april" "$work/simulated"; do
   [ -d "$session" ] || continue
   printf '\n%s:\n\n' "$(basename "$session")"
   /usr/bin/python3 scripts/benchmark/projections.py --plumbline "$plumbline" "$session"
+done
+
+# Guidance: candidates, trajectories and steps of both stages, one thread, with percentiles.
+for stage in views trajectories; do
+  echo
+  "$build/tests/benchmarks/guidance_${stage}_benchmark" 2>/dev/null
 done
