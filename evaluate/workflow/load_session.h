@@ -26,9 +26,9 @@ struct LoadRequest {
 
 struct LoadedSession {
   Session session;
-  std::string target_path;              ///< files to name where the data contradict them
-  std::string imu_samples_path;         ///< empty where there is no IMU
-  std::vector<CameraCounts> counts;     ///< one per camera
+  std::string target_path;           ///< files to name where the data contradict them
+  std::string imu_samples_path;      ///< empty where there is no IMU
+  std::vector<CameraCounts> counts;  ///< one per camera
   /// Per camera, parallel to its views; empty for a camera that comes as corners.
   std::vector<std::vector<ImageFile>> images;
   std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown

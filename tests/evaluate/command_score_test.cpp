@@ -88,8 +88,8 @@ TEST_F(EvaluateCalibration, ThePageAndTheFiguresAreMadeAgainFromTheRecord) {
   const auto s = document().at("scores").at(0);
   EXPECT_EQ(s.at("camera_imu").at("entropy_parameters").size(), 7u);
   const std::string again = (scratch() / "again").string();
-  const Outcome outcome = plumbline("report " + out.string() + " --out " + again + ".html --json " +
-                                    again + ".json");
+  const Outcome outcome =
+      plumbline("report " + out.string() + " --out " + again + ".html --json " + again + ".json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_EQ(read(again + ".html"), page);
   EXPECT_EQ(read(again + ".json"), read(out / "evaluation.json"));
