@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs what Plumbline needs from Debian 12's own packages. Nothing is asked and nothing else is
 # touched; packages that are there already are left alone. Usage:
-#   scripts/install_dependencies.sh [build|test|check|bench]...   (default: build)
+#   scripts/install_dependencies.sh [build|test|sanitize|check|bench]...   (default: build)
 set -euo pipefail
 
 build_packages=(
@@ -15,6 +15,7 @@ build_packages=(
   libgtest-dev libgmock-dev)
 test_packages=(chromium fonts-dejavu-core python3 libbenchmark-dev libopencv-core-dev
   libopencv-imgproc-dev libopencv-calib3d-dev)
+sanitize_packages=(clang libclang-rt-dev)
 check_packages=(clang-format clang-tidy python3)
 bench_packages=(libbenchmark-dev mrcal python3 python3-mrcal python3-numpy python3-opencv time)
 
@@ -23,9 +24,10 @@ for set_name in "${@:-build}"; do
   case "$set_name" in
     build) wanted+=("${build_packages[@]}") ;;
     test) wanted+=("${test_packages[@]}") ;;
+    sanitize) wanted+=("${sanitize_packages[@]}") ;;
     check) wanted+=("${check_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown set '$set_name' (build, test, check, bench)" >&2; exit 2 ;;
+    *) echo "install_dependencies.sh: unknown set '$set_name' (build, test, sanitize, check, bench)" >&2; exit 2 ;;
   esac
 done
 

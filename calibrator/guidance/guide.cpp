@@ -70,9 +70,15 @@ Decision Guide::State::stepCamera(const GuideFrame& frame) {
 Decision Guide::step(const GuideFrame& frame) {
   State& s = *state_;
   if (s.camera && !s.camera->finished()) return s.stepCamera(frame);
-  if (!s.camera_imu) return passedOver(frame, GuideStage::kCamera, GuideReason::kFinished);
-  if (s.camera && frame.t < s.camera->busyUntil())
-    return passedOver(frame, GuideStage::kCameraImu, GuideReason::kBusy);
+  if (!s.camera_imu) {
+    return s.camera ? s.camera->step(frame)
+                    : passedOver(frame, GuideStage::kCamera, GuideReason::kFinished);
+  }
+  if (s.camera && frame.t < s.camera->busyUntil()) {
+    Decision decision = passedOver(frame, GuideStage::kCameraImu, GuideReason::kBusy);
+    decision.threshold_nats = s.options.trajectories.threshold_nats;
+    return decision;
+  }
   return s.camera_imu->step(frame);
 }
 

@@ -67,10 +67,11 @@ std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
                        const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   const std::string indent = "        ";
+  const auto distortion = distortionWord(camera, checks);  // first: it refuses what follows
   return fmt::format("     - {{T_SC:\n{0}{1},\n{0}image_dimension: [{2}, {3}],\n", indent,
                      matrixText(T_SC, indent), k.resolution.width, k.resolution.height) +
          fmt::format("{}distortion_coefficients: {},\n{}distortion_type: {},\n", indent,
-                     yamlList(fourCoefficients(k)), indent, distortionWord(camera, checks)) +
+                     yamlList(fourCoefficients(k)), indent, distortion) +
          fmt::format("{0}focal_length: {1},\n{0}principal_point: {2},\n", indent,
                      yamlList(k.projection.head(2)), yamlList(k.projection.tail(2))) +
          fmt::format("{0}camera_type: gray,\n{0}slam_use: okvis}}\n", indent);

@@ -42,7 +42,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--suggestions", o.suggestions,
                  "What the operator was asked for (default: suggestions.csv in the session)");
   app.add_option("--random-orders", o.random_orders, "Random orders among the counterfactuals")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", o.seed, "Of the first random order")
       ->check(CLI::PositiveNumber)

@@ -15,6 +15,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
+constexpr double kLongest_ms = 60'000;        // of a latency
 
 struct LatencyName {
   const char* name;
@@ -34,7 +35,7 @@ void readLatency(const std::string& text, GuideLatency& latency) {
     const std::string number = text.substr(equals + 1);
     char* end = nullptr;
     const double ms = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0' || !std::isfinite(ms) || ms < 0) break;
+    if (number.empty() || *end != '\0' || !std::isfinite(ms) || ms < 0 || ms > kLongest_ms) break;
     latency.*known.seconds = ms / 1e3;
     return;
   }
@@ -124,7 +125,9 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gr
   requireWhole("--imu-window", o.trajectories.window, 2);
   if (!(o.views.start_move_px >= 0)) throw InputError("--start-move-px: expected zero or more");
   if (!(o.views.reached_s >= 0)) throw InputError("--reached-s: expected zero or more");
-  if (!(arrival_ms >= 0)) throw InputError("--arrival-ms: expected zero or more");
+  if (!(arrival_ms >= 0 && arrival_ms <= kLongest_ms)) {
+    throw InputError("--arrival-ms: expected 0 to 60000");
+  }
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
   o.trajectories.expires_s = o.views.expires_s;

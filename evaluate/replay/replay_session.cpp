@@ -64,16 +64,22 @@ std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
 class Judge {
  public:
   Judge(const ReplayRequest& request, const ReplayRun& run, const Guide& guide,
-        std::optional<std::vector<CameraCalibration>> given, const ProgressSink& progress)
-      : request_(request), run_(run), guide_(guide), given_(std::move(given)), tell_(progress) {}
+        std::optional<std::vector<CameraCalibration>> given,
+        std::optional<std::vector<Suggestion>> suggestions, const ProgressSink& progress)
+      : request_(request),
+        run_(run),
+        guide_(guide),
+        given_(std::move(given)),
+        suggestions_(std::move(suggestions)),
+        tell_(progress) {}
 
   void write(ReplayRecord& record) {
     if (!given_) cameraStage(record);
     if (run_.session.imu) cameraImuStage(record);
     record.cameras = drawn();
     record.suggestions = suggestionOutcomes(run_, record.cameras);
-    if (const auto file = suggestionsFile(request_); file && !record.cameras.empty()) {
-      record.compliance = operatorCompliance(run_, readSuggestions(*file), record.cameras);
+    if (suggestions_) {
+      record.compliance = operatorCompliance(run_, *suggestions_, record.cameras);
     }
     counterfactualCurves(record);
   }
@@ -133,6 +139,7 @@ class Judge {
   const ReplayRun& run_;
   const Guide& guide_;
   std::optional<std::vector<CameraCalibration>> given_;
+  std::optional<std::vector<Suggestion>> suggestions_;
   const ProgressSink& tell_;
   StageBatches<CameraStageResult> batches_;
 };
@@ -144,6 +151,8 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   for (const auto& file : {request.cameras_file, suggestionsFile(request)}) {
     if (file) request.load.others.push_back(*file);
   }
+  std::optional<std::vector<Suggestion>> suggestions;
+  if (const auto file = suggestionsFile(request)) suggestions = readSuggestions(*file);
   const LoadedSession loaded = loadSession(request.load, progress);
   const Session& session = loaded.session;
   auto& models = request.camera.models;
@@ -167,7 +176,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   if (request.images) addImages(loaded, record.frames, progress);
   const ReplayRun run{session,       frames,         record.decisions,
                       request.guide, request.camera, request.camera_imu};
-  Judge(request, run, guide, given, progress).write(record);
+  Judge(request, run, guide, given, suggestions, progress).write(record);
   record.verdict = makeVerdict(replayFindings(record));
   return record;
 }

@@ -15,8 +15,10 @@ namespace {
 
 /// Why a stage did not get to its start, from its last decision that says so.
 std::string startProblem(const ReplayRun& run, GuideStage stage) {
-  for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
-    if (d->stage == stage && !d->detail.empty()) {
+  for (const bool failed_start : {true, false}) {
+    for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
+      if (d->stage != stage || d->detail.empty()) continue;
+      if (failed_start && d->reason != GuideReason::kInitialiseFailed) continue;
       return fmt::format("frame {}: {}", d->frame, d->detail);
     }
   }

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/information/view_selection.h"
+#include "calibrator/information/covariance.h"
 #include "evaluate/replay/frame_shares.h"
 
 namespace plumbline {
@@ -54,16 +54,18 @@ std::vector<int> keptAndContinued(const ReplayRun& run, const CameraStageResult&
   if (!shares) return order;
   std::map<TimeNs, int> position;
   for (const GuideFrame& frame : run.frames) position[frame.t] = frame.index;
-  Eigen::VectorXd typical = Eigen::VectorXd::Zero(shares->information.front().rows());
-  for (const Eigen::MatrixXd& share : shares->information) typical += share.diagonal();
-  ViewSelector selector(run.guide.views.threshold_nats / std::log(2.0), typical);
+  Eigen::MatrixXd information =
+      Eigen::MatrixXd::Zero(shares->information.front().rows(), shares->information.front().cols());
   for (std::size_t i = 0; i < shares->frames.size(); ++i) {
     const int frame = position.at(shares->frames[i].t);
-    const bool after = shares->frames[i].t > finish->t;
-    if (!after && std::binary_search(order.begin(), order.end(), frame)) {
-      selector.offer(shares->information[i]);
-    } else if (after && selector.offer(shares->information[i])) {
+    const Eigen::MatrixXd& share = shares->information[i];
+    if (shares->frames[i].t > finish->t) {
+      const auto gain = mutualInformationNats(information, information + share);
+      if (gain && *gain < run.guide.views.threshold_nats) continue;
       order.push_back(frame);
+      information += share;
+    } else if (std::binary_search(order.begin(), order.end(), frame)) {
+      information += share;
     }
   }
   return order;
@@ -153,10 +155,11 @@ StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   }
   const int finished_with = static_cast<int>(run.accepted(GuideStage::kCamera).size());
   const std::vector<int> order = keptAndContinued(run, *batches.kept);
-  const Session held_out = run.sessionOfFrames(heldOutFrames(run, order, options.held_out_frames));
+  const std::vector<int> others = heldOutFrames(run, order, options.held_out_frames);
+  const Session held_out = run.sessionOfFrames(others);
   const auto best = heldOutError(held_out, batches.full->cameras, run.camera);
   if (!best) {
-    return notJudged(std::move(audit), "no frame was left to be held out");
+    return notJudged(std::move(audit), "no frame with a pose was left to be held out");
   }
   const double bound = options.held_out_factor * *best;
   CameraStageOptions camera = run.camera;
@@ -176,11 +179,10 @@ StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
     audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
   }
   judge(run, options,
-        fmt::format("the views kept by then leave {} px on {} held-out frames, those of the whole "
+        fmt::format("the views kept by then leave {} on {} held-out frames, those of the whole "
                     "recording {:.4f} px; within {:.0f} % of that",
-                    at_finish ? fmt::format("{:.4f}", *at_finish) : "an unknown error in",
-                    held_out.cameras.front().views.size(), *best,
-                    100 * (options.held_out_factor - 1)),
+                    at_finish ? fmt::format("{:.4f} px", *at_finish) : "no error that is known",
+                    others.size(), *best, 100 * (options.held_out_factor - 1)),
         audit);
   return audit;
 }

@@ -84,6 +84,14 @@ double medianOf(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
+/// suggestions.csv does not say for whose image a view was made: the one that shows most of it.
+std::size_t bestCamera(const std::vector<std::vector<Corner>>& overlay) {
+  const auto most =
+      std::max_element(overlay.begin(), overlay.end(),
+                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return static_cast<std::size_t>(most - overlay.begin());
+}
+
 /// Plays the frames from a suggestion's time until `end` past it.
 SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, TimeNs end,
                          std::vector<std::vector<Corner>> corners,
@@ -93,7 +101,8 @@ SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, Tim
   outcome.overlay = std::move(corners);
   outcome.end = SuggestionEvent::kExpired;
   outcome.ended = std::min(end, run.frames.back().t);
-  const auto camera = static_cast<std::size_t>(suggestion.camera);
+  const std::size_t camera = bestCamera(outcome.overlay);
+  outcome.suggestion.camera = static_cast<int>(camera);
   OpenSuggestion open(suggestion, outcome.overlay[camera], ruleOf(run, suggestion.stage));
   DistanceTrack track;
   for (const GuideFrame& frame : run.frames) {
@@ -140,6 +149,7 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras) {
   OperatorCompliance out;
+  if (run.frames.empty() || cameras.empty()) return out;
   const std::map<TimeNs, Transform> poses = posesOf(run, cameras);
   std::vector<double> seconds;
   for (std::size_t i = 0; i < suggestions.size(); ++i) {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # PLUMBLINE_UNITY: sources of one target are compiled several at a time, so that Eigen, the standard
 # library and JSON are read and instantiated once for all of them; a cold build takes about half the
-# work. The scripts that build everything from nothing ask for it. It stays off where files are
+# work. The sanitizer build asks for it. It stays off where files are
 # edited, and for clang-tidy's folder, in which every source has to bring its own includes.
 #
 # Files meet in one translation unit only if their anonymous namespaces have no name in common, and

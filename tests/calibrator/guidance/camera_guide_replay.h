@@ -116,7 +116,8 @@ inline std::string numberText(const std::optional<double>& value) {
 }
 inline std::string poseText(const Transform& T) {
   std::string text;
-  for (const double value : T.matrix().reshaped()) text += fmt::format(" {:a}", value);
+  const Eigen::Matrix4d M = T.matrix();
+  for (const double value : M.reshaped()) text += fmt::format(" {:a}", value);
   return text;
 }
 
