@@ -69,9 +69,15 @@ std::string toString(SuggestionEvent event) {
       return "reached";
     case SuggestionEvent::kExpired:
       return "expired";
+    case SuggestionEvent::kWithdrawn:
+      return "withdrawn";
   }
   assert(false);
   return {};
+}
+
+void note(Decision& decision, const std::string& text) {
+  decision.detail += (decision.detail.empty() ? "" : "; ") + text;
 }
 
 }  // namespace plumbline

@@ -48,8 +48,14 @@ enum class GuideReason {
 std::string toString(GuideReason reason);
 
 /// What happened to the suggestion on a frame.
-enum class SuggestionEvent { kNone, kOpened, kReached, kExpired };
-/// "none", "opened", "reached", "expired".
+enum class SuggestionEvent {
+  kNone,
+  kOpened,
+  kReached,
+  kExpired,
+  kWithdrawn,  ///< the stage finished while it was open
+};
+/// "none", "opened", "reached", "expired", "withdrawn".
 std::string toString(SuggestionEvent event);
 
 /// A view or trajectory that the guide asked for.
@@ -82,7 +88,9 @@ struct Decision {
   GuideStage stage = GuideStage::kCamera;
   GuideMode mode = GuideMode::kInitialising;  ///< after the frame
   GuideReason reason = GuideReason::kInitialising;
-  bool accepted = false;          ///< the frame entered the estimate
+  bool accepted = false;  ///< the frame entered the estimate
+  /// Frames accepted before that left the estimate with this one: no pose, or no solution.
+  std::vector<int> withdrawn;
   std::optional<double> mi_nats;  ///< its gain; infinite: the views before left parameters free
   std::optional<double> entropy_nats;  ///< of the calibration parameters, after the frame
   double threshold_nats = 0;           ///< what the gain was held against
@@ -99,5 +107,8 @@ struct Decision {
   std::optional<CandidateRound> round;  ///< scores that arrived with this frame
   std::string detail;                   ///< what could not be done and why; empty if nothing
 };
+
+/// Adds to a decision's detail.
+void note(Decision& decision, const std::string& text);
 
 }  // namespace plumbline

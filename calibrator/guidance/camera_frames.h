@@ -33,6 +33,7 @@ std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& c
 
 /// A frame that the camera stage has accepted.
 struct KeptFrame {
+  int index = 0;  ///< position in the recording
   TimeNs t = 0;
   FrameCorners corners;
 };

@@ -39,6 +39,8 @@ struct CameraGuide::State {
   void withoutTarget(Decision& d);
   void initialise(const FrameCorners& corners, Decision& d);
   void tryStart(Decision& d);
+  void beginWindow(const CameraStageResult& start, Decision& d);
+  void leaveOut(const KeptFrame& frame, Decision& d);
   void consider(const FrameCorners& corners, Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
@@ -96,8 +98,8 @@ bool CameraGuide::State::arrives(const GuideFrame& frame, Decision& d) {
   const std::optional<TimeNs> before = last_t;
   if (before && frame.t <= *before) {
     d.reason = GuideReason::kTimeJump;
-    d.detail = fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
-                           secondsBetween(frame.t, *before));
+    note(d, fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
+                        secondsBetween(frame.t, *before)));
     return false;
   }
   last_t = frame.t;
@@ -106,7 +108,7 @@ bool CameraGuide::State::arrives(const GuideFrame& frame, Decision& d) {
     return false;
   }
   if (before && secondsBetween(*before, frame.t) > options.max_frame_gap_s) {
-    d.detail = fmt::format("no frame for {:.3f} s before it", secondsBetween(*before, frame.t));
+    note(d, fmt::format("no frame for {:.3f} s before it", secondsBetween(*before, frame.t)));
     if (open) open->update(*before, {});  // what was held is not held over the pause
   }
   return true;
@@ -122,8 +124,8 @@ void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
     return;
   }
   if (std::exchange(lost_said, false)) {
-    d.detail = fmt::format("the target is back after {:.3f} s out of view",
-                           secondsBetween(*last_target_t, frame.t));
+    note(d, fmt::format("the target is back after {:.3f} s out of view",
+                        secondsBetween(*last_target_t, frame.t)));
   }
   last_target_t = frame.t;
   if (window) {
@@ -150,7 +152,7 @@ void CameraGuide::State::withoutTarget(Decision& d) {
   const double lost_s = secondsBetween(*last_target_t, d.t);
   if (lost_said || !(lost_s > options.lost_target_s)) return;
   lost_said = true;
-  d.detail = fmt::format("the target has been out of view for {:.3f} s", lost_s);
+  note(d, fmt::format("the target has been out of view for {:.3f} s", lost_s));
 }
 
 void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
@@ -159,44 +161,59 @@ void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
     return;
   }
   d.accepted = true;
-  kept.push_back({d.t, corners});
+  kept.push_back({d.frame, d.t, corners});
   if (kept.size() >= next_start) tryStart(d);
 }
 
 void CameraGuide::State::tryStart(Decision& d) {
+  busy_until += toNanoseconds(options.latency.camera_start_s);
   const auto start = calibrateFrames(rig, kept, options);
   if (!start) {
     // Later, and rarer the more frames there are: each trial costs a batch.
     next_start = kept.size() +
                  std::max(static_cast<std::size_t>(options.views.start_frames), kept.size() / 4);
     d.reason = GuideReason::kInitialiseFailed;
-    d.detail = fmt::format("{} frames do not start the estimate: {}; tried again with {}",
-                           kept.size(), start.failure().message, next_start);
+    note(d, fmt::format("{} frames do not start the estimate: {}; tried again with {}", kept.size(),
+                        start.failure().message, next_start));
     return;
   }
-  const CameraStageResult& result = *start;
+  d.reason = GuideReason::kInitialised;
+  beginWindow(*start, d);
+}
+
+/// The window on the frames that the start's batch gave a pose; the others leave.
+void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& d) {
   CameraWindowOptions w;
   w.size = options.views.window;
   w.pixel_sigma = options.views.pixel_sigma;
   w.cauchy_px = options.views.cauchy_px;
   window.emplace(rig.target, result.cameras, w);
   std::vector<KeptFrame> used;
-  for (std::size_t i = 0; i < result.frames.size(); ++i) {
-    const TimeNs t = result.frames[i].t;
-    const auto frame =
-        std::find_if(kept.begin(), kept.end(), [t](const KeptFrame& k) { return k.t == t; });
-    if (frame == kept.end()) continue;
-    window->add(frame->corners, result.T_FC0[i]);
-    used.push_back(std::move(*frame));
-  }
-  d.reason = GuideReason::kInitialised;
-  d.T_FC0 = result.T_FC0.back();
-  if (used.size() < kept.size()) {
-    d.detail =
-        fmt::format("{} frames had no plausible pose and are left out", kept.size() - used.size());
+  for (KeptFrame& frame : kept) {
+    const auto posed = std::find_if(result.frames.begin(), result.frames.end(),
+                                    [&](const Frame& f) { return f.t == frame.t; });
+    if (posed == result.frames.end()) {
+      leaveOut(frame, d);
+      continue;
+    }
+    const auto& T_FC0 = result.T_FC0[static_cast<std::size_t>(posed - result.frames.begin())];
+    if (frame.index == d.frame) d.T_FC0 = T_FC0;
+    window->add(frame.corners, T_FC0);
+    used.push_back(std::move(frame));
   }
   kept = std::move(used);
   windowChanged();
+}
+
+/// A frame that waited for the start has no plausible pose in it.
+void CameraGuide::State::leaveOut(const KeptFrame& frame, Decision& d) {
+  if (frame.index == d.frame) {
+    d.accepted = false;
+    note(d, "no plausible pose in the start: left out");
+  } else {
+    d.withdrawn.push_back(frame.index);
+    note(d, fmt::format("frame {}: no plausible pose in the start: left out", frame.index));
+  }
 }
 
 void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
@@ -224,12 +241,12 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
   if (!window->solve()) {
     window->remove(window->frameCount() - 1);
     d.reason = GuideReason::kNotSolved;
-    d.detail = "the window with it did not converge: removed again";
+    note(d, "the window with it did not converge: removed again");
     return false;
   }
   d.reason = GuideReason::kInformative;
   d.T_FC0 = window->estimate().T_C0F.back().inverse();
-  kept.push_back({d.t, corners});
+  kept.push_back({d.frame, d.t, corners});
   windowChanged();
   return true;
 }
@@ -268,7 +285,7 @@ void CameraGuide::State::findNextView(Decision& d) {
   }
   const bool enough = static_cast<int>(kept.size()) >= options.views.min_views;
   if (round.best < 0) {
-    d.detail = "no candidate view shows the target to any camera";
+    note(d, "no candidate view shows the target to any camera");
   } else if (most < options.views.threshold_nats && enough) {
     finished = true;
     busy_until += toNanoseconds(options.latency.camera_batch_s);

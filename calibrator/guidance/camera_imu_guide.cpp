@@ -32,13 +32,14 @@ int cornerCount(const std::vector<std::vector<Corner>>& corners) {
 
 struct CameraImuGuide::State {
   State(const GuideRig& rig_, std::vector<CameraCalibration> cameras_, const GuideOptions& options_,
-        int first_suggestion)
+        const Begin& begin)
       : rig(rig_),
         cameras(std::move(cameras_)),
         options(options_),
         recording(rig_, options_),
-        next_suggestion(first_suggestion),
-        next_attempt(options_.trajectories.start_frames) {}
+        next_suggestion(begin.first_suggestion),
+        next_attempt(options_.trajectories.start_frames),
+        busy_until(begin.busy_until) {}
 
   const TrajectoryGuideOptions& stage() const { return options.trajectories; }
 
@@ -46,8 +47,11 @@ struct CameraImuGuide::State {
     return {stage().min_corners, recording.batchOptions().max_start_rms_px};
   }
 
-  Decision begin(const GuideFrame& frame) const;
+  Decision decisionOn(const GuideFrame& frame) const;
+  void takeSamples(const GuideFrame& frame);
+  void look(const GuideFrame& frame, Decision& d);
   bool isInTime(const GuideFrame& frame, Decision& d);
+  bool showsTarget(const GuideFrame& frame, Decision& d);
   bool isUsable(const GuideFrame& frame, Decision& d);
   void useFrame(PosedFrame frame, Decision& d);
   void gather(PosedFrame frame, Decision& d);
@@ -57,6 +61,7 @@ struct CameraImuGuide::State {
   void report(Decision& d);
   void evaluate(Decision& d);
   void judge(CandidateRound round, Decision& d);
+  void finish(Decision& d);
   void open(const CandidateRound& round, Decision& d);
   void follow(const GuideFrame& frame, Decision& d);
 
@@ -72,14 +77,15 @@ struct CameraImuGuide::State {
   int without_view = 0;
   bool finished = false;
   std::optional<TimeNs> last;       // frame, whatever it showed
-  std::optional<TimeNs> last_seen;  // with the target
-  double pause_s = 0;               // of the frames, before the one at hand
+  std::optional<TimeNs> last_seen;  // with the target; before it was seen: the first
+  bool lost_said = false;
+  double pause_s = 0;  // of the frames, before the one at hand
   std::optional<double> entropy_nats;
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
-  TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+  TimeNs busy_until = 0;
 };
 
-Decision CameraImuGuide::State::begin(const GuideFrame& frame) const {
+Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
   Decision d;
   d.t = frame.t;
   d.frame = frame.index;
@@ -101,21 +107,36 @@ bool CameraImuGuide::State::isInTime(const GuideFrame& frame, Decision& d) {
   } else if (frame.t < busy_until) {
     d.reason = GuideReason::kBusy;
   }
+  // What was held is not held over the pause.
+  if (suggestion && pause_s > options.max_frame_gap_s) suggestion->update(before, {});
   return frame.t > before && frame.t >= busy_until;
+}
+
+/// Says when the target has long been out of view, once, and when it is back.
+bool CameraImuGuide::State::showsTarget(const GuideFrame& frame, Decision& d) {
+  const bool seen = std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
+    return static_cast<int>(c.size()) >= stage().min_corners;
+  });
+  if (!last_seen) last_seen = frame.t;
+  const double lost_s = secondsBetween(*last_seen, frame.t);
+  if (seen) {
+    if (std::exchange(lost_said, false)) {
+      note(d, fmt::format("the target is back after {:.3f} s out of view", lost_s));
+    }
+    last_seen = frame.t;
+    return true;
+  }
+  d.reason = GuideReason::kNoTarget;
+  if (!lost_said && lost_s > options.lost_target_s) {
+    lost_said = true;
+    note(d, fmt::format("the target has been out of view for {:.3f} s", lost_s));
+  }
+  return false;
 }
 
 /// Whether the frame's corners and samples allow its use; says why not.
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
-  const bool seen = std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
-    return static_cast<int>(c.size()) >= stage().min_corners;
-  });
-  if (!seen) {
-    d.reason = GuideReason::kNoTarget;
-    const double lost_s = last_seen ? secondsBetween(*last_seen, frame.t) : 0;
-    if (lost_s > options.lost_target_s) note(d, fmt::format("no target for {:.1f} s", lost_s));
-    return false;
-  }
-  last_seen = frame.t;
+  if (!showsTarget(frame, d)) return false;
   const bool none = recording.samples().empty();
   const double since_s = none ? 0 : secondsBetween(recording.samples().back().t, frame.t);
   if (!none && since_s <= recording.longestInterval()) return true;
@@ -128,10 +149,6 @@ bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
 void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
   d.T_FC0 = frame.T_FC0;
   frame.after_jump = pause_s > options.max_frame_gap_s;
-  if (!recording.frames().empty()) {
-    const double apart_s = secondsBetween(recording.frames().back().t, frame.t);
-    frame.far_apart = apart_s > options.max_frame_gap_s;
-  }
   if (tracker) {
     track(std::move(frame), d);
   } else {
@@ -142,9 +159,9 @@ void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
 void CameraImuGuide::State::gather(PosedFrame frame, Decision& d) {
   d.reason = GuideReason::kInitialising;
   d.accepted = true;
-  if (frame.far_apart) {
-    note(d, fmt::format("{:.3f} s after the last frame used",
-                        secondsBetween(recording.frames().back().t, frame.t)));
+  const TimeNs before = recording.frames().empty() ? frame.t : recording.frames().back().t;
+  if (const double apart_s = secondsBetween(before, frame.t); apart_s > options.max_frame_gap_s) {
+    note(d, fmt::format("{:.3f} s after the last frame used", apart_s));
   }
   recording.keep(std::move(frame));
   const int count = static_cast<int>(recording.frames().size());
@@ -154,6 +171,7 @@ void CameraImuGuide::State::gather(PosedFrame frame, Decision& d) {
 }
 
 void CameraImuGuide::State::tryStart(Decision& d) {
+  busy_until += toNanoseconds(options.latency.imu_start_s);
   auto started = startImuWindow(recording, cameras, stage());
   if (!started) {
     d.reason = GuideReason::kInitialiseFailed;
@@ -161,7 +179,7 @@ void CameraImuGuide::State::tryStart(Decision& d) {
     return;
   }
   d.reason = GuideReason::kInitialised;
-  tracker.emplace(std::move(started).value());
+  tracker.emplace(std::move(started).value(), options.max_frame_gap_s);
   const TimeNs last_used = tracker->window().lastStamp();
   const std::vector<PosedFrame> kept = recording.frames();  // of which drain() may drop some
   for (const PosedFrame& frame : kept) {
@@ -221,12 +239,21 @@ void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
   if (round.best < 0) {
     note(d, "no trajectory could be scored");
   } else if (round.mi_nats[static_cast<std::size_t>(round.best)] < stage().threshold_nats) {
-    finished = true;
+    finish(d);
   } else if (!suggestion && d.event == SuggestionEvent::kNone &&
              (!executing_until || d.t >= *executing_until)) {
     open(round, d);
   }
   d.round = std::move(round);
+}
+
+void CameraImuGuide::State::finish(Decision& d) {
+  finished = true;
+  busy_until += toNanoseconds(options.latency.imu_batch_s);
+  if (!suggestion) return;
+  d.event = SuggestionEvent::kWithdrawn;
+  d.suggestion = suggestion->suggestion().id;
+  suggestion.reset();
 }
 
 void CameraImuGuide::State::open(const CandidateRound& round, Decision& d) {
@@ -267,34 +294,41 @@ void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
   suggestion.reset();
 }
 
+void CameraImuGuide::State::takeSamples(const GuideFrame& frame) {
+  const auto taken = static_cast<std::size_t>(recording.addSamples(frame.imu));
+  if (tracker) tracker->addSamples(std::span(recording.samples()).last(taken));
+}
+
+void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
+  busy_until = frame.t + toNanoseconds(options.latency.imu_frame_s);
+  if (isUsable(frame, d)) {
+    auto posed = poseFrame(frame, rig.target, cameras, poseOptions());
+    if (!posed) d.reason = GuideReason::kNoPose;
+    if (posed) useFrame(std::move(*posed), d);
+  }
+  follow(frame, d);
+  if (tracker && d.accepted) report(d);
+  if (tracker) evaluate(d);
+}
+
 CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
-                               const GuideOptions& options, int first_suggestion)
-    : state_(std::make_unique<State>(rig, std::move(cameras), options, first_suggestion)) {}
+                               const GuideOptions& options, const Begin& begin)
+    : state_(std::make_unique<State>(rig, std::move(cameras), options, begin)) {}
+CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
+                               const GuideOptions& options)
+    : CameraImuGuide(rig, std::move(cameras), options, Begin()) {}
 CameraImuGuide::~CameraImuGuide() = default;
 CameraImuGuide::CameraImuGuide(CameraImuGuide&&) noexcept = default;
 CameraImuGuide& CameraImuGuide::operator=(CameraImuGuide&&) noexcept = default;
 
 Decision CameraImuGuide::step(const GuideFrame& frame) {
   State& s = *state_;
-  Decision d = s.begin(frame);
-  const bool was_finished = s.finished;
-  if (!was_finished) {
-    const auto taken = static_cast<std::size_t>(s.recording.addSamples(frame.imu));
-    if (s.tracker) s.tracker->addSamples(std::span(s.recording.samples()).last(taken));
-  }
-  if (was_finished) {
+  Decision d = s.decisionOn(frame);
+  if (s.finished) {
     d.reason = GuideReason::kFinished;
-  } else if (s.isInTime(frame, d)) {
-    if (s.isUsable(frame, d)) {
-      auto posed = poseFrame(frame, s.rig.target, s.cameras, s.poseOptions());
-      if (!posed) d.reason = GuideReason::kNoPose;
-      if (posed) s.useFrame(std::move(*posed), d);
-    }
-    s.follow(frame, d);
-    if (s.tracker && d.accepted) s.report(d);
-    if (s.tracker) s.evaluate(d);
-    s.busy_until = frame.t + toNanoseconds(s.options.latency.imu_frame_s +
-                                           (s.finished ? s.options.latency.imu_batch_s : 0));
+  } else {
+    s.takeSamples(frame);
+    if (s.isInTime(frame, d)) s.look(frame, d);
   }
   s.without_view = d.accepted ? 0 : s.without_view + 1;
   d.views_kept = static_cast<int>(s.recording.frames().size());

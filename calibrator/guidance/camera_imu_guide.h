@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -16,9 +17,17 @@ namespace plumbline {
 /// they are given.
 class CameraImuGuide {
  public:
-  /// Needs rig.imu. Suggestions are numbered from `first_suggestion`.
+  /// What the stage before leaves.
+  struct Begin {
+    int first_suggestion = 0;  ///< suggestions are numbered from it
+    /// Frames before it are dropped (their IMU samples are not).
+    TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+  };
+  /// Needs rig.imu.
   CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
-                 const GuideOptions& options, int first_suggestion = 0);
+                 const GuideOptions& options, const Begin& begin);
+  CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
+                 const GuideOptions& options);
   ~CameraImuGuide();
   CameraImuGuide(CameraImuGuide&&) noexcept;
   CameraImuGuide& operator=(CameraImuGuide&&) noexcept;

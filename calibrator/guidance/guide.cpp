@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/guide.h"
 
+#include <cassert>
 #include <utility>
 
 #include "calibrator/guidance/camera_guide.h"
@@ -38,13 +39,13 @@ Guide& Guide::operator=(Guide&&) noexcept = default;
 namespace {
 
 /// Of a frame that no stage looks at.
-Decision passedOver(const GuideFrame& frame, GuideStage stage, GuideReason reason) {
+Decision passedOver(const GuideFrame& frame) {
   Decision decision;
   decision.t = frame.t;
   decision.frame = frame.index;
-  decision.stage = stage;
-  decision.reason = reason;
-  if (reason == GuideReason::kFinished) decision.mode = GuideMode::kFinished;
+  decision.stage = GuideStage::kCamera;
+  decision.reason = GuideReason::kFinished;
+  decision.mode = GuideMode::kFinished;
   for (const std::vector<Corner>& corners : frame.corners)
     decision.corners += static_cast<int>(corners.size());
   return decision;
@@ -55,9 +56,10 @@ Decision passedOver(const GuideFrame& frame, GuideStage stage, GuideReason reaso
 void Guide::State::endCameraStage(Decision& last) {
   camera_batch = camera->batch();
   if (!camera_batch->ok()) {
-    last.detail = "the batch over the views kept failed: " + camera_batch->failure().message;
+    note(last, "the batch over the views kept failed: " + camera_batch->failure().message);
   } else if (rig.imu) {
-    camera_imu.emplace(rig, camera_batch->value().cameras, options, camera->nextSuggestion());
+    camera_imu.emplace(rig, camera_batch->value().cameras, options,
+                       CameraImuGuide::Begin{camera->nextSuggestion(), camera->busyUntil()});
   }
 }
 
@@ -69,15 +71,10 @@ Decision Guide::State::stepCamera(const GuideFrame& frame) {
 
 Decision Guide::step(const GuideFrame& frame) {
   State& s = *state_;
+  assert(frame.corners.size() == s.rig.cameras.size());
   if (s.camera && !s.camera->finished()) return s.stepCamera(frame);
   if (!s.camera_imu) {
-    return s.camera ? s.camera->step(frame)
-                    : passedOver(frame, GuideStage::kCamera, GuideReason::kFinished);
-  }
-  if (s.camera && frame.t < s.camera->busyUntil()) {
-    Decision decision = passedOver(frame, GuideStage::kCameraImu, GuideReason::kBusy);
-    decision.threshold_nats = s.options.trajectories.threshold_nats;
-    return decision;
+    return s.camera ? s.camera->step(frame) : passedOver(frame);
   }
   return s.camera_imu->step(frame);
 }

@@ -49,12 +49,14 @@ struct TrajectoryGuideOptions {
 /// What a step costs in the recording's time. A frame that comes while the guide is busy is
 /// dropped; candidate views are scored in the step, trajectories beside it.
 struct GuideLatency {
+  double camera_start_s = 0;  ///< each attempt to start the camera stage
   double camera_frame_s = 0;
   double next_view_s = 0;
-  double camera_batch_s = 0;
+  double camera_batch_s = 0;  ///< once, when the stage finishes
+  double imu_start_s = 0;     ///< each attempt to start the camera-IMU stage
   double imu_frame_s = 0;
   double trajectories_s = 0;
-  double imu_batch_s = 0;
+  double imu_batch_s = 0;  ///< once, when the stage finishes
 };
 
 struct GuideOptions {

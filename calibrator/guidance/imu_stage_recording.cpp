@@ -28,8 +28,8 @@ int ImuStageRecording::addSamples(std::span<const ImuSample> samples) {
   return static_cast<int>(samples_.size() - before);
 }
 
-void ImuStageRecording::drop(TimeNs t) {
-  std::erase_if(frames_, [t](const PosedFrame& frame) { return frame.t == t; });
+void ImuStageRecording::drop(int index) {
+  std::erase_if(frames_, [index](const PosedFrame& frame) { return frame.index == index; });
 }
 
 double ImuStageRecording::longestInterval() const {

@@ -23,8 +23,8 @@ class ImuStageRecording {
   /// Returns how many were taken.
   int addSamples(std::span<const ImuSample> samples);
   void keep(PosedFrame frame) { frames_.push_back(std::move(frame)); }
-  /// The frame with this stamp is not kept after all.
-  void drop(TimeNs t);
+  /// The frame of this position in the recording is not kept after all.
+  void drop(int index);
 
   const std::vector<ImuSample>& samples() const { return samples_; }
   const std::vector<PosedFrame>& frames() const { return frames_; }

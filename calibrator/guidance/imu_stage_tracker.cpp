@@ -19,12 +19,8 @@ void becauseOf(GuideReason reason, const PosedFrame& frame, Decision& decision) 
 
 }  // namespace
 
-void note(Decision& decision, const std::string& text) {
-  decision.detail += (decision.detail.empty() ? "" : "; ") + text;
-}
-
-ImuStageTracker::ImuStageTracker(CameraImuWindow window)
-    : window_(std::move(window)), last_given_(window_.lastStamp()) {}
+ImuStageTracker::ImuStageTracker(CameraImuWindow window, double max_gap_s)
+    : window_(std::move(window)), max_gap_s_(max_gap_s), last_given_(window_.lastStamp()) {}
 
 void ImuStageTracker::drain(ImuStageRecording& recording, Decision& decision) {
   const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s) + 1;  // rounding
@@ -39,12 +35,12 @@ FrameLink ImuStageTracker::linkTo(const PosedFrame& frame, const ImuStageRecordi
                                   Decision& decision) const {
   const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s);
   const auto gap = recording.gapWithin(last_given_ + offset, frame.t + offset);
-  if (!gap && !frame.far_apart) return FrameLink::kInertial;
+  const double apart_s = secondsBetween(last_given_, frame.t);
+  if (!gap && apart_s <= max_gap_s_) return FrameLink::kInertial;
   if (frame.after_jump) becauseOf(GuideReason::kTimeJump, frame, decision);
   if (gap) becauseOf(GuideReason::kImuGap, frame, decision);
-  const std::string pause =
-      gap ? fmt::format("IMU samples pause for {:.3f} s before it", *gap)
-          : fmt::format("{:.3f} s after the last frame used", secondsBetween(last_given_, frame.t));
+  const std::string pause = gap ? fmt::format("IMU samples pause for {:.3f} s before it", *gap)
+                                : fmt::format("{:.3f} s after the last frame used", apart_s);
   note(decision, prefix(frame, decision) + pause + ": joined by the biases' walk alone");
   return FrameLink::kBiasWalk;
 }
@@ -54,15 +50,29 @@ void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recordin
   const FrameLink link = linkTo(frame, recording, decision);
   last_given_ = frame.t;
   const WindowEnd end = window_.add({frame.t, frame.corners, frame.T_FC0, link});
+  const std::optional<int> waiting = std::exchange(held_, std::nullopt);
   if (end == WindowEnd::kHeld) {
+    held_ = frame.index;
     note(decision, prefix(frame, decision) + "waits for the next frame to tell its velocity");
   }
-  if (end != WindowEnd::kNotSolved) return;
-  recording.drop(frame.t);
+  if (end == WindowEnd::kSolved) return;
+  if (waiting) withdraw(*waiting, "the frame after it gave no velocity", recording, decision);
+  if (end == WindowEnd::kHeld) return;
   last_given_ = window_.lastStamp();
   becauseOf(GuideReason::kNotSolved, frame, decision);
-  if (frame.t == decision.t) decision.accepted = false;
-  note(decision, prefix(frame, decision) + "the window with it has no solution: left out");
+  withdraw(frame.index, "the window with it has no solution", recording, decision);
+}
+
+void ImuStageTracker::withdraw(int index, const std::string& why, ImuStageRecording& recording,
+                               Decision& decision) {
+  recording.drop(index);
+  if (index == decision.frame) {
+    decision.accepted = false;
+  } else {
+    decision.withdrawn.push_back(index);
+  }
+  note(decision,
+       (index == decision.frame ? "" : fmt::format("frame {}: ", index)) + why + ": left out");
 }
 
 }  // namespace plumbline

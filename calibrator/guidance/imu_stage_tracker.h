@@ -2,7 +2,9 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/imu_stage_recording.h"
@@ -16,7 +18,8 @@ namespace plumbline {
 /// the decision of the frame that is at hand.
 class ImuStageTracker {
  public:
-  explicit ImuStageTracker(CameraImuWindow window);
+  /// Frames further apart than `max_gap_s` are joined by the biases' walk alone.
+  ImuStageTracker(CameraImuWindow window, double max_gap_s);
 
   const CameraImuWindow& window() const { return window_; }
   void addSamples(std::span<const ImuSample> samples) { window_.addSamples(samples); }
@@ -30,14 +33,16 @@ class ImuStageTracker {
  private:
   FrameLink linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
                    Decision& decision) const;
+  /// A frame that was accepted leaves the estimate.
+  void withdraw(int index, const std::string& why, ImuStageRecording& recording,
+                Decision& decision);
   void enter(const PosedFrame& frame, ImuStageRecording& recording, Decision& decision);
 
   CameraImuWindow window_;
-  TimeNs last_given_;  // stamp of the frame given to the window last
+  double max_gap_s_;
+  TimeNs last_given_;        // stamp of the frame given to the window last
+  std::optional<int> held_;  // position of the frame that the window holds back
   std::deque<PosedFrame> pending_;
 };
-
-/// Adds to a decision's detail.
-void note(Decision& decision, const std::string& text);
 
 }  // namespace plumbline

@@ -17,7 +17,6 @@ struct PosedFrame {
   std::vector<std::vector<Corner>> corners;  ///< per camera; empty: too few
   Transform T_FC0;
   bool after_jump = false;  ///< the frames paused before it for too long
-  bool far_apart = false;   ///< likewise the frames that gave a pose
 };
 
 struct FramePoseOptions {

@@ -22,10 +22,14 @@ struct LatencyName {
   double GuideLatency::*seconds;
 };
 
-constexpr LatencyName kLatencies[] = {
-    {"camera-frame", &GuideLatency::camera_frame_s}, {"next-view", &GuideLatency::next_view_s},
-    {"camera-batch", &GuideLatency::camera_batch_s}, {"imu-frame", &GuideLatency::imu_frame_s},
-    {"trajectories", &GuideLatency::trajectories_s}, {"imu-batch", &GuideLatency::imu_batch_s}};
+constexpr LatencyName kLatencies[] = {{"camera-start", &GuideLatency::camera_start_s},
+                                      {"camera-frame", &GuideLatency::camera_frame_s},
+                                      {"next-view", &GuideLatency::next_view_s},
+                                      {"camera-batch", &GuideLatency::camera_batch_s},
+                                      {"imu-start", &GuideLatency::imu_start_s},
+                                      {"imu-frame", &GuideLatency::imu_frame_s},
+                                      {"trajectories", &GuideLatency::trajectories_s},
+                                      {"imu-batch", &GuideLatency::imu_batch_s}};
 
 void readLatency(const std::string& text, GuideLatency& latency) {
   const auto equals = text.find('=');
@@ -39,10 +43,12 @@ void readLatency(const std::string& text, GuideLatency& latency) {
     latency.*known.seconds = ms / 1e3;
     return;
   }
-  throw InputError(fmt::format(
-      "--latency-ms {}: expected STEP=MILLISECONDS with a step among camera-frame, next-view, "
-      "camera-batch, imu-frame, trajectories, imu-batch",
-      text));
+  std::string names;
+  for (const LatencyName& known : kLatencies) {
+    names += (names.empty() ? "" : ", ") + std::string(known.name);
+  }
+  throw InputError(
+      fmt::format("--latency-ms {}: expected STEP=MILLISECONDS with a step among {}", text, names));
 }
 
 void requireWhole(const char* option, int value, int least) {

@@ -190,5 +190,71 @@ TEST(CameraGuide, FinishingCostsTheBatch) {
   EXPECT_EQ(guide.busyUntil(), decisions.back().t + 7'000'000'000);
 }
 
+/// A free motion of which one frame holds corners that no camera could see from anywhere.
+std::vector<Decision> playedWithWrongFrame(const LiveRig& rig, int index) {
+  CameraGuide guide(rig.guideRig(), {});
+  return testing::playWandering(guide, rig, 60, 10, [&](GuideFrame& frame) {
+    if (frame.index != index) return;
+    for (auto& corners : frame.corners) {
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const auto i = static_cast<double>(k);
+        corners[k].uv = {std::fmod(331 * i, 740), std::fmod(173 * i, 470)};
+      }
+    }
+  });
+}
+const Decision& startOf(const std::vector<Decision>& decisions) {
+  return *std::find_if(decisions.begin(), decisions.end(),
+                       [](const Decision& d) { return d.reason == GuideReason::kInitialised; });
+}
+
+TEST(CameraGuide, AFrameWithoutPlausiblePoseLeavesWithTheStart) {
+  const LiveRig rig("euroc", 6, 0.3);
+  const auto decisions = playedWithWrongFrame(rig, 2);
+  ASSERT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
+  const Decision& start = startOf(decisions);
+  EXPECT_TRUE(decisions[2].accepted);
+  EXPECT_EQ(start.withdrawn, std::vector<int>{2});
+  EXPECT_NE(start.detail.find("frame 2: no plausible pose"), std::string::npos) << start.detail;
+  ASSERT_TRUE(start.T_FC0);
+  const Transform truth = rig.wandering(0.1 * static_cast<double>(start.frame));
+  EXPECT_LT((start.T_FC0->t - truth.t).norm(), 0.05);
+  int kept = 0;
+  for (const Decision& d : decisions) {
+    kept += (d.accepted ? 1 : 0) - static_cast<int>(d.withdrawn.size());
+  }
+  EXPECT_EQ(kept, decisions.back().views_kept);
+}
+
+TEST(CameraGuide, TheFrameThatStartsItMayItselfBeLeftOut) {
+  const LiveRig rig("euroc", 6, 0.3);
+  const auto decisions = playedWithWrongFrame(rig, 4);
+  ASSERT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
+  const Decision& start = startOf(decisions);
+  ASSERT_EQ(start.frame, 4);
+  EXPECT_FALSE(start.accepted);
+  EXPECT_FALSE(start.T_FC0);
+  EXPECT_TRUE(start.withdrawn.empty());
+  EXPECT_NE(start.detail.find("no plausible pose"), std::string::npos) << start.detail;
+  EXPECT_EQ(start.views_kept, 4);
+}
+
+TEST(CameraGuide, EachAttemptToStartCosts) {
+  const LiveRig rig("euroc", 5, 0.3);
+  GuideOptions options;
+  options.latency.camera_start_s = 0.5;
+  CameraGuide guide(rig.guideRig(), options);
+  const auto decisions = testing::playWandering(guide, rig, 60, 10);
+  for (std::size_t i = 0; i + 5 < decisions.size(); ++i) {
+    if (decisions[i].reason != GuideReason::kInitialised &&
+        decisions[i].reason != GuideReason::kInitialiseFailed) {
+      continue;
+    }
+    for (std::size_t k = 1; k < 5; ++k) EXPECT_EQ(decisions[i + k].reason, GuideReason::kBusy);
+    EXPECT_NE(decisions[i + 5].reason, GuideReason::kBusy);
+  }
+  EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
+}
+
 }  // namespace
 }  // namespace plumbline

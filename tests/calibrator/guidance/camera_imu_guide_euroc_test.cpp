@@ -103,7 +103,7 @@ TEST(CameraImuGuideEuroc, TheWindowEndsNearTheBatch) {
     } else if (kept.frames().size() == 60) {
       auto window = startImuWindow(kept, recording().published, {});
       ASSERT_TRUE(window) << window.failure().message;
-      tracker.emplace(std::move(window).value());
+      tracker.emplace(std::move(window).value(), GuideOptions().max_frame_gap_s);
     }
   }
   const CameraImuEstimate& e = tracker->window().estimate();

@@ -174,7 +174,15 @@ TEST(CameraImuGuideInput, TheTargetIsLostForLong) {
   const Replay r = replayed(lost);
   EXPECT_EQ(count(r.decisions, GuideReason::kNoTarget), 50);
   EXPECT_TRUE(r.decisions[90].detail.empty());
-  EXPECT_THAT(r.decisions[105].detail, HasSubstr("no target for 2.3 s"));
+  const Decision* said = nullptr;  // once
+  for (std::size_t i = 60; i < 110; ++i) {
+    if (r.decisions[i].detail.empty()) continue;
+    EXPECT_FALSE(said) << i;
+    said = &r.decisions[i];
+    EXPECT_THAT(said->detail, HasSubstr("out of view for 2.050 s"));
+  }
+  EXPECT_TRUE(said);
+  EXPECT_THAT(r.decisions[110].detail, HasSubstr("back after 2.550 s"));
   EXPECT_EQ(r.decisions[110].reason, GuideReason::kUsed);
   EXPECT_THAT(r.decisions[110].detail, HasSubstr("walk alone"));
   expectItWentOn(r, 112);
@@ -206,6 +214,57 @@ TEST(CameraImuGuideInput, SamplesThatArriveLate) {
   EXPECT_EQ(count(late.decisions, GuideReason::kNoImu), 0);
   EXPECT_EQ(count(late.decisions, GuideReason::kImuGap), 0);
   expectItWentOn(late, 40);
+}
+
+TEST(CameraImuGuideInput, ATargetThatNeverCameIntoViewIsSaid) {
+  auto never = frames();
+  for (GuideFrame& frame : never) {
+    for (auto& corners : frame.corners) corners.clear();
+  }
+  const Replay r = replayed(never);
+  EXPECT_EQ(std::count_if(r.decisions.begin(), r.decisions.end(),
+                          [](const Decision& d) { return !d.detail.empty(); }),
+            1);
+  EXPECT_THAT(r.decisions[41].detail, HasSubstr("out of view for 2.050 s"));
+}
+
+// One frame alone between two pauses: no link tells its velocity, so it is not part of the
+// estimate.
+TEST(CameraImuGuideInput, AFrameBetweenTwoPausesIsWithdrawn) {
+  auto paused = frames();
+  for (std::size_t i = 60; i < 110; ++i) {
+    if (i == 85) continue;
+    for (auto& corners : paused[i].corners) corners.clear();
+  }
+  const Replay r = replayed(paused);
+  EXPECT_TRUE(r.decisions[85].accepted);
+  EXPECT_THAT(r.decisions[85].detail, HasSubstr("waits for the next frame"));
+  const auto with = std::find_if(r.decisions.begin(), r.decisions.end(),
+                                 [](const Decision& d) { return !d.withdrawn.empty(); });
+  ASSERT_NE(with, r.decisions.end());
+  EXPECT_EQ(with->withdrawn, std::vector<int>{85});
+  EXPECT_THAT(with->detail, HasSubstr("frame 85: "));
+  int kept = 0;
+  for (const Decision& d : r.decisions) {
+    kept += (d.accepted ? 1 : 0) - static_cast<int>(d.withdrawn.size());
+  }
+  EXPECT_EQ(kept, r.decisions.back().views_kept);
+  expectItWentOn(r, 112);
+}
+
+// A frame after a pause has no pose by the window: the one after it is as far from the last frame
+// that is in the window, however near the two are.
+TEST(CameraImuGuideInput, TheFirstFrameAfterAPauseIsWrong) {
+  auto paused = frames();
+  for (std::size_t i = 60; i < 90; ++i) {
+    for (auto& corners : paused[i].corners) corners.clear();
+  }
+  // Consistent with a pose, but not with the IMU's motion to the next frame.
+  paused[90].corners = paused[40].corners;
+  const Replay r = replayed(paused);
+  EXPECT_TRUE(r.decisions[90].accepted);
+  EXPECT_THAT(r.decisions[90].detail, HasSubstr("walk alone"));
+  expectItWentOn(r, 96);
 }
 
 }  // namespace

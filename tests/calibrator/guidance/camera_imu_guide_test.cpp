@@ -192,7 +192,8 @@ TEST(CameraImuGuide, ASuggestionIsOpenedReachedAndLeftAloneForItsDuration) {
   options.trajectories.reached_px = 1e6;  // wherever the camera is
   options.trajectories.duration_s = 4;
   options.trajectories.max_speed_m_s = 5;
-  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, options, 7);
+  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, options,
+                       {.first_suggestion = 7});
   const auto decisions = testing::replay(guide, frames());
   std::optional<TimeNs> opened;
   std::optional<TimeNs> reached;
@@ -234,6 +235,59 @@ TEST(CameraImuGuide, ASuggestionThatNobodyFollowsExpires) {
     EXPECT_EQ(d.mode, GuideMode::kCollecting);
   }
   EXPECT_GE(expired, 2);
+}
+
+TEST(CameraImuGuide, ASuggestionThatIsOpenAtTheEndIsWithdrawn) {
+  GuideOptions options = endless();
+  options.trajectories.threshold_nats = 1.2;
+  options.trajectories.reached_px = 0.1;
+  const Replay r = replayed(frames(), options);
+  const auto last = std::find_if(r.decisions.begin(), r.decisions.end(),
+                                 [](const Decision& d) { return d.mode == GuideMode::kFinished; });
+  ASSERT_NE(last, r.decisions.end());
+  ASSERT_NE(last, r.decisions.begin());
+  ASSERT_EQ((last - 1)->mode, GuideMode::kSuggesting);
+  EXPECT_EQ(last->event, SuggestionEvent::kWithdrawn);
+  EXPECT_EQ(last->suggestion, (last - 1)->suggestion);
+  EXPECT_FALSE((last + 1)->suggestion);
+}
+
+TEST(CameraImuGuide, WhatWasHeldIsNotHeldOverAPause) {
+  GuideOptions options = endless();
+  options.trajectories.reached_px = 1e6;  // wherever the camera is
+  options.trajectories.reached_s = 1.4;
+  auto paused = frames();
+  const Replay whole = replayed(paused, options);
+  const auto opened = std::find_if(whole.decisions.begin(), whole.decisions.end(),
+                                   [](const Decision& d) { return d.opened.has_value(); });
+  ASSERT_NE(opened, whole.decisions.end());
+  // 1.2 s of frames are missing while it is near.
+  const auto at = static_cast<std::ptrdiff_t>(opened - whole.decisions.begin()) + 5;
+  for (auto frame = paused.begin() + at; frame != paused.begin() + at + 24; ++frame) {
+    auto& next = (paused.begin() + at + 24)->imu;
+    next.insert(frame == paused.begin() + at ? next.begin() : next.end(), frame->imu.begin(),
+                frame->imu.end());
+  }
+  paused.erase(paused.begin() + at, paused.begin() + at + 24);
+  const Replay r = replayed(paused, options);
+  const auto reached = std::find_if(r.decisions.begin(), r.decisions.end(), [](const Decision& d) {
+    return d.event == SuggestionEvent::kReached;
+  });
+  ASSERT_NE(reached, r.decisions.end());
+  const TimeNs back = paused[static_cast<std::size_t>(at)].t;
+  EXPECT_GE(reached->t, back + 1'400'000'000);
+}
+
+// What a stage before is still busy with: frames are dropped, their samples are not.
+TEST(CameraImuGuide, BeginsWhenTheStageBeforeIsDone) {
+  const auto all = frames();
+  const TimeNs busy_until = all[30].t;
+  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, endless(),
+                       {0, busy_until});
+  const auto decisions = testing::replay(guide, all);
+  for (std::size_t i = 0; i < 30; ++i) EXPECT_EQ(decisions[i].reason, GuideReason::kBusy);
+  EXPECT_EQ(decisions[30].reason, GuideReason::kInitialising);
+  EXPECT_EQ(count(decisions, GuideReason::kNoImu), 0);
 }
 
 }  // namespace
