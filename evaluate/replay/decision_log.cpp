@@ -59,6 +59,7 @@ std::string decisionLine(const Decision& d) {
             {"mode", toString(d.mode)},
             {"frame", d.frame},
             {"accepted", d.accepted},
+            {"withdrawn", d.withdrawn},
             {"mi_bits", bits(d.mi_nats)},
             {"mi_nats", d.mi_nats ? finite(*d.mi_nats) : Json()},
             {"mi_unbounded", d.mi_nats.has_value() && std::isinf(*d.mi_nats)},

@@ -2,17 +2,19 @@
 #include "evaluate/replay/replay_inputs.h"
 
 #include <numeric>
+#include <set>
 
 #include "evaluate/replay/guide_frames.h"
 
 namespace plumbline {
 
 std::vector<int> ReplayRun::accepted(GuideStage stage) const {
-  std::vector<int> positions;
+  std::set<int> positions;
   for (const Decision& d : decisions) {
-    if (d.stage == stage && d.accepted) positions.push_back(d.frame);
+    if (d.stage == stage && d.accepted) positions.insert(d.frame);
+    for (const int frame : d.withdrawn) positions.erase(frame);
   }
-  return positions;
+  return {positions.begin(), positions.end()};
 }
 
 const Decision* ReplayRun::finish(GuideStage stage) const {

@@ -20,7 +20,7 @@ struct ReplayRun {
   CameraStageOptions camera;    ///< of the batches
   CameraImuOptions camera_imu;  ///< likewise
 
-  /// Positions of the frames that a stage accepted, ascending.
+  /// Positions of the frames that a stage accepted and did not withdraw later, ascending.
   std::vector<int> accepted(GuideStage stage) const;
   /// The decision with which a stage finished; null if it did not.
   const Decision* finish(GuideStage stage) const;

@@ -35,11 +35,11 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
     entered = true;
     ++s.frames_offered;
     if (d.reason == GuideReason::kBusy) ++s.frames_dropped;
-    if (d.accepted) ++s.views_used;
     if (d.reason == GuideReason::kInitialised && !s.started) s.started = d.t;
     if (d.opened) ++s.suggestions;
     if (d.event == SuggestionEvent::kReached) ++s.reached;
   }
+  s.views_used = static_cast<int>(run.accepted(stage).size());
   s.ran = s.started.has_value();
   if (const Decision* finish = run.finish(stage)) s.finished = finish->t;
   if (!s.ran)
@@ -47,21 +47,25 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   return s;
 }
 
-FrameUse useOf(const Decision& d, GuideStage stage) {
-  if (d.stage == stage && d.accepted) return FrameUse::kKept;
-  const bool passed = d.stage == stage && d.reason != GuideReason::kFinished;
-  return passed ? FrameUse::kPassedBy : FrameUse::kAfterFinish;
+/// How the camera stage used each frame, by its stamp.
+std::map<TimeNs, FrameUse> frameUses(const ReplayRun& run) {
+  std::map<TimeNs, FrameUse> uses;
+  for (const Decision& d : run.decisions) {
+    const bool passed = d.stage == GuideStage::kCamera && d.reason != GuideReason::kFinished;
+    uses[d.t] = passed ? FrameUse::kPassedBy : FrameUse::kAfterFinish;
+  }
+  for (const int frame : run.accepted(GuideStage::kCamera)) {
+    uses[run.frames[static_cast<std::size_t>(frame)].t] = FrameUse::kKept;
+  }
+  return uses;
 }
 
 void addHindsight(const ReplayRun& run, const CameraStageResult& kept, ReplayStageSummary& s) {
   const auto shares = frameShares(run.sessionFrom(), kept.cameras, run.camera);
   if (!shares) return;
-  std::map<TimeNs, const Decision*> at;
-  for (const Decision& d : run.decisions) at[d.t] = &d;
+  const std::map<TimeNs, FrameUse> use_at = frameUses(run);
   std::vector<FrameUse> uses;
-  for (const Frame& frame : shares->frames) {
-    uses.push_back(useOf(*at.at(frame.t), GuideStage::kCamera));
-  }
+  for (const Frame& frame : shares->frames) uses.push_back(use_at.at(frame.t));
   const ViewHindsight hindsight =
       viewHindsight(shares->information, uses, run.guide.views.threshold_nats);
   s.views_redundant = hindsight.redundant;

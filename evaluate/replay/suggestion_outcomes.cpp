@@ -130,7 +130,7 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
     if (!outcomes.empty() && d.suggestion == outcomes.back().suggestion.id) {
       track.add(d.distance_px, d.T_FC0, outcomes.back().suggestion.T_FC0);
       track.write(outcomes.back());
-      if (d.event == SuggestionEvent::kReached || d.event == SuggestionEvent::kExpired) {
+      if (d.event != SuggestionEvent::kNone && d.event != SuggestionEvent::kOpened) {
         outcomes.back().end = d.event;
         outcomes.back().ended = d.t;
       }

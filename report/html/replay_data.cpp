@@ -185,6 +185,15 @@ Json detailsJson(const ByFrame& decisions) {
   return details;
 }
 
+/// [frame, the frame at which it left the estimate again].
+Json withdrawnJson(const ReplayRecord& record) {
+  Json pairs = Json::array();
+  for (const Decision& d : record.decisions) {
+    for (const int frame : d.withdrawn) pairs.push_back({frame, d.frame});
+  }
+  return pairs;
+}
+
 Json eventsJson(const ReplayRecord& record) {
   Json events = Json::array();
   for (const ReplayEvent& e : replayEvents(record)) events.push_back({e.frame, e.kind, e.text});
@@ -271,9 +280,10 @@ ReplayData replayData(const ReplayRecord& record, std::size_t image_bytes, std::
                 {{"stage", wordsUpTo(GuideStage::kCameraImu)},
                  {"mode", wordsUpTo(GuideMode::kFinished)},
                  {"reason", wordsUpTo(GuideReason::kFinished)},
-                 {"event", wordsUpTo(SuggestionEvent::kExpired)}}},
+                 {"event", wordsUpTo(SuggestionEvent::kWithdrawn)}}},
                {"table", tableJson(decisions)},
                {"poses", posesText(decisions)},
+               {"withdrawn", withdrawnJson(record)},
                {"details", detailsJson(decisions)},
                {"target", targetJson(record.target)},
                {"cameras", camerasJson(record)},

@@ -86,7 +86,7 @@ class Events {
                        bits(d.opened->mi_nats)));
     }
     if (!d.suggestion) return;
-    if (d.event != SuggestionEvent::kReached && d.event != SuggestionEvent::kExpired) return;
+    if (d.event == SuggestionEvent::kNone || d.event == SuggestionEvent::kOpened) return;
     std::string text = fmt::format("#{} {}", *d.suggestion, toString(d.event));
     if (const auto from = opened_.find(*d.suggestion); from != opened_.end()) {
       text += fmt::format(" after {:.1f} s", secondsBetween(from->second, d.t));

@@ -11,7 +11,7 @@ namespace plumbline::html_internal {
 /// A line of the list beside the player.
 struct ReplayEvent {
   int frame = 0;
-  /// "initialised", "opened", "reached", "expired", "finished", "problem".
+  /// "initialised", "opened", "reached", "expired", "withdrawn", "finished", "problem".
   std::string kind;
   std::string text;
 };

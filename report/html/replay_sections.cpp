@@ -101,6 +101,7 @@ std::string endText(const SuggestionOutcome& o) {
 
 std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
   if (end == SuggestionEvent::kReached) return VerdictLevel::kGood;
+  if (end == SuggestionEvent::kWithdrawn) return std::nullopt;  // nothing was missed
   return end == SuggestionEvent::kExpired ? VerdictLevel::kBad : VerdictLevel::kDoubtful;
 }
 
@@ -198,7 +199,7 @@ Section replaySuggestionsSection(const ReplayRecord& record) {
       "Suggestions",
       "What the guide asked for, and how near the recording came to it while it was "
       "open: mean distance of the corners, and at its least the distance of the camera. "
-      "In an unguided recording nobody followed.",
+      "In an unguided recording nobody followed. Withdrawn: the stage finished while it was open.",
       {},
       {}};
   if (record.suggestions.empty()) return section;

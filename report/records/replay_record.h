@@ -22,7 +22,8 @@ struct ReplayFrame {
 /// How a suggestion ended.
 struct SuggestionOutcome {
   Suggestion suggestion;
-  SuggestionEvent end = SuggestionEvent::kNone;  ///< reached, expired; none: open at the end
+  /// Reached, expired, withdrawn; none: open at the end.
+  SuggestionEvent end = SuggestionEvent::kNone;
   TimeNs ended = 0;
   std::optional<double> closest_px;   ///< least mean corner distance while it was open
   std::optional<double> mean_px;      ///< mean of the distance over its frames

@@ -45,6 +45,7 @@ void fields(Archive& a, Decision& d) {
   a("mode", d.mode);
   a("reason", d.reason);
   a("accepted", d.accepted);
+  a.added("withdrawn", d.withdrawn);
   a("mi_nats", d.mi_nats);
   a("entropy_nats", d.entropy_nats);
   a("threshold_nats", d.threshold_nats);

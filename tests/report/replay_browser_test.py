@@ -96,6 +96,9 @@ const measure = async () => {
   await wait(60);
   result.not_asked = asked(views()[0]);
   result.keys = keys();
+  const {data} = window.plumblineReplay.player;
+  slide(2);
+  result.withdrawn = [data.keptBy(3).includes(2), data.keptBy(4).includes(2), data.stays(2), data.stays(3), field('detail')];
   result.events = [...document.querySelectorAll('.player-events button')].map((b) => { b.click(); return [b.className, frame(), b.textContent]; });
   const line = document.querySelector('[data-line="mi"]').getBoundingClientRect();
   send(document.querySelector('[data-line="mi"]'), 'pointerdown', line.left + 46 + (line.width - 56) / 2, line.top + 30, 1);
@@ -186,13 +189,15 @@ def check_moves(name, result, decisions):
 def check_events(name, result, decisions):
     kinds = [kind.split()[0] for kind, _, _ in result["events"]]
     frames = [frame for _, frame, _ in result["events"]]
-    if frames != sorted(frames) or not {"initialised", "opened", "reached", "expired", "finished",
+    if frames != sorted(frames) or not {"initialised", "opened", "reached", "expired", "withdrawn", "finished",
                                         "problem"} <= set(kinds):
         fail("%s: events %s at %s" % (name, kinds, frames))
     for kind, reason in (("initialised", "initialised"), ("problem", "time-jump")):
         there = [d["frame"] for d in decisions if d["reason"] == reason]
         if not set(there) <= {f for f, k in zip(frames, kinds) if k == kind}:
             fail("%s: no event at the frames %s that are %s" % (name, there, reason))
+    if result["withdrawn"] != [True, False, False, True, "left the estimate at frame 4"]:
+        fail("%s: frame 2, withdrawn with frame 4, is told as %s" % (name, result["withdrawn"]))
     lost = [text for _, _, text in result["events"] if "target lost" in text]
     if len(lost) != 1 or "frames)" not in lost[0] or '> & "more"' not in lost[0]:
         fail("%s: the lost target is said as %s" % (name, lost))

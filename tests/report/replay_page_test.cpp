@@ -121,6 +121,11 @@ TEST(ReplayPage, SurvivesARecordWithoutAnything) {
   }
 }
 
+TEST(ReplayPage, SaysWhichSuggestionsTheFinishWithdrew) {
+  const std::string page = renderReplayPage(replay());
+  EXPECT_GE(count(page, ">withdrawn</"), 1U);
+}
+
 TEST(ReplayPage, SaysWhyThereAreNoCounterfactuals) {
   ReplayRecord record;
   record.counterfactuals = Counterfactuals();
@@ -148,6 +153,19 @@ TEST(ReplayData, HoldsEveryDecision) {
       EXPECT_NEAR(poses[12 * f + 7], d.T_FC0->t.y(), 1e-6);
     }
   }
+}
+
+TEST(ReplayData, NamesTheFramesThatLeftAgain) {
+  const auto json = dataOf(replay());
+  EXPECT_EQ(json["withdrawn"], nlohmann::json({{1, 4}, {2, 4}}));
+  const auto events = values<double>(json["table"]["event"]);
+  int withdrawn = 0;
+  for (const Decision& d : replay().decisions) {
+    const auto word = static_cast<std::size_t>(events[static_cast<std::size_t>(d.frame)]);
+    EXPECT_EQ(json["words"]["event"].at(word), toString(d.event));
+    withdrawn += d.event == SuggestionEvent::kWithdrawn ? 1 : 0;
+  }
+  EXPECT_GE(withdrawn, 1);
 }
 
 TEST(ReplayData, HoldsEveryCornerToAQuarterPixel) {
@@ -231,14 +249,16 @@ TEST(ReplayData, TakesASuggestionThatOnlyADecisionNames) {
 
 TEST(ReplayEvents, SayALastingProblemOnceAndEachFinishOnce) {
   const auto events = html_internal::replayEvents(replay());
-  int lost = 0, finished = 0;
+  int lost = 0, finished = 0, withdrawn = 0;
   for (const auto& e : events) {
+    withdrawn += e.kind == "withdrawn" && e.text.find(" withdrawn after ") != std::string::npos;
     lost += e.text.find("target lost") != std::string::npos ? 1 : 0;
     finished += e.kind == "finished" ? 1 : 0;
     EXPECT_GE(e.frame, 0);
   }
   EXPECT_EQ(lost, 1);
   EXPECT_EQ(finished, 2);
+  EXPECT_GE(withdrawn, 1);
   EXPECT_TRUE(std::is_sorted(events.begin(), events.end(),
                              [](const auto& a, const auto& b) { return a.frame < b.frame; }));
 }

@@ -72,7 +72,11 @@ class Play {
     if (f < 4) return with(d, GuideMode::kInitialising, GuideReason::kInitialising, true);
     d.entropy_nats = -14.0 - 1e-3 * f;
     d.rmse_px = 0.21 + 0.02 * std::sin(0.7 * f);
-    if (f == 4) return with(d, GuideMode::kCollecting, GuideReason::kInitialised, true);
+    if (f == 4) {
+      d.withdrawn = {1, 2};
+      kept_ -= 2;
+      return with(d, GuideMode::kCollecting, GuideReason::kInitialised, true);
+    }
     if (jumps(f)) {
       d.detail = "stamp 3.0 s after the frame before";
       return with(d, GuideMode::kCollecting, GuideReason::kTimeJump);
@@ -105,6 +109,11 @@ class Play {
     d.mode = GuideMode::kFinished;
     round.asked = round.answered = d.t;
     d.round = std::move(round);
+    if (open_ < 0) return;
+    SuggestionOutcome& o = record_.suggestions[static_cast<std::size_t>(open_)];
+    d.suggestion = open_;
+    d.event = o.end = SuggestionEvent::kWithdrawn;
+    o.ended = d.t;
     open_ = -1;
   }
 

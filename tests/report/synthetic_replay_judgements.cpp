@@ -26,7 +26,7 @@ ReplayStageSummary stage(const ReplayRecord& record, GuideStage which) {
     if (d.mode == GuideMode::kFinished && !s.finished) s.finished = d.t;
     ++s.frames_offered;
     s.frames_dropped += d.reason == GuideReason::kBusy ? 1 : 0;
-    s.views_used += d.accepted ? 1 : 0;
+    s.views_used += (d.accepted ? 1 : 0) - static_cast<int>(d.withdrawn.size());
     s.suggestions += d.event == SuggestionEvent::kOpened ? 1 : 0;
     s.reached += d.event == SuggestionEvent::kReached ? 1 : 0;
   }

@@ -105,7 +105,8 @@ window.plumblineReplay = {};
     const offsets = typed(Float64Array, json.times.offsets);
     const frames = offsets.length;
     const table = Object.fromEntries(Object.entries(json.table).map(([k, v]) => [k, typed(Float64Array, v)]));
-    const kept = new Map();  // stage -> frames that it kept
+    const left = new Map(json.withdrawn);  // frame -> that at which it left the estimate again
+    const kept = new Map();  // stage -> frames that it accepted
     for (let f = 0; f < frames; ++f) {
       if (table.accepted[f] !== 1) continue;
       if (!kept.has(table.stage[f])) kept.set(table.stage[f], []);
@@ -125,7 +126,14 @@ window.plumblineReplay = {};
       word: (column, frame) => json.words[column][table[column][frame]] || '',
       pose: (frame) => (Number.isFinite(poses[12 * frame]) ? poses.subarray(12 * frame, 12 * frame + 12) : null),
       /** Frames that the stage of `frame` had kept by then. */
-      keptBy: (frame) => { const all = kept.get(table.stage[frame]) || []; return all.slice(0, lastUpTo(all, frame) + 1); },
+      keptBy: (frame) => {
+        const all = kept.get(table.stage[frame]) || [];
+        return all.slice(0, lastUpTo(all, frame) + 1).filter((f) => !(left.get(f) <= frame));
+      },
+      /** Whether a frame was accepted and not withdrawn. */
+      stays: (frame) => table.accepted[frame] === 1 && !left.has(frame),
+      /** The frame at which an accepted one was withdrawn; undefined: it was not. */
+      leftAt: (frame) => left.get(frame),
       /** The candidates scored last in the stage of `frame`. */
       roundAt: (frame) => {
         const round = rounds[lastUpTo(roundFrames, frame)];

@@ -23,13 +23,15 @@
     return `#${s.id} ${s.name}`;
   };
 
+  const leftText = (f) => (data.leftAt(f) === undefined ? '' : `left the estimate at frame ${data.leftAt(f)}`);
+
   /** What the log says of a frame: text, and a class where it matters. */
   const fields = {
     time: (f) => [`${(data.offsets[f] / 1e9).toFixed(3)} s`],
     frame: (f) => [`${f} of ${data.frames - 1}`],
     stage: (f) => [data.word('stage', f) || NONE],
     mode: (f) => [data.word('mode', f) || 'not given'],
-    reason: (f) => [data.word('reason', f) || NONE, data.table.accepted[f] === 1 ? 'good' : ''],
+    reason: (f) => [data.word('reason', f) || NONE, data.stays(f) ? 'good' : ''],
     corners: (f) => [known(data.table.corners[f]) ? `${data.table.corners[f]}` : NONE],
     kept: (f) => [known(data.table.kept[f]) ? `${data.table.kept[f]} (${data.table.without[f]} since)` : NONE],
     mi: (f) => [gainText(data.table.mi[f]), data.table.mi[f] >= data.table.threshold[f] ? 'good' : ''],
@@ -38,7 +40,7 @@
     suggestion: (f) => [askedText(f), known(data.table.suggestion[f]) ? 'warn' : ''],
     distance: (f) => [fixed(data.table.distance[f], 1, 'px')],
     held: (f) => [known(data.table.suggestion[f]) ? fixed(data.table.held[f], 2, 's') : NONE, data.table.held[f] > 0 ? 'good' : ''],
-    detail: (f) => [[data.word('event', f), data.details.get(f)].filter((t) => t && t !== 'none').join(': ') || NONE, data.details.has(f) ? 'bad' : ''],
+    detail: (f) => [[data.word('event', f), leftText(f), data.details.get(f)].filter((t) => t && t !== 'none').join(': ') || NONE, data.details.has(f) ? 'bad' : ''],
   };
   const cells = Object.keys(fields).map((name) => {
     const cell = root.querySelector(`[data-field="${name}"]`);

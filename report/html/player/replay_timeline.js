@@ -3,7 +3,7 @@
 // it runs as the slider does; stamps that jump stay readable.
 (() => {
   const LEFT = 46, RIGHT = 10, TOP = 15, BOTTOM = 16;
-  const BANDS = {reached: 'rgba(20,121,79,.16)', expired: 'rgba(179,32,44,.12)', none: 'rgba(217,138,0,.17)'};
+  const BANDS = {reached: 'rgba(20,121,79,.16)', expired: 'rgba(179,32,44,.12)', withdrawn: 'rgba(92,20,120,.1)', none: 'rgba(217,138,0,.17)'};
   const INK = '#1d232b', SOFT = '#5a6472', GRID = '#e4e8ed', KEPT = '#14794f', NOT = '#9aa5b1', DROPPED = '#e3b9a4', BAD = '#b3202c', END = '#5c1478';
 
   const roundStep = (span, most) => {
@@ -168,7 +168,7 @@
       this.drawThreshold(ctx);
       for (const round of [0, 1]) {  // what was kept lies on top
         for (let f = 0; f < frames; ++f) {
-          const accepted = table.accepted[f] === 1;
+          const accepted = this.data.stays(f);
           if (Boolean(round) !== accepted) continue;
           if (table.reason[f] === this.busy) { ctx.fillStyle = DROPPED; ctx.fillRect(this.x(f) - 0.5, this.y(0) - 4, 1.2, 4); }
           if (!Number.isNaN(table.mi[f])) this.dot(ctx, f, this.unit(table.mi[f] / Math.LN2), accepted ? KEPT : NOT, accepted ? size : 0.65 * size);
@@ -224,7 +224,7 @@
       ctx.stroke();
       const size = this.dotSize();
       for (let f = part.from; k === 0 && f <= part.to; ++f) {
-        if (table.accepted[f] === 1 && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), KEPT, 0.8 * size);
+        if (this.data.stays(f) && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), KEPT, 0.8 * size);
       }
     }
 

@@ -46,6 +46,17 @@ TEST(DecisionLog, ScoresStandInNatsAndBits) {
   EXPECT_TRUE(read["distance_px"].is_null());
 }
 
+TEST(DecisionLog, WhatLeftTheEstimateStandsWithTheFrameThatDroveItOut) {
+  Decision d = decided();
+  EXPECT_EQ(json::parse(decisionLine(d))["withdrawn"], json::array());
+  d.withdrawn = {3, 11};
+  d.event = SuggestionEvent::kWithdrawn;
+  const json read = json::parse(decisionLine(d));
+  EXPECT_EQ(read["withdrawn"], json({3, 11}));
+  EXPECT_EQ(read["event"], "withdrawn");
+  EXPECT_EQ(read["reached"], false);
+}
+
 TEST(DecisionLog, AnUnboundedGainIsSaidInWords) {
   Decision d = decided();
   d.mi_nats = std::numeric_limits<double>::infinity();

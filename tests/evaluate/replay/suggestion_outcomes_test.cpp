@@ -98,5 +98,19 @@ TEST_F(Following, TheGuidesOwnSuggestionsAreReadOffItsDecisions) {
   EXPECT_LT(*outcomes[0].closest_rad, 1e-6);
 }
 
+TEST_F(Following, ASuggestionThatTheFinishWithdrewEndsThere) {
+  for (std::size_t i = 10; i < 20; ++i) decisions_[i].t = at(i);
+  for (std::size_t i = 11; i <= 15; ++i) decisions_[i].suggestion = 0;
+  decisions_[10].event = SuggestionEvent::kOpened;
+  decisions_[10].opened = Suggestion{};
+  decisions_[10].opened->t = at(10);
+  EXPECT_EQ(suggestionOutcomes(run(), recording_.truth.cameras).at(0).end, SuggestionEvent::kNone);
+  decisions_[15].event = SuggestionEvent::kWithdrawn;
+  const auto outcomes = suggestionOutcomes(run(), recording_.truth.cameras);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].end, SuggestionEvent::kWithdrawn);
+  EXPECT_EQ(outcomes[0].ended, at(15));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A stage in figures, for decisions made up on a simulated recording.
+#include "evaluate/replay/stage_summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/replay/guide_frames.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// 60 frames; the camera stage accepts every third and finishes with frame 44.
+class Summary : public ::testing::Test {
+ protected:
+  static SimulatedSession simulated() {
+    SimulationOptions options;
+    options.duration_s = 12;
+    options.camera_rate_hz = 5;
+    return simulateSession(simulatedRig("euroc"), options);
+  }
+
+  void SetUp() override {
+    for (const GuideFrame& frame : frames_) {
+      Decision d;
+      d.t = frame.t;
+      d.frame = frame.index;
+      d.accepted = frame.index % 3 == 0 && frame.index < 45;
+      d.reason = frame.index > 44 ? GuideReason::kFinished : GuideReason::kInformative;
+      d.mode = frame.index < 44 ? GuideMode::kCollecting : GuideMode::kFinished;
+      decisions_.push_back(d);
+    }
+  }
+
+  ReplayRun run() const { return {recording_.session, frames_, decisions_, {}, {}, {}}; }
+
+  ReplayStageSummary summary() const {
+    const ReplayRun r = run();
+    const auto kept = calibrateCameras(r.sessionOfFrames(r.accepted(GuideStage::kCamera)));
+    return summariseCameraStage(r, cameraBatches(r, kept));
+  }
+
+  SimulatedSession recording_ = simulated();
+  std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
+  std::vector<Decision> decisions_;
+};
+
+TEST_F(Summary, AWithdrawnFrameWasNotKept) {
+  decisions_[12].withdrawn = {3, 9};
+  const std::vector<int> kept = run().accepted(GuideStage::kCamera);
+  EXPECT_THAT(kept, ElementsAre(0, 6, 12, 15, 18, 21, 24, 27, 30, 33, 36, 39, 42));
+  EXPECT_TRUE(run().accepted(GuideStage::kCameraImu).empty());
+}
+
+TEST_F(Summary, IsThatOfAStageWhichNeverTookWhatItWithdrew) {
+  const ReplayStageSummary all = summary();
+  decisions_[12].withdrawn = {3, 9};
+  const ReplayStageSummary withdrawn = summary();
+  decisions_[12].withdrawn.clear();
+  decisions_[3].accepted = decisions_[9].accepted = false;
+  const ReplayStageSummary never = summary();
+  ASSERT_TRUE(withdrawn.kept_batch && never.kept_batch && all.kept_batch);
+  EXPECT_EQ(all.views_used, 15);
+  EXPECT_EQ(withdrawn.views_used, 13);
+  EXPECT_EQ(withdrawn.kept_batch->entropy_nats, never.kept_batch->entropy_nats);
+  EXPECT_EQ(withdrawn.views_redundant, never.views_redundant);
+  EXPECT_EQ(withdrawn.views_missed, never.views_missed);
+  EXPECT_EQ(withdrawn.information_after_finish_nats, never.information_after_finish_nats);
+  EXPECT_GT(withdrawn.information_after_finish_nats, all.information_after_finish_nats);
+}
+
+}  // namespace
+}  // namespace plumbline
