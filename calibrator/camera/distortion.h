@@ -11,13 +11,23 @@ namespace plumbline {
 
 /// Distorted plane coordinates with derivatives. A distortion is a type without state: distort()
 /// gives this; radial() is the radius after its radial part; squaredRadiusLimit() the square of the
-/// radius at which that stops growing (infinite where it never does).
+/// radius at which that stops growing (infinite where it never does). Where the limit must be
+/// searched for, surelyGrows() may spare that: true only if the radius grows all the way to r^2.
 template <class T, int kCoefficients>
 struct Distorted {
   T x, y;                                           ///< [-]
   T J_xx, J_xy, J_yx, J_yy;                         ///< J_ab = d distorted a / d undistorted b
   T J_k[2][kCoefficients > 0 ? kCoefficients : 1];  ///< d (x, y) / d coefficients
 };
+
+/// Whether r^2 is below the limit of the radius.
+template <class Distortion>
+bool isBelowLimit(const double* k, double r2) {
+  if constexpr (requires { Distortion::surelyGrows(k, r2); }) {
+    if (Distortion::surelyGrows(k, r2)) return true;
+  }
+  return r2 < Distortion::squaredRadiusLimit(k);
+}
 
 /// The undistorted radius whose radial distortion is `target`, by bisection: a start for Newton
 /// that is on the right side of the fold.
@@ -50,7 +60,7 @@ std::optional<std::array<double, 2>> undistortedFrom(std::array<double, 2> start
     const double miss = std::sqrt(miss_x * miss_x + miss_y * miss_y);
     // Done at rounding, or where it no longer improves.
     if (miss <= 4e-15 * scale || (miss < 1e-12 && miss >= last)) {
-      if (x * x + y * y < Distortion::squaredRadiusLimit(k)) return std::array<double, 2>{x, y};
+      if (isBelowLimit<Distortion>(k, x * x + y * y)) return std::array<double, 2>{x, y};
       return std::nullopt;
     }
     last = miss;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -28,14 +29,18 @@ struct Equidistant {
     const T g = 1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])));
     const T growth =
         1.0 + t2 * (3.0 * k[0] + t2 * (5.0 * k[1] + t2 * (7.0 * k[2] + t2 * (9.0 * k[3]))));
+    // One division for three, which need not wait for the arc tangent.
+    const T cos2_r = 1.0 / (r * (1.0 + r2));  // cos(theta)^2 / r
+    const T inverse_r = cos2_r * (1.0 + r2);
     // Near the axis: series in r^2; the next terms are below 1e-24.
     const auto near = r2 < 1e-8;
     const T ratio_near = 1.0 + r2 * (r2 * 0.2 - 1.0 / 3.0);
-    const T ratio = near ? ratio_near : T(theta / r);
+    const T ratio = near ? ratio_near : T(theta * inverse_r);
     const T scale_near = 1.0 + r2 * ((k[0] - 1.0 / 3.0) + r2 * (0.2 - k[0] + k[1]));
     const T scale = near ? scale_near : T(ratio * g);
     const T slope_near = 2.0 * (k[0] - 1.0 / 3.0) + r2 * (4.0 * (0.2 - k[0] + k[1]));
-    const T slope = near ? slope_near : T((growth / (1.0 + r2) - scale) / r2);  // dscale/dx / x
+    const T slope =
+        near ? slope_near : T((growth * cos2_r - scale * inverse_r) * inverse_r);  // dscale/dx / x
     Distorted<T, 4> d;
     d.x = scale * x;
     d.y = scale * y;
@@ -69,12 +74,11 @@ struct Equidistant {
   /// none. Roots closer together than 1/256 of the range may be missed.
   static double squaredRadiusLimit(const double* k) {
     constexpr int kSteps = 256;
-    const double end = 0.25 * std::numbers::pi * std::numbers::pi;
     double high = 0;
     int step = 1;
-    while (step <= kSteps && growth(k, high = end * step / kSteps) > 0) ++step;
+    while (step <= kSteps && growth(k, high = kWidest * step / kSteps) > 0) ++step;
     if (step > kSteps) return std::numeric_limits<double>::infinity();
-    double low = end * (step - 1) / kSteps;
+    double low = kWidest * (step - 1) / kSteps;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (low + high);
       (growth(k, middle) > 0 ? low : high) = middle;
@@ -83,7 +87,17 @@ struct Equidistant {
     return tangent * tangent;
   }
 
+  /// By a lower bound of d theta_d / d theta up to theta^2 <= r^2: positive terms are not counted,
+  /// negative ones at the end.
+  static bool surelyGrows(const double* k, double r2) {
+    const double falling[4] = {std::min(k[0], 0.0), std::min(k[1], 0.0), std::min(k[2], 0.0),
+                               std::min(k[3], 0.0)};
+    return growth(falling, std::min(r2, kWidest)) > 0;
+  }
+
  private:
+  static constexpr double kWidest = 0.25 * std::numbers::pi * std::numbers::pi;  // of theta^2
+
   // d theta_d / d theta at t2 = theta^2.
   static double growth(const double* k, double t2) {
     return 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));

@@ -67,7 +67,7 @@ struct Omni {
   static bool isInDomain(const double* k, double X, double Y, double Z) {
     if (!isProjectable(k, X, Y, Z)) return false;
     const double D = Z + k[0] * std::sqrt(X * X + Y * Y + Z * Z);
-    return (X * X + Y * Y) / (D * D) < Distortion::squaredRadiusLimit(k + 1);
+    return isBelowLimit<Distortion>(k + 1, (X * X + Y * Y) / (D * D));
   }
 
   /// The point of the unit sphere whose image is m.

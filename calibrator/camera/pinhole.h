@@ -53,8 +53,7 @@ struct Pinhole {
   /// Whether the model projects p_C one-to-one.
   static bool isInDomain(const double* k, double X, double Y, double Z) {
     if (!(Z > 0)) return false;
-    const double r2 = (X * X + Y * Y) / (Z * Z);
-    return r2 < Distortion::squaredRadiusLimit(k);
+    return isBelowLimit<Distortion>(k, (X * X + Y * Y) / (Z * Z));
   }
 
   /// The ray (x, y, 1) with distort(x, y) = (m_x, m_y).

@@ -24,19 +24,18 @@ Matrix6d adjoint(const Transform& T) {
 
 }  // namespace
 
-/// Lower triangle of [H P; P^T G] of one view, pose first, in units of the scales; and the memory
-/// that takes it.
+/// Lower triangle of sigma^2 [H P; P^T G + I] of one view, pose first; and the memory that takes
+/// it.
 class ViewScorer::Sum {
  public:
-  explicit Sum(const ViewScorer& scorer)
-      : s_(scorer), A_(6 + scorer.layout_.size, 6 + scorer.layout_.size) {
+  explicit Sum(const ViewScorer& scorer) : s_(scorer), A_(scorer.before_) {
     for (const VisibleTags& tags : scorer.visible_) {
       predicted_.emplace_back(tags.cornerCount());
     }
   }
 
   void clear() {
-    A_.setZero();
+    A_ = s_.before_;
     any_ = false;
   }
   bool any() const { return any_; }
@@ -48,7 +47,7 @@ class ViewScorer::Sum {
     const ViewGram g = viewGram(s_.cameras_.intrinsics[c], T_CiF, view, gram);
     const int k = 6 + s_.layout_.intrinsics[c];
     const int n = s_.layout_.intrinsics_size[c];
-    A_.block(k, k, n, n).noalias() = g.H_k;
+    A_.block(k, k, n, n) += g.H_k;
     if (c == 0) {
       A_.topLeftCorner<6, 6>() += g.H;
       A_.block(k, 0, n, 6) = g.H_pose_k.transpose();
@@ -64,28 +63,20 @@ class ViewScorer::Sum {
     const Matrix6d AtH = A_pose.transpose().lazyProduct(g.H);
     A_.topLeftCorner<6, 6>() += AtH.lazyProduct(A_pose);
     A_.block<6, 6>(e, 0) = EH.lazyProduct(A_pose);
-    A_.block<6, 3>(e, e) = -EH.leftCols<3>().lazyProduct(R);
-    A_.block<6, 3>(e, e + 3) = -EH.rightCols<3>().lazyProduct(R);
+    A_.block<6, 3>(e, e) -= EH.leftCols<3>().lazyProduct(R);
+    A_.block<6, 3>(e, e + 3) -= EH.rightCols<3>().lazyProduct(R);
     A_.block(k, 0, n, 6) = g.H_pose_k.transpose().lazyProduct(A_pose);
-    A_.block(e, k, 3, n) = -R.transpose().lazyProduct(g.H_pose_k.topRows<3>());
-    A_.block(e + 3, k, 3, n) = -R.transpose().lazyProduct(g.H_pose_k.bottomRows<3>());
+    A_.block(e, k, 3, n) -= R.transpose().lazyProduct(g.H_pose_k.topRows<3>());
+    A_.block(e + 3, k, 3, n) -= R.transpose().lazyProduct(g.H_pose_k.bottomRows<3>());
   }
 
-  /// 0.5 log |I + S| in scaled units; NaN where the pose is not determined.
+  /// 0.5 log |I + S|; NaN where the pose is not determined. Uses A up.
   double halfLogDeterminant() {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const Eigen::Index n = s_.layout_.size;
-    const double weight = 1 / (s_.options_.pixel_sigma * s_.options_.pixel_sigma);
-    Eigen::VectorXd scale(6 + n);
-    if (!(A_.diagonal().head<6>().array() > 0).all()) return kNone;
-    scale << (weight * A_.diagonal().head<6>()).cwiseSqrt().cwiseInverse(), s_.scale_;
-    for (Eigen::Index j = 0; j < 6 + n; ++j) {
-      A_.col(j).tail(6 + n - j).array() *= weight * scale(j) * scale.tail(6 + n - j).array();
-    }
-    A_.bottomRightCorner(n, n).triangularView<Eigen::Lower>() += s_.information_;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(A_);
-    if (llt.info() != Eigen::Success) return kNone;
-    return A_.diagonal().tail(n).array().log().sum();
+    if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+    const Eigen::Index n = s_.layout_.size;
+    return A_.diagonal().tail(n).array().log().sum() -
+           static_cast<double>(n) * std::log(s_.options_.pixel_sigma);
   }
 
  private:
@@ -104,14 +95,16 @@ ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
     T_CiC0_.push_back(cameras.T_C0Ci[c].inverse());
   }
   assert(information.rows() == layout_.size && information.cols() == layout_.size);
+  before_.setZero(6 + layout_.size, 6 + layout_.size);
+  before_.bottomRightCorner(layout_.size, layout_.size) =
+      options.pixel_sigma * options.pixel_sigma * information;
   if (!information.allFinite() || !(information.diagonal().array() > 0).all()) return;
-  scale_ = information.diagonal().cwiseSqrt().cwiseInverse();
-  information_ = scale_.asDiagonal() * information * scale_.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> llt(information_);
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> llt(scale.asDiagonal() * information * scale.asDiagonal());
   if (llt.info() != Eigen::Success) return;
   const auto pivots = llt.matrixLLT().diagonal().array();
   determined_ = (pivots.square() >= kLeastPivot).all();
-  half_log_determinant_ = pivots.log().sum();
+  half_log_determinant_ = (pivots / scale.array()).log().sum();
 }
 
 std::vector<Corner> ViewScorer::predictedCorners(int camera, const Transform& T_FC0) const {

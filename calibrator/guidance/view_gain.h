@@ -61,9 +61,8 @@ class ViewScorer {
   ViewGainOptions options_;
   std::vector<VisibleTags> visible_;  // per camera
   std::vector<Transform> T_CiC0_;
-  Eigen::VectorXd scale_;            // to a unit diagonal of I
-  Eigen::MatrixXd information_;      // scaled
-  double half_log_determinant_ = 0;  // of the scaled
+  Eigen::MatrixXd before_;           // sigma^2 [0 0; 0 I], pose first
+  double half_log_determinant_ = 0;  // of I
   bool determined_ = false;
 };
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/camera/equidistant.h"
 #include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {
@@ -175,6 +177,23 @@ bool isBeyondNinetyDegrees(const Intrinsics& camera, double u, double v) {
   return camera.projection_model == ProjectionModel::kPinhole &&
          camera.distortion_model == DistortionModel::kEquidistant &&
          (Eigen::Vector2d(u, v) - camera.projection.tail<2>()).norm() > 295;
+}
+
+TEST(Equidistant, TheBoundThatSparesTheSearchNeverReachesBeyondTheFold) {
+  std::mt19937_64 engine(5);
+  const auto uniform = [&] { return 2 * (static_cast<double>(engine() >> 11) * 0x1p-53) - 1; };
+  int spared = 0;
+  int folded = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double k[4] = {0.5 * uniform(), 0.3 * uniform(), 0.2 * uniform(), 0.1 * uniform()};
+    const double r = 2 + 2 * uniform();
+    const bool below = r * r < Equidistant::squaredRadiusLimit(k);
+    EXPECT_EQ(isBelowLimit<Equidistant>(k, r * r), below);
+    spared += Equidistant::surelyGrows(k, r * r) ? 1 : 0;
+    folded += below ? 0 : 1;
+  }
+  EXPECT_GT(spared, 5000);
+  EXPECT_GT(folded, 5000);
 }
 
 TEST(Unproject, InvertsProjectOverTheImageForEveryModel) {

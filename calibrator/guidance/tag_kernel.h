@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Internal to visible_tags.cpp: a tag's four corners projected W lanes at a time. Everything is
+// always_inline, so that the function into which it is inlined decides on the instruction set.
+
+#include <cstring>
+
+#include "calibrator/base/transform.h"
+#include "calibrator/camera/lanes.h"
+#include "calibrator/camera/pinhole.h"
+#include "calibrator/guidance/predicted_corners.h"
+
+namespace plumbline::tags {
+
+/// What makes a tag visible in a camera.
+struct Bounds {
+  CameraValues lens;
+  double squared_radius_limit;  ///< of X/Z, Y/Z: where a pinhole's distortion folds
+  double least_px;              ///< of u and of v
+  double right_px, bottom_px;   ///< most of u, of v
+  double squared_side_px;       ///< least of a tag's sides
+};
+
+/// Points of the camera frame [m].
+template <int W>
+struct Points {
+  Lanes<W> X, Y, Z;
+};
+
+template <int W>
+[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
+  Lanes<W> values;
+  std::memcpy(&values, from, sizeof values);
+  return values;
+}
+
+template <int W, class Mask>
+[[gnu::always_inline]] inline bool all(const Mask& mask) {
+  auto both = mask[0];
+  for (int i = 1; i < W; ++i) both &= mask[i];
+  return both != 0;
+}
+
+template <int W>
+[[gnu::always_inline]] inline Points<W> pointsOf(const Transform& T_CF, const double* x,
+                                                 const double* y) {
+  const Eigen::Matrix3d& R = T_CF.R;
+  const Eigen::Vector3d& t = T_CF.t;
+  const Lanes<W> p = load<W>(x);
+  const Lanes<W> q = load<W>(y);
+  return {R(0, 0) * p + R(0, 1) * q + t[0], R(1, 0) * p + R(1, 1) * q + t[1],
+          R(2, 0) * p + R(2, 1) * q + t[2]};
+}
+
+/// Whether the model projects all of the points one-to-one.
+template <int W, class Distortion>
+[[gnu::always_inline]] inline bool areInDomain(Pinhole<Distortion>, const Bounds& bounds,
+                                               const Points<W>& p) {
+  return all<W>((p.Z > 0.0) & (p.X * p.X + p.Y * p.Y < bounds.squared_radius_limit * p.Z * p.Z));
+}
+template <int W, class Model>
+[[gnu::always_inline]] inline bool areInDomain(Model, const Bounds& bounds, const Points<W>& p) {
+  for (int i = 0; i < W; ++i) {
+    if (!Model::isInDomain(bounds.lens.k.data(), p.X[i], p.Y[i], p.Z[i])) return false;
+  }
+  return true;
+}
+
+/// Writes the pixels of W points; whether all of them are in the domain and in the image.
+template <int W, class Model>
+[[gnu::always_inline]] inline bool projectInto(const Bounds& bounds, const Points<W>& p, double* u,
+                                               double* v) {
+  if (!areInDomain<W>(Model{}, bounds, p)) return false;
+  const CameraValues& lens = bounds.lens;
+  const auto m = Model::image(lens.k.data(), p.X, p.Y, p.Z);
+  const Lanes<W> pixel_u = lens.fu * m.x + lens.pu;
+  const Lanes<W> pixel_v = lens.fv * m.y + lens.pv;
+  std::memcpy(u, &pixel_u, sizeof pixel_u);
+  std::memcpy(v, &pixel_v, sizeof pixel_v);
+  return all<W>((pixel_u >= bounds.least_px) & (pixel_u <= bounds.right_px) &
+                (pixel_v >= bounds.least_px) & (pixel_v <= bounds.bottom_px));
+}
+
+[[gnu::always_inline]] inline bool hasLongSides(const TagImage& tag, double least_squared) {
+  bool all_long = true;
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) {
+    const double du = tag.u[(i + 1) % 4] - tag.u[i];
+    const double dv = tag.v[(i + 1) % 4] - tag.v[i];
+    all_long &= du * du + dv * dv >= least_squared;
+  }
+  return all_long;
+}
+
+/// The target's corners by id, in F [m].
+struct Corners {
+  const double* x;
+  const double* y;
+  int count;
+};
+
+/// Adds the tags that are visible with the target at T_CF.
+template <int W, class Model>
+[[gnu::always_inline]] inline void predict(const Bounds& bounds, const Corners& target,
+                                           const Transform& T_CF, PredictedCorners& into) {
+  for (int first = 0; first < target.count; first += 4) {
+    const double* x = target.x + first;
+    const double* y = target.y + first;
+    TagImage tag;
+    bool seen = true;
+    for (int i = 0; i < 4 && seen; i += W) {
+      seen = projectInto<W, Model>(bounds, pointsOf<W>(T_CF, x + i, y + i), tag.u + i, tag.v + i);
+    }
+    if (seen && hasLongSides(tag, bounds.squared_side_px)) into.add(first, x, y, tag);
+  }
+}
+
+}  // namespace plumbline::tags
