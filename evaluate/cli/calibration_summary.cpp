@@ -2,21 +2,15 @@
 #include "evaluate/cli/calibration_summary.h"
 
 #include <cctype>
-#include <iterator>
 #include <numbers>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "evaluate/workflow/text.h"
+
 namespace plumbline {
 namespace {
-
-using Text = fmt::memory_buffer;
-
-template <class... Args>
-void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
-}
 
 std::string numbers(const Eigen::VectorXd& values) {
   std::string text;

@@ -2,32 +2,20 @@
 #include "evaluate/compare/comparison_document.h"
 
 #include <cmath>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
+#include "evaluate/workflow/text.h"
 
 namespace plumbline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Text = fmt::memory_buffer;
 
 constexpr int kSchema = 1;
-
-template <class... Args>
-void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
-}
-
-Json numbers(const std::vector<std::optional<double>>& values) {
-  Json list = Json::array();
-  for (const auto& value : values) list.push_back(optionalJson(value));
-  return list;
-}
 
 Json rangeJson(double range_m) { return std::isfinite(range_m) ? Json(range_m) : Json("infinity"); }
 
@@ -50,10 +38,10 @@ Json parametersJson(const ComparisonRecord& record) {
   for (const ComparedParameter& p : record.parameters) {
     list.push_back({{"name", p.name},
                     {"unit", p.unit},
-                    {"values", numbers(p.values)},
-                    {"std", numbers(p.std)},
-                    {"difference", numbers(p.difference)},
-                    {"significance", numbers(p.significance)}});
+                    {"values", optionalsJson(p.values)},
+                    {"std", optionalsJson(p.std)},
+                    {"difference", optionalsJson(p.difference)},
+                    {"significance", optionalsJson(p.significance)}});
   }
   return list;
 }

@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "evaluate/compare/comparison_document.h"
+#include "evaluate/workflow/text.h"
 
 namespace plumbline {
 namespace {
 
-using Text = fmt::memory_buffer;
-
 constexpr int kName = 18;
 constexpr int kColumn = 26;
-
-template <class... Args>
-void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
-}
 
 /// A unit as a person reads it, and what one of the record's is in it.
 struct Shown {

@@ -2,39 +2,21 @@
 #include "evaluate/replay/replay_document.h"
 
 #include <cmath>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "calibrator/information/covariance.h"
+#include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
+#include "evaluate/workflow/text.h"
 
 namespace plumbline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Text = fmt::memory_buffer;
 
 constexpr int kSchema = 1;
-
-template <class... Args>
-void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
-}
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-template <class T>
-Json orNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
-Json list(const std::vector<std::optional<double>>& values) {
-  Json out = Json::array();
-  for (const auto& value : values) out.push_back(orNull(value));
-  return out;
-}
 
 Json batchJson(const StageSummary& s) {
   Json parameters = Json::array();
@@ -47,8 +29,8 @@ Json batchJson(const StageSummary& s) {
   return {{"rmse_px", s.reprojection.rmse_px},
           {"views_used", s.views_used},
           {"corners_used", s.corners_used},
-          {"entropy_nats", number(s.entropy_nats)},
-          {"entropy_bits", number(bitsFromNats(s.entropy_nats))},
+          {"entropy_nats", finiteJson(s.entropy_nats)},
+          {"entropy_bits", finiteJson(bitsFromNats(s.entropy_nats))},
           {"parameters", parameters}};
 }
 
@@ -63,10 +45,10 @@ Json stageJson(const ReplayStageSummary& s) {
       {"views_missed", s.views_missed},
       {"suggestions", s.suggestions},
       {"suggestions_reached", s.reached},
-      {"started_ns", orNull(s.started)},
-      {"finished_ns", orNull(s.finished)},
-      {"information_after_finish_nats", number(s.information_after_finish_nats)},
-      {"information_after_finish_bits", number(bitsFromNats(s.information_after_finish_nats))}};
+      {"started_ns", optionalJson(s.started)},
+      {"finished_ns", optionalJson(s.finished)},
+      {"information_after_finish_nats", finiteJson(s.information_after_finish_nats)},
+      {"information_after_finish_bits", finiteJson(bitsFromNats(s.information_after_finish_nats))}};
   if (!s.problem.empty()) json["problem"] = s.problem;
   if (s.kept_batch) json["kept_batch"] = batchJson(*s.kept_batch);
   if (s.full_batch) json["full_batch"] = batchJson(*s.full_batch);
@@ -78,14 +60,14 @@ Json outcomeJson(const SuggestionOutcome& o) {
           {"stage", toString(o.suggestion.stage)},
           {"t_ns", o.suggestion.t},
           {"candidate", o.suggestion.candidate},
-          {"mi_bits", number(bitsFromNats(o.suggestion.mi_nats))},
-          {"mi_nats", number(o.suggestion.mi_nats)},
+          {"mi_bits", finiteJson(bitsFromNats(o.suggestion.mi_nats))},
+          {"mi_nats", finiteJson(o.suggestion.mi_nats)},
           {"end", toString(o.end)},
           {"ended_ns", o.ended},
-          {"closest_px", orNull(o.closest_px)},
-          {"mean_px", orNull(o.mean_px)},
-          {"closest_m", orNull(o.closest_m)},
-          {"closest_rad", orNull(o.closest_rad)}};
+          {"closest_px", optionalJson(o.closest_px)},
+          {"mean_px", optionalJson(o.mean_px)},
+          {"closest_m", optionalJson(o.closest_m)},
+          {"closest_rad", optionalJson(o.closest_rad)}};
 }
 
 Json outcomesJson(const std::vector<SuggestionOutcome>& outcomes) {
@@ -113,12 +95,12 @@ const char* wordOf(StopAudit::Verdict verdict) {
 Json auditJson(const StopAudit& a) {
   return {{"stage", toString(a.stage)},
           {"verdict", wordOf(a.verdict)},
-          {"finished_ns", orNull(a.finished)},
-          {"enough_ns", orNull(a.enough)},
+          {"finished_ns", optionalJson(a.finished)},
+          {"enough_ns", optionalJson(a.enough)},
           {"seconds", a.seconds},
           {"saved_s", a.saved_s},
-          {"entropy_at_finish_nats", number(a.entropy_at_finish_nats)},
-          {"entropy_of_all_nats", number(a.entropy_of_all_nats)},
+          {"entropy_at_finish_nats", finiteJson(a.entropy_at_finish_nats)},
+          {"entropy_of_all_nats", finiteJson(a.entropy_of_all_nats)},
           {"explanation", a.explanation}};
 }
 
@@ -130,12 +112,12 @@ Json curveJson(const CounterfactualCurve& c) {
   Json json{{"strategy", c.strategy}};
   if (c.seed != 0) json["seed"] = c.seed;
   json["views"] = c.views;
-  json["entropy_nats"] = list(c.entropy_nats);
-  json["held_out_px"] = list(c.held_out_px);
-  json["held_out_border_px"] = list(c.held_out_border_px);
-  json["held_out_centre_px"] = list(c.held_out_centre_px);
-  json["regret_px"] = list(c.regret_px);
-  json["views_needed"] = orNull(c.views_needed);
+  json["entropy_nats"] = optionalsJson(c.entropy_nats);
+  json["held_out_px"] = optionalsJson(c.held_out_px);
+  json["held_out_border_px"] = optionalsJson(c.held_out_border_px);
+  json["held_out_centre_px"] = optionalsJson(c.held_out_centre_px);
+  json["regret_px"] = optionalsJson(c.regret_px);
+  json["views_needed"] = optionalJson(c.views_needed);
   json["order"] = c.order;
   return json;
 }
@@ -152,7 +134,7 @@ Json bandsJson(const std::vector<CounterfactualBand>& bands) {
                     {"views", band.views},
                     {"entropy_nats_quartiles", entropy},
                     {"held_out_px_quartiles", error},
-                    {"regret_px", list(band.regret_px)},
+                    {"regret_px", optionalsJson(band.regret_px)},
                     {"views_needed_quartiles", quartilesJson(band.views_needed)}});
   }
   return json;
@@ -163,8 +145,8 @@ Json counterfactualsJson(const Counterfactuals& c) {
   for (const CounterfactualCurve& curve : c.curves) curves.push_back(curveJson(curve));
   Json json{{"pool_frames", c.pool_frames},
             {"held_out_frames", c.held_out_frames},
-            {"full_pool_entropy_nats", number(c.full_pool_entropy_nats)},
-            {"full_pool_held_out_px", number(c.full_pool_held_out_px)},
+            {"full_pool_entropy_nats", finiteJson(c.full_pool_entropy_nats)},
+            {"full_pool_held_out_px", finiteJson(c.full_pool_held_out_px)},
             {"bands", bandsJson(c.bands)},
             {"curves", curves},
             {"remarks", c.remarks}};

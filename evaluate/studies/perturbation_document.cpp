@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,19 +10,14 @@
 #include "evaluate/studies/perturbation.h"
 #include "evaluate/workflow/json_values.h"
 #include "evaluate/workflow/record_json.h"
+#include "evaluate/workflow/text.h"
 
 namespace plumbline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Text = fmt::memory_buffer;
 
 constexpr int kSchema = 1;
-
-template <class... Args>
-void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
-}
 
 Json caseJson(const PerturbationCase& c, bool is_base) {
   Json json{{"kind", c.kind}, {"amount", c.amount}, {"unit", c.unit}};

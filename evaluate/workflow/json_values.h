@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -32,8 +34,22 @@ nlohmann::ordered_json rowsJson(const Eigen::DenseBase<Matrix>& matrix) {
 }
 
 /// null where there is no value.
-inline nlohmann::ordered_json optionalJson(const std::optional<double>& value) {
+template <class T>
+nlohmann::ordered_json optionalJson(const std::optional<T>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
+/// The same for each of a list.
+template <class T>
+nlohmann::ordered_json optionalsJson(const std::vector<std::optional<T>>& values) {
+  auto json = nlohmann::ordered_json::array();
+  for (const auto& value : values) json.push_back(optionalJson(value));
+  return json;
+}
+
+/// null where the value is infinite or none: JSON has no word for it.
+inline nlohmann::ordered_json finiteJson(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
 }
 
 /// A cell of a CSV file: quoted where a comma, a quote or a line end would break the row.
