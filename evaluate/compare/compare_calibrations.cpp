@@ -12,6 +12,7 @@
 #include "evaluate/compare/lint.h"
 #include "evaluate/compare/paired_prediction.h"
 #include "evaluate/compare/read_compared.h"
+#include "evaluate/workflow/assumptions.h"
 #include "evaluate/workflow/match_cameras.h"
 
 namespace plumbline {
@@ -58,10 +59,7 @@ OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
 ComparisonRecord emptyRecord(const CompareRequest& request) {
   ComparisonRecord record;
   record.provenance = request.provenance;
-  record.assumptions.pixel_sigma_px = request.score.camera.pixel_sigma;
-  record.assumptions.gravity_m_s2 = request.score.camera_imu.gravity_m_s2;
-  const double cauchy_px = request.score.camera.cauchy_px;
-  record.assumptions.loss = cauchy_px > 0 ? fmt::format("cauchy:{}", cauchy_px) : "none";
+  record.assumptions = assumptionsOf(request.score.camera, request.score.camera_imu);
   return record;
 }
 

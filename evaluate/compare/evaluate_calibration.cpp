@@ -8,21 +8,12 @@
 #include <fmt/core.h>
 
 #include "datasets/calibration_reader.h"
+#include "evaluate/workflow/assumptions.h"
 #include "evaluate/workflow/check_target.h"
 #include "evaluate/workflow/match_cameras.h"
 
 namespace plumbline {
 namespace {
-
-Assumptions assumptionsOf(const ScoreOptions& options, const Session& session) {
-  Assumptions assumptions;
-  assumptions.pixel_sigma_px = options.camera.pixel_sigma;
-  assumptions.gravity_m_s2 = options.camera_imu.gravity_m_s2;
-  assumptions.loss =
-      options.camera.cauchy_px > 0 ? fmt::format("cauchy:{}", options.camera.cauchy_px) : "none";
-  if (options.use_imu && session.imu) assumptions.imu_noise = session.imu->noise;
-  return assumptions;
-}
 
 /// Another session, read as the first one is; stretches of time belong to the first alone.
 LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
@@ -41,7 +32,9 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
   record.provenance = asked.provenance;
   record.provenance.input = loaded.session.name;
   record.provenance.input_hash = loaded.input_hash;
-  record.assumptions = assumptionsOf(asked.score, loaded.session);
+  const ScoreOptions& score = asked.score;
+  record.assumptions = score.use_imu ? assumptionsOf(score.camera, score.camera_imu, loaded.session)
+                                     : assumptionsOf(score.camera, score.camera_imu);
   record.target = loaded.session.target;
   record.counts = loaded.counts;
   return record;

@@ -5,8 +5,6 @@
 #include <map>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "calibrator/guidance/guide.h"
 #include "datasets/calibration_reader.h"
 #include "datasets/suggestions_reader.h"
@@ -15,6 +13,7 @@
 #include "evaluate/replay/replay_images.h"
 #include "evaluate/replay/stage_summary.h"
 #include "evaluate/replay/suggestion_outcomes.h"
+#include "evaluate/workflow/assumptions.h"
 #include "evaluate/workflow/match_cameras.h"
 #include "evaluate/workflow/parallel_for.h"
 
@@ -38,15 +37,6 @@ std::optional<std::vector<CameraCalibration>> givenCameras(const ReplayRequest& 
       matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, session);
   refuseUnsupportedModels(cameras, *request.cameras_file);
   return cameras;
-}
-
-Assumptions assumptionsOf(const ReplayRequest& request, const Session& session) {
-  Assumptions a;
-  a.pixel_sigma_px = request.camera.pixel_sigma;
-  a.gravity_m_s2 = request.camera_imu.gravity_m_s2;
-  if (request.camera.cauchy_px > 0) a.loss = fmt::format("cauchy:{}", request.camera.cauchy_px);
-  if (session.imu) a.imu_noise = session.imu->noise;
-  return a;
 }
 
 std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
@@ -167,7 +157,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   ReplayRecord record;
   record.name = session.name;
   record.target = session.target;
-  record.assumptions = assumptionsOf(request, session);
+  record.assumptions = assumptionsOf(request.camera, request.camera_imu, session);
   record.provenance = request.provenance;
   record.provenance.input = session.name;
   record.provenance.input_hash = loaded.input_hash;

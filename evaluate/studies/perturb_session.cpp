@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/studies/perturb_session.h"
 
-#include <fmt/format.h>
-
 #include "datasets/calibration_reader.h"
+#include "evaluate/workflow/assumptions.h"
 #include "evaluate/workflow/match_cameras.h"
 #include "evaluate/workflow/parallel_for.h"
 
@@ -24,15 +23,6 @@ StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
     inputs.cameras_fixed = true;
   }
   return inputs;
-}
-
-Assumptions assumptionsOf(const PerturbRequest& request, const Session& session) {
-  Assumptions a;
-  a.pixel_sigma_px = request.camera.pixel_sigma;
-  a.gravity_m_s2 = request.camera_imu.gravity_m_s2;
-  if (request.camera.cauchy_px > 0) a.loss = fmt::format("cauchy:{}", request.camera.cauchy_px);
-  if (session.imu) a.imu_noise = session.imu->noise;
-  return a;
 }
 
 }  // namespace
@@ -57,7 +47,7 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
   record.value().provenance = request.provenance;
   record.value().provenance.input = loaded.session.name;
   record.value().provenance.input_hash = loaded.input_hash;
-  record.value().assumptions = assumptionsOf(request, loaded.session);
+  record.value().assumptions = assumptionsOf(request.camera, request.camera_imu, loaded.session);
   return record;
 }
 

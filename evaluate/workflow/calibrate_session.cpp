@@ -8,6 +8,7 @@
 #include "calibrator/batch/camera_imu_resample.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration_reader.h"
+#include "evaluate/workflow/assumptions.h"
 #include "evaluate/workflow/check_target.h"
 #include "evaluate/workflow/locate_failure.h"
 #include "evaluate/workflow/match_cameras.h"
@@ -104,10 +105,7 @@ CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSessi
   record.provenance = request.provenance;
   record.provenance.input = loaded.session.name;
   record.provenance.input_hash = loaded.input_hash;
-  record.assumptions.pixel_sigma_px = request.camera.pixel_sigma;
-  record.assumptions.gravity_m_s2 = request.camera_imu.gravity_m_s2;
-  record.assumptions.loss =
-      request.camera.cauchy_px > 0 ? fmt::format("cauchy:{}", request.camera.cauchy_px) : "none";
+  record.assumptions = assumptionsOf(request.camera, request.camera_imu);
   record.target = loaded.session.target;
   record.counts = loaded.counts;
   return record;
