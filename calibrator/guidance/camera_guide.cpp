@@ -30,6 +30,8 @@ struct CameraGuide::State {
   int next_suggestion = 0;
   int frames_without_view = 0;
   int until_round = 0;  // frames without a view until candidates are scored
+  int posed = 0;        // frames with a plausible pose since the start
+  int unposed = 0;      // in a row without
   bool lost_said = false;
   bool finished = false;
 
@@ -41,6 +43,7 @@ struct CameraGuide::State {
   void tryStart(Decision& d);
   void beginWindow(const CameraStageResult& start, Decision& d);
   void leaveOut(const KeptFrame& frame, Decision& d);
+  void startWasWrong(Decision& d);
   void consider(const FrameCorners& corners, Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
@@ -190,13 +193,13 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   window.emplace(rig.target, result.cameras, w);
   std::vector<KeptFrame> used;
   for (KeptFrame& frame : kept) {
-    const auto posed = std::find_if(result.frames.begin(), result.frames.end(),
+    const auto found = std::find_if(result.frames.begin(), result.frames.end(),
                                     [&](const Frame& f) { return f.t == frame.t; });
-    if (posed == result.frames.end()) {
+    if (found == result.frames.end()) {
       leaveOut(frame, d);
       continue;
     }
-    const auto& T_FC0 = result.T_FC0[static_cast<std::size_t>(posed - result.frames.begin())];
+    const auto& T_FC0 = result.T_FC0[static_cast<std::size_t>(found - result.frames.begin())];
     if (frame.index == d.frame) d.T_FC0 = T_FC0;
     window->add(frame.corners, T_FC0);
     used.push_back(std::move(frame));
@@ -216,10 +219,37 @@ void CameraGuide::State::leaveOut(const KeptFrame& frame, Decision& d) {
   }
 }
 
+/// What was kept explains none of the frames that follow.
+void CameraGuide::State::startWasWrong(Decision& d) {
+  note(d, fmt::format("{} frames in a row have no plausible pose under the estimate, {} had one: "
+                      "the stage starts anew",
+                      unposed, posed));
+  d.reason = GuideReason::kInitialiseFailed;
+  for (const KeptFrame& frame : kept) d.withdrawn.push_back(frame.index);
+  if (open) {
+    d.event = SuggestionEvent::kWithdrawn;
+    d.suggestion = open->suggestion().id;
+    open.reset();
+  }
+  kept.clear();
+  window.reset();
+  scorer.reset();
+  entropy.reset();
+  rmse.reset();
+  posed = unposed = frames_without_view = 0;
+  until_round = options.views.patience;
+  next_start = static_cast<std::size_t>(std::max(1, options.views.start_frames));
+}
+
 void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
   d.reason = GuideReason::kNoPose;
   d.T_FC0 = poseOf(rig.target, window->estimate(), corners, options.views.cauchy_px);
-  if (!d.T_FC0) return;
+  if (!d.T_FC0) {
+    if (++unposed >= options.views.start_anew_after && posed < unposed) startWasWrong(d);
+    return;
+  }
+  unposed = 0;
+  ++posed;
   const double gain = scorer->seenGain(corners, *d.T_FC0);
   if (std::isnan(gain)) return;  // the corners leave the pose free
   d.mi_nats = gain;

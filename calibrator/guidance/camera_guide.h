@@ -14,7 +14,9 @@ namespace plumbline {
 /// The camera stage of the Guide: next best view (paper, section IV).
 ///
 /// Start: a batch over the first frames that moved against each other; where it fails (too few
-/// views, not observable), again with more, and the decision says why it failed. From then on each
+/// views, not observable), again with more, and the decision says why it failed. A start under
+/// which the frames that follow have no plausible pose is given up, its frames withdrawn, and the
+/// stage starts anew. From then on each
 /// frame gets a pose from its own corners and the cameras as they are, and is scored against the
 /// information of all views kept (fixed-lag window and its prior, CameraWindow): below the
 /// threshold it is left out before it takes part, otherwise the window is solved with it. After

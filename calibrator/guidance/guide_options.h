@@ -15,8 +15,11 @@ struct ViewGuideOptions {
   double cauchy_px = 1.5;     ///< scale of the loss [px]; 0: squared error
   int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
   double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
-  int window = 10;            ///< views in the fixed-lag window
-  int min_corners = 16;       ///< of one camera, for its view to count
+  /// So many frames in a row without plausible pose, before as many had one: the start was wrong,
+  /// and the stage starts anew.
+  int start_anew_after = 10;
+  int window = 10;                              ///< views in the fixed-lag window
+  int min_corners = 16;                         ///< of one camera, for its view to count
   double threshold_nats = kGuideThresholdNats;  ///< views that gain less are removed
   int patience = 3;        ///< frames without a new view until a next best view is looked for
   double reached_px = 15;  ///< a suggestion is reached within this mean corner distance [px] ...

@@ -62,9 +62,12 @@ void declareViews(CLI::App& app, ViewGuideOptions& o) {
   app.add_option("--start-move-px", o.start_move_px,
                  "Corners must have moved so far between two of them [px]")
       ->capture_default_str();
+  app.add_option("--start-anew-after", o.start_anew_after,
+                 "Frames in a row without plausible pose after which a start was wrong")
+      ->capture_default_str();
   app.add_option("--window", o.window, "Views in the camera stage's window")->capture_default_str();
   app.add_option("--patience", o.patience,
-                 "Frames without a new view until a next best view is looked for")
+                 "Frames with a pose that tell too little, until a next best view is looked for")
       ->capture_default_str();
   app.add_option("--reached-px", o.reached_px, "A view is reached within this distance [px] ...")
       ->capture_default_str();
@@ -124,6 +127,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gr
   requirePositive("--max-rate", max_rate_deg_s);
   requirePositive("--max-acceleration", max_acceleration_g);
   requireWhole("--start-frames", o.views.start_frames, 2);
+  requireWhole("--start-anew-after", o.views.start_anew_after, 1);
   requireWhole("--window", o.views.window, 1);
   requireWhole("--patience", o.views.patience, 1);
   requireWhole("--min-views", o.views.min_views, 0);

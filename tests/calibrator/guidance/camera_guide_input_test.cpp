@@ -239,6 +239,35 @@ TEST(CameraGuide, TheFrameThatStartsItMayItselfBeLeftOut) {
   EXPECT_EQ(start.views_kept, 4);
 }
 
+// The first frames are shrunk into a corner of the image: another lens explains them, and none of
+// the frames that follow.
+TEST(CameraGuide, StartsAnewWhereTheStartExplainsNoneOfTheFramesThatFollow) {
+  const LiveRig rig("euroc", 7, 0.3);
+  GuideOptions options;
+  options.views.start_move_px = 4;
+  CameraGuide guide(rig.guideRig(), options);
+  const auto decisions = testing::playWandering(guide, rig, 90, 10, [&](GuideFrame& frame) {
+    if (frame.index >= 9) return;
+    for (auto& corners : frame.corners) {
+      for (Corner& corner : corners) corner.uv = 0.4 * corner.uv + Eigen::Vector2d(20, 250);
+    }
+  });
+  const auto given_up = std::find_if(decisions.begin(), decisions.end(), [](const Decision& d) {
+    return d.detail.find("starts anew") != std::string::npos;
+  });
+  ASSERT_NE(given_up, decisions.end());
+  EXPECT_EQ(given_up->reason, GuideReason::kInitialiseFailed);
+  EXPECT_EQ(given_up->mode, GuideMode::kInitialising);
+  EXPECT_FALSE(given_up->withdrawn.empty());
+  EXPECT_EQ(given_up->views_kept, 0);
+  EXPECT_FALSE(given_up->entropy_nats);
+  EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 2);
+  const auto batch = guide.batch();
+  ASSERT_TRUE(batch) << batch.failure().message;
+  EXPECT_NEAR(batch->cameras[0].intrinsics.projection(0), rig.truth()[0].intrinsics.projection(0),
+              5);
+}
+
 TEST(CameraGuide, EachAttemptToStartCosts) {
   const LiveRig rig("euroc", 5, 0.3);
   GuideOptions options;
