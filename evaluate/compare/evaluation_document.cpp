@@ -62,8 +62,9 @@ Json modelsJson(const std::vector<CameraCalibration>& cameras) {
   return json;
 }
 
-std::string rmse(const ErrorStatistics& e) {
-  return e.count > 0 ? fmt::format("{:>11.4f}", e.rmse_px) : fmt::format("{:>11}", "-");
+std::string rmse(const ErrorStatistics* e) {
+  const bool known = e != nullptr && e->count > 0;
+  return known ? fmt::format("{:>11.4f}", e->rmse_px) : fmt::format("{:>11}", "-");
 }
 
 std::string nameOf(const CalibrationScore& s) {
@@ -71,11 +72,12 @@ std::string nameOf(const CalibrationScore& s) {
   return s.part + (s.held_out ? ", held out" : ", calibrated on");
 }
 
-std::string line(const CalibrationScore& s, std::size_t width) {
+std::string line(const CalibrationScore& s, const std::vector<std::string>& cameras,
+                 std::size_t width) {
   if (s.reprojection.count == 0) return fmt::format("{:<{}}  {}\n", nameOf(s), width, s.problem);
-  std::string text = fmt::format("{:<{}}", nameOf(s), width) + rmse(s.reprojection);
-  for (const ErrorStatistics& camera : s.per_camera) text += rmse(camera);
-  text += s.camera_imu ? rmse(*s.camera_imu) : fmt::format("{:>11}", "-");
+  std::string text = fmt::format("{:<{}}", nameOf(s), width) + rmse(&s.reprojection);
+  for (const std::string& camera : cameras) text += rmse(errorsOf(s, camera));
+  text += rmse(s.camera_imu ? &*s.camera_imu : nullptr);
   text += fmt::format("{:>10}{:>8}\n", s.reprojection.count, s.views_used);
   if (!s.problem.empty()) text += "  " + s.problem + "\n";
   return text;
@@ -102,11 +104,10 @@ std::string evaluationSummary(const CalibrationRecord& record) {
     width = std::max(width, nameOf(score).size());
   }
   std::string text = fmt::format("{}\n{:<{}}{:>11}", evaluation.file, "RMSE [px]", width, "all");
-  for (const std::string& camera : evaluation.scores.front().cameras) {
-    text += fmt::format("{:>11}", camera);
-  }
+  const std::vector<std::string> cameras = cameraNames(evaluation.scores);
+  for (const std::string& camera : cameras) text += fmt::format("{:>11}", camera);
   text += fmt::format("{:>11}{:>10}{:>8}\n", "with IMU", "corners", "views");
-  for (const CalibrationScore& score : evaluation.scores) text += line(score, width);
+  for (const CalibrationScore& score : evaluation.scores) text += line(score, cameras, width);
   return text;
 }
 

@@ -33,12 +33,16 @@ void addImuSamples(const ImuStream& imu, const GuideFramesOptions& options,
 
 }  // namespace
 
-std::vector<GuideFrame> guideFrames(const Session& session, const GuideFramesOptions& options) {
+std::vector<Frame> pairedFrames(const Session& session, const GuideFramesOptions& options) {
   FrameOptions pairing;
   pairing.tolerance = options.tolerance;
   pairing.min_corners = 0;
+  return pairFrames(session.cameras, pairing);
+}
+
+std::vector<GuideFrame> guideFrames(const Session& session, const GuideFramesOptions& options) {
   std::vector<GuideFrame> frames;
-  for (const Frame& frame : pairFrames(session.cameras, pairing)) {
+  for (const Frame& frame : pairedFrames(session, options)) {
     const int index = static_cast<int>(frames.size());
     frames.push_back({index, frame.t, cornersOf(session, frame), {}});
   }

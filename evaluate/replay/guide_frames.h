@@ -16,6 +16,9 @@ struct GuideFramesOptions {
   double arrival_s = 0.05;
 };
 
+/// A recording's frames, those without corners as well: one for each that guideFrames() gives.
+std::vector<Frame> pairedFrames(const Session& session, const GuideFramesOptions& options = {});
+
 /// A recording as the guide would have got it: every frame, also those in which no target was
 /// found, with the IMU samples that arrived since the frame before. The first frame brings those of
 /// the second before it.

@@ -2,7 +2,7 @@
 #include "evaluate/replay/replay_images.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cassert>
 #include <mutex>
 
 #include "datasets/image_io.h"
@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kWidest = 400;  // [px]
 constexpr int kQuality = 60;
-constexpr TimeNs kTolerance = 5'000'000;  // between a frame's stamp and its images' [ns]
 
 /// Mean over blocks of `factor` squared pixels; what is left at the right and below is cut off.
 GrayImage shrunk(const GrayImage& image, int factor) {
@@ -34,15 +33,6 @@ GrayImage shrunk(const GrayImage& image, int factor) {
   return out;
 }
 
-const ImageFile* nearest(const std::vector<ImageFile>& images, TimeNs t) {
-  auto after = std::lower_bound(images.begin(), images.end(), t,
-                                [](const ImageFile& image, TimeNs at) { return image.t < at; });
-  if (after == images.end() || (after != images.begin() && t - (after - 1)->t < after->t - t)) {
-    --after;
-  }
-  return std::llabs(after->t - t) <= kTolerance ? &*after : nullptr;
-}
-
 std::string smallCopy(const ImageFile& file) {
   const GrayImage image = readGrayImage(file.path);
   return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);
@@ -50,8 +40,9 @@ std::string smallCopy(const ImageFile& file) {
 
 }  // namespace
 
-void addImages(const LoadedSession& loaded, std::vector<ReplayFrame>& frames,
-               const ProgressSink& progress) {
+void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
+               std::vector<ReplayFrame>& frames, const ProgressSink& progress) {
+  assert(paired.size() == frames.size());
   const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
                                [](const auto& images) { return !images.empty(); });
   if (!any) return;
@@ -61,10 +52,9 @@ void addImages(const LoadedSession& loaded, std::vector<ReplayFrame>& frames,
     ReplayFrame& frame = frames[i];
     frame.jpeg.resize(loaded.images.size());
     for (std::size_t c = 0; c < loaded.images.size(); ++c) {
-      if (loaded.images[c].empty()) continue;
-      if (const ImageFile* file = nearest(loaded.images[c], frame.t)) {
-        frame.jpeg[c] = smallCopy(*file);
-      }
+      const int view = paired[i].view[c];
+      if (view < 0 || loaded.images[c].empty()) continue;
+      frame.jpeg[c] = smallCopy(loaded.images[c][static_cast<std::size_t>(view)]);
     }
     const std::lock_guard<std::mutex> lock(telling);
     progress("copying images", static_cast<double>(++done) / static_cast<double>(frames.size()));

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "calibrator/base/frames.h"
 #include "evaluate/workflow/load_session.h"
 #include "evaluate/workflow/progress.h"
 #include "report/records/replay_record.h"
@@ -10,9 +11,9 @@
 namespace plumbline {
 
 /// Fills ReplayFrame::jpeg where the recording has images: grey, made smaller by a whole factor to
-/// at most 400 pixels of width (mean over blocks), of JPEG quality 60. A frame's image is the one
-/// whose stamp is nearest to the frame's, within 5 ms.
-void addImages(const LoadedSession& loaded, std::vector<ReplayFrame>& frames,
-               const ProgressSink& progress);
+/// at most 400 pixels of width (mean over blocks), of JPEG quality 60. A frame's images are those
+/// of the views that `paired`, one for each of `frames`, puts together.
+void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
+               std::vector<ReplayFrame>& frames, const ProgressSink& progress);
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/replay/replay_session.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <utility>
@@ -59,7 +60,8 @@ class Judge {
       : request_(request),
         run_(run),
         guide_(guide),
-        given_(std::move(given)),
+        given_(given.has_value()),
+        used_cameras_(std::move(given).value_or(std::vector<CameraCalibration>())),
         suggestions_(std::move(suggestions)),
         tell_(progress) {}
 
@@ -77,19 +79,19 @@ class Judge {
  private:
   void cameraStage(ReplayRecord& record) {
     tell_("judging the camera stage", -1);
-    batches_ = cameraBatches(run_, guide_.cameraBatch());
+    const Result<CameraStageResult> guides_own = guide_.cameraBatch();
+    if (guides_own) used_cameras_ = guides_own->cameras;
+    batches_ = cameraBatches(run_, guides_own);
     record.stages.push_back(summariseCameraStage(run_, batches_));
     record.stop_audits.push_back(auditCameraStop(run_, batches_, request_.audit));
   }
 
   void cameraImuStage(ReplayRecord& record) {
     tell_("judging the camera-IMU stage", -1);
-    const std::vector<CameraCalibration> cameras = usedCameras();
-    StageBatches<CameraImuStageResult> batches;
-    if (!cameras.empty()) batches = cameraImuBatches(run_, cameras, guide_.cameraImuBatch());
+    const auto batches = cameraImuBatches(run_, used_cameras_);
     record.stages.push_back(summariseCameraImuStage(run_, batches));
     if (!record.stages.back().ran) return;
-    record.stop_audits.push_back(auditCameraImuStop(run_, cameras, batches, request_.audit));
+    record.stop_audits.push_back(auditCameraImuStop(run_, used_cameras_, batches, request_.audit));
   }
 
   void counterfactualCurves(ReplayRecord& record) const {
@@ -98,37 +100,58 @@ class Judge {
     CounterfactualOptions options = *request_.counterfactuals;
     options.camera = request_.camera;
     options.threads = threadCount(request_.load.threads);
-    record.counterfactuals = counterfactuals(run_.session, keptFrames(), options);
+    const Session session = pool();
+    const std::vector<int> recorded = recordedFrames(session);
+    record.counterfactuals = counterfactuals(session, keptFrames(recorded), options);
+    for (CounterfactualCurve& curve : record.counterfactuals->curves) {
+      for (int& frame : curve.order) frame = recorded[static_cast<std::size_t>(frame)];
+    }
+  }
+
+  /// The recording as the batches take it: a frame's views under one stamp, none with too few
+  /// corners.
+  Session pool() const {
+    Session session = run_.sessionFrom();
+    for (CameraStream& camera : session.cameras) {
+      std::erase_if(camera.views, [&](const ImageView& view) {
+        return static_cast<int>(view.corners.size()) < run_.camera.frames.min_corners;
+      });
+    }
+    return session;
+  }
+
+  /// Of each frame as counterfactuals() counts those of `session`, its position in the recording.
+  std::vector<int> recordedFrames(const Session& session) const {
+    std::map<TimeNs, int> position;
+    for (const GuideFrame& frame : run_.frames) position.emplace(frame.t, frame.index);
+    std::vector<int> recorded;
+    for (const Frame& frame : pairFrames(session.cameras)) {
+      recorded.push_back(position.at(frame.t));
+    }
+    return recorded;
   }
 
   /// The frames that the camera stage kept, as counterfactuals() counts them.
-  std::vector<int> keptFrames() const {
-    std::map<TimeNs, int> position;
-    for (const Frame& frame : pairFrames(run_.session.cameras)) {
-      position.emplace(frame.t, static_cast<int>(position.size()));
-    }
+  std::vector<int> keptFrames(const std::vector<int>& recorded) const {
+    const std::vector<int> accepted = run_.accepted(GuideStage::kCamera);
     std::vector<int> kept;
-    for (const int frame : run_.accepted(GuideStage::kCamera)) {
-      const auto at = position.find(run_.frames[static_cast<std::size_t>(frame)].t);
-      if (at != position.end()) kept.push_back(at->second);
+    for (std::size_t i = 0; i < recorded.size(); ++i) {
+      const bool is_kept = std::binary_search(accepted.begin(), accepted.end(), recorded[i]);
+      if (is_kept) kept.push_back(static_cast<int>(i));
     }
     return kept;
   }
 
-  /// Those that the camera-IMU stage ran with.
-  std::vector<CameraCalibration> usedCameras() const {
-    if (given_) return *given_;
-    return batches_.kept ? batches_.kept->cameras : std::vector<CameraCalibration>();
-  }
-  /// The best that are known.
-  std::vector<CameraCalibration> drawn() const {
-    return batches_.full ? batches_.full->cameras : usedCameras();
+  /// The best that are known, for drawing.
+  const std::vector<CameraCalibration>& drawn() const {
+    return batches_.full ? batches_.full->cameras : used_cameras_;
   }
 
   const ReplayRequest& request_;
   const ReplayRun& run_;
   const Guide& guide_;
-  std::optional<std::vector<CameraCalibration>> given_;
+  const bool given_;
+  std::vector<CameraCalibration> used_cameras_;  // those that the camera-IMU stage ran with
   std::optional<std::vector<Suggestion>> suggestions_;
   const ProgressSink& tell_;
   StageBatches<CameraStageResult> batches_;
@@ -150,6 +173,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   GuideFramesOptions arrival;
   arrival.tolerance = request.load.read.sync_tolerance;
   arrival.arrival_s = request.arrival_s;
+  const std::vector<Frame> paired = pairedFrames(session, arrival);
   const std::vector<GuideFrame> frames = guideFrames(session, arrival);
   const auto given = givenCameras(request, session);
   Guide guide(guideRig(session, models), request.guide, given);
@@ -163,7 +187,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   record.provenance.input_hash = loaded.input_hash;
   record.decisions = play(guide, frames, progress);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
-  if (request.images) addImages(loaded, record.frames, progress);
+  if (request.images) addImages(loaded, paired, record.frames, progress);
   const ReplayRun run{session,       frames,         record.decisions,
                       request.guide, request.camera, request.camera_imu};
   Judge(request, run, guide, given, suggestions, progress).write(record);

@@ -25,6 +25,17 @@ std::string startProblem(const ReplayRun& run, GuideStage stage) {
   return "the recording ended before the guide had enough frames to start from";
 }
 
+/// Why no frame came to the camera-IMU stage.
+std::string entryProblem(const ReplayRun& run) {
+  const Decision* finish = run.finish(GuideStage::kCamera);
+  if (finish == nullptr) return "the camera stage took the whole recording";
+  if (finish == &run.decisions.back()) {
+    return "the camera stage finished with the recording's last frame";
+  }
+  return fmt::format("the camera stage finished with frame {}, but gave no cameras: {}",
+                     finish->frame, finish->detail);
+}
+
 /// All that can be read off the decisions.
 ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   ReplayStageSummary s;
@@ -42,8 +53,7 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   s.views_used = static_cast<int>(run.accepted(stage).size());
   s.ran = s.started.has_value();
   if (const Decision* finish = run.finish(stage)) s.finished = finish->t;
-  if (!s.ran)
-    s.problem = entered ? startProblem(run, stage) : "the camera stage took the whole recording";
+  if (!s.ran) s.problem = entered ? startProblem(run, stage) : entryProblem(run);
   return s;
 }
 
@@ -73,6 +83,20 @@ void addHindsight(const ReplayRun& run, const CameraStageResult& kept, ReplaySta
   s.information_after_finish_nats = hindsight.after_finish_nats;
 }
 
+/// Both batches, and why one of them is missing.
+template <class StageResult>
+StageBatches<StageResult> batchesOf(Result<StageResult> kept, Result<StageResult> full) {
+  StageBatches<StageResult> out;
+  if (!kept) {
+    out.problem = "batch over the frames kept: " + kept.failure().message;
+  } else if (!full) {
+    out.problem = "batch over all frames: " + full.failure().message;
+  }
+  if (kept) out.kept = std::move(kept).value();
+  if (full) out.full = std::move(full).value();
+  return out;
+}
+
 template <class StageResult>
 void addBatches(const StageBatches<StageResult>& batches, ReplayStageSummary& s) {
   if (batches.kept) s.kept_batch = batches.kept->summary;
@@ -83,43 +107,24 @@ void addBatches(const StageBatches<StageResult>& batches, ReplayStageSummary& s)
 }  // namespace
 
 StageBatches<CameraStageResult> cameraBatches(const ReplayRun& run,
-                                              const Result<CameraStageResult>& kept) {
-  StageBatches<CameraStageResult> out;
+                                              const Result<CameraStageResult>& guides_own) {
   CameraStageOptions options = run.camera;
-  if (kept) {
-    out.kept = *kept;
-    options.start = kept->cameras;
-  } else {
-    out.problem = "batch over the views kept: " + kept.failure().message;
-  }
-  auto full = calibrateCameras(run.sessionFrom(), options);
-  if (full) {
-    out.full = std::move(full).value();
-  } else if (out.problem.empty()) {
-    out.problem = "batch over all frames: " + full.failure().message;
-  }
-  return out;
+  if (guides_own) options.start = guides_own->cameras;
+  auto kept = calibrateCameras(run.sessionOfFrames(run.accepted(GuideStage::kCamera)), options);
+  if (kept) options.start = kept->cameras;
+  return batchesOf(std::move(kept), calibrateCameras(run.sessionFrom(), options));
 }
 
 StageBatches<CameraImuStageResult> cameraImuBatches(const ReplayRun& run,
-                                                    const std::vector<CameraCalibration>& cameras,
-                                                    const Result<CameraImuStageResult>& kept) {
-  StageBatches<CameraImuStageResult> out;
-  if (kept) {
-    out.kept = *kept;
-  } else {
-    out.problem = "batch over the frames kept: " + kept.failure().message;
-  }
+                                                    const std::vector<CameraCalibration>& cameras) {
   const auto first = std::find_if(run.decisions.begin(), run.decisions.end(),
                                   [](const auto& d) { return d.stage == GuideStage::kCameraImu; });
-  if (first == run.decisions.end()) return out;
-  auto full = calibrateCameraImu(run.sessionFrom(first->frame), cameras, run.camera_imu);
-  if (full) {
-    out.full = std::move(full).value();
-  } else if (out.problem.empty()) {
-    out.problem = "batch over all frames: " + full.failure().message;
-  }
-  return out;
+  if (first == run.decisions.end()) return {};
+  const auto batch = [&](const Session& session) {
+    return calibrateCameraImu(session, cameras, run.camera_imu);
+  };
+  return batchesOf(batch(run.sessionOfFrames(run.accepted(GuideStage::kCameraImu))),
+                   batch(run.sessionFrom(first->frame)));
 }
 
 ReplayStageSummary summariseCameraStage(const ReplayRun& run,

@@ -18,13 +18,15 @@ struct StageBatches {
   std::string problem;  ///< why one of them is missing
 };
 
-/// The batches of both stages. `kept` is the guide's own batch; the full one starts from it.
+/// The batches of the camera stage, both under run.camera, so that they differ by their frames
+/// alone. That over the kept frames starts from the guide's own batch where there is one, the full
+/// one from that.
 StageBatches<CameraStageResult> cameraBatches(const ReplayRun& run,
-                                              const Result<CameraStageResult>& kept);
-/// `cameras`: those the stage ran with.
+                                              const Result<CameraStageResult>& guides_own);
+/// Those of the camera-IMU stage, both under run.camera_imu. `cameras` are those the stage ran
+/// with. Nothing where the stage was not entered.
 StageBatches<CameraImuStageResult> cameraImuBatches(const ReplayRun& run,
-                                                    const std::vector<CameraCalibration>& cameras,
-                                                    const Result<CameraImuStageResult>& kept);
+                                                    const std::vector<CameraCalibration>& cameras);
 
 /// A stage in figures. Redundant and missed views (camera stage) are those of viewHindsight() at
 /// the kept batch's cameras; the information after "finish" of the camera-IMU stage is the

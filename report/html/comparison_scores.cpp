@@ -74,37 +74,23 @@ Table scoresTable(const std::vector<CalibrationScore>& scores) {
   return table;
 }
 
-/// RMSE of each camera over the parts of one calibration, weighted by corners; held-out parts
-/// alone where there are any.
-struct Pooled {
-  std::vector<std::string> cameras;
-  std::vector<double> squares;
-  std::vector<double> count;
-};
-
 bool anyHeldOut(const std::vector<CalibrationScore>& scores) {
   return std::any_of(scores.begin(), scores.end(), [](const CalibrationScore& s) {
     return s.held_out && s.reprojection.count > 0;
   });
 }
 
-Pooled pooled(const std::vector<CalibrationScore>& scores, const std::string& label,
-              bool held_out) {
-  Pooled p;
-  for (const CalibrationScore& s : scores) {
-    if (s.label != label || s.held_out != held_out) continue;
-    for (std::size_t i = 0; i < s.per_camera.size(); ++i) {
-      if (i >= p.cameras.size()) {
-        p.cameras.push_back(cameraName(s, i));
-        p.squares.push_back(0);
-        p.count.push_back(0);
-      }
-      const auto n = static_cast<double>(s.per_camera[i].count);
-      p.squares[i] += n * s.per_camera[i].rmse_px * s.per_camera[i].rmse_px;
-      p.count[i] += n;
-    }
+/// RMSE of a camera over some parts, weighted by corners; NaN where none has it.
+double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string& camera) {
+  double squares = 0, count = 0;
+  for (const CalibrationScore& s : parts) {
+    const ErrorStatistics* errors = errorsOf(s, camera);
+    if (errors == nullptr) continue;
+    const auto n = static_cast<double>(errors->count);
+    squares += n * errors->rmse_px * errors->rmse_px;
+    count += n;
   }
-  return p;
+  return count > 0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
 }
 
 Figure scoreBars(const std::vector<CalibrationScore>& scores) {
@@ -114,22 +100,20 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   for (const CalibrationScore& s : scores) {
     if (std::find(labels.begin(), labels.end(), s.label) == labels.end()) labels.push_back(s.label);
   }
+  plot.categories = cameraNames(scores);
   for (const std::string& label : labels) {
-    const Pooled p = pooled(scores, label, held_out);
-    std::vector<double> values;
-    for (std::size_t i = 0; i < p.cameras.size(); ++i) {
-      values.push_back(p.count[i] > 0 ? std::sqrt(p.squares[i] / p.count[i])
-                                      : std::numeric_limits<double>::quiet_NaN());
+    std::vector<CalibrationScore> parts;
+    for (const CalibrationScore& s : scores) {
+      const bool counts = s.label == label && s.held_out == held_out && !s.per_camera.empty();
+      if (counts) parts.push_back(s);
     }
-    if (p.cameras.size() > plot.categories.size()) plot.categories = p.cameras;
-    if (values.empty()) continue;
+    if (parts.empty()) continue;
+    std::vector<double> values;
+    for (const std::string& camera : plot.categories) values.push_back(pooledRmse(parts, camera));
     plot.names.push_back(label);
     plot.values.push_back(std::move(values));
   }
   if (plot.values.empty()) return {};
-  for (auto& values : plot.values) {
-    values.resize(plot.categories.size(), std::numeric_limits<double>::quiet_NaN());
-  }
   plot.frame.title = held_out ? "RMSE per camera, held out" : "RMSE per camera";
   plot.frame.width = 960;
   plot.frame.height = 320;

@@ -22,8 +22,8 @@ bool isWhole(const CalibrationScore& s) { return s.part == "all"; }
 /// "all 5 folds" stands for every fold in the plot.
 bool isPooled(const CalibrationScore& s) { return s.part.rfind("all ", 0) == 0; }
 
-std::string rmseText(const ErrorStatistics& s) {
-  return s.count > 0 ? fmt::format("{:.4f}", s.rmse_px) : kDash;
+std::string rmseText(const ErrorStatistics* s) {
+  return s != nullptr && s->count > 0 ? fmt::format("{:.4f}", s->rmse_px) : kDash;
 }
 
 bool anyImu(const Scores& scores) {
@@ -45,21 +45,20 @@ std::vector<Column> columnsOf(const std::vector<std::string>& cameras, bool with
 }
 
 void addImuCells(const CalibrationScore& s, std::vector<Cell>& row) {
-  row.push_back(number(s.camera_imu ? rmseText(*s.camera_imu) : kDash));
+  row.push_back(number(rmseText(s.camera_imu ? &*s.camera_imu : nullptr)));
   row.push_back(number(s.gyro_rms_rad_s ? fmt::format("{:.2f}", 1e3 * *s.gyro_rms_rad_s) : kDash));
   row.push_back(number(s.accel_rms_m_s2 ? fmt::format("{:.4f}", *s.accel_rms_m_s2) : kDash));
 }
 
-std::vector<Cell> rowOf(const CalibrationScore& s, std::size_t cameras, bool with_imu) {
+std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string>& cameras,
+                        bool with_imu) {
   const bool scored = s.reprojection.count > 0;
   std::vector<Cell> row = {tight(s.session), tight(isWhole(s) ? "whole" : s.part),
                            tight(s.held_out   ? "held out"
                                  : isWhole(s) ? "scored"
                                               : "calibrated on"),
-                           number(rmseText(s.reprojection))};
-  for (std::size_t c = 0; c < cameras; ++c) {
-    row.push_back(number(c < s.per_camera.size() ? rmseText(s.per_camera[c]) : kDash));
-  }
+                           number(rmseText(&s.reprojection))};
+  for (const std::string& camera : cameras) row.push_back(number(rmseText(errorsOf(s, camera))));
   row.push_back(number(scored ? fmt::format("{:.4f}", s.reprojection.median_px) : kDash));
   row.push_back(number(scored ? grouped(s.reprojection.count) : kDash));
   row.push_back(
@@ -70,10 +69,10 @@ std::vector<Cell> rowOf(const CalibrationScore& s, std::size_t cameras, bool wit
 
 Block blockOf(const std::string& heading, const std::string& text, const Scores& scores) {
   const bool with_imu = anyImu(scores);
-  const std::vector<std::string>& cameras = scores.front().cameras;
+  const std::vector<std::string> cameras = cameraNames(scores);
   Block block{heading, text, Table{columnsOf(cameras, with_imu), {}}, {}, {}};
   for (const CalibrationScore& s : scores) {
-    block.table->rows.push_back(rowOf(s, cameras.size(), with_imu));
+    block.table->rows.push_back(rowOf(s, cameras, with_imu));
   }
   return block;
 }
@@ -81,13 +80,14 @@ Block blockOf(const std::string& heading, const std::string& text, const Scores&
 /// RMSE per camera of whole recordings and of all folds together.
 Figure barsOf(const Scores& scores) {
   BarPlot plot;
-  plot.categories = scores.front().cameras;
+  plot.categories = cameraNames(scores);
   for (const CalibrationScore& s : scores) {
     if (s.reprojection.count == 0 || !(isPooled(s) || isWhole(s))) continue;
     std::vector<double> values;
-    for (std::size_t c = 0; c < plot.categories.size(); ++c) {
-      const bool known = c < s.per_camera.size() && s.per_camera[c].count > 0;
-      values.push_back(known ? s.per_camera[c].rmse_px : std::numeric_limits<double>::quiet_NaN());
+    for (const std::string& camera : plot.categories) {
+      const ErrorStatistics* errors = errorsOf(s, camera);
+      const bool known = errors != nullptr && errors->count > 0;
+      values.push_back(known ? errors->rmse_px : std::numeric_limits<double>::quiet_NaN());
     }
     plot.names.push_back((isWhole(s) ? s.session : s.part) + (s.held_out ? ", held out" : ""));
     plot.values.push_back(std::move(values));

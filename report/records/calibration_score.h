@@ -17,7 +17,7 @@ struct CalibrationScore {
   bool held_out = false;
   ErrorStatistics reprojection;
   std::vector<ErrorStatistics> per_camera;
-  std::vector<std::string> cameras;           ///< their names
+  std::vector<std::string> cameras;           ///< their names; sessions may order them otherwise
   int views_used = 0;                         ///< (camera, frame) pairs that a pose was found for
   int views_offered = 0;                      ///< those in the session, whatever they saw
   std::optional<ErrorStatistics> camera_imu;  ///< with IMU: only states and gravity move
@@ -32,5 +32,11 @@ struct CalibrationScore {
   std::vector<std::string> camera_imu_entropy_parameters;
   std::string problem;  ///< why there is no score, or none of camera and IMU; empty if there is
 };
+
+/// Names of the cameras of all scores, each once, as they first appear.
+std::vector<std::string> cameraNames(const std::vector<CalibrationScore>& scores);
+
+/// The errors of the camera of this name; null where the score has none.
+const ErrorStatistics* errorsOf(const CalibrationScore& score, const std::string& camera);
 
 }  // namespace plumbline

@@ -39,6 +39,22 @@ class CommandReplay : public CommandLine {
     }
     write(file, kept);
   }
+  /// The spoiled session; of every frame between 4 s and 8 s the corners are gone, its stamp stays.
+  fs::path withTargetLost() const {
+    const fs::path folder = spoiled();
+    for (const char* camera : {"cam0", "cam1"}) {
+      const fs::path stream = folder / "mav0" / camera;
+      std::istringstream in(read(stream / "corners.csv"));
+      std::string kept;
+      for (std::string line; std::getline(in, line);) {
+        const bool lost = line[0] != '#' && std::stoll(line) > 1'400'000'004'000'000'000 &&
+                          std::stoll(line) < 1'400'000'008'000'000'000;
+        if (!lost) kept += line + "\n";
+      }
+      write(stream / "corners.csv", kept);
+    }
+    return folder;
+  }
 };
 
 TEST_F(CommandReplay, OneLineAFrameAndAPageFromTheRecords) {
@@ -126,19 +142,7 @@ TEST_F(CommandReplay, WithoutImuTheCameraStageIsAll) {
 }
 
 TEST_F(CommandReplay, ATargetLostForLongIsSaidAndTheReplayGoesOn) {
-  const fs::path folder = spoiled();
-  for (const char* camera : {"cam0", "cam1"}) {
-    const fs::path stream = folder / "mav0" / camera;
-    // Of every frame between 4 s and 8 s the corners are gone, its stamp stays.
-    std::istringstream in(read(stream / "corners.csv"));
-    std::string kept;
-    for (std::string line; std::getline(in, line);) {
-      const bool lost = line[0] != '#' && std::stoll(line) > 1'400'000'004'000'000'000 &&
-                        std::stoll(line) < 1'400'000'008'000'000'000;
-      if (!lost) kept += line + "\n";
-    }
-    write(stream / "corners.csv", kept);
-  }
+  const fs::path folder = withTargetLost();
   ASSERT_EQ(replay(folder, "--no-report --no-imu").exit_code, 0);
   int without = 0;
   bool said = false;
@@ -151,6 +155,27 @@ TEST_F(CommandReplay, ATargetLostForLongIsSaidAndTheReplayGoesOn) {
   EXPECT_GT(without, 60);
   EXPECT_TRUE(said);
   EXPECT_TRUE(went_on);
+}
+
+TEST_F(CommandReplay, OtherOrdersNameTheRecordingsFrames) {
+  const fs::path folder = withTargetLost();
+  const Outcome run = plumbline("replay " + folder.string() + " --out " + out().string() +
+                                " --no-cache --no-report --no-imu --random-orders 1");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  const auto decisions = lines(out() / "decisions.jsonl");
+  const json found = json::parse(read(out() / "replay.json"))["counterfactuals"];
+  std::size_t after_the_loss = 0;
+  for (const json& curve : found["curves"]) {
+    for (const json& frame : curve["order"]) {
+      const json& decision = decisions.at(frame.get<std::size_t>());
+      EXPECT_GT(decision["corners"].get<int>(), 0) << frame;
+      if (curve["strategy"] == "guide") {
+        EXPECT_TRUE(decision["accepted"].get<bool>()) << frame;
+      }
+      after_the_loss += decision["t_ns"].get<std::int64_t>() > 1'400'000'008'000'000'000 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(after_the_loss, 10U);
 }
 
 TEST_F(CommandReplay, AnImuGapIsSaidAndTheReplayGoesOn) {

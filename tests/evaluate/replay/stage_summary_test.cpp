@@ -72,5 +72,41 @@ TEST_F(Summary, IsThatOfAStageWhichNeverTookWhatItWithdrew) {
   EXPECT_GT(withdrawn.information_after_finish_nats, all.information_after_finish_nats);
 }
 
+TEST_F(Summary, BothBatchesAreUnderTheRunsOptions) {
+  for (Decision& d : decisions_) d.accepted = true;
+  ReplayRun r = run();
+  const auto guides_own = calibrateCameras(r.sessionFrom());
+  r.camera.frames.min_corners = 110;
+  r.camera.filter = CornerFilter::kSigma;
+  r.camera.filter_sigmas = 2;
+  const auto batches = cameraBatches(r, guides_own);
+  ASSERT_TRUE(batches.kept && batches.full) << batches.problem;
+  const StageSummary& kept = batches.kept->summary;
+  EXPECT_LT(kept.corners_used, guides_own->summary.corners_used);
+  EXPECT_LT(kept.views_used, guides_own->summary.views_used);
+  EXPECT_EQ(kept.corners_used, batches.full->summary.corners_used);
+  EXPECT_EQ(kept.views_used, batches.full->summary.views_used);
+  EXPECT_NEAR(kept.entropy_nats, batches.full->summary.entropy_nats, 1e-4);
+}
+
+TEST_F(Summary, ABatchThatTheGuideCouldNotSolveIsTriedFromTheViewsAlone) {
+  const ReplayRun r = run();
+  const auto batches =
+      cameraBatches(r, Failure{FailureReason::kNotConverged, "did not converge", ""});
+  EXPECT_TRUE(batches.kept.has_value()) << batches.problem;
+}
+
+TEST_F(Summary, SaysWhyNoFrameCameToTheCameraImuStage) {
+  const auto problem = [&] { return summariseCameraImuStage(run(), {}).problem; };
+  decisions_[44].detail = "the batch over the views kept failed: nothing moved";
+  EXPECT_EQ(problem(),
+            "the camera stage finished with frame 44, but gave no cameras: the batch over the "
+            "views kept failed: nothing moved");
+  decisions_.resize(45);
+  EXPECT_EQ(problem(), "the camera stage finished with the recording's last frame");
+  decisions_.resize(44);
+  EXPECT_EQ(problem(), "the camera stage took the whole recording");
+}
+
 }  // namespace
 }  // namespace plumbline

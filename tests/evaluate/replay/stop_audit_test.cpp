@@ -51,9 +51,7 @@ class Stopping : public ::testing::Test {
   StopAudit imuAudit() const {
     const ReplayRun r = run();
     const auto& cameras = recording_.truth.cameras;
-    const auto kept =
-        calibrateCameraImu(r.sessionOfFrames(r.accepted(GuideStage::kCameraImu)), cameras);
-    return auditCameraImuStop(r, cameras, cameraImuBatches(r, cameras, kept));
+    return auditCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
   }
 
   SimulatedSession recording_ = simulated();

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The columns of the scores' table are cameras, whatever order a recording has them in.
+#include "report/html/held_scores.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline::html_internal {
+namespace {
+
+using ::testing::ElementsAre;
+
+CalibrationScore scoreOf(const std::string& session,
+                         const std::vector<std::pair<std::string, double>>& cameras) {
+  CalibrationScore score;
+  score.session = session;
+  score.part = "all";
+  score.held_out = true;
+  score.reprojection.count = 10;
+  for (const auto& [name, rmse_px] : cameras) {
+    score.cameras.push_back(name);
+    score.per_camera.push_back({});
+    score.per_camera.back().rmse_px = rmse_px;
+    score.per_camera.back().count = 10;
+  }
+  return score;
+}
+
+TEST(HeldScores, AColumnIsOneCameraInEveryRow) {
+  HeldCalibration held;
+  held.scores = {scoreOf("a", {{"left", 0.1}, {"right", 0.2}}),
+                 scoreOf("b", {{"right", 0.4}, {"left", 0.3}}), scoreOf("c", {{"right", 0.5}})};
+  const Section section = heldScoresSection(held);
+  ASSERT_TRUE(section.blocks.at(0).table.has_value());
+  const Table& table = *section.blocks[0].table;
+  std::size_t left = 0;
+  while (table.columns.at(left).name != "left [px]") ++left;
+  ASSERT_EQ(table.columns.at(left + 1).name, "right [px]");
+  std::vector<std::string> lefts, rights;
+  for (const auto& row : table.rows) {
+    lefts.push_back(row.at(left).text);
+    rights.push_back(row.at(left + 1).text);
+  }
+  EXPECT_THAT(lefts, ElementsAre("0.1000", "0.3000", "\u2013"));
+  EXPECT_THAT(rights, ElementsAre("0.2000", "0.4000", "0.5000"));
+}
+
+}  // namespace
+}  // namespace plumbline::html_internal
