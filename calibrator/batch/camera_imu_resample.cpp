@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/time_offsets.h"
+#include "calibrator/batch/camera_difference.h"
 
 namespace plumbline {
 namespace {
@@ -23,12 +24,7 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
   std::vector<double> d;
   append(d, boxminus(to.imu.T_SC0, from.imu.T_SC0));
   d.push_back(to.imu.time_offset_s - from.imu.time_offset_s);
-  for (std::size_t c = 0; free_cameras && c < to.cameras.size(); ++c) {
-    append(d, to.cameras[c].intrinsics.stacked() - from.cameras[c].intrinsics.stacked());
-  }
-  for (std::size_t c = 1; free_cameras && c < to.cameras.size(); ++c) {
-    append(d, boxminus(to.cameras[c].T_C0Ci, from.cameras[c].T_C0Ci));
-  }
+  if (free_cameras) append(d, cameraDifference(to.cameras, from.cameras));
   for (const std::string& name : from.summary.covariance.names) {
     if (name.rfind(kOwnOffset, 0) != 0) continue;
     const auto c = static_cast<std::size_t>(std::stoi(name.substr(kOwnOffset.size())));

@@ -7,25 +7,11 @@
 #include <optional>
 #include <random>
 
+#include "calibrator/batch/camera_difference.h"
 #include "calibrator/batch/parallel_chunks.h"
 
 namespace plumbline {
 namespace {
-
-/// All parameters of the cameras minus those of `from`, in the order of the stage's covariance.
-Eigen::VectorXd difference(const std::vector<CameraCalibration>& to,
-                           const std::vector<CameraCalibration>& from) {
-  std::vector<double> d;
-  for (std::size_t c = 0; c < to.size(); ++c) {
-    const Eigen::VectorXd k = to[c].intrinsics.stacked() - from[c].intrinsics.stacked();
-    d.insert(d.end(), k.begin(), k.end());
-  }
-  for (std::size_t c = 1; c < to.size(); ++c) {
-    const Vector6d x = boxminus(to[c].T_C0Ci, from[c].T_C0Ci);
-    d.insert(d.end(), x.begin(), x.end());
-  }
-  return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
-}
 
 /// Random numbers of one draw, unlike those of any other seed or draw.
 std::mt19937_64 randomOf(std::uint64_t seed, int draw) {
@@ -101,7 +87,7 @@ Result<ResampleSummary> resampleCameras(const Session& session, const CameraStag
   const auto solve = [&](const std::vector<FrameStretch>& stretches) {
     const auto again = recalibrateCameras(session, earlier, stretches, one_thread);
     if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
-    return std::optional(difference(again->cameras, earlier.cameras));
+    return std::optional(cameraDifference(again->cameras, earlier.cameras));
   };
   return solveDraws(earlier.summary.covariance, static_cast<int>(earlier.frames.size()), resample,
                     "camera", solve);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera_difference.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 #include "tests/calibrator/window/stereo_frames.h"
@@ -58,7 +59,7 @@ TEST(CameraGuideOnEuroc, KeepsAFewViewsThatCalibrateTheWholeRecording) {
   const double with_kept = rmseOn(session, batch->cameras);
   const double with_full = rmseOn(session, full->cameras);
   EXPECT_LT(with_kept, 1.1 * with_full);
-  const Eigen::VectorXd d = testing::cameraDifference(batch->cameras, full->cameras);
+  const Eigen::VectorXd d = cameraDifference(batch->cameras, full->cameras);
   EXPECT_LT(std::abs(d(0)), 0.015 * full->cameras[0].intrinsics.projection(0));
   RecordProperty("finished", guide.finished() ? 1 : 0);
   RecordProperty("views_kept", decisions.back().views_kept);

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/camera_difference.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 #include "tests/calibrator/window/stereo_frames.h"
 
@@ -41,7 +42,7 @@ TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
     EXPECT_NEAR(batch->summary.reprojection.rmse_px, kSigma * std::sqrt(2), 0.02);
     // Window and batch agree on what is known.
     EXPECT_NEAR(*last.entropy_nats, batch->summary.entropy_nats, 0.2);
-    const Eigen::VectorXd error = testing::cameraDifference(batch->cameras, rig.truth());
+    const Eigen::VectorXd error = cameraDifference(batch->cameras, rig.truth());
     const double nees = error.dot(batch->summary.covariance.matrix.llt().solve(error));
     EXPECT_GT(nees, 6.98) << name;  // chi-square of 22, two-sided 99.9 %
     EXPECT_LT(nees, 50.51) << name;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera_difference.h"
 #include "calibrator/window/camera_window.h"
 #include "tests/calibrator/window/stereo_frames.h"
 
@@ -57,15 +58,12 @@ std::optional<Outcome> runWindow(std::uint64_t seed) {
     if (!window.solve()) return std::nullopt;
     while (window.frameCount() > options.size) window.marginaliseOldest();
   }
-  const Eigen::VectorXd error =
-      testing::cameraDifference(window.cameras(), frames.simulated.truth.cameras);
+  const Eigen::VectorXd error = cameraDifference(window.cameras(), frames.simulated.truth.cameras);
   const Eigen::VectorXd std = batch->summary.covariance.standardDeviations();
   Outcome outcome;
   outcome.nees = error.dot(window.information() * error);
-  outcome.from_batch = testing::cameraDifference(window.cameras(), batch->cameras)
-                           .cwiseQuotient(std)
-                           .cwiseAbs()
-                           .maxCoeff();
+  outcome.from_batch =
+      cameraDifference(window.cameras(), batch->cameras).cwiseQuotient(std).cwiseAbs().maxCoeff();
   return outcome;
 }
 

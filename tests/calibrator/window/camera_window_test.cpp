@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera_difference.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "tests/calibrator/window/stereo_frames.h"
@@ -209,7 +210,7 @@ TEST(CameraWindow, IsCloseToTheBatch) {
     while (window.frameCount() > options.size) window.marginaliseOldest();
   }
   const Eigen::VectorXd std = batch->summary.covariance.standardDeviations();
-  const Eigen::VectorXd d = testing::cameraDifference(window.cameras(), batch->cameras);
+  const Eigen::VectorXd d = cameraDifference(window.cameras(), batch->cameras);
   EXPECT_LT(d.cwiseQuotient(std).cwiseAbs().maxCoeff(), 0.2);
   const auto entropy = entropyNats(window.information());
   ASSERT_TRUE(entropy.has_value());

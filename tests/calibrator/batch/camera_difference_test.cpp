@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Differences of cameras stand in the order of the camera stage's covariance.
+#include "calibrator/batch/camera_difference.h"
+
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/rig.h"
+
+namespace plumbline {
+namespace {
+
+TEST(CameraDifference, ListsIntrinsicsThenTangentsOfAllButTheFirst) {
+  const std::vector<CameraCalibration> from = simulatedRig("euroc").calibration.cameras;
+  ASSERT_EQ(from.size(), 2U);
+  std::vector<CameraCalibration> to = from;
+  Vector6d step;
+  step << 0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3;
+  to[1].T_C0Ci = boxplus(from[1].T_C0Ci, step);
+  to[0].T_C0Ci.t.x() += 5;  // camera 0 is the frame: its pose is no parameter
+  to[1].intrinsics.projection[0] += 7;
+  const Eigen::VectorXd d = cameraDifference(to, from);
+  const Eigen::Index each = from[0].intrinsics.stacked().size();
+  ASSERT_EQ(d.size(), 2 * each + 6);
+  EXPECT_TRUE(d.head(each).isZero());
+  EXPECT_NEAR(d[each], 7, 1e-9);
+  EXPECT_TRUE(d.segment(each + 1, each - 1).isZero());
+  EXPECT_TRUE(d.tail<6>().isApprox(step, 1e-9));
+}
+
+}  // namespace
+}  // namespace plumbline
