@@ -210,7 +210,7 @@ Section counterfactualsSection(const ReplayRecord& record) {
       "that RMSE; regret is an order's held-out RMSE less that of the best order with as many "
       "views, in the median over the numbers of views.",
       c.pool_frames, c.held_out_frames, c.full_pool_entropy_nats, c.full_pool_held_out_px);
-  section.blocks.push_back({"", "", strategyTable(c.bands), {}, {}});
+  section = withTable(std::move(section), strategyTable(c.bands));
   addFigures(section, c);
   return section;
 }

@@ -137,10 +137,6 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
   return table;
 }
 
-Block tableBlock(std::string heading, Table table) {
-  return {std::move(heading), "", std::move(table), {}, {}};
-}
-
 Cell verdictCell(StopAudit::Verdict verdict) {
   switch (verdict) {
     case StopAudit::Verdict::kNotJudged:
@@ -183,28 +179,24 @@ Section replayStagesSection(const ReplayRecord& record) {
   for (const ReplayStageSummary& s : record.stages) {
     if (!s.problem.empty()) section.remarks.push_back(titleOf(s.stage) + ": " + s.problem);
   }
-  if (record.stages.empty()) return section;
-  section.blocks.push_back(tableBlock("", stageTable(record)));
+  section = withTable(std::move(section), stageTable(record));
   Table batches = batchTable(record);
-  if (!batches.rows.empty()) {
-    section.blocks.push_back(
-        tableBlock("Batch over the views kept, and over all", std::move(batches)));
-  }
+  if (batches.rows.empty()) return section;
+  section.blocks.push_back(
+      {"Batch over the views kept, and over all", "", std::move(batches), {}, {}});
   return section;
 }
 
 Section replaySuggestionsSection(const ReplayRecord& record) {
-  Section section{
-      "suggestions",
-      "Suggestions",
-      "What the guide asked for, and how near the recording came to it while it was "
-      "open: mean distance of the corners, and at its least the distance of the camera. "
-      "In an unguided recording nobody followed. Withdrawn: the stage finished while it was open.",
-      {},
-      {}};
-  if (record.suggestions.empty()) return section;
-  section.blocks.push_back(tableBlock("", outcomeTable(record, record.suggestions)));
-  return section;
+  return withTable(
+      {"suggestions",
+       "Suggestions",
+       "What the guide asked for, and how near the recording came to it while it was open: mean "
+       "distance of the corners, and at its least the distance of the camera. In an unguided "
+       "recording nobody followed. Withdrawn: the stage finished while it was open.",
+       {},
+       {}},
+      outcomeTable(record, record.suggestions));
 }
 
 Section stopAuditSection(const ReplayRecord& record) {
@@ -216,7 +208,6 @@ Section stopAuditSection(const ReplayRecord& record) {
       "recording came after it.",
       {},
       {}};
-  if (record.stop_audits.empty()) return section;
   Table table{{{"Stage"},
                {"Finish was"},
                {"Finish [s]", kNumber},
@@ -230,8 +221,7 @@ Section stopAuditSection(const ReplayRecord& record) {
     table.rows.push_back(auditRow(record, a));
     if (!a.explanation.empty()) section.remarks.push_back(titleOf(a.stage) + ": " + a.explanation);
   }
-  section.blocks.push_back(tableBlock("", std::move(table)));
-  return section;
+  return withTable(std::move(section), std::move(table));
 }
 
 Section complianceSection(const ReplayRecord& record) {
@@ -247,8 +237,7 @@ Section complianceSection(const ReplayRecord& record) {
       "{} of {} suggestions were reached{}.", c.reached, c.suggestions.size(),
       c.reached > 0 ? fmt::format(", after {:.1f} s in the median", c.median_seconds_to_reach)
                     : ""));
-  section.blocks.push_back(tableBlock("", outcomeTable(record, c.suggestions)));
-  return section;
+  return withTable(std::move(section), outcomeTable(record, c.suggestions));
 }
 
 }  // namespace plumbline::html_internal
