@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The two functions with which every folder declares its library and its tests.
+# The functions with which every folder declares its library and its tests.
 include(${CMAKE_CURRENT_LIST_DIR}/unity.cmake)
 
 # plumbline_library(NAME SOURCES a.cpp ... [DEPENDS target ...])
@@ -36,4 +36,18 @@ function(plumbline_test name)
     add_dependencies(plumbline_unit_tests ${name})
   endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900)
+endfunction()
+
+# plumbline_cli_test(NAME SOURCES a_test.cpp ... [DEPENDS target ...] [LABELS label ...])
+# A plumbline_test() that runs the program, whose path it knows as PLUMBLINE_BINARY (a C++ string
+# literal); label `cli` unless others are given: the program is not rebuilt for the sanitizers.
+function(plumbline_cli_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS cli)
+  endif()
+  plumbline_test(${name} SOURCES ${ARG_SOURCES} LABELS ${ARG_LABELS}
+                 DEPENDS plumbline_base nlohmann_json::nlohmann_json ${ARG_DEPENDS})
+  target_compile_definitions(${name} PRIVATE PLUMBLINE_BINARY="$<TARGET_FILE:plumbline>")
+  add_dependencies(${name} plumbline)
 endfunction()
