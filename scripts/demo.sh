@@ -6,12 +6,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # Two clones share what ccache keeps.
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 out=${1:-demo}
 
 scripts/install_dependencies.sh build
 echo "Building ..."
-cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=OFF >/dev/null
+cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=OFF \
+  -DPLUMBLINE_UNITY=ON >/dev/null
 cmake --build build --target plumbline
 
 rm -rf "$out/session" "$out/calibration"

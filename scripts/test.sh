@@ -6,12 +6,12 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # Two clones share what ccache keeps.
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
 
 scripts/install_dependencies.sh build test
 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON \
-  -DPLUMBLINE_SHARED_DATA="$data" >/dev/null
+  -DPLUMBLINE_UNITY=ON -DPLUMBLINE_SHARED_DATA="$data" >/dev/null
 cmake --build build
 
 left_out=()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # PLUMBLINE_UNITY: sources of one target are compiled several at a time, so that Eigen, the standard
-# library and JSON are read and instantiated once for all of them; a cold build takes about half the
-# work. The sanitizer build asks for it. It stays off where files are
-# edited, and for clang-tidy's folder, in which every source has to bring its own includes.
+# library and JSON are read and instantiated once for all of them, and tests share a precompiled
+# header. The scripts ask for it. It stays off where files are edited, and for clang-tidy's folder, in
+# which every source has to bring its own includes.
 #
 # Files meet in one translation unit only if their anonymous namespaces have no name in common, and
 # none that a header of the project declares for a type or a constant. Names are read off the lines
@@ -14,7 +14,8 @@ set(PLUMBLINE_UNITY_SIZE 8 CACHE STRING "At most so many sources at a time")
 function(plumbline_names out text)
   string(REGEX REPLACE "\\[\\[[a-z_]+\\]\\] ?" "" text "${text}")
   string(REPLACE "[" " = " text "${text}")
-  string(REGEX REPLACE "[];]" "" text "${text}")
+  string(REPLACE "]" "" text "${text}")
+  string(REPLACE ";" "=" text "${text}")
   string(REGEX MATCHALL "\n[A-Za-z][^\n({=]*[ &*>][A-Za-z_][A-Za-z0-9_]* ?[({=]" lines "${text}")
   set(names "")
   foreach(line IN LISTS lines)
@@ -82,8 +83,9 @@ function(plumbline_unite target)
   set(count 0)
   foreach(source IN LISTS ARGN)
     set(names "")
-    if(NOT IS_ABSOLUTE ${source})
-      plumbline_anonymous_names(names ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+    get_filename_component(path ${source} ABSOLUTE)
+    if(EXISTS ${path})  # else made by the build
+      plumbline_anonymous_names(names ${path})
     endif()
     plumbline_share(alone names header_names)
     set(group 0)
@@ -103,4 +105,22 @@ function(plumbline_unite target)
       math(EXPR group "${group} + 1")
     endwhile()
   endforeach()
+endfunction()
+
+# What nearly every test includes, compiled once for all of them.
+function(plumbline_precompile_test target)
+  if(NOT PLUMBLINE_UNITY)
+    return()
+  endif()
+  if(NOT TARGET plumbline_test_headers)
+    file(TOUCH ${PROJECT_BINARY_DIR}/tests/headers.cpp)
+    add_library(plumbline_test_headers OBJECT ${PROJECT_BINARY_DIR}/tests/headers.cpp)
+    target_link_libraries(plumbline_test_headers PRIVATE ${ARGN})
+    target_compile_options(plumbline_test_headers PRIVATE ${PLUMBLINE_TEST_OPTIONS})
+    target_precompile_headers(plumbline_test_headers PRIVATE
+      <algorithm> <cmath> <filesystem> <functional> <map> <memory> <numbers> <optional> <random>
+      <span> <sstream> <string> <tuple> <variant> <vector> <Eigen/Cholesky> <Eigen/Core>
+      <Eigen/Geometry> <Eigen/LU> <fmt/format.h> <gmock/gmock.h> <gtest/gtest.h>)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM plumbline_test_headers)
 endfunction()

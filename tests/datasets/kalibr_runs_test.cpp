@@ -86,10 +86,10 @@ TEST(KalibrPoses, FaultsAreNamedByLine) {
 // ---- IMUs
 
 TEST(KalibrImus, ScaleAndMisalignmentAreReadForComparingOnly) {
-  const std::string text =
-      std::string(kImu).replace(std::string(kImu).find("calibrated"), 10, "scale-misalignment") +
-      "  gyroscopes:\n    M:\n    - [1.01, 0.0, 0.0]\n    - [0.0, 1.0, 0.0]\n"
-      "    - [0.0, 0.0, 0.99]\n";
+  const std::string text = std::string(kImuYaml).replace(std::string(kImuYaml).find("calibrated"),
+                                                         10, "scale-misalignment") +
+                           "  gyroscopes:\n    M:\n    - [1.01, 0.0, 0.0]\n    - [0.0, 1.0, 0.0]\n"
+                           "    - [0.0, 0.0, 0.99]\n";
   const TemporaryFolder folder;
   const std::string path = folder.write("imu.yaml", text);
   const KalibrImuFile file = readKalibrImus(path);
@@ -105,8 +105,8 @@ TEST(KalibrImus, ScaleAndMisalignmentAreReadForComparingOnly) {
 TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
   const TemporaryFolder folder;
   using Kind = KalibrFileKind;
-  EXPECT_EQ(kalibrFileKind(folder.write("1", kCamchainImu)), Kind::kCamchainImu);
-  EXPECT_EQ(kalibrFileKind(folder.write("2", kImu)), Kind::kImu);
+  EXPECT_EQ(kalibrFileKind(folder.write("1", kCamchainImuYaml)), Kind::kCamchainImu);
+  EXPECT_EQ(kalibrFileKind(folder.write("2", kImuYaml)), Kind::kImu);
   EXPECT_EQ(kalibrFileKind(folder.write("3", kCamText)), Kind::kResultsCameras);
   EXPECT_EQ(kalibrFileKind(folder.write("4", kImuText)), Kind::kResultsImu);
   EXPECT_EQ(kalibrFileKind(folder.write("5", posesText(false))), Kind::kPoses);
@@ -117,11 +117,12 @@ TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
 
 TEST(KalibrRuns, WhatBelongsTogetherIsGathered) {
   const TemporaryFolder folder;
-  const std::string chain = folder.write("a", kCamchainImu);
+  const std::string chain = folder.write("a", kCamchainImuYaml);
   const std::string text = folder.write("b", kImuText);
-  folder.write("c", kImu);
+  folder.write("c", kImuYaml);
   // An IMU of another recording, and the text of another run.
-  folder.write("d", std::string(kImu).replace(std::string(kImu).find("0.00017"), 7, "0.00099"));
+  folder.write("d",
+               std::string(kImuYaml).replace(std::string(kImuYaml).find("0.00017"), 7, "0.00099"));
   folder.write("e", std::string(kImuText).replace(std::string(kImuText).find("0.05]"), 5, "0.09]"));
   for (const std::string& path : {folder.path(), chain, text}) {
     const KalibrRun run = readKalibrRun(path);
@@ -138,10 +139,9 @@ TEST(KalibrRuns, WhatBelongsTogetherIsGathered) {
 
 TEST(KalibrRuns, SeveralRunsInAFolderMustBeNamed) {
   const TemporaryFolder folder;
-  const std::string first = folder.write("run1.yaml", kCamchainImu);
-  folder.write(
-      "run2.yaml",
-      std::string(kCamchainImu).replace(std::string(kCamchainImu).find("400.0"), 5, "401.0"));
+  const std::string first = folder.write("run1.yaml", kCamchainImuYaml);
+  folder.write("run2.yaml", std::string(kCamchainImuYaml)
+                                .replace(std::string(kCamchainImuYaml).find("400.0"), 5, "401.0"));
   EXPECT_THAT(
       complaint([&] { (void)readKalibrRun(folder.path()); }),
       AllOf(HasSubstr("run1.yaml"), HasSubstr("run2.yaml"), HasSubstr("name the camchain")));
@@ -150,7 +150,7 @@ TEST(KalibrRuns, SeveralRunsInAFolderMustBeNamed) {
 
 TEST(KalibrRuns, FoldersWithoutACamchainAreRefused) {
   const TemporaryFolder folder;
-  folder.write("imu.yaml", kImu);
+  folder.write("imu.yaml", kImuYaml);
   EXPECT_THAT(complaint([&] { (void)readKalibrRun(folder.path()); }), HasSubstr("no camchain"));
   const std::string other = folder.write("target.yaml", "target_type: aprilgrid\n");
   EXPECT_THAT(complaint([&] { (void)readKalibrRun(other); }), HasSubstr("no output of Kalibr"));
@@ -159,10 +159,10 @@ TEST(KalibrRuns, FoldersWithoutACamchainAreRefused) {
 // ---- time shifts
 
 std::string withSecondCamera(const std::string& shift) {
-  std::string second = kCamchainImu;
+  std::string second = kCamchainImuYaml;
   second.replace(second.find("cam0"), 4, "cam1");
   second.replace(second.find("-0.0125"), 7, shift);
-  return kCamchainImu + second;
+  return kCamchainImuYaml + second;
 }
 
 TEST(KalibrTimeShifts, EachIsKeptAndTheMeanIsThere) {

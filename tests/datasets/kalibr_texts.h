@@ -93,7 +93,7 @@ IMU0:
     [[ 1.  0.  0.  0.]]
 )";
 
-inline const char* const kCamchainImu = R"(cam0:
+inline const char* const kCamchainImuYaml = R"(cam0:
   T_cam_imu:
   - [0.0, 1.0, 0.0, 0.05]
   - [-1.0, 0.0, 0.0, 0.06]
@@ -108,7 +108,7 @@ inline const char* const kCamchainImu = R"(cam0:
   timeshift_cam_imu: -0.0125
 )";
 
-inline const char* const kImu = R"(imu0:
+inline const char* const kImuYaml = R"(imu0:
   accelerometer_noise_density: 0.002
   accelerometer_random_walk: 0.003
   gyroscope_noise_density: 0.00017
