@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Records of studies come back bit for bit; stores of version 1 are read and lifted; what is
 // damaged or of another kind is refused.
+#include <concepts>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -53,44 +54,54 @@ std::string complaintOf(const Work& work) {
 
 }  // namespace
 
-// In the namespace of the records, so that the version for vectors finds those of their elements.
+// In the namespace of the records, so that the versions for vectors and optionals find those of
+// their elements.
+template <class T>
+requires std::equality_comparable<T>
+void expectSame(const T& a, const T& b) { EXPECT_EQ(a, b); }
 // Equal as bits, so that NaN equals itself and -0 is not 0.
 static void expectSame(double a, double b) {
   EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0) << a << " " << b;
-}
-static void expectSame(const std::optional<double>& a, const std::optional<double>& b) {
-  ASSERT_EQ(a.has_value(), b.has_value());
-  if (a) expectSame(*a, *b);
 }
 template <class S, int R, int C>
 void expectSame(const Eigen::Matrix<S, R, C>& a, const Eigen::Matrix<S, R, C>& b) {
   ASSERT_EQ(a.size(), b.size());
   EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(S) * static_cast<std::size_t>(a.size())), 0);
 }
-static void expectSame(const Transform& a, const Transform& b) {
-  expectSame(a.R, b.R);
-  expectSame(a.t, b.t);
+template <class T>
+void expectSame(const std::optional<T>& a, const std::optional<T>& b) {
+  ASSERT_EQ(a.has_value(), b.has_value());
+  if (a) expectSame(*a, *b);
 }
 template <class T>
 void expectSame(const std::vector<T>& a, const std::vector<T>& b) {
   ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) expectSame(a[i], b[i]);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    SCOPED_TRACE("element " + std::to_string(i));
+    expectSame(a[i], b[i]);
+  }
+}
+
+/// Expects the same of each of some members.
+template <class Record, class... Members>
+void expectSameMembers(const Record& a, const Record& b, Members... members) {
+  int position = 0;
+  const auto compare = [&](auto member) {
+    SCOPED_TRACE("member " + std::to_string(position++) + " of those compared");
+    expectSame(a.*member, b.*member);
+  };
+  (compare(members), ...);
+}
+
+static void expectSame(const Transform& a, const Transform& b) {
+  expectSameMembers(a, b, &Transform::R, &Transform::t);
 }
 
 static void expectSame(const PerturbationCase& a, const PerturbationCase& b) {
-  EXPECT_EQ(a.kind, b.kind);
-  expectSame(a.amount, b.amount);
-  EXPECT_EQ(a.unit, b.unit);
-  EXPECT_EQ(a.seed, b.seed);
-  EXPECT_EQ(a.problem, b.problem);
-  expectSame(a.rmse_px, b.rmse_px);
-  EXPECT_EQ(a.frames, b.frames);
-  EXPECT_EQ(a.iterations, b.iterations);
-  expectSame(a.time_offset_s, b.time_offset_s);
-  expectSame(a.time_offset_std_s, b.time_offset_std_s);
-  expectSame(a.offset_error_s, b.offset_error_s);
-  expectSame(a.values, b.values);
-  expectSame(a.changes, b.changes);
+  using C = PerturbationCase;
+  expectSameMembers(a, b, &C::kind, &C::amount, &C::unit, &C::seed, &C::problem, &C::rmse_px,
+                    &C::frames, &C::iterations, &C::time_offset_s, &C::time_offset_std_s,
+                    &C::offset_error_s, &C::values, &C::changes);
   ASSERT_EQ(a.changes_sigma.size(), b.changes_sigma.size());
   for (std::size_t i = 0; i < a.changes_sigma.size(); ++i) {
     if (!std::isnan(a.changes_sigma[i])) expectSame(a.changes_sigma[i], b.changes_sigma[i]);
@@ -98,199 +109,120 @@ static void expectSame(const PerturbationCase& a, const PerturbationCase& b) {
   }
 }
 
+static void expectSame(const Finding& a, const Finding& b) {
+  using F = Finding;
+  expectSameMembers(a, b, &F::rule, &F::level, &F::evidence, &F::threshold, &F::advice);
+}
+
 template <class Record>
 void expectSameHead(const Record& a, const Record& b) {
-  EXPECT_EQ(a.name, b.name);
-  EXPECT_EQ(a.provenance.version, b.provenance.version);
-  EXPECT_EQ(a.provenance.command, b.provenance.command);
-  EXPECT_EQ(a.provenance.input, b.provenance.input);
-  EXPECT_EQ(a.provenance.input_hash, b.provenance.input_hash);
-  EXPECT_EQ(a.provenance.date, b.provenance.date);
-  EXPECT_EQ(a.provenance.options, b.provenance.options);
-  EXPECT_EQ(a.verdict.level, b.verdict.level);
-  ASSERT_EQ(a.verdict.findings.size(), b.verdict.findings.size());
-  for (std::size_t i = 0; i < a.verdict.findings.size(); ++i) {
-    EXPECT_EQ(a.verdict.findings[i].evidence, b.verdict.findings[i].evidence);
-    expectSame(a.verdict.findings[i].threshold, b.verdict.findings[i].threshold);
-  }
+  expectSame(a.name, b.name);
+  using P = Provenance;
+  expectSameMembers(a.provenance, b.provenance, &P::version, &P::command, &P::input, &P::input_hash,
+                    &P::date, &P::options);
+  expectSameMembers(a.verdict, b.verdict, &Verdict::level, &Verdict::findings);
 }
 
 static void expectSame(const SampleStatistics& a, const SampleStatistics& b) {
-  for (auto field : {&SampleStatistics::rmse, &SampleStatistics::mean, &SampleStatistics::median,
-                     &SampleStatistics::std, &SampleStatistics::min, &SampleStatistics::max,
-                     &SampleStatistics::sse}) {
-    expectSame(a.*field, b.*field);
-  }
-  EXPECT_EQ(a.percentiles, b.percentiles);
-  EXPECT_EQ(a.n, b.n);
+  using S = SampleStatistics;
+  expectSameMembers(a, b, &S::rmse, &S::mean, &S::median, &S::std, &S::min, &S::max, &S::sse,
+                    &S::percentiles, &S::n);
 }
 
 static void expectSame(const RelativeErrorRecord& a, const RelativeErrorRecord& b) {
-  expectSame(a.delta, b.delta);
-  EXPECT_EQ(a.unit, b.unit);
-  expectSame(a.translation_m, b.translation_m);
-  expectSame(a.rotation_deg, b.rotation_deg);
+  using E = RelativeErrorRecord;
+  expectSameMembers(a, b, &E::delta, &E::unit, &E::translation_m, &E::rotation_deg);
 }
 
 static void expectSame(const NeesRecord& a, const NeesRecord& b) {
-  EXPECT_EQ(a.part, b.part);
-  EXPECT_EQ(a.dof, b.dof);
-  expectSame(a.mean, b.mean);
-  expectSame(a.lower, b.lower);
-  expectSame(a.upper, b.upper);
-  expectSame(a.confidence, b.confidence);
+  using N = NeesRecord;
+  expectSameMembers(a, b, &N::part, &N::dof, &N::mean, &N::lower, &N::upper, &N::confidence);
 }
 
 static void expectSame(const AssociationRecord& a, const AssociationRecord& b) {
-  EXPECT_EQ(a.rule, b.rule);
-  for (auto field : {&AssociationRecord::max_dt_s, &AssociationRecord::median_dt_s,
-                     &AssociationRecord::largest_estimate_gap_s,
-                     &AssociationRecord::largest_truth_gap_s, &AssociationRecord::time_offset_s}) {
-    expectSame(a.*field, b.*field);
-  }
-  for (auto field : {&AssociationRecord::matches, &AssociationRecord::estimate_poses,
-                     &AssociationRecord::truth_poses, &AssociationRecord::estimate_duplicates,
-                     &AssociationRecord::truth_duplicates, &AssociationRecord::stamps_in_gaps}) {
-    EXPECT_EQ(a.*field, b.*field);
-  }
+  using A = AssociationRecord;
+  expectSameMembers(a, b, &A::rule, &A::max_dt_s, &A::median_dt_s, &A::largest_estimate_gap_s,
+                    &A::largest_truth_gap_s, &A::time_offset_s, &A::matches, &A::estimate_poses,
+                    &A::truth_poses, &A::estimate_duplicates, &A::truth_duplicates,
+                    &A::stamps_in_gaps);
 }
 
 static void expectSame(const HandEyeRecord& a, const HandEyeRecord& b) {
-  expectSame(a.T_SM, b.T_SM);
-  expectSame(a.T_SM_std, b.T_SM_std);
-  expectSame(a.T_VW, b.T_VW);
-  expectSame(a.rms_translation_m, b.rms_translation_m);
-  expectSame(a.rms_rotation_rad, b.rms_rotation_rad);
+  using H = HandEyeRecord;
+  expectSameMembers(a, b, &H::T_SM, &H::T_SM_std, &H::T_VW, &H::rms_translation_m,
+                    &H::rms_rotation_rad);
 }
 
-static void expectSameSamples(const TrajectoryRun& a, const TrajectoryRun& b) {
-  EXPECT_EQ(a.t, b.t);
-  expectSame(a.truth_m, b.truth_m);
-  expectSame(a.estimate_m, b.estimate_m);
-  expectSame(a.error_m, b.error_m);
-  expectSame(a.error_deg, b.error_deg);
+static void expectSame(const ClockOffsetRecord& a, const ClockOffsetRecord& b) {
+  using C = ClockOffsetRecord;
+  expectSameMembers(a, b, &C::offset_s, &C::std_s, &C::correlation);
 }
 
 static void expectSame(const TrajectoryRun& a, const TrajectoryRun& b) {
-  for (auto field : {&TrajectoryRun::sequence, &TrajectoryRun::calibration, &TrajectoryRun::run,
-                     &TrajectoryRun::estimate, &TrajectoryRun::truth, &TrajectoryRun::problem}) {
-    EXPECT_EQ(a.*field, b.*field);
-  }
-  EXPECT_EQ(a.status, b.status);
-  EXPECT_EQ(a.remarks, b.remarks);
-  expectSame(a.coverage, b.coverage);
-  expectSame(a.association, b.association);
+  using T = TrajectoryRun;
+  expectSameMembers(a, b, &T::sequence, &T::calibration, &T::run, &T::estimate, &T::truth,
+                    &T::problem, &T::status, &T::remarks, &T::coverage, &T::association);
   EXPECT_EQ(a.alignment.kind, b.alignment.kind);
   EXPECT_EQ(a.alignment.first_n, b.alignment.first_n);
   expectSame(a.alignment.scale, b.alignment.scale);
   expectSame(a.alignment.T_truth_estimate, b.alignment.T_truth_estimate);
-  expectSame(a.ate_translation_m, b.ate_translation_m);
-  expectSame(a.ate_rotation_deg, b.ate_rotation_deg);
-  expectSame(a.rpe, b.rpe);
-  expectSame(a.nees, b.nees);
-  expectSameSamples(a, b);
-  ASSERT_EQ(a.clock_offset.has_value(), b.clock_offset.has_value());
-  if (a.clock_offset) {
-    expectSame(a.clock_offset->offset_s, b.clock_offset->offset_s);
-    expectSame(a.clock_offset->std_s, b.clock_offset->std_s);
-    expectSame(a.clock_offset->correlation, b.clock_offset->correlation);
-  }
-  ASSERT_EQ(a.hand_eye.has_value(), b.hand_eye.has_value());
-  if (a.hand_eye) expectSame(*a.hand_eye, *b.hand_eye);
+  expectSameMembers(a, b, &T::ate_translation_m, &T::ate_rotation_deg, &T::rpe, &T::nees, &T::t,
+                    &T::truth_m, &T::estimate_m, &T::error_m, &T::error_deg, &T::clock_offset,
+                    &T::hand_eye);
 }
 
 static void expectSame(const ErrorStatistics& a, const ErrorStatistics& b) {
-  for (auto field : {&ErrorStatistics::rmse_px, &ErrorStatistics::mean_px,
-                     &ErrorStatistics::median_px, &ErrorStatistics::std_px}) {
-    expectSame(a.*field, b.*field);
-  }
-  expectSame(a.axis_mean_px, b.axis_mean_px);
-  expectSame(a.axis_std_px, b.axis_std_px);
-  EXPECT_EQ(a.count, b.count);
+  using E = ErrorStatistics;
+  expectSameMembers(a, b, &E::rmse_px, &E::mean_px, &E::median_px, &E::std_px, &E::axis_mean_px,
+                    &E::axis_std_px, &E::count);
 }
 
 static void expectSame(const ComparedParameter& a, const ComparedParameter& b) {
-  EXPECT_EQ(a.name, b.name);
-  EXPECT_EQ(a.unit, b.unit);
-  expectSame(a.values, b.values);
-  expectSame(a.std, b.std);
-  expectSame(a.difference, b.difference);
-  expectSame(a.significance, b.significance);
+  using P = ComparedParameter;
+  expectSameMembers(a, b, &P::name, &P::unit, &P::values, &P::std, &P::difference,
+                    &P::significance);
 }
 
 static void expectSame(const CalibrationScore& a, const CalibrationScore& b) {
-  for (auto field : {&CalibrationScore::label, &CalibrationScore::session, &CalibrationScore::part,
-                     &CalibrationScore::problem}) {
-    EXPECT_EQ(a.*field, b.*field);
-  }
-  EXPECT_EQ(a.held_out, b.held_out);
-  expectSame(a.reprojection, b.reprojection);
-  expectSame(a.per_camera, b.per_camera);
-  EXPECT_EQ(a.cameras, b.cameras);
-  EXPECT_EQ(a.views_used, b.views_used);
-  EXPECT_EQ(a.views_offered, b.views_offered);
-  ASSERT_EQ(a.camera_imu.has_value(), b.camera_imu.has_value());
-  if (a.camera_imu) expectSame(*a.camera_imu, *b.camera_imu);
-  expectSame(a.camera_imu_cost, b.camera_imu_cost);
-  expectSame(a.gyro_rms_rad_s, b.gyro_rms_rad_s);
-  expectSame(a.accel_rms_m_s2, b.accel_rms_m_s2);
-  expectSame(a.entropy_nats, b.entropy_nats);
-  EXPECT_EQ(a.entropy_parameters, b.entropy_parameters);
+  using S = CalibrationScore;
+  expectSameMembers(a, b, &S::label, &S::session, &S::part, &S::problem, &S::held_out,
+                    &S::reprojection, &S::per_camera, &S::cameras, &S::views_used,
+                    &S::views_offered, &S::camera_imu, &S::camera_imu_cost, &S::gyro_rms_rad_s,
+                    &S::accel_rms_m_s2, &S::entropy_nats, &S::entropy_parameters);
 }
 
 static void expectSame(const ImageMap& a, const ImageMap& b) {
-  EXPECT_EQ(a.camera, b.camera);
-  EXPECT_EQ(a.label, b.label);
-  EXPECT_EQ(a.method, b.method);
-  expectSame(a.range_m, b.range_m);
-  for (auto field : {&ImageMap::columns, &ImageMap::rows, &ImageMap::width, &ImageMap::height}) {
-    EXPECT_EQ(a.*field, b.*field);
-  }
-  expectSame(a.values, b.values);
-  expectSame(a.vectors, b.vectors);
-  ASSERT_EQ(a.implied.has_value(), b.implied.has_value());
-  if (a.implied) expectSame(*a.implied, *b.implied);
+  using M = ImageMap;
+  expectSameMembers(a, b, &M::camera, &M::label, &M::method, &M::range_m, &M::columns, &M::rows,
+                    &M::width, &M::height, &M::values, &M::vectors, &M::implied);
 }
 
 static void expectSame(const OffsetSummary& a, const OffsetSummary& b) {
-  EXPECT_EQ(a.label, b.label);
-  expectSame(a.time_offset_s, b.time_offset_s);
-  expectSame(a.std_s, b.std_s);
-  expectSame(a.per_camera_s, b.per_camera_s);
+  using O = OffsetSummary;
+  expectSameMembers(a, b, &O::label, &O::time_offset_s, &O::std_s, &O::per_camera_s);
 }
 
 static void expectSame(const PairedPrediction& a, const PairedPrediction& b) {
-  EXPECT_EQ(a.label, b.label);
-  EXPECT_EQ(a.camera, b.camera);
-  EXPECT_EQ(a.views, b.views);
-  expectSame(a.difference_px2, b.difference_px2);
-  expectSame(a.std_px2, b.std_px2);
+  using P = PairedPrediction;
+  expectSameMembers(a, b, &P::label, &P::camera, &P::views, &P::difference_px2, &P::std_px2);
+}
+
+static void expectSame(const CameraCalibration& a, const CameraCalibration& b) {
+  expectSame(a.intrinsics.stacked(), b.intrinsics.stacked());
+  expectSame(a.T_C0Ci, b.T_C0Ci);
+  EXPECT_EQ(a.intrinsics_std.has_value(), b.intrinsics_std.has_value());
+}
+
+static void expectSame(const ImuCalibration& a, const ImuCalibration& b) {
+  using I = ImuCalibration;
+  expectSameMembers(a, b, &I::T_SC0, &I::time_offset_s, &I::camera_time_offsets_s);
 }
 
 static void expectSame(const ComparedCalibration& a, const ComparedCalibration& b) {
-  EXPECT_EQ(a.label, b.label);
-  EXPECT_EQ(a.file, b.file);
-  EXPECT_EQ(a.tool, b.tool);
-  ASSERT_EQ(a.calibration.cameras.size(), b.calibration.cameras.size());
-  for (std::size_t i = 0; i < a.calibration.cameras.size(); ++i) {
-    expectSame(a.calibration.cameras[i].intrinsics.stacked(),
-               b.calibration.cameras[i].intrinsics.stacked());
-    expectSame(a.calibration.cameras[i].T_C0Ci, b.calibration.cameras[i].T_C0Ci);
-    EXPECT_EQ(a.calibration.cameras[i].intrinsics_std.has_value(),
-              b.calibration.cameras[i].intrinsics_std.has_value());
-  }
-  ASSERT_EQ(a.calibration.imu.has_value(), b.calibration.imu.has_value());
-  if (a.calibration.imu) {
-    expectSame(a.calibration.imu->T_SC0, b.calibration.imu->T_SC0);
-    expectSame(a.calibration.imu->time_offset_s, b.calibration.imu->time_offset_s);
-    expectSame(a.calibration.imu->camera_time_offsets_s, b.calibration.imu->camera_time_offsets_s);
-  }
-  ASSERT_EQ(a.lint.size(), b.lint.size());
-  for (std::size_t i = 0; i < a.lint.size(); ++i) {
-    EXPECT_EQ(a.lint[i].rule, b.lint[i].rule);
-    EXPECT_EQ(a.lint[i].level, b.lint[i].level);
-    EXPECT_EQ(a.lint[i].advice, b.lint[i].advice);
-  }
+  using C = ComparedCalibration;
+  expectSameMembers(a, b, &C::label, &C::file, &C::tool);
+  expectSameMembers(a.calibration, b.calibration, &Calibration::cameras, &Calibration::imu);
+  expectSame(a.lint, b.lint);
 }
 
 namespace {
