@@ -29,28 +29,46 @@ constexpr double kPixel = 0.11;  // coordinates are written to a tenth of a pixe
 
 struct Study {
   const char* name;
+  const std::string& (*page)();
   std::string (*render)();
   std::vector<const char*> sections;
   std::size_t plots;
 };
 
-std::string perturbationPage() { return renderPerturbationPage(test::syntheticPerturbation()); }
-std::string trajectoryPage() { return renderTrajectoryPage(test::syntheticTrajectories()); }
-std::string comparisonPage() { return renderComparisonPage(test::syntheticComparison()); }
+std::string renderPerturbation() { return renderPerturbationPage(test::syntheticPerturbation()); }
+std::string renderTrajectory() { return renderTrajectoryPage(test::syntheticTrajectories()); }
+std::string renderComparison() { return renderComparisonPage(test::syntheticComparison()); }
+
+// Each page is rendered once for all tests that only read it.
+const std::string& perturbationPage() {
+  static const std::string page = renderPerturbation();
+  return page;
+}
+const std::string& trajectoryPage() {
+  static const std::string page = renderTrajectory();
+  return page;
+}
+const std::string& comparisonPage() {
+  static const std::string page = renderComparison();
+  return page;
+}
 
 // Trajectories: two boxes, two views of eleven runs, two over time, two relative.
 const Study kStudies[] = {
     {"perturbation",
      &perturbationPage,
+     &renderPerturbation,
      {"key-figures", "basin", "changes", "cases", "base", "provenance"},
      1 + 3},
     {"trajectory",
      &trajectoryPage,
+     &renderTrajectory,
      {"key-figures", "runs", "ate", "paired", "overlays", "error-time", "rpe", "clock-offset",
       "hand-eye", "nees", "association", "provenance"},
      2 + 2 * 11 + 2 + 2},
     {"comparison",
      &comparisonPage,
+     &renderComparison,
      {"key-figures", "calibrations", "parameters", "transforms", "time-offset", "scores", "entropy",
       "differences", "uncertainties", "runs", "overlays", "provenance"},
      1 + 2 * 2 + 1 + 2 + 2 * 11 + 2 + 2}};
@@ -106,7 +124,7 @@ bool drawnAt(const std::string& svg, double x, double y) {
 class StudyPages : public ::testing::TestWithParam<Study> {};
 
 TEST_P(StudyPages, HaveEverySectionAndAnEntryForIt) {
-  const std::string page = GetParam().render();
+  const std::string& page = GetParam().page();
   for (const char* id : GetParam().sections) {
     EXPECT_THAT(page, HasSubstr("<section id=\"" + std::string(id) + "\"")) << id;
     EXPECT_THAT(page, HasSubstr("<a href=\"#" + std::string(id) + "\"")) << id;
@@ -115,7 +133,7 @@ TEST_P(StudyPages, HaveEverySectionAndAnEntryForIt) {
 }
 
 TEST_P(StudyPages, GiveEveryPlotSoundMarkupAndAnIdOfItsOwn) {
-  const std::string page = withoutScripts(GetParam().render());
+  const std::string page = withoutScripts(GetParam().page());
   std::set<std::string> seen;
   const auto plots = between(page, "<svg ", "</svg>");
   for (const std::string& svg : plots) {
@@ -128,13 +146,13 @@ TEST_P(StudyPages, GiveEveryPlotSoundMarkupAndAnIdOfItsOwn) {
 }
 
 TEST_P(StudyPages, SayNoNumberThatIsNone) {
-  const std::string page = withoutScripts(GetParam().render());
+  const std::string page = withoutScripts(GetParam().page());
   EXPECT_THAT(page, Not(ContainsRegex("[ >(,-]nan[ <),]")));
   EXPECT_THAT(page, Not(ContainsRegex("[ >(,-]inf[ <),]")));
 }
 
 TEST_P(StudyPages, GiveEveryRowACellForEachColumn) {
-  const std::string page = GetParam().render();
+  const std::string& page = GetParam().page();
   std::size_t rows = 0;
   for (const std::string& table : between(page, "<table>", "</table>")) {
     const std::size_t columns = count(table, "<th ") + count(table, "<th>");
@@ -147,7 +165,7 @@ TEST_P(StudyPages, GiveEveryRowACellForEachColumn) {
 }
 
 TEST_P(StudyPages, NeedNothingFromOutsideAndEscapeNames) {
-  const std::string page = withoutScripts(GetParam().render());
+  const std::string page = withoutScripts(GetParam().page());
   for (const char* loader : {"src=\"", "href=\"http", "@import", "url(http", "<link"}) {
     EXPECT_THAT(page, Not(HasSubstr(loader))) << loader;
   }
@@ -193,7 +211,7 @@ TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {
 }
 
 TEST(TrajectoryPage, CountsFailedAndPartialRuns) {
-  const std::string page = trajectoryPage();
+  const std::string& page = trajectoryPage();
   EXPECT_THAT(page, HasSubstr("5 of 6 complete, 1 partial, 0 failed"));
   EXPECT_THAT(page, HasSubstr("5 of 6 complete, 0 partial, 1 failed"));
   EXPECT_THAT(page, HasSubstr("no overlap in time with &lt;truth&gt;"));
@@ -222,7 +240,7 @@ TEST(TrajectoryPage, SurvivesRunsThatAllFailed) {
 }
 
 TEST(ComparisonPage, SaysWhyAValueIsMissing) {
-  const std::string page = comparisonPage();
+  const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("\u2013 (no std)"));
   EXPECT_THAT(page, HasSubstr("\u2013 (no IMU)"));
   EXPECT_THAT(page, HasSubstr("\u2013 (not in this file)"));
@@ -230,7 +248,7 @@ TEST(ComparisonPage, SaysWhyAValueIsMissing) {
 }
 
 TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
-  const std::string page = comparisonPage();
+  const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("<span class=\"dot bad\"></span>10.0 \u03c3, differs"));
   EXPECT_THAT(page, HasSubstr("<span class=\"dot doubtful\"></span>2.5 \u03c3, notable"));
   EXPECT_THAT(page, HasSubstr("plumbline predicts better, by 7.8 \u03c3"));
@@ -238,14 +256,14 @@ TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
 }
 
 TEST(ComparisonPage, TurnsTheOffsetsSignWhereAToolDoes) {
-  const std::string page = comparisonPage();
+  const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("0.0123 s"));
   EXPECT_THAT(page, HasSubstr("-0.0123 s"));
   EXPECT_THAT(page, HasSubstr("12300000 ns"));
 }
 
 TEST(ComparisonPage, StatesRangeAlignmentAndMethodOfItsMaps) {
-  const std::string page = comparisonPage();
+  const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("cam0: kalibr - plumbline, at infinity"));
   EXPECT_THAT(page, HasSubstr("rotation 0.1281\u00b0, translation (1.00, 0.00, -2.00) mm"));
   EXPECT_THAT(page, HasSubstr("cross-reprojection on V2_02"));
