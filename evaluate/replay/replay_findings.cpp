@@ -14,7 +14,6 @@ std::string ruleName(GuideStage stage, const char* what) {
 Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   Finding f;
   f.rule = ruleName(s.stage, "start");
-  f.unit = "s";
   if (s.frames_offered == 0) {
     f.level = VerdictLevel::kDoubtful;
     f.evidence = "not played: " + s.problem;
@@ -43,7 +42,6 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
 Finding stopFinding(const StopAudit& audit) {
   Finding f;
   f.rule = ruleName(audit.stage, "stop");
-  f.unit = "s";
   f.value = audit.seconds;
   f.evidence = audit.explanation;
   switch (audit.verdict) {

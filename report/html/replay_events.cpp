@@ -38,9 +38,9 @@ std::string initialisedText(const Decision& d) {
 std::string finishedText(const Decision& d) {
   std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
   if (d.round && d.round->best >= 0) {
-    text += fmt::format(": the best candidate would gain {} of {}",
-                        bits(d.round->mi_nats[static_cast<std::size_t>(d.round->best)]),
-                        bits(d.threshold_nats));
+    const double best = d.round->mi_nats[static_cast<std::size_t>(d.round->best)];
+    text += fmt::format(": the best candidate would gain {:.3f} bits, less than {:.3f}",
+                        best / std::numbers::ln2, d.threshold_nats / std::numbers::ln2);
   }
   return text;
 }

@@ -39,10 +39,13 @@ std::string titleOf(GuideStage stage) {
 
 std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary& s) {
   std::vector<Cell> row = {tight(titleOf(s.stage))};
-  for (const int n : {s.frames_offered, s.frames_dropped, s.views_used, s.views_redundant,
-                      s.views_missed, s.suggestions, s.reached}) {
-    row.push_back(number(s.ran ? countText(n) : kDash));
-  }
+  const auto count = [&row](bool known, int n) {
+    row.push_back(number(known ? countText(n) : kDash));
+  };
+  for (const int n : {s.frames_offered, s.frames_dropped, s.views_used}) count(s.ran, n);
+  const bool in_hindsight = s.stage == GuideStage::kCamera && s.kept_batch;
+  for (const int n : {s.views_redundant, s.views_missed}) count(in_hindsight, n);
+  for (const int n : {s.suggestions, s.reached}) count(s.ran, n);
   row.push_back(number(secondsText(record, s.started)));
   row.push_back(number(secondsText(record, s.finished)));
   row.push_back(number(s.finished ? bitsAndNats(s.information_after_finish_nats) : kDash));
@@ -81,7 +84,7 @@ std::vector<Cell> batchRow(const ReplayStageSummary& s, const char* over,
 Table batchTable(const ReplayRecord& record) {
   Table table{{{"Stage"},
                {"Batch over"},
-               {"Views", kNumber},
+               {"Views, all cameras", kNumber},
                {"Corners", kNumber},
                {"RMSE [px]", kNumber},
                {"Entropy [nats]", kNumber},
@@ -154,14 +157,17 @@ Cell verdictCell(StopAudit::Verdict verdict) {
 }
 
 std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
-  return {tight(titleOf(a.stage)),
-          verdictCell(a.verdict),
-          number(secondsText(record, a.finished)),
-          number(secondsText(record, a.enough)),
-          number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
-          number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
-          number(a.finished ? fmt::format("{:.3f}", a.entropy_at_finish_nats) : kDash),
-          number(fmt::format("{:.3f}", a.entropy_of_all_nats))};
+  return {
+      tight(titleOf(a.stage)),
+      verdictCell(a.verdict),
+      number(secondsText(record, a.finished)),
+      number(secondsText(record, a.enough)),
+      number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
+      number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
+      number(a.finished && a.entropy_at_finish_nats != 0
+                 ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
+                 : kDash),
+      number(a.entropy_of_all_nats != 0 ? fmt::format("{:.3f}", a.entropy_of_all_nats) : kDash)};
 }
 
 }  // namespace
