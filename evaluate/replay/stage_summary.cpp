@@ -46,7 +46,8 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
     entered = true;
     ++s.frames_offered;
     if (d.reason == GuideReason::kBusy) ++s.frames_dropped;
-    if (d.reason == GuideReason::kInitialised && !s.started) s.started = d.t;
+    if (d.reason == GuideReason::kInitialised) s.started = d.t;
+    if (d.reason == GuideReason::kInitialiseFailed) s.started.reset();  // it may have begun anew
     if (d.opened) ++s.suggestions;
     if (d.event == SuggestionEvent::kReached) ++s.reached;
   }

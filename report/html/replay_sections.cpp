@@ -199,7 +199,8 @@ Section replaySuggestionsSection(const ReplayRecord& record) {
        "Suggestions",
        "What the guide asked for, and how near the recording came to it while it was open: mean "
        "distance of the corners, and at its least the distance of the camera. In an unguided "
-       "recording nobody followed. Withdrawn: the stage finished while it was open.",
+       "recording nobody followed. Withdrawn: the stage finished, or started "
+       "anew, while it was open.",
        {},
        {}},
       outcomeTable(record, record.suggestions));

@@ -96,6 +96,21 @@ TEST_F(Summary, ABatchThatTheGuideCouldNotSolveIsTriedFromTheViewsAlone) {
   EXPECT_TRUE(batches.kept.has_value()) << batches.problem;
 }
 
+TEST_F(Summary, AStageThatStartedAnewStartedThen) {
+  decisions_[6].reason = decisions_[30].reason = GuideReason::kInitialised;
+  decisions_[20].reason = GuideReason::kInitialiseFailed;
+  decisions_[20].detail = "the stage starts anew";
+  decisions_[20].withdrawn = {0, 3, 6, 9, 12, 15, 18};
+  const ReplayStageSummary anew = summariseCameraStage(run(), {});
+  ASSERT_TRUE(anew.started.has_value());
+  EXPECT_EQ(*anew.started, frames_[30].t);
+  EXPECT_EQ(anew.views_used, 8);
+  decisions_[30].reason = GuideReason::kNotInformative;
+  const ReplayStageSummary never = summariseCameraStage(run(), {});
+  EXPECT_FALSE(never.ran);
+  EXPECT_EQ(never.problem, "frame 20: the stage starts anew");
+}
+
 TEST_F(Summary, SaysWhyNoFrameCameToTheCameraImuStage) {
   const auto problem = [&] { return summariseCameraImuStage(run(), {}).problem; };
   decisions_[44].detail = "the batch over the views kept failed: nothing moved";
