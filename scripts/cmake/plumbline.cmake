@@ -11,6 +11,7 @@ function(plumbline_library name)
     add_library(plumbline_${name} STATIC ${ARG_SOURCES})
     plumbline_unite(plumbline_${name} ${ARG_SOURCES})
     target_link_libraries(plumbline_${name} PUBLIC plumbline_flags ${ARG_DEPENDS})
+    plumbline_precompile_library(plumbline_${name})
   else()
     add_library(plumbline_${name} INTERFACE)
     target_link_libraries(plumbline_${name} INTERFACE plumbline_flags ${ARG_DEPENDS})
@@ -20,7 +21,7 @@ endfunction()
 # What is measured and shipped is compiled with -O2; the tests' own code need not be. At -O1 g++ 12 says
 # of sound copies of strings and matrices that they overlap, overrun or read what was never written.
 set(PLUMBLINE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
-foreach(warning array-bounds maybe-uninitialized restrict)
+foreach(warning array-bounds maybe-uninitialized restrict stringop-overflow stringop-overread)
   list(APPEND PLUMBLINE_TEST_OPTIONS
        $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-Wno-${warning}>)
 endforeach()

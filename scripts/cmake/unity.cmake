@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # PLUMBLINE_UNITY: sources of one target are compiled several at a time, so that Eigen, the standard
-# library and JSON are read and instantiated once for all of them, and tests share a precompiled
-# header. The scripts ask for it. It stays off where files are edited, and for clang-tidy's folder, in
-# which every source has to bring its own includes.
+# library and JSON are read and instantiated once for all of them, behind precompiled headers. The
+# scripts ask for it. It stays off where files are edited, and for clang-tidy's folder, in which every
+# source has to bring its own includes.
 #
 # Files meet in one translation unit only if their anonymous namespaces have no name in common, and
 # none that a header of the project declares for a type or a constant. Names are read off the lines
@@ -107,20 +107,54 @@ function(plumbline_unite target)
   endforeach()
 endfunction()
 
-# What nearly every test includes, compiled once for all of them.
+# The headers given, compiled once as the target `name` for all that include them with its flags.
+# PRIVATE names what they need to be found.
+function(plumbline_headers name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;PRIVATE;OPTIONS" ${ARGN})
+  set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
+  file(TOUCH ${source})
+  add_library(${name} OBJECT ${source})
+  target_link_libraries(${name} PRIVATE plumbline_flags ${ARG_PRIVATE})
+  target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
+  target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
+endfunction()
+
+set(PLUMBLINE_COMMON_HEADERS
+    <algorithm> <cmath> <functional> <map> <memory> <numbers> <optional> <span> <string> <variant>
+    <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
+
+# Libraries share two sets: below calibrator/ (which the sanitizer build optimises), and above it.
+function(plumbline_precompile_library target)
+  if(NOT PLUMBLINE_UNITY)
+    return()
+  endif()
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(folder MATCHES "^calibrator")
+    set(headers plumbline_calibrator_headers)
+    if(NOT TARGET ${headers})
+      plumbline_headers(${headers} HEADERS ${PLUMBLINE_COMMON_HEADERS})
+    endif()
+  else()
+    set(headers plumbline_evaluation_headers)
+    if(NOT TARGET ${headers})
+      find_package(nlohmann_json REQUIRED)
+      plumbline_headers(${headers} PRIVATE fmt::fmt nlohmann_json::nlohmann_json
+        HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <fstream> <sstream> <fmt/format.h>
+                <nlohmann/json.hpp>)
+    endif()
+    target_link_libraries(${target} PRIVATE fmt::fmt)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+endfunction()
+
 function(plumbline_precompile_test target)
   if(NOT PLUMBLINE_UNITY)
     return()
   endif()
   if(NOT TARGET plumbline_test_headers)
-    file(TOUCH ${PROJECT_BINARY_DIR}/tests/headers.cpp)
-    add_library(plumbline_test_headers OBJECT ${PROJECT_BINARY_DIR}/tests/headers.cpp)
-    target_link_libraries(plumbline_test_headers PRIVATE ${ARGN})
-    target_compile_options(plumbline_test_headers PRIVATE ${PLUMBLINE_TEST_OPTIONS})
-    target_precompile_headers(plumbline_test_headers PRIVATE
-      <algorithm> <cmath> <filesystem> <functional> <map> <memory> <numbers> <optional> <random>
-      <span> <sstream> <string> <tuple> <variant> <vector> <Eigen/Cholesky> <Eigen/Core>
-      <Eigen/Geometry> <Eigen/LU> <fmt/format.h> <gmock/gmock.h> <gtest/gtest.h>)
+    plumbline_headers(plumbline_test_headers PRIVATE ${ARGN} OPTIONS ${PLUMBLINE_TEST_OPTIONS}
+      HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <random> <sstream> <tuple> <fmt/format.h>
+              <gmock/gmock.h> <gtest/gtest.h>)
   endif()
   target_precompile_headers(${target} REUSE_FROM plumbline_test_headers)
 endfunction()
