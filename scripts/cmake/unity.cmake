@@ -124,8 +124,9 @@ set(PLUMBLINE_COMMON_HEADERS
     <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
 
 # Libraries share two sets: below calibrator/ (which the sanitizer build optimises), and above it.
+# Under clang++ only: g++ 12 gains little, and warns of the standard library once it is precompiled.
 function(plumbline_precompile_library target)
-  if(NOT PLUMBLINE_UNITY)
+  if(NOT PLUMBLINE_UNITY OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     return()
   endif()
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
