@@ -5,31 +5,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/report/calibration_scores.h"
+
 namespace plumbline::html_internal {
 namespace {
 
+using plumbline::testing::scoreOf;
 using ::testing::ElementsAre;
-
-CalibrationScore scoreOf(const std::string& session,
-                         const std::vector<std::pair<std::string, double>>& cameras) {
-  CalibrationScore score;
-  score.session = session;
-  score.part = "all";
-  score.held_out = true;
-  score.reprojection.count = 10;
-  for (const auto& [name, rmse_px] : cameras) {
-    score.cameras.push_back(name);
-    score.per_camera.push_back({});
-    score.per_camera.back().rmse_px = rmse_px;
-    score.per_camera.back().count = 10;
-  }
-  return score;
-}
 
 TEST(HeldScores, AColumnIsOneCameraInEveryRow) {
   HeldCalibration held;
   held.scores = {scoreOf("a", {{"left", 0.1}, {"right", 0.2}}),
                  scoreOf("b", {{"right", 0.4}, {"left", 0.3}}), scoreOf("c", {{"right", 0.5}})};
+  for (CalibrationScore& score : held.scores) score.held_out = true;
   const Section section = heldScoresSection(held);
   ASSERT_TRUE(section.blocks.at(0).table.has_value());
   const Table& table = *section.blocks[0].table;

@@ -7,26 +7,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/report/calibration_scores.h"
+
 namespace plumbline {
 namespace {
 
 using ::testing::ElementsAre;
-
-CalibrationScore scoreOf(const std::string& session,
-                         const std::vector<std::pair<std::string, double>>& cameras) {
-  CalibrationScore score;
-  score.session = session;
-  score.part = "all";
-  score.reprojection.rmse_px = 9;
-  score.reprojection.count = 10;
-  for (const auto& [name, rmse_px] : cameras) {
-    score.cameras.push_back(name);
-    score.per_camera.push_back({});
-    score.per_camera.back().rmse_px = rmse_px;
-    score.per_camera.back().count = 5;
-  }
-  return score;
-}
+using testing::scoreOf;
 
 std::vector<std::string> wordsOf(const std::string& line) {
   std::istringstream stream(line);
