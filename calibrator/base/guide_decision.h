@@ -111,4 +111,7 @@ struct Decision {
 /// Adds to a decision's detail.
 void note(Decision& decision, const std::string& text);
 
+/// A frame that was accepted, by this decision or an earlier one, leaves the estimate; says why.
+void withdraw(int frame, const std::string& why, Decision& decision);
+
 }  // namespace plumbline

@@ -42,7 +42,6 @@ struct CameraGuide::State {
   void initialise(const FrameCorners& corners, Decision& d);
   void tryStart(Decision& d);
   void beginWindow(const CameraStageResult& start, Decision& d);
-  void leaveOut(const KeptFrame& frame, Decision& d);
   void startWasWrong(Decision& d);
   void consider(const FrameCorners& corners, Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
@@ -196,7 +195,7 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
     const auto found = std::find_if(result.frames.begin(), result.frames.end(),
                                     [&](const Frame& f) { return f.t == frame.t; });
     if (found == result.frames.end()) {
-      leaveOut(frame, d);
+      withdraw(frame.index, "no plausible pose in the start", d);
       continue;
     }
     const auto& T_FC0 = result.T_FC0[static_cast<std::size_t>(found - result.frames.begin())];
@@ -206,17 +205,6 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   }
   kept = std::move(used);
   windowChanged();
-}
-
-/// A frame that waited for the start has no plausible pose in it.
-void CameraGuide::State::leaveOut(const KeptFrame& frame, Decision& d) {
-  if (frame.index == d.frame) {
-    d.accepted = false;
-    note(d, "no plausible pose in the start: left out");
-  } else {
-    d.withdrawn.push_back(frame.index);
-    note(d, fmt::format("frame {}: no plausible pose in the start: left out", frame.index));
-  }
 }
 
 /// What was kept explains none of the frames that follow.

@@ -56,23 +56,17 @@ void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recordin
     note(decision, prefix(frame, decision) + "waits for the next frame to tell its velocity");
   }
   if (end == WindowEnd::kSolved) return;
-  if (waiting) withdraw(*waiting, "the frame after it gave no velocity", recording, decision);
+  if (waiting) leaveOut(*waiting, "the frame after it gave no velocity", recording, decision);
   if (end == WindowEnd::kHeld) return;
   last_given_ = window_.lastStamp();
   becauseOf(GuideReason::kNotSolved, frame, decision);
-  withdraw(frame.index, "the window with it has no solution", recording, decision);
+  leaveOut(frame.index, "the window with it has no solution", recording, decision);
 }
 
-void ImuStageTracker::withdraw(int index, const std::string& why, ImuStageRecording& recording,
+void ImuStageTracker::leaveOut(int index, const std::string& why, ImuStageRecording& recording,
                                Decision& decision) {
   recording.drop(index);
-  if (index == decision.frame) {
-    decision.accepted = false;
-  } else {
-    decision.withdrawn.push_back(index);
-  }
-  note(decision,
-       (index == decision.frame ? "" : fmt::format("frame {}: ", index)) + why + ": left out");
+  withdraw(index, why, decision);
 }
 
 }  // namespace plumbline

@@ -34,7 +34,7 @@ class ImuStageTracker {
   FrameLink linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
                    Decision& decision) const;
   /// A frame that was accepted leaves the estimate.
-  void withdraw(int index, const std::string& why, ImuStageRecording& recording,
+  void leaveOut(int index, const std::string& why, ImuStageRecording& recording,
                 Decision& decision);
   void enter(const PosedFrame& frame, ImuStageRecording& recording, Decision& decision);
 
