@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raise it when the detector finds other corners than before, or the files change their form.
-constexpr int kRevision = 1;
+constexpr int kRevision = 2;
 constexpr std::string_view kMagic = "plumbline corners 1\n";
 
 // A corner as it lies in a file.
@@ -58,11 +58,11 @@ std::optional<std::vector<Corner>> decode(std::string_view text) {
 CornerCache::CornerCache(std::string folder, const AprilGrid& target,
                          const DetectorOptions& options)
     : folder_(std::move(folder)),
-      settings_(fmt::format("revision {} grid {}x{} {} {} detector {} {} {} {} {} {} {}", kRevision,
-                            target.rows, target.cols, target.tag_size, target.spacing,
+      settings_(fmt::format("revision {} grid {}x{} {} {} detector {} {} {} {} {} {} {} {}",
+                            kRevision, target.rows, target.cols, target.tag_size, target.spacing,
                             options.border_bits, options.decimation, options.max_hamming,
                             options.min_border_distance_px, options.min_edge_px,
-                            options.max_grid_error_px, options.min_tags)) {
+                            options.max_grid_error_px, options.min_contrast, options.min_tags)) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error || !fs::is_directory(folder_)) {

@@ -63,6 +63,7 @@ void DetectorOptions::check() const {
   require(min_border_distance_px >= 0, "min_border_distance_px", min_border_distance_px, ">= 0");
   require(min_edge_px >= 4, "min_edge_px", min_edge_px, ">= 4");
   require(max_grid_error_px > 0, "max_grid_error_px", max_grid_error_px, "> 0");
+  require(min_contrast >= 1 && min_contrast <= 128, "min_contrast", min_contrast, "1 to 128");
   require(min_tags >= 2, "min_tags", min_tags, ">= 2");
 }
 
@@ -75,7 +76,8 @@ struct AprilGridDetector::Parts {
   Parts(const AprilGrid& the_grid, const DetectorOptions& the_options)
       : grid(the_grid),
         options(the_options),
-        finder({grid.tagCount(), options.border_bits, options.max_hamming, options.decimation}) {}
+        finder({grid.tagCount(), options.border_bits, options.max_hamming, options.decimation,
+                options.min_contrast}) {}
 
   /// Grows the grid from the largest consistent set of squares that leads anywhere.
   Detection searchFrom(std::vector<TagImage> squares, const GrayImageView& image);

@@ -27,6 +27,9 @@ struct DetectorOptions {
   /// A corner further than this from where its neighbours put it is dropped; the limit is this plus
   /// 3 % of the tag's shortest edge [px].
   double max_grid_error_px = 1.0;
+  /// Regions whose brightest and darkest grey levels differ by less are taken for plain and not
+  /// searched: below this lies the camera's noise, and searching it costs as much as the tags do.
+  int min_contrast = 12;
   /// Images with fewer tags are reported as empty: so few cannot vouch for each other.
   int min_tags = 4;
 

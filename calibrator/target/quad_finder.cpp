@@ -26,6 +26,7 @@ struct QuadFinder::Library {
     }
     detector->nthreads = 1;
     detector->quad_decimate = static_cast<float>(options.decimation);
+    detector->qtp.min_white_black_diff = options.min_contrast;
     apriltag_detector_add_family_bits(detector, family, options.max_hamming);
   }
   ~Library() {

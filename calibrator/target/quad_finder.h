@@ -19,6 +19,7 @@ class QuadFinder {
     int border_bits = 2;
     int max_hamming = 2;
     double decimation = 2.0;
+    int min_contrast = 12;
   };
   explicit QuadFinder(const Options& options);
   ~QuadFinder();

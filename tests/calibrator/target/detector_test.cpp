@@ -98,6 +98,15 @@ TEST(Detector, FindsRenderedTagsToATenthOfAPixel) {
   EXPECT_LE(score.rms(), 0.1);
 }
 
+TEST(Detector, ReadsADarkImageDownToTheContrastAskedFor) {
+  const AprilGrid grid;
+  const TestCamera camera = lookAt({0.32, 0.32}, 0.9, 0.2, 0.2, 0.1);
+  const RenderOptions dark{.noise_gray = 1, .white = 30, .black = 10};
+  const GrayImage image = renderGrid(grid, camera, dark);
+  EXPECT_EQ(AprilGridDetector(grid).detect(image.view()).tags.size(), 36u);
+  EXPECT_TRUE(AprilGridDetector(grid, {.min_contrast = 60}).detect(image.view()).tags.empty());
+}
+
 // Half a pixel of origin, or the dilation's shift, would stand out here.
 TEST(Detector, PixelCentresAreAtIntegersWithoutBias) {
   const Score score = scoreOfVariedViews(0.7, 0);
@@ -231,6 +240,7 @@ TEST(Detector, NamesTheOptionThatIsOutOfRange) {
   EXPECT_THAT(message({}, {.min_border_distance_px = -1}), HasSubstr("min_border_distance_px"));
   EXPECT_THAT(message({}, {.min_edge_px = 1}), HasSubstr("min_edge_px"));
   EXPECT_THAT(message({}, {.max_grid_error_px = NAN}), HasSubstr("max_grid_error_px"));
+  EXPECT_THAT(message({}, {.min_contrast = 0}), HasSubstr("min_contrast = 0"));
   EXPECT_THAT(message({}, {.min_tags = 1}), HasSubstr("min_tags = 1"));
   EXPECT_THAT(message({.rows = 30, .cols = 20}, {}), HasSubstr("30 x 20 tags"));
   EXPECT_EQ(message({}, {}), "accepted");
