@@ -2,12 +2,13 @@
 #include "calibrator/information/covariance.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "calibrator/linear/symmetric_eigen.h"
 
 namespace plumbline {
 namespace {
@@ -92,14 +93,14 @@ std::vector<FreeDirection> freeDirections(const Eigen::MatrixXd& information,
                                           const Eigen::VectorXd& sizes) {
   assert(information.rows() == sizes.size());
   const Eigen::MatrixXd scaled = sizes.asDiagonal() * information * sizes.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const SymmetricEigen eigen = symmetricEigen(scaled);
   std::vector<FreeDirection> free;
-  for (Eigen::Index i = 0; i < sizes.size() && !(eigen.eigenvalues()(i) >= 1); ++i) {
+  for (Eigen::Index i = 0; i < sizes.size() && !(eigen.values(i) >= 1); ++i) {
     FreeDirection direction;
-    const double eigenvalue = eigen.eigenvalues()(i);
+    const double eigenvalue = eigen.values(i);
     direction.std =
         eigenvalue > 0 ? 1 / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
-    direction.weights = eigen.eigenvectors().col(i);
+    direction.weights = eigen.vectors.col(i);
     direction.leading = leadingOf(direction.weights);
     free.push_back(std::move(direction));
   }

@@ -2,13 +2,13 @@
 #include "calibrator/information/projection_uncertainty.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/linear/symmetric_eigen.h"
 
 namespace plumbline {
 namespace {
@@ -97,9 +97,8 @@ ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
   M.topRows<6>().setZero();
   const int first = finite ? 0 : 3;
   const int size = 6 - first;
-  M.middleRows(first, size) = -H.bottomRightCorner(size, size)
-                                   .completeOrthogonalDecomposition()
-                                   .solve(H_k.bottomRows(size));
+  M.middleRows(first, size) =
+      -symmetricPseudoInverse(H.bottomRightCorner(size, size), 1e-15) * H_k.bottomRows(size);
   return M * intrinsics_covariance * M.transpose();
 }
 

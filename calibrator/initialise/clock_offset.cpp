@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/initialise/clock_offset.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include "calibrator/base/lie.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_rates.h"
+#include "calibrator/linear/symmetric_eigen.h"
 
 namespace plumbline {
 namespace {
@@ -115,13 +116,7 @@ Matrix37d jacobianOf(const RateTriple& rate, const Model& model) {
 }
 
 // A rotation that the rates do not tell (about their one axis) stays where it is.
-Matrix7d pseudoInverse(const Matrix7d& A) {
-  const Eigen::SelfAdjointEigenSolver<Matrix7d> eigen(A);
-  const double least = 1e-9 * eigen.eigenvalues().maxCoeff();
-  const Vector7d inverse =
-      eigen.eigenvalues().unaryExpr([&](double value) { return value > least ? 1 / value : 0.0; });
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
+Matrix7d pseudoInverse(const Matrix7d& A) { return symmetricPseudoInverse(A, 1e-9); }
 
 Matrix7d normalMatrix(const std::vector<RateTriple>& rates, const Model& model) {
   Matrix7d A = Matrix7d::Zero();

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -53,9 +52,7 @@ std::vector<RayPair> raysOfFocus(const Intrinsics& A, const Intrinsics& B,
 Eigen::Matrix3d bestRotation(const std::vector<RayPair>& pairs) {
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
   for (const RayPair& p : pairs) M += p.weight * p.b * p.a.transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+  return nearestRotation(M);
 }
 
 /// Newton's step of sum f(s), s = |e|^2, e = T a / |T a| - b (so that s = th^2 to third order), in

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/linear/symmetric_eigen.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+/// Q diag(values) Q^T with a Householder reflection Q.
+Eigen::MatrixXd matrixWith(const Eigen::VectorXd& values) {
+  const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(values.size(), 1, 2).normalized();
+  const Eigen::MatrixXd Q =
+      Eigen::MatrixXd::Identity(values.size(), values.size()) - 2 * u * u.transpose();
+  return Q * values.asDiagonal() * Q;
+}
+
+TEST(SymmetricEigen, FindsTheEigenvaluesAMatrixWasMadeOf) {
+  const Eigen::VectorXd values = Eigen::Vector4d(-2, 0, 3, 1e6);
+  const Eigen::MatrixXd A = matrixWith(values);
+  const SymmetricEigen eigen = symmetricEigen(A);
+  EXPECT_LT((eigen.values - values).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_TRUE((eigen.vectors * eigen.vectors.transpose()).isIdentity(1e-12));
+  EXPECT_TRUE((eigen.vectors * eigen.values.asDiagonal() * eigen.vectors.transpose()).isApprox(A));
+}
+
+// Penrose: A X A = A, X A X = X, both products symmetric.
+TEST(SymmetricPseudoInverse, HoldsPenrosesConditionsForASingularMatrix) {
+  const Eigen::MatrixXd A = matrixWith(Eigen::Vector4d(0, 0, 3, 8));
+  const Eigen::MatrixXd X = symmetricPseudoInverse(A, 1e-12);
+  EXPECT_TRUE((A * X * A).isApprox(A, 1e-12));
+  EXPECT_TRUE((X * A * X).isApprox(X, 1e-12));
+  EXPECT_TRUE((A * X).isApprox((A * X).transpose(), 1e-12));
+}
+
+TEST(SymmetricPseudoInverse, IsTheInverseWhereThereIsOne) {
+  const Eigen::MatrixXd A = matrixWith(Eigen::Vector3d(1, 3, 8));
+  EXPECT_TRUE((symmetricPseudoInverse(A, 1e-12) * A).isIdentity(1e-12));
+}
+
+TEST(SymmetricPseudoInverse, LeavesAsZeroWhatIsBelowTheTolerance) {
+  const Eigen::MatrixXd A = Eigen::Vector3d(1e-8, 1, 2).asDiagonal();
+  EXPECT_EQ(symmetricPseudoInverse(A, 1e-6)(0, 0), 0);
+  EXPECT_NEAR(symmetricPseudoInverse(A, 1e-10)(0, 0), 1e8, 1e-4);
+  EXPECT_TRUE(symmetricPseudoInverse(Eigen::MatrixXd::Zero(2, 2), 1e-12).isZero(0));
+}
+
+}  // namespace
+}  // namespace plumbline
