@@ -33,13 +33,13 @@ struct Weighted {
 
 /// One corner's error and derivatives; what cannot be projected has none.
 template <class Model, bool kIntrinsics>
-struct Corner {
+struct CornerTerms {
   static constexpr int kColumns = 6 + (kIntrinsics ? 4 + Model::kShape : 0);
   bool valid = false;
   Eigen::Vector2d e = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, kColumns> J;
 
-  Corner(const CameraValues& lens, const Eigen::Vector3d& p, const Eigen::Vector2d& uv) {
+  CornerTerms(const CameraValues& lens, const Eigen::Vector3d& p, const Eigen::Vector2d& uv) {
     if (!Model::isProjectable(lens.k.data(), p.x(), p.y(), p.z())) return;
     if (!(p.squaredNorm() < kFarthest * kFarthest)) return;
     const auto m = Model::image(lens.k.data(), p.x(), p.y(), p.z());
@@ -70,7 +70,7 @@ struct Sums {
 
 template <class Model, bool kIntrinsics>
 auto sumView(const View& view) {
-  using C = Corner<Model, kIntrinsics>;
+  using C = CornerTerms<Model, kIntrinsics>;
   Sums<C::kColumns> sums;
   const CameraValues lens(view.camera);
   const PackedView& v = view.corners;

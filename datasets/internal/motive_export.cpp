@@ -138,7 +138,7 @@ const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::
                          "Rotation X Y Z W and Position X Y Z", "export again with both"});
 }
 
-struct Frame {
+struct BodyFrame {
   long number = 0;
   double seconds = 0;  // as the file rounds it
   std::optional<StampedPose> pose;
@@ -166,12 +166,13 @@ std::optional<StampedPose> poseOf(const TrajectorySource& source, const TextLine
   return StampedPose{0, {v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
 }
 
-std::vector<Frame> readFrames(const TrajectorySource& source, TextLines& lines, const Body& body) {
-  std::vector<Frame> frames;
+std::vector<BodyFrame> readFrames(const TrajectorySource& source, TextLines& lines,
+                                  const Body& body) {
+  std::vector<BodyFrame> frames;
   while (lines.next()) {
     if (lines.text().empty()) continue;
     const Cells cells = csvCells(lines.text());
-    Frame frame;
+    BodyFrame frame;
     frame.number = std::lround(numberAt(source, lines, cells, 0));
     frame.seconds = numberAt(source, lines, cells, 1);
     frame.pose = poseOf(source, lines, cells, body);
@@ -182,7 +183,7 @@ std::vector<Frame> readFrames(const TrajectorySource& source, TextLines& lines, 
 }
 
 // The stamps from frame numbers must agree with the rounded Time column.
-void checkTimes(const TrajectorySource& source, const std::vector<Frame>& frames, double rate) {
+void checkTimes(const TrajectorySource& source, const std::vector<BodyFrame>& frames, double rate) {
   if (frames.empty()) return;
   const double span = static_cast<double>(frames.back().number - frames.front().number) / rate;
   const double stated = frames.back().seconds - frames.front().seconds;
@@ -216,11 +217,11 @@ TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOp
   checkConventions(source, take);
   const double divisor = lengthDivisor(source, take);
   const double rate = rateOf(source, take);
-  const std::vector<Frame> frames = readFrames(source, lines, body);
+  const std::vector<BodyFrame> frames = readFrames(source, lines, body);
   checkTimes(source, frames, rate);
   TrajectoryBuilder builder(source, TrajectoryFormat::kMotive, true);
   std::size_t occluded = 0;
-  for (const Frame& frame : frames) {
+  for (const BodyFrame& frame : frames) {
     if (!frame.pose) {
       ++occluded;
       continue;

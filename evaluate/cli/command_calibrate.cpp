@@ -24,7 +24,7 @@
 namespace plumbline {
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   SessionOptions session;
   EstimationOptions estimation;
   std::string out;
@@ -36,7 +36,7 @@ struct Options {
   std::vector<std::string> thresholds;
 };
 
-void declareEstimation(CLI::App& app, Options& o) {
+void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   o.estimation.declare(app);
   app.add_flag("--free-cameras", o.free_cameras, "--cameras is only the start of the camera stage");
   app.add_flag("--joint", o.joint, "The camera-IMU stage refines the cameras too");
@@ -50,7 +50,7 @@ void declareEstimation(CLI::App& app, Options& o) {
       ->capture_default_str();
 }
 
-void declareOutput(CLI::App& app, Options& o) {
+void declareOutput(CLI::App& app, CalibrateOptions& o) {
   app.add_option("--out", o.out, "Folder for the results")->required();
   app.add_flag("--residuals", o.residuals, "Also write residuals.csv, a row for each corner");
   app.add_flag("--no-report", o.no_report, "Write no report.html");
@@ -59,7 +59,7 @@ void declareOutput(CLI::App& app, Options& o) {
       ->allow_extra_args(false);
 }
 
-CameraStageOptions cameraOptions(const Options& o, const LoadRequest& load) {
+CameraStageOptions cameraOptions(const CalibrateOptions& o, const LoadRequest& load) {
   CameraStageOptions options = o.estimation.cameraStage(load);
   if (o.select_views) {
     options.select_views = ViewSelectionOptions{selectionThresholdFrom(*o.select_views), o.seed};
@@ -67,14 +67,14 @@ CameraStageOptions cameraOptions(const Options& o, const LoadRequest& load) {
   return options;
 }
 
-CameraImuOptions cameraImuOptions(const Options& o, const CameraStageOptions& camera) {
+CameraImuOptions cameraImuOptions(const CalibrateOptions& o, const CameraStageOptions& camera) {
   CameraImuOptions options = o.estimation.cameraImuStage(camera);
   options.imu_shift_ns = nanosecondsFromMilliseconds("--imu-shift-ms", o.imu_shift_ms);
   options.free_cameras = o.joint;
   return options;
 }
 
-CalibrateRequest requestOf(const Options& o, const CLI::App& app) {
+CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app) {
   if (o.resamples < 0 || o.resamples == 1) {
     throw InputError(fmt::format("--resample {}: expected 0 (none), or 2 and more", o.resamples));
   }
@@ -97,11 +97,11 @@ CalibrateRequest requestOf(const Options& o, const CLI::App& app) {
   return request;
 }
 
-int calibrate(const Options& o, const CLI::App& app) {
+int calibrate(const CalibrateOptions& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   refuseInside(o.out, o.session.session, "--out");
-  const auto record = calibrateSession(requestOf(o, app), bar.sink());
+  const auto record = calibrateSession(calibrateRequest(o, app), bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
   bar.update("writing", -1);
@@ -118,7 +118,7 @@ int calibrate(const Options& o, const CLI::App& app) {
 Command calibrateCommand() {
   return {"calibrate", "Calibrate cameras and IMU from a recording",
           "plumbline calibrate session --out result", [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
+            auto options = std::make_shared<CalibrateOptions>();
             options->session.declare(app);
             declareEstimation(app, *options);
             declareOutput(app, *options);

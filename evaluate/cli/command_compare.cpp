@@ -31,7 +31,7 @@ namespace {
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
 
-struct Options {
+struct CompareOptions {
   std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
   SessionOptions session;
   std::string out;
@@ -48,7 +48,7 @@ struct Options {
   TrajectoryMetricWords metrics;
 };
 
-void declareMaps(CLI::App& app, Options& o) {
+void declareMaps(CLI::App& app, CompareOptions& o) {
   app.add_option("--range", o.ranges, "Distances of the points that are projected [m], or inf")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -66,7 +66,7 @@ void declareMaps(CLI::App& app, Options& o) {
       ->capture_default_str();
 }
 
-void declare(CLI::App& app, Options& o) {
+void declareCompare(CLI::App& app, CompareOptions& o) {
   app.add_option("calibrations", o.calibrations,
                  "Two or more calibrations, of ours, Kalibr or yac; differences are to the first")
       ->required();
@@ -134,7 +134,7 @@ Value wordFrom(const char* option, const std::string& word,
   throw InputError(fmt::format("{} {}: expected {}", option, word, words));
 }
 
-CompareRequest requestOf(const Options& o, const CLI::App& app) {
+CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   requirePositive("--pixel-sigma", o.pixel_sigma);
   requirePositive("--gravity", o.gravity);
   requirePositive("--min-corners", o.min_corners);
@@ -170,7 +170,7 @@ CompareRequest requestOf(const Options& o, const CLI::App& app) {
   return request;
 }
 
-std::vector<TrajectoryRun> trajectoriesOf(const Options& o) {
+std::vector<TrajectoryRun> trajectoriesOf(const CompareOptions& o) {
   if (o.runs.runs.empty() != o.runs.truth.empty()) {
     throw InputError("--runs and --truth belong together: expected both or none");
   }
@@ -181,12 +181,12 @@ std::vector<TrajectoryRun> trajectoriesOf(const Options& o) {
   return evaluateRuns(request).runs;
 }
 
-int compare(const Options& o, const CLI::App& app) {
+int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   if (!o.session.session.empty()) refuseInside(o.out, o.session.session, "--out");
   std::vector<TrajectoryRun> runs = trajectoriesOf(o);
-  ComparisonRecord record = compareCalibrations(requestOf(o, app), bar.sink());
+  ComparisonRecord record = compareCalibrations(compareRequest(o, app), bar.sink());
   record.runs = std::move(runs);
   bar.clear();
   writeComparison(record, o.out, !o.no_report);
@@ -202,8 +202,8 @@ Command compareCommand() {
           "plumbline compare ours/calibration.json kalibr/camchain-imucam.yaml --session recording "
           "--out comparison",
           [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<CompareOptions>();
+            declareCompare(app, *options);
             return std::function<int()>([options, &app] { return compare(*options, app); });
           }};
 }

@@ -19,7 +19,7 @@
 namespace plumbline {
 namespace {
 
-struct Options {
+struct DetectOptions {
   SessionOptions session;
   std::string out;
 };
@@ -44,7 +44,7 @@ std::string detectionDocument(const LoadedSession& loaded) {
          "\n";
 }
 
-int detect(const Options& o) {
+int detect(const DetectOptions& o) {
   ProgressBar bar;
   refuseInside(o.out, o.session.session, "--out");
   const LoadedSession loaded = loadSession(o.session.request(), bar.sink());
@@ -66,7 +66,7 @@ int detect(const Options& o) {
 Command detectCommand() {
   return {"detect", "Find the corners of every image and write a session of corners",
           "plumbline detect session --out corners", [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
+            auto options = std::make_shared<DetectOptions>();
             options->session.declare(app);
             app.add_option("--out", options->out, "Folder to write; must not exist, or be empty")
                 ->required();

@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kMostFolds = 100;
 
-struct Options {
+struct EvaluateCalibrationOptions {
   std::string calibration;
   SessionOptions session;
   EstimationOptions estimation;
@@ -33,7 +33,7 @@ struct Options {
   int folds = 0;
 };
 
-void declare(CLI::App& app, Options& o) {
+void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.add_option("calibration", o.calibration,
                  "Calibration to score: ours, Kalibr's camchain*.yaml, or yac's")
       ->required();
@@ -53,7 +53,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--out", o.out, "Folder for the results")->required();
 }
 
-EvaluateCalibrationRequest requestOf(const Options& o, const CLI::App& app) {
+EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
+                                                      const CLI::App& app) {
   EvaluateCalibrationRequest request;
   request.calibration = o.calibration;
   request.load = o.session.request();
@@ -70,11 +71,11 @@ EvaluateCalibrationRequest requestOf(const Options& o, const CLI::App& app) {
   return request;
 }
 
-int evaluateCalibrationFile(const Options& o, const CLI::App& app) {
+int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   refuseInside(o.out, o.session.session, "--out");
-  const auto result = evaluateCalibration(requestOf(o, app), bar.sink());
+  const auto result = evaluateCalibration(evaluateCalibrationRequest(o, app), bar.sink());
   bar.clear();
   if (!result) {
     fmt::print(stderr, "plumbline: {}; {}\n", result.failure().message, result.failure().cure);
@@ -91,8 +92,8 @@ Command evaluateCalibrationCommand() {
   return {"calibration", "Scores of a calibration on sessions: only poses move",
           "plumbline evaluate calibration camchain-imucam.yaml session --folds 5 --out scores",
           [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<EvaluateCalibrationOptions>();
+            declareEvaluateCalibration(app, *options);
             return std::function<int()>(
                 [options, &app] { return evaluateCalibrationFile(*options, app); });
           }};

@@ -21,14 +21,14 @@
 namespace plumbline {
 namespace {
 
-struct Options {
+struct EvaluateTrajectoriesOptions {
   RunsRequest request;
   TrajectoryMetricWords metrics;
   double max_ate_m = 0;
   std::string out, body;
 };
 
-void declare(CLI::App& app, Options& o) {
+void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) {
   app.add_option("runs", o.request.runs,
                  "Estimates, with the fields {calibration}, {sequence} and {run} in their path")
       ->required();
@@ -46,7 +46,7 @@ void declare(CLI::App& app, Options& o) {
   declareTrajectoryMetrics(app, o.metrics);
 }
 
-RunsRequest requestOf(const Options& o) {
+RunsRequest evaluateTrajectoriesRequest(const EvaluateTrajectoriesOptions& o) {
   RunsRequest request = o.request;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.min_coverage = o.metrics.min_coverage;
@@ -57,9 +57,9 @@ RunsRequest requestOf(const Options& o) {
   return request;
 }
 
-int evaluateTrajectoryRuns(const Options& o, const CLI::App& app) {
+int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App& app) {
   refuseUnwritable(o.out);
-  TrajectoryRecord record = evaluateRuns(requestOf(o));
+  TrajectoryRecord record = evaluateRuns(evaluateTrajectoriesRequest(o));
   record.name = std::filesystem::path(o.out).filename().string();
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
   record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
@@ -75,8 +75,8 @@ Command evaluateTrajectoriesCommand() {
           "plumbline evaluate trajectories 'results/{calibration}/{sequence}_{run}.txt' --truth "
           "'truth/{sequence}.csv' --out errors",
           [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<EvaluateTrajectoriesOptions>();
+            declareEvaluateTrajectories(app, *options);
             return std::function<int()>(
                 [options, &app] { return evaluateTrajectoryRuns(*options, app); });
           }};

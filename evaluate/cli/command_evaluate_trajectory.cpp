@@ -27,16 +27,14 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStandardOutput = "-";
-
-struct Options {
+struct EvaluateTrajectoryOptions {
   std::string estimate, truth;
   std::string body, estimate_format, format;
   TrajectoryMetricWords metrics;
   std::optional<std::string> json, out;
 };
 
-void declareFiles(CLI::App& app, Options& o) {
+void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   app.add_option("estimate", o.estimate, "Estimated trajectory: TUM, EuRoC or KITTI")->required();
   app.add_option("truth", o.truth, "Ground truth: TUM, EuRoC, KITTI, Motive's or Vicon's CSV")
       ->required();
@@ -48,7 +46,7 @@ void declareFiles(CLI::App& app, Options& o) {
   app.add_option("--out", o.out, "Folder for the report, the figures and the records");
 }
 
-TrajectoryRequest requestOf(const Options& o) {
+TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) {
   TrajectoryRequest request;
   request.estimate = o.estimate;
   request.truth = o.truth;
@@ -63,7 +61,8 @@ TrajectoryRequest requestOf(const Options& o) {
   return request;
 }
 
-void writeStudy(const TrajectoryEvaluation& evaluation, const Options& o, const CLI::App& app) {
+void writeStudy(const TrajectoryEvaluation& evaluation, const EvaluateTrajectoryOptions& o,
+                const CLI::App& app) {
   TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
   auto given = givenOptions(app);
   std::erase_if(given, [](const auto& option) {
@@ -76,9 +75,9 @@ void writeStudy(const TrajectoryEvaluation& evaluation, const Options& o, const 
   writeRuns(record, *o.out);
 }
 
-int evaluateTrajectoryFiles(const Options& o, const CLI::App& app) {
+int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   if (o.out) refuseUnwritable(*o.out);
-  const Result<TrajectoryEvaluation> result = evaluateTrajectory(requestOf(o));
+  const Result<TrajectoryEvaluation> result = evaluateTrajectory(evaluateTrajectoryRequest(o));
   if (!result) return tellFailure(result.failure());
   if (o.out) writeStudy(*result, o, app);
   if (o.json == kStandardOutput) {
@@ -100,7 +99,7 @@ Command evaluateTrajectoryCommand() {
   return {"trajectory", "Errors of an estimated trajectory against ground truth",
           "plumbline evaluate trajectory estimate.txt groundtruth.csv --align se3 --rpe 1m,10m",
           [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
+            auto options = std::make_shared<EvaluateTrajectoryOptions>();
             declareFiles(app, *options);
             declareTrajectoryMetrics(app, options->metrics);
             declareCoverage(app, options->metrics);

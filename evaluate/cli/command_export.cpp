@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-struct Options {
+struct ExportFilesOptions {
   ExportRequest request;
   std::string to;
   bool json = false;
@@ -30,7 +30,7 @@ std::string knownTools() {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-void declare(CLI::App& app, Options& o) {
+void declareExport(CLI::App& app, ExportFilesOptions& o) {
   ExportRequest& r = o.request;
   app.add_option("calibration", r.calibration,
                  "Calibration: calibration.json of ours, Kalibr's or OpenVINS' camchain, or a "
@@ -48,7 +48,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--json", o.json, "Print the files and the warnings as JSON");
 }
 
-ExportRequest requestOf(const Options& o) {
+ExportRequest exportRequest(const ExportFilesOptions& o) {
   ExportRequest request = o.request;
   const auto tool = exportToolFrom(o.to);
   if (!tool) throw InputError(fmt::format("--to {}: expected one of {}", o.to, knownTools()));
@@ -60,8 +60,8 @@ ExportRequest requestOf(const Options& o) {
   return request;
 }
 
-int exportFiles(const Options& o) {
-  const ExportOutcome outcome = exportCalibrationFile(requestOf(o));
+int exportFiles(const ExportFilesOptions& o) {
+  const ExportOutcome outcome = exportCalibrationFile(exportRequest(o));
   if (o.json) {
     const nlohmann::ordered_json json{
         {"tool", o.to}, {"files", outcome.paths}, {"warnings", outcome.warnings}};
@@ -79,8 +79,8 @@ Command exportCommand() {
   return {"export", "Write a calibration in the format of another tool",
           "plumbline export result/calibration.json --to openvins --out openvins_config",
           [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<ExportFilesOptions>();
+            declareExport(app, *options);
             return std::function<int()>([options] { return exportFiles(*options); });
           }};
 }

@@ -49,7 +49,7 @@ constexpr KindOption kKinds[] = {
      "Add normal noise of this standard deviation to every corner [px]"},
 };
 
-struct Options {
+struct PerturbOptions {
   std::string study;
   SessionOptions session;
   EstimationOptions estimation;
@@ -60,7 +60,7 @@ struct Options {
   bool no_report = false;
 };
 
-void declare(CLI::App& app, Options& o) {
+void declarePerturb(CLI::App& app, PerturbOptions& o) {
   o.session.declare(app);
   app.add_option("--study", o.study,
                  "YAML file with any of the lists below by name, e.g. offsets-ms: [100, 10, 1]");
@@ -79,7 +79,7 @@ void declare(CLI::App& app, Options& o) {
 }
 
 // Lists of the study's file stand where the command line gives none.
-void readStudy(Options& o) {
+void readStudy(PerturbOptions& o) {
   if (o.study.empty()) return;
   std::vector<std::string> known;
   for (const KindOption& kind : kKinds) known.emplace_back(kind.name + 2);  // without "--"
@@ -90,7 +90,7 @@ void readStudy(Options& o) {
   }
 }
 
-std::vector<Perturbation> perturbationsOf(const Options& o) {
+std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
   std::vector<Perturbation> list;
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
     if (o.amounts[i].empty()) continue;
@@ -108,7 +108,7 @@ std::vector<Perturbation> perturbationsOf(const Options& o) {
   return list;
 }
 
-PerturbRequest requestOf(Options o, const CLI::App& app) {
+PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
   readStudy(o);
   PerturbRequest request;
   request.load = o.session.request();
@@ -124,11 +124,11 @@ PerturbRequest requestOf(Options o, const CLI::App& app) {
   return request;
 }
 
-int perturb(const Options& o, const CLI::App& app) {
+int perturb(const PerturbOptions& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   refuseInside(o.out, o.session.session, "--out");
-  const auto record = perturbSession(requestOf(o, app), bar.sink());
+  const auto record = perturbSession(perturbRequest(o, app), bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
   writePerturbation(*record, o.out, !o.no_report);
@@ -142,8 +142,8 @@ int perturb(const Options& o, const CLI::App& app) {
 Command perturbCommand() {
   return {"perturb", "Calibrate again under known changes: what is recovered, what moves",
           "plumbline perturb session --offsets-ms 100,10,1 --out study", [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<PerturbOptions>();
+            declarePerturb(app, *options);
             return std::function<int()>([options, &app] { return perturb(*options, app); });
           }};
 }

@@ -21,7 +21,7 @@
 namespace plumbline {
 namespace {
 
-struct Options {
+struct ReplayOptions {
   SessionOptions session;
   EstimationOptions estimation;
   GuideOptionSet guide;
@@ -35,7 +35,7 @@ struct Options {
   bool no_report = false;
 };
 
-void declare(CLI::App& app, Options& o) {
+void declareReplay(CLI::App& app, ReplayOptions& o) {
   o.session.declare(app);
   o.estimation.declare(app);
   o.guide.declare(app);
@@ -57,7 +57,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
 
-ReplayRequest requestOf(const Options& o, const CLI::App& app) {
+ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
   ReplayRequest request;
   request.load = o.session.request();
   request.load.read.read_imu = !o.estimation.no_imu;
@@ -79,11 +79,11 @@ ReplayRequest requestOf(const Options& o, const CLI::App& app) {
   return request;
 }
 
-int replay(const Options& o, const CLI::App& app) {
+int replay(const ReplayOptions& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   refuseInside(o.out, o.session.session, "--out");
-  const ReplayRecord record = replaySession(requestOf(o, app), bar.sink());
+  const ReplayRecord record = replaySession(replayRequest(o, app), bar.sink());
   bar.sink()("writing", -1);
   writeReplay(record, o.out, !o.no_report);
   bar.clear();
@@ -97,8 +97,8 @@ int replay(const Options& o, const CLI::App& app) {
 Command replayCommand() {
   return {"replay", "Play a recording through the interactive guide and judge its decisions",
           "plumbline replay session --out replay", [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<ReplayOptions>();
+            declareReplay(app, *options);
             return std::function<int()>([options, &app] { return replay(*options, app); });
           }};
 }

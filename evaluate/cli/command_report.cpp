@@ -28,9 +28,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStandardOutput = "-";
-
-struct Options {
+struct ReportOptions {
   std::string input;
   std::optional<std::string> out;
   std::optional<std::string> json;
@@ -90,7 +88,7 @@ std::string documentOf(const Store& store, const RunSummary& run) {
 }
 
 // What was written is named, unless standard output is the document's.
-int report(const Options& o) {
+int report(const ReportOptions& o) {
   if (!o.out && !o.json) {
     throw InputError("nothing to make: expected --out PAGE.html, --json FILE, or both");
   }
@@ -115,7 +113,7 @@ int report(const Options& o) {
 Command reportCommand() {
   return {"report", "Make the page, or the JSON document, again from the records alone",
           "plumbline report result --out page.html", [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
+            auto options = std::make_shared<ReportOptions>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             app.add_option("--out", options->out, "HTML file to write");
             app.add_option("--json", options->json,

@@ -17,7 +17,7 @@
 namespace plumbline {
 namespace {
 
-struct Options {
+struct SimulateOptions {
   std::string out;
   std::string rig = "euroc";
   std::string motion = "full";
@@ -27,7 +27,7 @@ struct Options {
   SimulationOptions simulation;
 };
 
-void declare(CLI::App& app, Options& o) {
+void declareSimulate(CLI::App& app, SimulateOptions& o) {
   auto& s = o.simulation;
   app.add_option("--out", o.out, "Folder to write; must not exist, or be empty")->required();
   app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
@@ -55,7 +55,7 @@ void declare(CLI::App& app, Options& o) {
       ->capture_default_str();
 }
 
-int simulate(Options o) {
+int simulate(SimulateOptions o) {
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);
   if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
@@ -81,8 +81,8 @@ int simulate(Options o) {
 Command simulateCommand() {
   return {"simulate", "Make a recording whose truth is known",
           "plumbline simulate --out session --rig euroc --seed 7 --images", [](CLI::App& app) {
-            auto options = std::make_shared<Options>();
-            declare(app, *options);
+            auto options = std::make_shared<SimulateOptions>();
+            declareSimulate(app, *options);
             return std::function<int()>([options] { return simulate(*options); });
           }};
 }

@@ -12,6 +12,9 @@ namespace plumbline {
 /// usage.
 enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
 
+/// In place of an output file: standard output.
+inline constexpr const char* kStandardOutput = "-";
+
 /// One subcommand: `configure` declares its options on the given app and returns what runs when the
 /// command was chosen. The handler returns an ExitCode and throws InputError for bad input.
 struct Command {

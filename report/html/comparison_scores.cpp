@@ -13,9 +13,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
-
 std::string cameraName(const CalibrationScore& score, std::size_t i) {
   return i < score.cameras.size() ? score.cameras[i] : "cam" + std::to_string(i);
 }

@@ -12,8 +12,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
 constexpr double kNotable = 2, kLarge = 3;  // [sigma]
 
 using Values = std::vector<std::optional<double>>;

@@ -12,9 +12,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
-
 using Scores = std::vector<CalibrationScore>;
 
 bool isWhole(const CalibrationScore& s) { return s.part == "all"; }

@@ -15,7 +15,6 @@ namespace {
 
 using namespace html_internal;
 
-constexpr const char* kDash = "\u2013";
 constexpr const char* kShift = "imu-shift";
 constexpr const char* kOffset = "time_offset";
 
@@ -78,7 +77,6 @@ std::vector<Cell> failedRow(const PerturbationRecord& record, const Perturbation
 }
 
 Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
-  constexpr auto kNumber = Cell::Kind::kNumber;
   Table table;
   table.columns = {{"Change"}};
   if (hasOffset(record)) {

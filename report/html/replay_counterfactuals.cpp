@@ -12,8 +12,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
 constexpr double kShownShare = 0.95;  // of the values; the first few views are far above
 constexpr const char* kAbove =
     " Where an order was drawn with several seeds, dashed lines frame the band between the "

@@ -11,9 +11,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
-
 TimeNs startOf(const ReplayRecord& record) {
   if (!record.frames.empty()) return record.frames.front().t;
   return record.decisions.empty() ? 0 : record.decisions.front().t;

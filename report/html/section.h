@@ -19,6 +19,9 @@ struct Cell {
   std::optional<VerdictLevel> level = {};  ///< a dot of its colour before the text
 };
 
+inline constexpr auto kNumber = Cell::Kind::kNumber;
+inline constexpr const char* kDash = "\u2013";  ///< in the cell of a value that there is not
+
 inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber, {}}; }
 inline Cell tight(std::string text) { return {std::move(text), Cell::Kind::kTight, {}}; }
 inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode, {}}; }

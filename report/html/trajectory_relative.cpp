@@ -93,7 +93,6 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
 }
 
 Table relativeTable(const std::vector<TrajectoryRun>& runs) {
-  constexpr auto kNumber = Cell::Kind::kNumber;
   Table table{{{"Calibration"},
                {"Length"},
                {"Pieces by the rule of"},

@@ -11,9 +11,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
-
 std::string metres(double value) { return fmt::format("{:.4f}", value); }
 
 Cell statusCell(const TrajectoryRun& run) {

@@ -13,9 +13,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr auto kNumber = Cell::Kind::kNumber;
-constexpr const char* kDash = "\u2013";
-
 std::vector<Cell> pairedRow(const PairedDifference& d) {
   const auto n = std::to_string(d.pairs);
   if (d.pairs == 0) {
