@@ -27,6 +27,10 @@ class Bars:
     def at_least(self, name, what, measured, bar, unit):
         self._add(name, what, measured, "≥", bar, unit, measured >= bar)
 
+    def without(self, name, what, measured, unit):
+        """A figure that belongs beside the others and for which no bar was set."""
+        self.table.add(name, what, f"{measured:.3g} {unit}".strip(), "", "")
+
     def _add(self, name, what, measured, sign, bar, unit, met):
         self.table.add(name, what, f"{measured:.3g} {unit}".strip(), f"{sign} {bar:g} {unit}".strip(),
                        "met" if met else "**missed**")
