@@ -10,6 +10,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
 build=${BUILD:-build}
+source scripts/build_environment.sh
 
 scripts/install_dependencies.sh build bench
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# clang-tidy over the sources of the libraries and the command line, warnings are errors. Needs a
-# configured build folder for its compile_commands.json.
+# clang-tidy and g++ over the sources of the libraries and the command line, warnings are errors: the
+# scripts build with clang++ and several sources at a time, here each stands alone. Needs a folder
+# configured for g++ without PLUMBLINE_UNITY; it need not be built.
 #
-#   scripts/check_tidy.sh [BUILD]         what changed since the commit in .ci/tidied (all files where
-#                                         that commit is not in the clone)
+#   scripts/check_tidy.sh [BUILD]         what changed since the commit in .ci/tidied
 #   scripts/check_tidy.sh [BUILD] --all   every file; when clean, put HEAD's commit into .ci/tidied
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=build
-all=no
+which=
 for argument in "$@"; do
-  if [ "$argument" = --all ]; then all=yes; else build=$argument; fi
+  if [ "$argument" = --all ]; then which=--all; else build=$argument; fi
 done
 [ -f "$build/compile_commands.json" ] || { echo "check_tidy.sh: configure $build first" >&2; exit 2; }
 # The list of files then names only what is compiled together, not each source.
@@ -21,23 +21,10 @@ if grep -q '^PLUMBLINE_UNITY:BOOL=ON' "$build/CMakeCache.txt"; then
   exit 2
 fi
 
-sources=(calibrator datasets report evaluate)
-every() { git ls-files -- "${sources[@]}" | grep '\.cpp$'; }
-# Changed sources, and for a changed header the source beside it or else one that includes it.
-changed() {
-  git diff --name-only --diff-filter=d "$1" -- "${sources[@]}" | while read -r file; do
-    case $file in
-      *.cpp) echo "$file" ;;
-      *.h)
-        if [ -f "${file%.h}.cpp" ]; then echo "${file%.h}.cpp"
-        else git grep -l -F "\"$file\"" -- "${sources[@]}" | grep -m 1 '\.cpp$' || true; fi ;;
-    esac
-  done | sort -u
-}
-
-base=$(cat .ci/tidied 2>/dev/null || true)
-if [ "$all" = yes ] || ! git cat-file -e "$base^{commit}" 2>/dev/null; then files=$(every)
-else files=$(changed "$base"); fi
-echo "clang-tidy: $(printf '%s' "$files" | grep -c . || true) files"
+files=$(scripts/changed_sources.sh $which)
+count=$(printf '%s' "$files" | grep -c . || true)
+echo "clang-tidy: $count files"
 [ -z "$files" ] || printf '%s\n' "$files" |
   xargs -n 4 -P "$(nproc)" clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option
+echo "g++: $count files"
+[ -z "$files" ] || printf '%s\n' "$files" | python3 scripts/compile_alone.py "$build"

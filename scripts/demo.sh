@@ -5,8 +5,7 @@
 # below ./demo (or the folder given as first argument).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# Two clones share what ccache keeps.
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+source scripts/build_environment.sh
 out=${1:-demo}
 
 scripts/install_dependencies.sh build

@@ -6,7 +6,7 @@
 set -euo pipefail
 
 build_packages=(
-  git ca-certificates g++ cmake ninja-build ccache pkg-config
+  git ca-certificates clang cmake ninja-build ccache pkg-config
   libeigen3-dev libceres-dev libsuitesparse-dev
   libapriltag-dev libvtk9-dev
   libpng-dev libjpeg62-turbo-dev zlib1g-dev
@@ -15,8 +15,8 @@ build_packages=(
   libgtest-dev libgmock-dev)
 test_packages=(chromium fonts-dejavu-core python3 libbenchmark-dev libopencv-core-dev
   libopencv-imgproc-dev libopencv-calib3d-dev)
-sanitize_packages=(clang libclang-rt-dev)
-check_packages=(clang-format clang-tidy python3)
+sanitize_packages=(libclang-rt-dev)
+check_packages=(clang-format clang-tidy g++ python3)
 bench_packages=(libbenchmark-dev mrcal python3 python3-mrcal python3-numpy python3-opencv time)
 
 wanted=()

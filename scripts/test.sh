@@ -5,8 +5,7 @@
 # Further arguments go to ctest, e.g.  scripts/test.sh -L unit
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# Two clones share what ccache keeps.
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+source scripts/build_environment.sh
 data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
 
 scripts/install_dependencies.sh build test

@@ -4,12 +4,10 @@
 # Further arguments go to ctest.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# Two clones share what ccache keeps.
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+source scripts/build_environment.sh
 scripts/install_dependencies.sh build test sanitize
-# clang++ takes half of g++'s time here; its warnings are not ours (g++ and clang-tidy give them).
-cmake -S . -B build-sanitized -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DPLUMBLINE_WERROR=OFF -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-g1 -DPLUMBLINE_SANITIZE=ON \
-  -DPLUMBLINE_TESTS=ON -DPLUMBLINE_UNITY=ON >/dev/null
+cmake -S . -B build-sanitized -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-g1 \
+  -DPLUMBLINE_SANITIZE=ON -DPLUMBLINE_TESTS=ON -DPLUMBLINE_UNITY=ON >/dev/null
 cmake --build build-sanitized --target plumbline_unit_tests
 # The leak checker is off where a debugger or container forbids ptrace; faults still abort.
 ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1} UBSAN_OPTIONS=print_stacktrace=1 \

@@ -6,7 +6,8 @@
 #
 # Files meet in one translation unit only if their anonymous namespaces have no name in common, and
 # none that a header of the project declares for a type or a constant. Names are read off the lines
-# that begin in the first column, as clang-format leaves them.
+# that begin in the first column, as clang-format leaves them; aliases (`using`, `namespace fs =`) may
+# repeat, for the compiler tells where two differ.
 option(PLUMBLINE_UNITY "Compile several sources at a time" OFF)
 set(PLUMBLINE_UNITY_SIZE 8 CACHE STRING "At most so many sources at a time")
 
@@ -16,6 +17,7 @@ function(plumbline_names out text)
   string(REPLACE "[" " = " text "${text}")
   string(REPLACE "]" "" text "${text}")
   string(REPLACE ";" "=" text "${text}")
+  string(REGEX REPLACE "\n(using|namespace) [^\n]*" "\n" text "${text}")
   string(REGEX MATCHALL "\n[A-Za-z][^\n({=]*[ &*>][A-Za-z_][A-Za-z0-9_]* ?[({=]" lines "${text}")
   set(names "")
   foreach(line IN LISTS lines)
@@ -119,9 +121,13 @@ function(plumbline_headers name)
   target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
 endfunction()
 
+# The project's own headers here are those that most sources include and that seldom change.
+set(PLUMBLINE_BASE ${PROJECT_SOURCE_DIR}/calibrator/base)
 set(PLUMBLINE_COMMON_HEADERS
     <algorithm> <cmath> <functional> <map> <memory> <numbers> <optional> <span> <string> <variant>
-    <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
+    <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
+    ${PLUMBLINE_BASE}/calibration.h ${PLUMBLINE_BASE}/error.h ${PLUMBLINE_BASE}/lie.h
+    ${PLUMBLINE_BASE}/results.h)
 
 # Libraries share two sets: below calibrator/ (which the sanitizer build optimises), and above it.
 # Under clang++ only: g++ 12 gains little, and warns of the standard library once it is precompiled.
@@ -141,7 +147,7 @@ function(plumbline_precompile_library target)
       find_package(nlohmann_json REQUIRED)
       plumbline_headers(${headers} PRIVATE fmt::fmt nlohmann_json::nlohmann_json
         HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <fstream> <sstream> <fmt/format.h>
-                <nlohmann/json.hpp>)
+                <nlohmann/json.hpp> ${PROJECT_SOURCE_DIR}/report/records/calibration_record.h)
     endif()
     target_link_libraries(${target} PRIVATE fmt::fmt)
   endif()
