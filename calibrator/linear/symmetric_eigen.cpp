@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/linear/symmetric_eigen.h"
 
-#include <cassert>
-
 #include <Eigen/Eigenvalues>
+#include <cassert>
 
 namespace plumbline {
 
