@@ -2,10 +2,10 @@
 #include "calibrator/batch/camera_batch.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/stopwatch.h"
 #include "calibrator/batch/camera_batch_outliers.h"
 #include "calibrator/batch/camera_batch_report.h"
 #include "calibrator/batch/camera_batch_solver.h"
@@ -25,20 +25,6 @@ constexpr double kWideLoss = 0.01;          // scale over the image's width
 constexpr double kTrustUnconverged = 1e-2;  // of the information: ten times the uncertainty
 constexpr double kPoseTolerance = 1e-7;
 constexpr int kPoseIterations = 50;
-
-class Stopwatch {
- public:
-  /// Seconds since the last call, or since it was made.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 void checkSession(const Session& session) {
   if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
@@ -183,15 +169,6 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   return result;
 }
 
-CameraEstimate camerasOf(const std::vector<CameraCalibration>& cameras) {
-  CameraEstimate estimate;
-  for (const CameraCalibration& camera : cameras) {
-    estimate.intrinsics.push_back(camera.intrinsics);
-    estimate.T_C0Ci.push_back(camera.T_C0Ci);
-  }
-  return estimate;
-}
-
 /// Minimises every frame's cost over its own pose; the sum of costs in units of pixel_sigma.
 double refinePoses(const CameraProblem& problem, CameraEstimate& estimate, bool& converged) {
   PoseRefinementOptions options{problem.gram, kPoseIterations, kPoseTolerance};
@@ -250,7 +227,7 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
 Result<CameraStageResult> calibrateCameras(const Session& session,
                                            const CameraStageOptions& options) {
   checkSession(session);
-  Stopwatch total;
+  const Stopwatch total;
   Stopwatch watch;
   std::vector<PackedCorners> corners = packCorners(session);
   const std::vector<Frame> frames = pairFrames(session.cameras, options.frames);
@@ -273,7 +250,7 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
   seconds.initialise = initialise_s;
   seconds.solve = solve_s;
   seconds.covariance = watch.lap();
-  seconds.total = total.lap();
+  seconds.total = total.seconds();
   return result;
 }
 
@@ -319,7 +296,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
   checkCameras(session, earlier.cameras);
   const std::vector<PackedCorners> corners = usedCorners(session, earlier);
   CameraProblem problem = problemOf(corners, {}, options);
-  CameraEstimate estimate = camerasOf(earlier.cameras);
+  CameraEstimate estimate = estimateOf(earlier.cameras);
   for (const FrameStretch& stretch : stretches) {
     for (int f = stretch.first; f < stretch.first + stretch.count; ++f) {
       problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);

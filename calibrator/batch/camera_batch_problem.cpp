@@ -174,6 +174,17 @@ Eigen::MatrixXd eliminated(const Matrix6d& H, const Eigen::MatrixXd& P) {
 
 }  // namespace
 
+CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
+                          std::span<const Transform> T_FC0) {
+  CameraEstimate estimate;
+  for (const CameraCalibration& camera : cameras) {
+    estimate.intrinsics.push_back(camera.intrinsics);
+    estimate.T_C0Ci.push_back(camera.T_C0Ci);
+  }
+  for (const Transform& T : T_FC0) estimate.T_C0F.push_back(T.inverse());
+  return estimate;
+}
+
 CameraLayout::CameraLayout(const std::vector<Intrinsics>& cameras) {
   for (const Intrinsics& camera : cameras) {
     intrinsics.push_back(size);

@@ -25,6 +25,10 @@ struct CameraEstimate {
   int cameraCount() const { return static_cast<int>(intrinsics.size()); }
 };
 
+/// The cameras as given, and a frame for each pose.
+CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
+                          std::span<const Transform> T_FC0 = {});
+
 /// All measurements of the camera batch. The corners are shared between problems (a first solution
 /// on some views, then all of them); who makes the problem keeps them alive.
 struct CameraProblem {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu_batch.h"
 
-#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/stopwatch.h"
 #include "calibrator/base/time_offsets.h"
 #include "calibrator/batch/camera_imu_noise.h"
 #include "calibrator/batch/camera_imu_outliers.h"
@@ -19,20 +19,6 @@ namespace {
 constexpr int kMostSelections = 3;  // attempts to choose frames that stay on the samples
 constexpr int kFilterRounds = 2;    // of CornerFilter::kSigma
 constexpr int kFewestFrames = 10;
-
-class Clock {
- public:
-  /// Seconds since the last call (or construction).
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 std::optional<Failure> checkInputs(const Session& session,
                                    const std::vector<CameraCalibration>& cameras) {
@@ -148,8 +134,8 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
                                             const ImuCalibration& imu,
                                             const CameraImuOptions& options) {
   if (const auto failure = checkInputs(session, cameras)) return *failure;
-  Clock total;
-  Clock clock;
+  const Stopwatch total;
+  Stopwatch watch;
   CameraImuProblem problem = makeProblem(session, options);
   problem.free_cameras = false;
   problem.hold_calibration = true;
@@ -161,13 +147,13 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
   }
   StageSeconds seconds;
-  seconds.initialise = clock.lap();
+  seconds.initialise = watch.lap();
   auto selected = selectAndSolve(problem, posed, start, cameras, options);
   if (!selected) return selected.failure();
   CameraImuSolution& solution = selected.value().solution;
   if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
-  seconds.solve = clock.lap();
-  seconds.total = total.lap();
+  seconds.solve = watch.lap();
+  seconds.total = total.seconds();
   auto result = scoreResult(problem, solution, session);
   if (!result) return result;
   result.value().imu.T_SC0 = imu.T_SC0;  // steps of length zero round
@@ -187,8 +173,8 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
                                                 const std::vector<CameraCalibration>& cameras,
                                                 const CameraImuOptions& options) {
   if (const auto failure = checkInputs(session, cameras)) return *failure;
-  Clock total;
-  Clock clock;
+  const Stopwatch total;
+  Stopwatch watch;
   CameraImuProblem problem = makeProblem(session, options);
   const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
@@ -198,13 +184,13 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
   }
   StageSeconds seconds;
-  seconds.initialise = clock.lap();
+  seconds.initialise = watch.lap();
 
   auto selected = selectAndSolve(problem, posed, *start, cameras, options);
   if (!selected) return selected.failure();
   CameraImuSolution& solution = selected.value().solution;
   if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
-  seconds.solve = clock.lap();
+  seconds.solve = watch.lap();
 
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
@@ -212,8 +198,8 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   if (options.noise_check) {
     result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
   }
-  seconds.covariance = clock.lap();
-  seconds.total = total.lap();
+  seconds.covariance = watch.lap();
+  seconds.total = total.seconds();
   result.value().summary.seconds = seconds;
   result.value().frames_without_pose = posed.without_pose;
   result.value().frames_without_imu = selected->frames_without_imu;

@@ -14,16 +14,6 @@
 namespace plumbline {
 namespace {
 
-CameraEstimate estimateOf(const CameraStageResult& at) {
-  CameraEstimate estimate;
-  for (const CameraCalibration& camera : at.cameras) {
-    estimate.intrinsics.push_back(camera.intrinsics);
-    estimate.T_C0Ci.push_back(camera.T_C0Ci);
-  }
-  for (const Transform& T_FC0 : at.T_FC0) estimate.T_C0F.push_back(T_FC0.inverse());
-  return estimate;
-}
-
 /// Names and units in the layout's order, for every model; cameras by their place.
 ParameterCovariance parametersOf(const std::vector<CameraCalibration>& cameras) {
   ParameterCovariance list;
@@ -72,7 +62,7 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   problem.pixel_sigma = options.pixel_sigma;
   problem.gram = {options.cauchy_px, 0};
   problem.threads = options.threads;
-  const CameraEstimate estimate = estimateOf(at);
+  const CameraEstimate estimate = estimateOf(at.cameras, at.T_FC0);
   const CameraNormals normals = normalsAt(problem, estimate);
 
   const Eigen::MatrixXd information = reducedInformation(normals);

@@ -12,15 +12,6 @@
 namespace plumbline {
 namespace {
 
-CameraEstimate camerasOf(const std::vector<CameraCalibration>& given) {
-  CameraEstimate estimate;
-  for (std::size_t c = 0; c < given.size(); ++c) {
-    estimate.intrinsics.push_back(given[c].intrinsics);
-    estimate.T_C0Ci.push_back(c == 0 ? Transform() : given[c].T_C0Ci);
-  }
-  return estimate;
-}
-
 /// Displacement of the cameras, in the tangent of `from`; and how it changes with the tangent of
 /// `to`, which is the identity but for rotations: Log(Exp(da) R_to R_from^T) = d + Jl^-1(d) da.
 struct Displacement {
@@ -60,7 +51,7 @@ CameraWindow::CameraWindow(const AprilGrid& target, const std::vector<CameraCali
     : target_(target),
       given_(cameras),
       options_(options),
-      estimate_(camerasOf(cameras)),
+      estimate_(estimateOf(cameras)),
       views_(cameras.size()),
       corners_(cameras.size()),
       prior_point_(estimate_),

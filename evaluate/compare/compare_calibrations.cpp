@@ -102,9 +102,7 @@ void append(const std::vector<Finding>& more, std::vector<Finding>& findings) {
 std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<ComparedFile>& files,
                                 const ProgressSink& progress, ComparisonRecord& record) {
   const LoadedSession loaded = loadSession(*request.load, progress);
-  record.name = loaded.session.name;
-  record.provenance.input = loaded.session.name;
-  record.provenance.input_hash = loaded.input_hash;
+  attribute(record, request.provenance, loaded);
   if (loaded.session.imu) record.assumptions.imu_noise = loaded.session.imu->noise;
   std::vector<OnSession> all;
   for (ComparedFile& file : files) {

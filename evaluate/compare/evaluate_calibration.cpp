@@ -28,10 +28,7 @@ LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
 /// All but what was computed.
 CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibrationRequest& asked) {
   CalibrationRecord record;
-  record.name = loaded.session.name;
-  record.provenance = asked.provenance;
-  record.provenance.input = loaded.session.name;
-  record.provenance.input_hash = loaded.input_hash;
+  attribute(record, asked.provenance, loaded);
   const ScoreOptions& score = asked.score;
   record.assumptions = score.use_imu ? assumptionsOf(score.camera, score.camera_imu, loaded.session)
                                      : assumptionsOf(score.camera, score.camera_imu);

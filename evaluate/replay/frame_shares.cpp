@@ -11,12 +11,6 @@ Result<FrameShares> frameShares(const Session& session,
                                 const CameraStageOptions& options) {
   const auto scored = scoreCameras(session, cameras, options);
   if (!scored) return scored.failure();
-  CameraEstimate estimate;
-  for (const CameraCalibration& camera : cameras) {
-    estimate.intrinsics.push_back(camera.intrinsics);
-    estimate.T_C0Ci.push_back(camera.T_C0Ci);
-  }
-  for (const Transform& T_FC0 : scored->T_FC0) estimate.T_C0F.push_back(T_FC0.inverse());
   const std::vector<PackedCorners> corners = usedCorners(session, *scored);
   CameraProblem problem;
   problem.corners = corners;
@@ -24,7 +18,7 @@ Result<FrameShares> frameShares(const Session& session,
   problem.pixel_sigma = options.pixel_sigma;
   problem.gram = {options.cauchy_px, 0};
   problem.threads = options.threads;
-  return FrameShares{scored->frames, frameInformation(problem, estimate)};
+  return FrameShares{scored->frames, frameInformation(problem, estimateOf(cameras, scored->T_FC0))};
 }
 
 }  // namespace plumbline

@@ -179,12 +179,9 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   Guide guide(guideRig(session, models), request.guide, given);
 
   ReplayRecord record;
-  record.name = session.name;
+  attribute(record, request.provenance, loaded);
   record.target = session.target;
   record.assumptions = assumptionsOf(request.camera, request.camera_imu, session);
-  record.provenance = request.provenance;
-  record.provenance.input = session.name;
-  record.provenance.input_hash = loaded.input_hash;
   record.decisions = play(guide, frames, progress);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
   if (request.images) addImages(loaded, paired, record.frames, progress);

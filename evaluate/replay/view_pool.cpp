@@ -56,15 +56,6 @@ std::vector<int> thinned(const std::vector<int>& frames, int most) {
   return kept;
 }
 
-CameraEstimate camerasOf(const std::vector<CameraCalibration>& cameras) {
-  CameraEstimate estimate;
-  for (const CameraCalibration& camera : cameras) {
-    estimate.intrinsics.push_back(camera.intrinsics);
-    estimate.T_C0Ci.push_back(camera.T_C0Ci);
-  }
-  return estimate;
-}
-
 /// Sums over corners.
 struct ErrorSum {
   double squares = 0;
@@ -129,7 +120,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   pool.split_ = {among(split.pool, usable), thinned(among(split.held_out, usable), max_held_out)};
   if (pool.split_.pool.empty()) return noFrames("pool");
   if (pool.split_.held_out.empty()) return noFrames("held-out blocks");
-  pool.reference_.estimate = camerasOf(all->cameras);
+  pool.reference_.estimate = estimateOf(all->cameras);
   auto reference = pool.solve(pool.split_.pool);
   if (!reference) return poolNotSolved();
   pool.reference_ = std::move(*reference);

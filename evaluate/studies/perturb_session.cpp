@@ -43,10 +43,7 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
   progress("calibrating the session as it is", -1);
   auto record = perturbationStudy(inputs, request.perturbations, options);
   if (!record) return record;
-  record.value().name = loaded.session.name;
-  record.value().provenance = request.provenance;
-  record.value().provenance.input = loaded.session.name;
-  record.value().provenance.input_hash = loaded.input_hash;
+  attribute(record.value(), request.provenance, loaded);
   record.value().assumptions = assumptionsOf(request.camera, request.camera_imu, loaded.session);
   return record;
 }

@@ -101,10 +101,7 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
 
 CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSession& loaded) {
   CalibrationRecord record;
-  record.name = loaded.session.name;
-  record.provenance = request.provenance;
-  record.provenance.input = loaded.session.name;
-  record.provenance.input_hash = loaded.input_hash;
+  attribute(record, request.provenance, loaded);
   record.assumptions = assumptionsOf(request.camera, request.camera_imu);
   record.target = loaded.session.target;
   record.counts = loaded.counts;

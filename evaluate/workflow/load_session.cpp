@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/stopwatch.h"
 #include "datasets/input_hash.h"
 #include "evaluate/workflow/detect_corners.h"
-#include "evaluate/workflow/stopwatch.h"
 
 namespace plumbline {
 namespace {

@@ -45,6 +45,16 @@ void refuseInside(const std::string& path, const std::string& session, const std
 /// InputError for bad input.
 LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress);
 
+/// Says in a record of any kind that it comes from this session: its name, and `provenance` with
+/// the session as the input.
+template <class Record>
+void attribute(Record& record, const Provenance& provenance, const LoadedSession& loaded) {
+  record.name = loaded.session.name;
+  record.provenance = provenance;
+  record.provenance.input = loaded.session.name;
+  record.provenance.input_hash = loaded.input_hash;
+}
+
 /// Where found corners are kept unless the user says otherwise: $XDG_CACHE_HOME/plumbline, or
 /// ~/.cache/plumbline; empty without either.
 std::optional<std::string> defaultCacheFolder();

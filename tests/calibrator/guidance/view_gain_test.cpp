@@ -14,15 +14,6 @@
 namespace plumbline {
 namespace {
 
-CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras) {
-  CameraEstimate estimate;
-  for (const CameraCalibration& camera : cameras) {
-    estimate.intrinsics.push_back(camera.intrinsics);
-    estimate.T_C0Ci.push_back(camera.T_C0Ci);
-  }
-  return estimate;
-}
-
 using FrameCorners = std::vector<std::vector<Corner>>;
 
 /// Information of one frame by the batch's own way.
