@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "tests/datasets/temporary_folder.h"
 #include "tests/report/synthetic_record.h"
 
 namespace plumbline {
@@ -22,15 +23,7 @@ using ::testing::HasSubstr;
 
 class StoreTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        std::filesystem::path(::testing::TempDir()) / ("plumbline_" + std::string(info->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path file() const { return folder_ / "runs.sqlite"; }
+  std::filesystem::path file() const { return folder_.path("runs.sqlite"); }
   std::string complaint() const {
     try {
       Store(file()).loadCalibration();
@@ -40,7 +33,7 @@ class StoreTest : public ::testing::Test {
     return "no complaint";
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 template <class A, class B>
@@ -197,9 +190,9 @@ TEST_F(StoreTest, KeepsRunsApartAndLoadsTheLatestByDefault) {
 }
 
 TEST_F(StoreTest, LeavesNothingPartialWhenAFolderIsMissing) {
-  const Store store(folder_ / "missing" / "runs.sqlite");
+  const Store store(folder_.path("missing/runs.sqlite"));
   EXPECT_THROW(store.save(syntheticRecord({.frames = 3})), InputError);
-  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
 TEST_F(StoreTest, RefusesWhatIsNoStore) {

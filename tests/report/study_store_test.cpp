@@ -13,6 +13,7 @@
 #include "calibrator/base/error.h"
 #include "report/store/sql.h"
 #include "report/store/store.h"
+#include "tests/datasets/temporary_folder.h"
 #include "tests/report/synthetic_record.h"
 #include "tests/report/synthetic_studies.h"
 
@@ -23,15 +24,7 @@ using ::testing::HasSubstr;
 
 class StudyStoreTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        std::filesystem::path(::testing::TempDir()) / ("plumbline_" + std::string(info->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path file() const { return folder_ / "runs.sqlite"; }
+  std::filesystem::path file() const { return folder_.path("runs.sqlite"); }
   void change(const std::string& sql) const {
     SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec(sql);
   }
@@ -39,7 +32,7 @@ class StudyStoreTest : public ::testing::Test {
     return SQLite::Database(file().string()).execAndGet(sql).getDouble();
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 template <class Work>

@@ -2,15 +2,14 @@
 #include "tests/calibrator/oracle/camera_imu_oracle.h"
 
 #include <array>
-#include <stdexcept>
 
-#include <ceres/covariance.h>
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <ceres/sphere_manifold.h>
 
 #include "tests/calibrator/oracle/imu_cost.h"
+#include "tests/calibrator/oracle/tangent_covariance.h"
 
 namespace plumbline::oracle {
 namespace {
@@ -137,7 +136,6 @@ ceres::Solver::Options solverOptions(const CameraImuOptions& options) {
   return solver;
 }
 
-// A pose block's tangent is (dt, da / 2): covariances in da are twice (and four times) as large.
 Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const Blocks& blocks, bool free_cameras) {
   std::vector<const double*> globals{blocks.T_SC0.data(), &blocks.offset};
   std::vector<double> scale{1, 1, 1, 2, 2, 2, 1};
@@ -148,17 +146,7 @@ Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const Blocks& blocks, bool
     globals.push_back(blocks.T_C0Ci[c].data());
     scale.insert(scale.end(), {1, 1, 1, 2, 2, 2});
   }
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::SPARSE_QR;
-  ceres::Covariance covariance(options);
-  if (!covariance.Compute(globals, &problem)) {
-    throw std::runtime_error("the oracle's problem is singular");
-  }
-  const auto n = static_cast<Eigen::Index>(scale.size());
-  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), n);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(n, n);
-  covariance.GetCovarianceMatrixInTangentSpace(globals, matrix.data());
-  return scales.asDiagonal() * matrix * scales.asDiagonal();
+  return tangentCovariance(problem, globals, scale);
 }
 
 CameraImuEstimate estimateFrom(const CameraImuEstimate& start, const Blocks& blocks) {

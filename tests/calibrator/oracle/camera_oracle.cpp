@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/calibrator/oracle/camera_oracle.h"
 
-#include <stdexcept>
-
 #include <ceres/cost_function.h>
-#include <ceres/covariance.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/ordered_groups.h>
@@ -12,6 +9,7 @@
 #include <ceres/solver.h>
 
 #include "calibrator/residuals/reprojection_cost.h"
+#include "tests/calibrator/oracle/tangent_covariance.h"
 
 namespace plumbline::oracle {
 namespace {
@@ -95,29 +93,13 @@ ceres::Solver::Options solverOptions(const CameraOptions& options, Blocks& block
   return solver;
 }
 
-// A pose block's tangent is (dt, da / 2): covariances in da are twice (and four times) as large.
-Eigen::VectorXd tangentScale(const Blocks& blocks) {
+Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const Blocks& blocks) {
   std::vector<double> scale;
   for (const auto& k : blocks.intrinsics) scale.insert(scale.end(), k.size(), 1.0);
   for (std::size_t i = 1; i < blocks.T_C0Ci.size(); ++i) {
     scale.insert(scale.end(), {1, 1, 1, 2, 2, 2});
   }
-  return Eigen::Map<const Eigen::VectorXd>(scale.data(), static_cast<int>(scale.size()));
-}
-
-Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const Blocks& blocks) {
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::SPARSE_QR;
-  ceres::Covariance covariance(options);
-  const std::vector<const double*> globals = blocks.globals();
-  if (!covariance.Compute(globals, &problem)) {
-    throw std::runtime_error("the oracle's problem is singular");
-  }
-  const Eigen::VectorXd scale = tangentScale(blocks);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(scale.size(),
-                                                                                scale.size());
-  covariance.GetCovarianceMatrixInTangentSpace(globals, matrix.data());
-  return scale.asDiagonal() * matrix * scale.asDiagonal();
+  return tangentCovariance(problem, blocks.globals(), scale);
 }
 
 CameraState stateFrom(const CameraState& start, const Blocks& blocks) {

@@ -5,8 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/guide_frames.h"
+#include "tests/evaluate/replay/decided_recording.h"
 
 namespace plumbline {
 namespace {
@@ -14,14 +13,9 @@ namespace {
 using ::testing::ElementsAre;
 
 /// 60 frames; the camera stage accepts every third and finishes with frame 44.
-class Summary : public ::testing::Test {
+class Summary : public DecidedRecording {
  protected:
-  static SimulatedSession simulated() {
-    SimulationOptions options;
-    options.duration_s = 12;
-    options.camera_rate_hz = 5;
-    return simulateSession(simulatedRig("euroc"), options);
-  }
+  Summary() : DecidedRecording(12, 5) {}
 
   void SetUp() override {
     for (const GuideFrame& frame : frames_) {
@@ -35,17 +29,10 @@ class Summary : public ::testing::Test {
     }
   }
 
-  ReplayRun run() const { return {recording_.session, frames_, decisions_, {}, {}, {}}; }
-
   ReplayStageSummary summary() const {
     const ReplayRun r = run();
-    const auto kept = calibrateCameras(r.sessionOfFrames(r.accepted(GuideStage::kCamera)));
-    return summariseCameraStage(r, cameraBatches(r, kept));
+    return summariseCameraStage(r, cameraBatches(r, keptCameras(r)));
   }
-
-  SimulatedSession recording_ = simulated();
-  std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
-  std::vector<Decision> decisions_;
 };
 
 TEST_F(Summary, AWithdrawnFrameWasNotKept) {

@@ -5,8 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/guide_frames.h"
+#include "tests/evaluate/replay/decided_recording.h"
 
 namespace plumbline {
 namespace {
@@ -15,14 +14,9 @@ using ::testing::HasSubstr;
 using Stop = StopAudit::Verdict;
 
 /// A recording of 20 s, and a guide that keeps every n-th frame of a stage and then says stop.
-class Stopping : public ::testing::Test {
+class Stopping : public DecidedRecording {
  protected:
-  static SimulatedSession simulated() {
-    SimulationOptions options;
-    options.duration_s = 20;
-    options.camera_rate_hz = 10;
-    return simulateSession(simulatedRig("euroc"), options);
-  }
+  Stopping() : DecidedRecording(20, 10) {}
 
   void decide(GuideStage stage, int every, double stop_s) {
     for (const GuideFrame& frame : frames_) {
@@ -40,12 +34,9 @@ class Stopping : public ::testing::Test {
     }
   }
 
-  ReplayRun run() const { return {recording_.session, frames_, decisions_, {}, {}, {}}; }
-
   StopAudit cameraAudit() const {
     const ReplayRun r = run();
-    const auto kept = calibrateCameras(r.sessionOfFrames(r.accepted(GuideStage::kCamera)));
-    return auditCameraStop(r, cameraBatches(r, kept));
+    return auditCameraStop(r, cameraBatches(r, keptCameras(r)));
   }
 
   StopAudit imuAudit() const {
@@ -54,9 +45,6 @@ class Stopping : public ::testing::Test {
     return auditCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
   }
 
-  SimulatedSession recording_ = simulated();
-  std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
-  std::vector<Decision> decisions_;
   bool stopped_ = false;
 };
 
