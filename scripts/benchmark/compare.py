@@ -20,6 +20,9 @@ import sessions
 from runs import calibrate, measured, median, rival, stage_seconds
 from tables import Bars, Table
 
+# The machine on which the bars in seconds were set needs so long for mrcal's work on one camera of
+# EuRoC's recording, all views. The same bars as parts of that hold on any machine, fast or slow.
+BARS_MRCAL_S = {"EuRoC": 4.3}
 MONO = ["--only", "cam0", "--no-imu", "--loss", "none", "--min-corners", "8"]
 
 
@@ -31,6 +34,7 @@ class Benchmark:
         self.table = Table("recording", "work", "tool", "RMSE [px]", "work [s]",
                            "process CPU [s]", "process wall [s]", "peak [MB]", "× Plumbline")
         self.bars = Bars()
+        self.mrcal_s = {}  # by recording: mrcal's work on one camera, all views
 
     def plumbline(self, session, *arguments, report=False):
         return [calibrate(self.options.plumbline, session, self.options.work, *arguments,
@@ -57,9 +61,19 @@ class Benchmark:
             work = f"one camera, no loss, {what} ({theirs[0]['views']} views)"
             self.add(name, work, tool, theirs[0]["rmse_px"], total, theirs,
                      f"{total / whole:.0f}")
+            if tool == "mrcal":
+                self.mrcal_s.setdefault(name, total)
             if tool == "mrcal" and len(tools) == 1:  # on a few frames Plumbline's start dominates
                 self.bars.at_most(name, f"one camera, {what}: Plumbline's whole CPU / mrcal's work",
                                   whole / total, 0.1, "")
+
+    def seconds_at_most(self, name, what, measured, bar):
+        """A bar in seconds; where the bars' machine is known, also as a part of mrcal's time."""
+        self.bars.at_most(name, what, measured, bar, "s")
+        if name in BARS_MRCAL_S:
+            part = f"(bar: {bar:g} s / {BARS_MRCAL_S[name]:g} s)"
+            self.bars.at_most(name, f"the same / mrcal's work on one camera, all views {part}",
+                              measured / self.mrcal_s[name], round(bar / BARS_MRCAL_S[name], 4), "")
 
     def stage(self, name, session, stage, work, arguments):
         """One job without loss and with the default loss; returns the runs of both."""
@@ -77,7 +91,7 @@ class Benchmark:
         def seconds(runs, *parts):
             return median(runs, lambda run: stage_seconds(run, "camera", *parts))
 
-        self.bars.at_most(name, "camera batch: start and solve, no loss", seconds(squared), 0.3, "s")
+        self.seconds_at_most(name, "camera batch: start and solve, no loss", seconds(squared), 0.3)
         self.bars.at_most(name, "the same, Cauchy, as multiple of it",
                           seconds(robust) / seconds(squared), 3, "×")
         self.bars.without(name, "start, solve and covariance, no loss",
@@ -94,8 +108,8 @@ class Benchmark:
             return median(runs, lambda run: stage_seconds(run, "camera_imu", "load", "initialise",
                                                           "solve", *parts))
 
-        self.bars.at_most(name, "camera-IMU batch with loading: load, start and solve, no loss",
-                          seconds(squared), 0.5, "s")
+        self.seconds_at_most(name, "camera-IMU batch with loading: load, start and solve, no loss",
+                             seconds(squared), 0.5)
         self.bars.at_most(name, "the same, Cauchy, as multiple of it",
                           seconds(robust) / seconds(squared), 3, "×")
         self.bars.without(name, "load, start, solve and covariance, no loss",
