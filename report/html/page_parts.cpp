@@ -86,7 +86,7 @@ void addParameters(std::vector<ParameterGroup>& groups,
     if (p.resample_std) {
       groups.back().has_spread = true;
       row.spread = twoDigits(factor * *p.resample_std);
-      row.ratio = p.std > 0 ? fmt::format("{:.1f}", *p.resample_std / p.std) : "";
+      row.ratio = p.std > 0 ? twoDigits(*p.resample_std / p.std) : "";
     }
     groups.back().rows.push_back(std::move(row));
   }
