@@ -13,7 +13,7 @@ build=${BUILD:-build}
 source scripts/build_environment.sh
 
 scripts/install_dependencies.sh build bench
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_UNITY=ON >/dev/null
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$build" --target plumbline detector_benchmark guidance_views_benchmark \
   guidance_trajectories_benchmark >&2
 

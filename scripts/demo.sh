@@ -11,7 +11,7 @@ out=${1:-demo}
 scripts/install_dependencies.sh build
 echo "Building ..."
 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=OFF \
-  -DPLUMBLINE_UNITY=ON >/dev/null
+  >/dev/null
 cmake --build build --target plumbline
 
 rm -rf "$out/session" "$out/calibration"

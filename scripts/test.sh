@@ -10,7 +10,7 @@ data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
 
 scripts/install_dependencies.sh build test
 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON \
-  -DPLUMBLINE_UNITY=ON -DPLUMBLINE_SHARED_DATA="$data" >/dev/null
+  -DPLUMBLINE_SHARED_DATA="$data" >/dev/null
 cmake --build build
 
 left_out=()

@@ -89,7 +89,7 @@ struct ImuNoiseCheck {
   double redundancy = 0;
 };
 
-/// The checks of all groups; see calibrator/batch/camera_imu_noise.h.
+/// The checks of all groups; see calibrator/batch/camera_imu/noise.h.
 struct ImuNoiseChecks {
   ImuNoiseCheck gyro;        ///< rotation rows
   ImuNoiseCheck accel;       ///< velocity and position rows

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/statistics.h"
-#include "calibrator/batch/camera_view_errors.h"
+#include "calibrator/batch/camera/view_errors.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {

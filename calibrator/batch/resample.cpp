@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "calibrator/batch/camera_difference.h"
+#include "calibrator/batch/camera/difference.h"
 #include "calibrator/batch/parallel_chunks.h"
 
 namespace plumbline {

@@ -10,7 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/results.h"
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/frame_stretch.h"
 
 namespace plumbline {

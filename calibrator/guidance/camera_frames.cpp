@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/initialise/camera_poses.h"
 

@@ -7,7 +7,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
 

@@ -8,7 +8,7 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 
 namespace plumbline {
 

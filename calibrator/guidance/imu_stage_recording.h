@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
 #include "calibrator/guidance/posed_frame.h"

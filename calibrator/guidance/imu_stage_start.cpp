@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/imu_stage_start.h"
 
-#include "calibrator/batch/camera_imu_stage.h"
+#include "calibrator/batch/camera_imu/stage.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/guidance/visible_tags.h"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "calibrator/batch/camera_imu_problem.h"
+#include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/linear/schur.h"
 
 namespace plumbline {

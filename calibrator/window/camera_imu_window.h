@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/batch/camera_imu_problem.h"
+#include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/window/camera_imu_prior.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/camera_batch_solver.h"
+#include "calibrator/batch/camera/solver.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/window/linear_prior.h"
 
 namespace plumbline {

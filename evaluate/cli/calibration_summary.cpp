@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include "evaluate/workflow/text.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {

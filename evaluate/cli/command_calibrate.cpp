@@ -9,6 +9,8 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/calibration/calibrate_session.h"
+#include "evaluate/calibration/write_results.h"
 #include "evaluate/cli/calibration_summary.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
@@ -16,10 +18,8 @@
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
-#include "evaluate/workflow/calibrate_session.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
-#include "evaluate/workflow/write_results.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
 
 namespace plumbline {
 namespace {

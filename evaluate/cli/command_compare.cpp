@@ -20,10 +20,10 @@
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/compare/comparison_document.h"
 #include "evaluate/compare/write_comparison.h"
-#include "evaluate/workflow/evaluate_runs.h"
-#include "evaluate/workflow/parallel_for.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
+#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
+#include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {
 namespace {

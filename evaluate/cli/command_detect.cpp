@@ -7,14 +7,14 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/atomic_file.h"
+#include "datasets/files/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
-#include "evaluate/workflow/check_target.h"
-#include "evaluate/workflow/load_session.h"
-#include "evaluate/workflow/write_session.h"
-#include "generated/evaluate/workflow/version.h"
+#include "evaluate/session/check_target.h"
+#include "evaluate/session/load_session.h"
+#include "evaluate/session/write_session.h"
+#include "generated/version.h"
 
 namespace plumbline {
 namespace {

@@ -9,15 +9,15 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/calibration/evaluate_calibration.h"
+#include "evaluate/calibration/evaluation_document.h"
+#include "evaluate/calibration/write_evaluation.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
-#include "evaluate/compare/evaluate_calibration.h"
-#include "evaluate/compare/evaluation_document.h"
-#include "evaluate/compare/write_evaluation.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
 
 namespace plumbline {
 namespace {

@@ -13,10 +13,10 @@
 #include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/runs_summary.h"
 #include "evaluate/cli/trajectory_metric_options.h"
-#include "evaluate/workflow/evaluate_runs.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
-#include "evaluate/workflow/write_runs.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/write_runs.h"
 
 namespace plumbline {
 namespace {

@@ -10,19 +10,19 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/atomic_file.h"
+#include "datasets/files/atomic_file.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/failure.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/cli/trajectory_options.h"
 #include "evaluate/cli/trajectory_summary.h"
-#include "evaluate/workflow/evaluate_runs.h"
-#include "evaluate/workflow/evaluate_trajectory.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
-#include "evaluate/workflow/trajectory_document.h"
-#include "evaluate/workflow/write_runs.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
+#include "evaluate/trajectory/trajectory_document.h"
+#include "evaluate/trajectory/write_runs.h"
 
 namespace plumbline {
 namespace {

@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrator/base/error.h"
+#include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/workflow/export_calibration.h"
 
 namespace plumbline {
 namespace {

@@ -9,18 +9,18 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/study_reader.h"
+#include "datasets/session/study_reader.h"
 #include "evaluate/cli/amount_list.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/failure.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
 #include "evaluate/studies/perturb_session.h"
 #include "evaluate/studies/perturbation_document.h"
 #include "evaluate/studies/write_perturbation.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
 
 namespace plumbline {
 namespace {

@@ -15,8 +15,8 @@
 #include "evaluate/replay/replay_document.h"
 #include "evaluate/replay/replay_session.h"
 #include "evaluate/replay/write_replay.h"
-#include "evaluate/workflow/provenance.h"
-#include "evaluate/workflow/result_folder.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
 
 namespace plumbline {
 namespace {

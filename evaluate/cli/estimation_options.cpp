@@ -9,7 +9,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/option_values.h"
-#include "evaluate/workflow/parallel_for.h"
+#include "evaluate/results/parallel_for.h"
 
 namespace plumbline {
 

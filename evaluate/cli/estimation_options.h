@@ -8,9 +8,9 @@
 
 #include <CLI/App.hpp>
 
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_imu_batch.h"
-#include "evaluate/workflow/load_session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 

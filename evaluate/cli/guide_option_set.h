@@ -6,7 +6,7 @@
 
 #include <CLI/App.hpp>
 
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 
 namespace plumbline {

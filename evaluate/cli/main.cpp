@@ -13,7 +13,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
-#include "generated/evaluate/workflow/version.h"
+#include "generated/version.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/trajectory.h"
 #include "evaluate/metrics/verdict.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "evaluate/workflow/progress.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/workflow/runs_document.h"
+#include "evaluate/trajectory/runs_document.h"
 #include "report/records/paired_differences.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 
 #include <CLI/App.hpp>
 
-#include "evaluate/workflow/load_session.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 

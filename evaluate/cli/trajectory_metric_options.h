@@ -5,8 +5,8 @@
 
 #include <CLI/App.hpp>
 
-#include "evaluate/workflow/evaluate_runs.h"
-#include "evaluate/workflow/evaluate_trajectory.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
 
 namespace plumbline {
 

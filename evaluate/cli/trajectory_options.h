@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/trajectory_reader.h"
+#include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/association.h"
 #include "evaluate/metrics/trajectory/relative_error.h"

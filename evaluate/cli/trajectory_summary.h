@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "evaluate/workflow/evaluate_trajectory.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
 
 namespace plumbline {
 

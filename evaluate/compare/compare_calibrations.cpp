@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_information.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/information.h"
 #include "evaluate/compare/compared_parameters.h"
 #include "evaluate/compare/lint.h"
 #include "evaluate/compare/paired_prediction.h"
 #include "evaluate/compare/read_compared.h"
-#include "evaluate/workflow/assumptions.h"
-#include "evaluate/workflow/match_cameras.h"
+#include "evaluate/results/assumptions.h"
+#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {

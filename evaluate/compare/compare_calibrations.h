@@ -8,9 +8,9 @@
 #include "calibrator/information/projection_uncertainty.h"
 #include "evaluate/compare/comparison_findings.h"
 #include "evaluate/compare/comparison_maps.h"
-#include "evaluate/compare/score.h"
-#include "evaluate/workflow/load_session.h"
-#include "evaluate/workflow/progress.h"
+#include "evaluate/metrics/calibration/score.h"
+#include "evaluate/results/progress.h"
+#include "evaluate/session/load_session.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {

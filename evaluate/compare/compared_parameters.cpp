@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/time_offsets.h"
-#include "evaluate/metrics/calibration_parameters.h"
+#include "evaluate/metrics/calibration/parameters.h"
 
 namespace plumbline {
 namespace {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "evaluate/workflow/json_values.h"
-#include "evaluate/workflow/record_json.h"
-#include "evaluate/workflow/text.h"
+#include "evaluate/results/json_values.h"
+#include "evaluate/results/record_json.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {

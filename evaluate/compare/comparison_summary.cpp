@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "evaluate/compare/comparison_document.h"
-#include "evaluate/workflow/text.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/trajectory.h"
-#include "datasets/kalibr/camchain.h"
+#include "datasets/calibration/kalibr/camchain.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {

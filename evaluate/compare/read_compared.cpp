@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/kalibr/run.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr/run.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/calibration_extras.h"
+#include "datasets/calibration/calibration_extras.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {

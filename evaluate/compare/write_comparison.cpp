@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "datasets/atomic_file.h"
+#include "datasets/files/atomic_file.h"
+#include "evaluate/calibration/write_results.h"
 #include "evaluate/compare/comparison_document.h"
-#include "evaluate/workflow/result_folder.h"
-#include "evaluate/workflow/write_results.h"
-#include "report/html/comparison_page.h"
+#include "evaluate/results/result_folder.h"
+#include "report/html/comparison/page.h"
 #include "report/store/store.h"
 
 namespace plumbline {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "evaluate/replay/frame_split.h"
 #include "report/records/replay_record.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrator/information/covariance.h"
-#include "evaluate/workflow/json_values.h"
+#include "evaluate/results/json_values.h"
 
 namespace plumbline {
 namespace {

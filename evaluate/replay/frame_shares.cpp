@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/replay/frame_shares.h"
 
-#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/used_corners.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 
 namespace plumbline {
 

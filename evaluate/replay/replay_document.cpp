@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrator/information/covariance.h"
-#include "evaluate/workflow/json_values.h"
-#include "evaluate/workflow/record_json.h"
-#include "evaluate/workflow/text.h"
+#include "evaluate/results/json_values.h"
+#include "evaluate/results/record_json.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {

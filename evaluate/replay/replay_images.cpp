@@ -5,9 +5,9 @@
 #include <cassert>
 #include <mutex>
 
-#include "datasets/image_io.h"
-#include "datasets/jpeg_writer.h"
-#include "evaluate/workflow/parallel_for.h"
+#include "datasets/images/image_io.h"
+#include "datasets/images/jpeg_writer.h"
+#include "evaluate/results/parallel_for.h"
 
 namespace plumbline {
 namespace {

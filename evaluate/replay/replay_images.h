@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "calibrator/base/frames.h"
-#include "evaluate/workflow/load_session.h"
-#include "evaluate/workflow/progress.h"
+#include "evaluate/results/progress.h"
+#include "evaluate/session/load_session.h"
 #include "report/records/replay_record.h"
 
 namespace plumbline {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
 

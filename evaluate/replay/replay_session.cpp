@@ -7,16 +7,16 @@
 #include <utility>
 
 #include "calibrator/guidance/guide.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/suggestions_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/session/suggestions_reader.h"
 #include "evaluate/replay/guide_frames.h"
 #include "evaluate/replay/replay_findings.h"
 #include "evaluate/replay/replay_images.h"
 #include "evaluate/replay/stage_summary.h"
 #include "evaluate/replay/suggestion_outcomes.h"
-#include "evaluate/workflow/assumptions.h"
-#include "evaluate/workflow/match_cameras.h"
-#include "evaluate/workflow/parallel_for.h"
+#include "evaluate/results/assumptions.h"
+#include "evaluate/results/parallel_for.h"
+#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {

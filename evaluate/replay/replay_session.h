@@ -7,8 +7,8 @@
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/stop_audit.h"
-#include "evaluate/workflow/load_session.h"
-#include "evaluate/workflow/progress.h"
+#include "evaluate/results/progress.h"
+#include "evaluate/session/load_session.h"
 #include "report/records/replay_record.h"
 
 namespace plumbline {

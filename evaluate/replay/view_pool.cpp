@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "calibrator/base/frames.h"
-#include "calibrator/batch/camera_batch_report.h"
-#include "calibrator/batch/camera_batch_solver.h"
-#include "calibrator/batch/camera_view_errors.h"
+#include "calibrator/batch/camera/report.h"
+#include "calibrator/batch/camera/solver.h"
+#include "calibrator/batch/camera/view_errors.h"
 #include "calibrator/batch/used_corners.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/camera_poses.h"

@@ -7,8 +7,8 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/problem.h"
 #include "evaluate/replay/frame_split.h"
 
 namespace plumbline {

@@ -3,12 +3,12 @@
 
 #include <filesystem>
 
-#include "datasets/atomic_file.h"
+#include "datasets/files/atomic_file.h"
+#include "evaluate/calibration/write_results.h"
 #include "evaluate/replay/decision_log.h"
 #include "evaluate/replay/replay_document.h"
-#include "evaluate/workflow/result_folder.h"
-#include "evaluate/workflow/write_results.h"
-#include "report/html/replay_page.h"
+#include "evaluate/results/result_folder.h"
+#include "report/html/replay/page.h"
 #include "report/store/store.h"
 
 namespace plumbline {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/studies/perturb_session.h"
 
-#include "datasets/calibration_reader.h"
-#include "evaluate/workflow/assumptions.h"
-#include "evaluate/workflow/match_cameras.h"
-#include "evaluate/workflow/parallel_for.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "evaluate/results/assumptions.h"
+#include "evaluate/results/parallel_for.h"
+#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "evaluate/results/progress.h"
+#include "evaluate/session/load_session.h"
 #include "evaluate/studies/perturbation_study.h"
-#include "evaluate/workflow/load_session.h"
-#include "evaluate/workflow/progress.h"
 #include "report/records/perturbation_record.h"
 
 namespace plumbline {

@@ -8,8 +8,8 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 
 namespace plumbline {
 

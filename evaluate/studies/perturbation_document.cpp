@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/results/json_values.h"
+#include "evaluate/results/record_json.h"
+#include "evaluate/results/text.h"
 #include "evaluate/studies/perturbation.h"
-#include "evaluate/workflow/json_values.h"
-#include "evaluate/workflow/record_json.h"
-#include "evaluate/workflow/text.h"
 
 namespace plumbline {
 namespace {

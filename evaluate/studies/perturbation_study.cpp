@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/metrics/calibration_parameters.h"
+#include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/results/parallel_for.h"
 #include "evaluate/studies/perturbation_findings.h"
-#include "evaluate/workflow/parallel_for.h"
 
 namespace plumbline {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "datasets/atomic_file.h"
+#include "datasets/files/atomic_file.h"
+#include "evaluate/calibration/write_results.h"
+#include "evaluate/results/result_folder.h"
 #include "evaluate/studies/perturbation_document.h"
-#include "evaluate/workflow/result_folder.h"
-#include "evaluate/workflow/write_results.h"
-#include "report/html/perturbation_page.h"
+#include "report/html/perturbation/page.h"
 #include "report/store/store.h"
 
 namespace plumbline {

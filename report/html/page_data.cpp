@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "report/html/assets.h"
+#include "generated/report/embedded.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
@@ -135,9 +135,9 @@ data startPage(const PageHead& head) {
                       {"input", p.input},
                       {"date", p.date},
                       {"version", p.version},
-                      {"css", embedded::page_style()},
+                      {"css", embedded::page_css()},
                       {"hover", hoverScript()},
-                      {"script", embedded::page_script()}});
+                      {"script", embedded::page_js()}});
   page.set("viewer", flag(false));
   return page;
 }

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "report/html/assets.h"
+#include "generated/report/embedded.h"
 #include "report/html/page_data.h"
 
 namespace plumbline::html_internal {
@@ -35,7 +35,7 @@ std::vector<Pair> contentsOf(const StudyPage& study, const std::vector<Section>&
 void setPlayer(data& page, const std::optional<PagePlayer>& player) {
   page.set("player", player ? data{player->html} : flag(false));
   if (!player) return;
-  page.set("css", embedded::page_style() + player->css);
+  page.set("css", embedded::page_css() + player->css);
   page.set("viewer", player->script);
 }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "generated/report/embedded.h"
 #include "report/plots/svg.h"
 
 namespace plumbline {
-namespace embedded {
-const std::string& hover_script();  // hover.js
-}
 
-const std::string& hoverScript() { return embedded::hover_script(); }
+const std::string& hoverScript() { return embedded::hover_js(); }
 
 }  // namespace plumbline

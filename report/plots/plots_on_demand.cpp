@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 
 #include "calibrator/base/error.h"
-#include "report/plots/internal/plots_module.h"
+#include "report/plots/plots_module.h"
 #include "report/plots/svg.h"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "report/store/sql.h"
+#include "generated/report/embedded.h"
 
 namespace plumbline::store_internal {
 namespace {

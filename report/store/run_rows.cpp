@@ -4,8 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "generated/report/embedded.h"
 #include "report/store/database.h"
-#include "report/store/sql.h"
 
 namespace plumbline::store_internal {
 namespace {

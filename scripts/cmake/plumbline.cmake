@@ -1,21 +1,79 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The functions with which every folder declares its library and its tests.
-include(${CMAKE_CURRENT_LIST_DIR}/unity.cmake)
 
-# plumbline_library(NAME SOURCES a.cpp ... [DEPENDS target ...])
-# A static library `plumbline_NAME` with the project's flags. Headers are included from the root of
-# the repository: #include "calibrator/base/time.h".
+# plumbline_library(NAME [EXCLUDE regex] [SOURCES generated.cpp ...] [DEPENDS target ...])
+# A static library `plumbline_NAME` of every source below the current folder, with the project's flags.
+# Headers are included from the root of the repository: #include "calibrator/base/time.h".
 function(plumbline_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
-  if(ARG_SOURCES)
-    add_library(plumbline_${name} STATIC ${ARG_SOURCES})
-    plumbline_unite(plumbline_${name} ${ARG_SOURCES})
-    target_link_libraries(plumbline_${name} PUBLIC plumbline_flags ${ARG_DEPENDS})
-    plumbline_precompile_library(plumbline_${name})
-  else()
-    add_library(plumbline_${name} INTERFACE)
-    target_link_libraries(plumbline_${name} INTERFACE plumbline_flags ${ARG_DEPENDS})
+  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;DEPENDS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+  if(ARG_EXCLUDE)
+    list(FILTER sources EXCLUDE REGEX ${ARG_EXCLUDE})
   endif()
+  add_library(plumbline_${name} STATIC ${sources} ${ARG_SOURCES})
+  target_link_libraries(plumbline_${name} PUBLIC plumbline_flags ${ARG_DEPENDS})
+  plumbline_precompile_library(plumbline_${name})
+endfunction()
+
+# Precompiled headers, so that Eigen, the standard library and JSON are read once. Under clang++ only:
+# g++ 12 gains little, and warns of the standard library once it is precompiled.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  option(PLUMBLINE_PRECOMPILE "Precompile the headers that most sources include" ON)
+endif()
+
+# The headers given, compiled once as the target `name` for all that include them with its flags.
+# PRIVATE names what they need to be found.
+function(plumbline_headers name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;PRIVATE;OPTIONS" ${ARGN})
+  set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
+  file(TOUCH ${source})
+  add_library(${name} OBJECT ${source})
+  target_link_libraries(${name} PRIVATE plumbline_flags ${ARG_PRIVATE})
+  target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
+  target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
+endfunction()
+
+# The project's own headers here are those that most sources include and that seldom change.
+set(PLUMBLINE_BASE ${PROJECT_SOURCE_DIR}/calibrator/base)
+set(PLUMBLINE_COMMON_HEADERS
+    <algorithm> <cmath> <functional> <map> <memory> <numbers> <optional> <span> <string> <variant>
+    <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
+    ${PLUMBLINE_BASE}/calibration.h ${PLUMBLINE_BASE}/error.h ${PLUMBLINE_BASE}/lie.h
+    ${PLUMBLINE_BASE}/results.h)
+
+# Libraries share two sets: calibrator's (which the sanitizer build optimises), and that above it.
+function(plumbline_precompile_library target)
+  if(NOT PLUMBLINE_PRECOMPILE)
+    return()
+  endif()
+  if(target STREQUAL "plumbline_calibrator")
+    set(headers plumbline_calibrator_headers)
+    if(NOT TARGET ${headers})
+      plumbline_headers(${headers} HEADERS ${PLUMBLINE_COMMON_HEADERS})
+    endif()
+  else()
+    set(headers plumbline_evaluation_headers)
+    if(NOT TARGET ${headers})
+      find_package(nlohmann_json REQUIRED)
+      plumbline_headers(${headers} PRIVATE fmt::fmt nlohmann_json::nlohmann_json
+        HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <fstream> <sstream> <fmt/format.h>
+                <nlohmann/json.hpp> ${PROJECT_SOURCE_DIR}/report/records/calibration_record.h)
+    endif()
+    target_link_libraries(${target} PRIVATE fmt::fmt)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+endfunction()
+
+function(plumbline_precompile_test target)
+  if(NOT PLUMBLINE_PRECOMPILE)
+    return()
+  endif()
+  if(NOT TARGET plumbline_test_headers)
+    plumbline_headers(plumbline_test_headers PRIVATE ${ARGN} OPTIONS ${PLUMBLINE_TEST_OPTIONS}
+      HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <random> <sstream> <tuple> <fmt/format.h>
+              <gmock/gmock.h> <gtest/gtest.h>)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM plumbline_test_headers)
 endfunction()
 
 # What is measured and shipped is compiled with -O2; the tests' own code need not be. Inline functions are
@@ -38,7 +96,6 @@ function(plumbline_test name)
     set(ARG_LABELS unit)
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  plumbline_unite(${name} ${ARG_SOURCES})
   set(common plumbline_flags fmt::fmt GTest::gmock GTest::gtest)
   target_link_libraries(${name} PRIVATE ${common} ${ARG_DEPENDS} GTest::gtest_main)
   if(ARG_OPTIMISED OR "statistics" IN_LIST ARG_LABELS)

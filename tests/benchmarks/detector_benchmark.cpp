@@ -7,7 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/target/detector.h"
-#include "datasets/image_io.h"
+#include "datasets/images/image_io.h"
 
 namespace {
 

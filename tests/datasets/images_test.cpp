@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/corner_cache.h"
-#include "datasets/image_io.h"
-#include "datasets/input_hash.h"
+#include "datasets/images/image_io.h"
+#include "datasets/session/corner_cache.h"
+#include "datasets/session/input_hash.h"
 
 namespace plumbline {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
-#include "datasets/atomic_file.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/imu_reader.h"
-#include "datasets/kalibr_writer.h"
-#include "datasets/target_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr_writer.h"
+#include "datasets/files/atomic_file.h"
+#include "datasets/session/imu_reader.h"
+#include "datasets/session/target_reader.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "datasets/kalibr/results_text.h"
+#include "datasets/calibration/kalibr/results_text.h"
 #include "tests/datasets/kalibr_texts.h"
 #include "tests/datasets/temporary_folder.h"
 

@@ -10,10 +10,10 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/time_offsets.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/imu_reader.h"
-#include "datasets/kalibr/poses.h"
-#include "datasets/kalibr/run.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr/poses.h"
+#include "datasets/calibration/kalibr/run.h"
+#include "datasets/session/imu_reader.h"
 #include "tests/datasets/kalibr_texts.h"
 #include "tests/datasets/temporary_folder.h"
 

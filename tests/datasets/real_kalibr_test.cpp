@@ -13,10 +13,10 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/time_offsets.h"
 #include "calibrator/camera/camera.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/kalibr/poses.h"
-#include "datasets/kalibr/run.h"
-#include "datasets/session_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr/poses.h"
+#include "datasets/calibration/kalibr/run.h"
+#include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {

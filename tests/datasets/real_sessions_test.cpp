@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/session_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {

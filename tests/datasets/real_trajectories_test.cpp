@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrator/base/error.h"
-#include "datasets/trajectory_reader.h"
-#include "datasets/trajectory_writer.h"
+#include "datasets/trajectory/trajectory_reader.h"
+#include "datasets/trajectory/trajectory_writer.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/render.h"
+#include "calibrator/simulate/render.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/simulate/render_sensor.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/target/tag_family.h"
-#include "datasets/render_sensor.h"
 
 namespace plumbline {
 namespace {

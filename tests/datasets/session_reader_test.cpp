@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a good session's folder turns into.
-#include "datasets/session_reader.h"
+#include "datasets/session/session_reader.h"
 
 #include <string>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/simulated_session.h"
+#include "datasets/session/simulated_session.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -17,9 +17,9 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/kalibr_writer.h"
-#include "datasets/session_reader.h"
-#include "datasets/simulated_truth.h"
+#include "datasets/calibration/kalibr_writer.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/simulated_truth.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A study's definition as a file.
-#include "datasets/study_reader.h"
+#include "datasets/session/study_reader.h"
 
 #include <filesystem>
 #include <fstream>

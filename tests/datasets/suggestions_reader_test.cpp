@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the operator of a guided recording was asked for.
-#include "datasets/suggestions_reader.h"
+#include "datasets/session/suggestions_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

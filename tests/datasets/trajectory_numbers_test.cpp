@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "datasets/internal/number_scanner.h"
-#include "datasets/internal/table_header.h"
-#include "datasets/internal/text_lines.h"
+#include "datasets/files/number_scanner.h"
+#include "datasets/files/text_lines.h"
+#include "datasets/trajectory/table_header.h"
 
 namespace plumbline {
 namespace {

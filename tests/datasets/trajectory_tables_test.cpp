@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "datasets/trajectory_reader.h"
+#include "datasets/trajectory/trajectory_reader.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is written as TUM is read with the same bits.
-#include "datasets/trajectory_writer.h"
+#include "datasets/trajectory/trajectory_writer.h"
 
 #include <fstream>
 #include <limits>
@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/trajectory_reader.h"
+#include "datasets/trajectory/trajectory_reader.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/workflow/evaluate_runs.h"
-#include "evaluate/workflow/runs_document.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/runs_document.h"
 #include "report/records/paired_differences.h"
 
 namespace plumbline {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Patterns of files, and that no run is ever dropped: missing, unreadable, short, diverged.
-#include "evaluate/workflow/evaluate_runs.h"
+#include "evaluate/trajectory/evaluate_runs.h"
 
 #include <filesystem>
 #include <fstream>
@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/trajectory_writer.h"
-#include "evaluate/workflow/run_pattern.h"
-#include "evaluate/workflow/runs_document.h"
+#include "datasets/trajectory/trajectory_writer.h"
+#include "evaluate/trajectory/run_pattern.h"
+#include "evaluate/trajectory/runs_document.h"
 #include "report/records/paired_differences.h"
 
 namespace plumbline {

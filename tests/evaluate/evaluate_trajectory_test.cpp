@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/workflow/evaluate_trajectory.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "evaluate/workflow/trajectory_document.h"
+#include "evaluate/trajectory/trajectory_document.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
-#include "evaluate/workflow/load_session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/workflow/evaluate_trajectory.h"
-#include "evaluate/workflow/trajectory_document.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
+#include "evaluate/trajectory/trajectory_document.h"
 #include "tests/calibrator/simulate/sampled_trajectory.h"
 
 namespace plumbline {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The columns of the scores' table are cameras, whatever order a recording has them in.
-#include "report/html/held_scores.h"
+#include "report/html/calibration/held_scores.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

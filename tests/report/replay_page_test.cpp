@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of a replay: complete, self-contained, escaped, within its size, and what the player is
 // given is what the record holds. That the player shows it is for the browser test.
-#include "report/html/replay_page.h"
-
 #include <algorithm>
 #include <bitset>
 #include <cmath>
@@ -14,8 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "report/html/base64.h"
-#include "report/html/replay_data.h"
-#include "report/html/replay_events.h"
+#include "report/html/replay/data.h"
+#include "report/html/replay/events.h"
+#include "report/html/replay/page.h"
 #include "tests/report/synthetic_replay.h"
 
 namespace plumbline {

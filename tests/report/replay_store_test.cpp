@@ -2,7 +2,7 @@
 // A replay comes back from the store as it was saved, down to the log's lines and the page's text.
 #include <gtest/gtest.h>
 
-#include "report/html/replay_page.h"
+#include "report/html/replay/page.h"
 #include "report/store/store.h"
 #include "tests/datasets/temporary_folder.h"
 #include "tests/report/synthetic_replay.h"

@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "report/html/comparison_page.h"
-#include "report/html/perturbation_page.h"
-#include "report/html/trajectory_page.h"
+#include "report/html/comparison/page.h"
+#include "report/html/perturbation/page.h"
+#include "report/html/trajectory/page.h"
 #include "report/store/store.h"
 #include "tests/report/markup.h"
 #include "tests/report/synthetic_studies.h"

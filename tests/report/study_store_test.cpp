@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "report/store/sql.h"
+#include "generated/report/embedded.h"
 #include "report/store/store.h"
 #include "tests/datasets/temporary_folder.h"
 #include "tests/report/synthetic_record.h"

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <string>
 
-#include "report/html/calibration_page.h"
-#include "report/html/comparison_page.h"
-#include "report/html/perturbation_page.h"
-#include "report/html/trajectory_page.h"
+#include "report/html/calibration/page.h"
+#include "report/html/comparison/page.h"
+#include "report/html/perturbation/page.h"
+#include "report/html/trajectory/page.h"
 #include "tests/report/synthetic_record.h"
 #include "tests/report/synthetic_studies.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "report/html/replay_page.h"
+#include "report/html/replay/page.h"
 #include "tests/report/synthetic_replay.h"
 
 namespace {

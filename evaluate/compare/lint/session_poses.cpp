@@ -7,7 +7,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/statistics.h"
-#include "calibrator/batch/camera_imu_start.h"
+#include "calibrator/batch/camera_imu/start.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline::lint {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Differences of cameras stand in the order of the camera stage's covariance.
-#include "calibrator/batch/camera_difference.h"
-
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/camera/difference.h"
 #include "calibrator/simulate/rig.h"
 
 namespace plumbline {

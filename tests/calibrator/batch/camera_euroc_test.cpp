@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline::testing {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pose at an exposure off its frame's instant: against the trajectory, and its derivatives by
 // central differences in the tangent space.
-#include "calibrator/batch/camera_imu_exposure.h"
-
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/camera_imu/exposure.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which frames take part, and how the IMU joins them.
-#include "calibrator/batch/camera_imu_frames.h"
-
 #include <gtest/gtest.h>
+
+#include "calibrator/batch/camera_imu/frames.h"
 
 namespace plumbline {
 namespace {

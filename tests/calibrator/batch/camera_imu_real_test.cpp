@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 

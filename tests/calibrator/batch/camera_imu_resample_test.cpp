@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The bootstrap of the camera-IMU calibration on a recording whose noise is what the covariance
 // assumes: then both must tell the same.
-#include "calibrator/batch/camera_imu_resample.h"
-
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/camera_imu/resample.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/camera_imu_batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_batch_problem.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/resample.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_session.h"

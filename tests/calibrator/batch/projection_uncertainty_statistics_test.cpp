@@ -15,8 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_information.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/simulate_session.h"
 

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_difference.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/difference.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 #include "tests/calibrator/window/stereo_frames.h"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/candidate_views.h"
 #include "calibrator/guidance/view_gain.h"
 #include "calibrator/information/covariance.h"

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "calibrator/batch/camera_imu_problem.h"
+#include "calibrator/batch/camera_imu/problem.h"
 
 namespace plumbline::oracle {
 

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/target/detector.h"
-#include "datasets/image_io.h"
+#include "datasets/images/image_io.h"
 
 namespace plumbline {
 namespace {

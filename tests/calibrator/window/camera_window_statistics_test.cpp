@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
-#include "calibrator/batch/camera_difference.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/difference.h"
 #include "calibrator/window/camera_window.h"
 #include "tests/calibrator/window/stereo_frames.h"
 

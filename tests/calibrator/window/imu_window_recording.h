@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "calibrator/base/frames.h"
-#include "calibrator/batch/camera_imu_stage.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "calibrator/window/camera_imu_window.h"
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrator/camera/camera.h"
-#include "datasets/calibration_reader.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "tests/datasets/export/exported_rigs.h"
 #include "tests/datasets/temporary_folder.h"
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/calibration_reader.h"
-#include "datasets/export/calibration_export.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/export/calibration_export.h"
 
 namespace plumbline {
 namespace {

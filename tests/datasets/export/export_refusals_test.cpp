@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/export/select_cameras.h"
+#include "datasets/calibration/export/select_cameras.h"
 #include "tests/datasets/export/exported_rigs.h"
 
 namespace plumbline {

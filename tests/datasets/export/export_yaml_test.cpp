@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
-#include "datasets/calibration_reader.h"
-#include "datasets/export/select_cameras.h"
-#include "datasets/imu_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/export/select_cameras.h"
+#include "datasets/session/imu_reader.h"
 #include "tests/datasets/export/exported_rigs.h"
 #include "tests/datasets/temporary_folder.h"
 

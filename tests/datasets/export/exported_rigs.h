@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "datasets/export/calibration_export.h"
+#include "datasets/calibration/export/calibration_export.h"
 
 namespace plumbline {
 

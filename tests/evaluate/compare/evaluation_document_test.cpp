@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a person reads of scores: the number below a camera's name is that camera's.
-#include "evaluate/compare/evaluation_document.h"
+#include "evaluate/calibration/evaluation_document.h"
 
 #include <sstream>
 

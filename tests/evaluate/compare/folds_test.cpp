@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/folds.h"
+#include "evaluate/metrics/calibration/folds.h"
 
 #include <algorithm>
 #include <set>

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/kalibr/run.h"
-#include "datasets/session_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr/run.h"
+#include "datasets/session/session_reader.h"
 #include "evaluate/compare/lint.h"
 #include "tests/evaluate/compare/lint_cases.h"
 

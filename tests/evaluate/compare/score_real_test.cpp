@@ -9,10 +9,10 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
-#include "datasets/calibration_reader.h"
-#include "datasets/session_reader.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/session/session_reader.h"
 #include "evaluate/compare/projection_difference.h"
-#include "evaluate/compare/score.h"
+#include "evaluate/metrics/calibration/score.h"
 #include "tests/evaluate/compare/other_solver.h"
 
 namespace plumbline {

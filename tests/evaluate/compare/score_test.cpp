@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/score.h"
+#include "evaluate/metrics/calibration/score.h"
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/workflow/match_cameras.h"
+#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {

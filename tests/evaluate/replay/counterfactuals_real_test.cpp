@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/session_reader.h"
+#include "datasets/session/session_reader.h"
 #include "evaluate/replay/counterfactual_curves.h"
 #include "evaluate/replay/counterfactuals.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_batch.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/guide_frames.h"
 #include "evaluate/replay/replay_inputs.h"

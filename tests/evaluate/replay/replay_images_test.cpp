@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/image_io.h"
-#include "datasets/jpeg_writer.h"
+#include "datasets/images/image_io.h"
+#include "datasets/images/jpeg_writer.h"
 #include "evaluate/replay/guide_frames.h"
 
 namespace plumbline {

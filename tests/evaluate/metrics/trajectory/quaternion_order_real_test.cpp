@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/trajectory_reader.h"
+#include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
 
 namespace plumbline {

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/trajectory_reader.h"
+#include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/metrics/trajectory/absolute_error.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/association.h"

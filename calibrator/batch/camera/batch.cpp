@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/batch.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/stopwatch.h"
+#include "calibrator/batch/camera/outliers.h"
+#include "calibrator/batch/camera/report.h"
+#include "calibrator/batch/camera/solver.h"
+#include "calibrator/batch/camera/start.h"
+#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/batch/used_corners.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/information/view_selection.h"
+#include "calibrator/initialise/camera_poses.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kMinUsedCorners = 4;          // what a frame needs for a pose
+constexpr int kFilterRounds = 3;            // of CornerFilter::kSigma
+constexpr double kWideLoss = 0.01;          // scale over the image's width
+constexpr double kTrustUnconverged = 1e-2;  // of the information: ten times the uncertainty
+constexpr double kPoseTolerance = 1e-7;
+constexpr int kPoseIterations = 50;
+
+void checkSession(const Session& session) {
+  if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
+  for (const CameraStream& camera : session.cameras) {
+    if (camera.resolution.width > 0 && camera.resolution.height > 0) continue;
+    throw InputError(camera.name +
+                     ": the image's resolution is unknown; state it in the camera's sensor.yaml");
+  }
+}
+
+/// Throws InputError for a model that can be scored only.
+void refuseModel(const std::string& camera, const CameraModelPair& model) {
+  if (isCalibrationSupported(model.projection, model.distortion)) return;
+  throw InputError(fmt::format(
+      "{}: the model {}-{} cannot be calibrated; choose pinhole-radtan or pinhole-equidistant",
+      camera, toString(model.projection), toString(model.distortion)));
+}
+
+void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras) {
+  if (cameras.size() == session.cameras.size()) return;
+  throw InputError(fmt::format("calibrations of {} cameras were given, but the session has {}",
+                               cameras.size(), session.cameras.size()));
+}
+
+CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<Frame> frames,
+                        const CameraStageOptions& options) {
+  CameraProblem problem;
+  problem.corners = corners;
+  problem.frames = std::move(frames);
+  problem.pixel_sigma = options.pixel_sigma;
+  problem.gram.cauchy_px = options.cauchy_px;
+  problem.threads = options.threads;
+  return problem;
+}
+
+CameraSolverOptions solverOptions(const CameraStageOptions& options) {
+  CameraSolverOptions solver;
+  solver.max_iterations = options.max_iterations;
+  solver.tolerance = options.tolerance;
+  return solver;
+}
+
+/// Solves, with a loss so wide that it touches gross errors only first where the loss is robust:
+/// its normal equations lead closer to the minimum from afar.
+CameraSolution solveFromAfar(CameraProblem& problem, const CameraEstimate& start,
+                             const CameraStageOptions& options) {
+  const CameraSolverOptions solver = solverOptions(options);
+  if (options.cauchy_px == 0) return solveCameraProblem(problem, start, solver);
+  CameraSolverOptions rough = solver;
+  rough.cost_tolerance = 1e-3;
+  const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
+  problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
+  const CameraSolution wide = solveCameraProblem(problem, start, rough);
+  problem.gram.cauchy_px = options.cauchy_px;
+  CameraSolution robust = solveCameraProblem(problem, wide.estimate, solver);
+  robust.iterations += wide.iterations;
+  return robust;
+}
+
+/// The problem and estimate with only the frames that `keep` names (ascending).
+void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEstimate& estimate) {
+  std::vector<Frame> frames;
+  std::vector<double> weights;
+  std::vector<Transform> poses;
+  for (const int f : keep) {
+    const auto i = static_cast<std::size_t>(f);
+    frames.push_back(problem.frames[i]);
+    poses.push_back(estimate.T_C0F[i]);
+    if (!problem.weights.empty()) weights.push_back(problem.weights[i]);
+  }
+  problem.frames = std::move(frames);
+  problem.weights = std::move(weights);
+  estimate.T_C0F = std::move(poses);
+}
+
+/// Leaves out frames whose corners were all but rejected.
+void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate) {
+  std::vector<int> keep;
+  for (int f = 0; f < problem.frameCount(); ++f) {
+    const Frame& frame = problem.frames[static_cast<std::size_t>(f)];
+    double most = 0;
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      const PackedView view = problem.corners[c].view(frame.view[c]);
+      double used = 0;
+      for (int k = 0; k < view.count; ++k) used += view.w[k];
+      most = std::max(most, used);
+    }
+    if (most >= kMinUsedCorners) keep.push_back(f);
+  }
+  if (static_cast<int>(keep.size()) < problem.frameCount()) keepFrames(keep, problem, estimate);
+}
+
+/// The stage's solver with view selection and corner filter around it.
+CameraSolution solveStage(std::vector<PackedCorners>& corners, CameraProblem& problem,
+                          const CameraEstimate& start, const CameraStageOptions& options) {
+  CameraSolution solution = solveFromAfar(problem, start, options);
+  int iterations = solution.iterations;
+  const auto again = [&] {
+    dropBareFrames(problem, solution.estimate);
+    solution = solveCameraProblem(problem, solution.estimate, solverOptions(options));
+    iterations += solution.iterations;
+  };
+  if (options.filter == CornerFilter::kKalibr) {
+    if (rejectLikeKalibr(corners, problem, solution.estimate) > 0) again();
+  } else if (options.filter == CornerFilter::kSigma) {
+    for (int round = 0; round < kFilterRounds; ++round) {
+      if (rejectAboveSigma(corners, problem, solution.estimate, options.filter_sigmas) == 0) break;
+      again();
+    }
+  }
+  if (options.select_views) {
+    const auto shares = frameInformation(problem, solution.estimate);
+    keepFrames(
+        selectViews(shares, options.select_views->threshold_bits, options.select_views->seed),
+        problem, solution.estimate);
+    again();
+  }
+  solution.iterations = iterations;
+  return solution;
+}
+
+/// Everything that is reported of a solution. A free direction explains a solver that did not
+/// converge better than the solver could, so it is looked for first, and then a weak one will do.
+Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
+                                      const CameraSolution& solution, ResidualList list) {
+  CameraStageResult result = resultFrom(session, problem, solution.estimate);
+  const double trust = solution.converged ? 1 : kTrustUnconverged;
+  const auto failure = addCovariance(trust * reducedInformation(solution.normals), result);
+  if (failure) return *failure;
+  if (!solution.converged) {
+    return Failure{FailureReason::kNotConverged,
+                   fmt::format("the camera calibration did not converge in {} iterations",
+                               solution.iterations),
+                   "check the target's size and layout and the camera models, or reject outliers "
+                   "with --outliers sigma:4"};
+  }
+  result.summary.converged = true;
+  result.summary.iterations = solution.iterations;
+  result.summary.cost = solution.normals.cost;
+  addResiduals(session, problem, solution.estimate, list, result);
+  return result;
+}
+
+/// Minimises every frame's cost over its own pose; the sum of costs in units of pixel_sigma.
+double refinePoses(const CameraProblem& problem, CameraEstimate& estimate, bool& converged) {
+  PoseRefinementOptions options{problem.gram, kPoseIterations, kPoseTolerance};
+  std::vector<double> cost(problem.frames.size(), 0);
+  std::vector<char> settled(problem.frames.size(), 0);
+  forChunks(problem.frameCount(), 32, problem.threads, [&](const Chunk& chunk) {
+    for (auto f = static_cast<std::size_t>(chunk.begin); f < static_cast<std::size_t>(chunk.end);
+         ++f) {
+      std::vector<FrameView> views;
+      for (std::size_t c = 0; c < estimate.intrinsics.size(); ++c) {
+        const int index = problem.frames[f].view[c];
+        if (index < 0) continue;
+        views.push_back({&estimate.intrinsics[c], problem.corners[c].view(index),
+                         estimate.T_C0Ci[c].inverse()});
+      }
+      const PoseRefinement refined = refinePose(views, estimate.T_C0F[f], options);
+      estimate.T_C0F[f] = refined.T_C0F;
+      cost[f] = refined.cost;
+      settled[f] = refined.converged ? 1 : 0;
+    }
+  });
+  double sum = 0;
+  for (const double c : cost) sum += c;
+  converged = std::all_of(settled.begin(), settled.end(), [](char s) { return s != 0; });
+  return 0.5 * sum / (problem.pixel_sigma * problem.pixel_sigma);
+}
+
+}  // namespace
+
+std::vector<CameraModelPair> cameraModels(const Session& session,
+                                          const CameraStageOptions& options) {
+  const std::size_t n = session.cameras.size();
+  if (!options.models.empty() && options.models.size() != n) {
+    throw InputError(
+        fmt::format("models for {} cameras were given, but the session has {}; give "
+                    "one per camera",
+                    options.models.size(), n));
+  }
+  std::vector<CameraModelPair> models = options.models;
+  for (std::size_t c = models.size(); c < n; ++c) {
+    const CameraStream& stream = session.cameras[c];
+    CameraModelPair pair;
+    if (!stream.camera_model.empty()) {
+      pair.projection = projectionModelFrom(stream.camera_model).value_or(ProjectionModel::kOmni);
+    }
+    if (!stream.distortion_model.empty()) {
+      pair.distortion =
+          distortionModelFrom(stream.distortion_model).value_or(DistortionModel::kFov);
+    }
+    models.push_back(pair);
+  }
+  for (std::size_t c = 0; c < n; ++c) refuseModel(session.cameras[c].name, models[c]);
+  return models;
+}
+
+Result<CameraStageResult> calibrateCameras(const Session& session,
+                                           const CameraStageOptions& options) {
+  checkSession(session);
+  const Stopwatch total;
+  Stopwatch watch;
+  std::vector<PackedCorners> corners = packCorners(session);
+  const std::vector<Frame> frames = pairFrames(session.cameras, options.frames);
+  if (!options.start.empty()) checkCameras(session, options.start);
+  for (const CameraCalibration& camera : options.start) {
+    refuseModel(camera.name,
+                {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+  }
+  auto start = options.start.empty() ? startFromViews(session, corners, frames,
+                                                      cameraModels(session, options), options)
+                                     : startFromCameras(options.start, corners, frames, options);
+  if (!start) return start.failure();
+  const double initialise_s = watch.lap();
+  CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
+  const CameraSolution solution = solveStage(corners, problem, start.value().estimate, options);
+  const double solve_s = watch.lap();
+  auto result = stageResult(session, problem, solution, ResidualList::kKeep);
+  if (!result) return result;
+  StageSeconds& seconds = result.value().summary.seconds;
+  seconds.initialise = initialise_s;
+  seconds.solve = solve_s;
+  seconds.covariance = watch.lap();
+  seconds.total = total.seconds();
+  return result;
+}
+
+Result<CameraStageResult> scoreCameras(const Session& session,
+                                       const std::vector<CameraCalibration>& cameras,
+                                       const CameraStageOptions& options) {
+  checkSession(session);
+  checkCameras(session, cameras);
+  Stopwatch watch;
+  std::vector<PackedCorners> corners = packCorners(session);
+  auto start =
+      startFromCameras(cameras, corners, pairFrames(session.cameras, options.frames), options);
+  if (!start) return start.failure();
+  CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
+  CameraEstimate estimate = std::move(start.value().estimate);
+  const double initialise_s = watch.lap();
+  bool converged = false;
+  double cost = refinePoses(problem, estimate, converged);
+  std::size_t rejected = 0;
+  if (options.filter == CornerFilter::kKalibr) {
+    rejected = rejectLikeKalibr(corners, problem, estimate);
+  } else if (options.filter == CornerFilter::kSigma) {
+    rejected = rejectAboveSigma(corners, problem, estimate, options.filter_sigmas);
+  }
+  if (rejected > 0) {
+    dropBareFrames(problem, estimate);
+    cost = refinePoses(problem, estimate, converged);
+  }
+  CameraStageResult result = resultFrom(session, problem, estimate);
+  addResiduals(session, problem, estimate, ResidualList::kKeep, result);
+  result.summary.converged = converged;
+  result.summary.cost = cost;
+  result.summary.seconds.initialise = initialise_s;
+  result.summary.seconds.solve = watch.lap();
+  result.summary.seconds.total = initialise_s + result.summary.seconds.solve;
+  return result;
+}
+
+Result<CameraStageResult> recalibrateCameras(const Session& session,
+                                             const CameraStageResult& earlier,
+                                             const std::vector<FrameStretch>& stretches,
+                                             const CameraStageOptions& options) {
+  checkCameras(session, earlier.cameras);
+  const std::vector<PackedCorners> corners = usedCorners(session, earlier);
+  CameraProblem problem = problemOf(corners, {}, options);
+  CameraEstimate estimate = estimateOf(earlier.cameras);
+  for (const FrameStretch& stretch : stretches) {
+    for (int f = stretch.first; f < stretch.first + stretch.count; ++f) {
+      problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
+      problem.weights.push_back(stretch.weight);
+      estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
+    }
+  }
+  const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
+  return stageResult(session, problem, solution, ResidualList::kDrop);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/information.h"
+
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/parameter_names.h"
+#include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/used_corners.h"
+#include "calibrator/information/covariance.h"
+
+namespace plumbline {
+namespace {
+
+/// Names and units in the layout's order, for every model; cameras by their place.
+ParameterCovariance parametersOf(const std::vector<CameraCalibration>& cameras) {
+  ParameterCovariance list;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const Intrinsics& k = cameras[c].intrinsics;
+    for (const auto& [name, unit] : intrinsicParameters(k.projection_model, k.distortion_model)) {
+      list.names.push_back(fmt::format("cam{}.{}", c, name));
+      list.units.push_back(unit);
+    }
+  }
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    for (const char* part : {"tx", "ty", "tz", "rx", "ry", "rz"}) {
+      list.names.push_back(fmt::format("T_C0C{}.{}", c, part));
+      list.units.emplace_back(part[0] == 't' ? "m" : "rad");
+    }
+  }
+  return list;
+}
+
+/// x = (twist in camera c's frame, dk) as a function of (noise of tau, g).
+Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& estimate,
+                           const CameraLayout& layout, std::size_t c) {
+  const Transform T_CiC0 = estimate.T_C0Ci[c].inverse();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint << T_CiC0.R, skew(T_CiC0.t) * T_CiC0.R, Eigen::Matrix3d::Zero(), T_CiC0.R;
+  const int K = layout.intrinsics_size[c];
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(6 + K, 6 + layout.size);
+  M.topLeftCorner<6, 6>() = adjoint;
+  M.topRightCorner(6, layout.size) = adjoint * shift.A;
+  M.block(6, 6 + layout.intrinsics[c], K, K).setIdentity();
+  if (c > 0) {
+    M.block<3, 3>(0, 6 + layout.T_C0Ci[c]) -= T_CiC0.R;
+    M.block<3, 3>(3, 6 + layout.T_C0Ci[c] + 3) -= T_CiC0.R;
+  }
+  return M;
+}
+
+}  // namespace
+
+Result<CameraInformation> cameraInformation(const Session& session, const CameraStageResult& at,
+                                            const CameraInformationOptions& options) {
+  const std::vector<PackedCorners> corners = usedCorners(session, at);
+  CameraProblem problem;
+  problem.corners = corners;
+  problem.frames = at.frames;
+  problem.pixel_sigma = options.pixel_sigma;
+  problem.gram = {options.cauchy_px, 0};
+  problem.threads = options.threads;
+  const CameraEstimate estimate = estimateOf(at.cameras, at.T_FC0);
+  const CameraNormals normals = normalsAt(problem, estimate);
+
+  const Eigen::MatrixXd information = reducedInformation(normals);
+  const auto covariance = covarianceOf(information);
+  const auto entropy = entropyNats(information);
+  if (!covariance || !entropy) {
+    return Failure{FailureReason::kNotObservable,
+                   "not observable: the information of the cameras on this session has no inverse",
+                   "use a recording with the target tilted, rolled, and all over the image"};
+  }
+  CameraInformation out;
+  out.covariance = parametersOf(at.cameras);
+  out.covariance.matrix = *covariance;
+  out.entropy_nats = *entropy;
+  const auto shift = impliedShift(normals.H, normals.P, options.alignment);
+  if (!shift) {
+    return Failure{FailureReason::kNotObservable, "no frame's pose is determined by its corners",
+                   "use a recording in which the target is seen from near"};
+  }
+  const CameraLayout layout(estimate.intrinsics);
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6 + layout.size, 6 + layout.size);
+  joint.topLeftCorner<6, 6>() = shift->noise;
+  joint.bottomRightCorner(layout.size, layout.size) = out.covariance.matrix;
+  for (std::size_t c = 0; c < at.cameras.size(); ++c) {
+    const Eigen::MatrixXd M = cameraRows(*shift, estimate, layout, c);
+    out.projection.push_back(M * joint * M.transpose());
+  }
+  return out;
+}
+
+}  // namespace plumbline

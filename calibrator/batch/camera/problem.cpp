@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/problem.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cassert>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/batch/parallel_chunks.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kChunk = 32;  // frames
+
+/// Derivatives of the twist of T_CiF = T_C0Ci^-1 T_C0F; the same in every frame.
+struct CameraDerivatives {
+  Transform T_CiC0;
+  Matrix6d A_pose;    ///< in the left twist of T_C0F: the adjoint of T_CiC0
+  Eigen::Matrix3d A;  ///< in the tangent of T_C0Ci: diag(A, A), A = -R_CiC0
+};
+
+std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate) {
+  std::vector<CameraDerivatives> all;
+  for (const Transform& T_C0Ci : estimate.T_C0Ci) {
+    CameraDerivatives d;
+    d.T_CiC0 = T_C0Ci.inverse();
+    const Eigen::Matrix3d& R = d.T_CiC0.R;
+    d.A_pose << R, skew(d.T_CiC0.t) * R, Eigen::Matrix3d::Zero(), R;
+    d.A = -R;
+    all.push_back(d);
+  }
+  return all;
+}
+
+/// H * diag(A, A) without the zeros.
+template <class Rows>
+Eigen::Matrix<double, Rows::RowsAtCompileTime, 6> timesTwice(const Rows& H,
+                                                             const Eigen::Matrix3d& A) {
+  Eigen::Matrix<double, Rows::RowsAtCompileTime, 6> out(H.rows(), 6);
+  out.template leftCols<3>().noalias() = H.template leftCols<3>().lazyProduct(A);
+  out.template rightCols<3>().noalias() = H.template rightCols<3>().lazyProduct(A);
+  return out;
+}
+
+/// Sums over frames of one chunk: per camera, in its own twist, so that the chain to the tangent of
+/// T_C0Ci is applied once instead of once per frame.
+struct CameraSums {
+  ViewGram gram;
+  CameraSums(int intrinsics) {
+    gram.H_pose_k.setZero(6, intrinsics);
+    gram.H_k.setZero(intrinsics, intrinsics);
+    gram.b_k.setZero(intrinsics);
+  }
+  void add(const ViewGram& g, double weight) {
+    gram.H += weight * g.H;
+    gram.b += weight * g.b;
+    gram.H_pose_k += weight * g.H_pose_k;
+    gram.H_k += weight * g.H_k;
+    gram.b_k += weight * g.b_k;
+    gram.cost += weight * g.cost;
+  }
+};
+
+std::vector<CameraSums> emptySums(const CameraLayout& layout) {
+  std::vector<CameraSums> sums;
+  for (const int size : layout.intrinsics_size) sums.emplace_back(size);
+  return sums;
+}
+
+/// Everything that the evaluation of a frame reads.
+struct Evaluation {
+  const CameraProblem& problem;
+  const CameraEstimate& estimate;
+  const CameraLayout& layout;
+  const std::vector<CameraDerivatives>& derivatives;
+  const GramOptions& gram;
+};
+
+/// Terms of a frame's views, one per camera that has one, and the pose's block of them.
+struct FrameTerms {
+  std::vector<ViewGram> grams;
+  Matrix6d H;
+};
+
+void evaluateFrame(const Evaluation& at, std::size_t f, const GramOptions& gram,
+                   FrameTerms& terms) {
+  const Frame& frame = at.problem.frames[f];
+  terms.grams.resize(frame.view.size());
+  terms.H.setZero();
+  for (std::size_t c = 0; c < frame.view.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    const CameraDerivatives& d = at.derivatives[c];
+    const Transform T_CiF = c == 0 ? at.estimate.T_C0F[f] : d.T_CiC0 * at.estimate.T_C0F[f];
+    ViewGram& g = terms.grams[c];
+    g = viewGram(at.estimate.intrinsics[c], T_CiF, at.problem.corners[c].view(frame.view[c]), gram);
+    if (c == 0) {
+      terms.H += g.H;
+    } else {
+      const Matrix6d AtH = d.A_pose.transpose().lazyProduct(g.H);
+      terms.H.noalias() += AtH.lazyProduct(d.A_pose);
+    }
+  }
+}
+
+/// Adds one frame: its own rows in `out`, its cameras' terms in `sums`. Where the loss' whole
+/// second derivative leaves the pose without a minimum, this frame is content with re-weighting.
+void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out,
+              std::vector<CameraSums>& sums) {
+  const auto index = static_cast<std::size_t>(f);
+  const Frame& frame = at.problem.frames[index];
+  evaluateFrame(at, index, at.gram, terms);
+  if (at.gram.triggs_clamp > 0 && Eigen::LLT<Matrix6d>(terms.H).info() != Eigen::Success) {
+    evaluateFrame(at, index, GramOptions{at.gram.cauchy_px, 0}, terms);
+  }
+  const double weight = at.problem.weight(f) / (at.problem.pixel_sigma * at.problem.pixel_sigma);
+  out.H[index] = weight * terms.H;
+  auto b = out.b_pose.segment<6>(6 * f);
+  for (std::size_t c = 0; c < sums.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    const ViewGram& g = terms.grams[c];
+    const CameraDerivatives& d = at.derivatives[c];
+    sums[c].add(g, weight);
+    auto P_k = out.P.block(6 * f, at.layout.intrinsics[c], 6, at.layout.intrinsics_size[c]);
+    if (c == 0) {
+      b += weight * g.b;
+      P_k = weight * g.H_pose_k;
+      continue;
+    }
+    const Matrix6d At = weight * d.A_pose.transpose();
+    b.noalias() += At.lazyProduct(g.b);
+    P_k.noalias() = At.lazyProduct(g.H_pose_k);
+    out.P.block<6, 6>(6 * f, at.layout.T_C0Ci[c]) = timesTwice(Matrix6d(At.lazyProduct(g.H)), d.A);
+  }
+}
+
+/// Camera c's terms into the cameras' part.
+void addCamera(const ViewGram& g, const CameraDerivatives& d, const CameraLayout& layout,
+               std::size_t c, CameraNormals& out) {
+  const int k = layout.intrinsics[c];
+  const int n = layout.intrinsics_size[c];
+  out.G.block(k, k, n, n) += g.H_k;
+  out.b.segment(k, n) += g.b_k;
+  out.cost += 0.5 * g.cost;
+  if (c == 0) return;
+  const int e = layout.T_C0Ci[c];
+  Matrix6d A = Matrix6d::Zero();
+  A.topLeftCorner<3, 3>() = d.A;
+  A.bottomRightCorner<3, 3>() = d.A;
+  out.G.block<6, 6>(e, e) += A.transpose() * g.H * A;
+  out.b.segment<6>(e) += A.transpose() * g.b;
+  const Eigen::MatrixXd cross = A.transpose() * g.H_pose_k;
+  out.G.block(e, k, 6, n) += cross;
+  out.G.block(k, e, n, 6) += cross.transpose();
+}
+
+CameraNormals emptyNormals(int frames, int size) {
+  CameraNormals out;
+  out.H.assign(static_cast<std::size_t>(frames), Matrix6d::Zero());
+  out.P.setZero(6 * frames, size);
+  out.b_pose.setZero(6 * frames);
+  out.G.setZero(size, size);
+  out.b.setZero(size);
+  return out;
+}
+
+/// P^T H^-1 P of one frame, or of none where its pose is free.
+Eigen::MatrixXd eliminated(const Matrix6d& H, const Eigen::MatrixXd& P) {
+  const Eigen::LLT<Matrix6d> llt(H);
+  if (llt.info() != Eigen::Success) return Eigen::MatrixXd::Zero(P.cols(), P.cols());
+  const Eigen::MatrixXd W = llt.matrixL().solve(P);
+  return W.transpose() * W;
+}
+
+}  // namespace
+
+CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
+                          std::span<const Transform> T_FC0) {
+  CameraEstimate estimate;
+  for (const CameraCalibration& camera : cameras) {
+    estimate.intrinsics.push_back(camera.intrinsics);
+    estimate.T_C0Ci.push_back(camera.T_C0Ci);
+  }
+  for (const Transform& T : T_FC0) estimate.T_C0F.push_back(T.inverse());
+  return estimate;
+}
+
+CameraLayout::CameraLayout(const std::vector<Intrinsics>& cameras) {
+  for (const Intrinsics& camera : cameras) {
+    intrinsics.push_back(size);
+    intrinsics_size.push_back(
+        static_cast<int>(camera.projection.size() + camera.distortion.size()));
+    size += intrinsics_size.back();
+  }
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    T_C0Ci.push_back(c == 0 ? -1 : size);
+    if (c > 0) size += 6;
+  }
+}
+
+ParameterCovariance cameraParameters(const std::vector<CameraCalibration>& cameras) {
+  ParameterCovariance list;
+  const auto add = [&list](const std::string& name, const char* unit) {
+    list.names.push_back(name);
+    list.units.emplace_back(unit);
+  };
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const std::string& name_of = cameras[c].name;
+    const std::string camera = (name_of.empty() ? "cam" + std::to_string(c) : name_of) + ".";
+    for (const char* name : {"fu", "fv", "pu", "pv"}) add(camera + name, "px");
+    const bool radtan = cameras[c].intrinsics.distortion_model == DistortionModel::kRadtan;
+    const std::vector<const char*> coefficients =
+        radtan ? std::vector<const char*>{"k1", "k2", "p1", "p2"}
+               : std::vector<const char*>{"k1", "k2", "k3", "k4"};
+    for (const char* name : coefficients) add(camera + name, "-");
+  }
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    const std::string transform = "T_C0C" + std::to_string(c) + ".";
+    for (const char* name : {"tx", "ty", "tz"}) add(transform + name, "m");
+    for (const char* name : {"rx", "ry", "rz"}) add(transform + name, "rad");
+  }
+  return list;
+}
+
+CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate) {
+  return normalsAt(problem, estimate, problem.gram);
+}
+
+CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate,
+                        const GramOptions& gram) {
+  assert(static_cast<int>(estimate.T_C0F.size()) == problem.frameCount());
+  const CameraLayout layout(estimate.intrinsics);
+  const auto derivatives = derivativesOf(estimate);
+  const Evaluation at{problem, estimate, layout, derivatives, gram};
+  CameraNormals out = emptyNormals(problem.frameCount(), layout.size);
+  std::vector<std::vector<CameraSums>> sums(
+      static_cast<std::size_t>(chunkCount(problem.frameCount(), kChunk)), emptySums(layout));
+  forChunks(problem.frameCount(), kChunk, problem.threads, [&](const Chunk& chunk) {
+    FrameTerms terms;
+    for (int f = chunk.begin; f < chunk.end; ++f) {
+      addFrame(at, f, terms, out, sums[static_cast<std::size_t>(chunk.index)]);
+    }
+  });
+  std::vector<CameraSums> total = emptySums(layout);
+  for (const auto& part : sums) {
+    for (std::size_t c = 0; c < total.size(); ++c) total[c].add(part[c].gram, 1);
+  }
+  for (std::size_t c = 0; c < total.size(); ++c) {
+    addCamera(total[c].gram, derivatives[c], layout, c, out);
+  }
+  if (problem.prior) {
+    const QuadraticCost prior = problem.prior(estimate);
+    out.G += prior.H;
+    out.b += prior.b;
+    out.cost += prior.c;
+  }
+  return out;
+}
+
+std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
+                                              const CameraEstimate& estimate) {
+  std::vector<Eigen::MatrixXd> shares(problem.frames.size());
+  CameraProblem inner = problem;
+  inner.threads = 1;
+  inner.prior = nullptr;
+  CameraEstimate at = estimate;
+  for (std::size_t f = 0; f < shares.size(); ++f) {
+    inner.frames = {problem.frames[f]};
+    inner.weights = {problem.weight(static_cast<int>(f))};
+    at.T_C0F = {estimate.T_C0F[f]};
+    shares[f] = reducedInformation(normalsAt(inner, at));
+  }
+  return shares;
+}
+
+Eigen::MatrixXd reducedInformation(const CameraNormals& normals) {
+  Eigen::MatrixXd S = normals.G;
+  for (std::size_t f = 0; f < normals.H.size(); ++f) {
+    S -= eliminated(normals.H[f], normals.P.middleRows<6>(6 * static_cast<Eigen::Index>(f)));
+  }
+  return S;
+}
+
+}  // namespace plumbline

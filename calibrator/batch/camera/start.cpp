@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/camera/solver.h"
+#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/initialise/camera_focal.h"
+#include "calibrator/initialise/camera_graph.h"
+#include "calibrator/initialise/camera_poses.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kChunk = 32;           // frames
+constexpr int kLeastViews = 3;       // of a camera, to start from
+constexpr int kFewCorners = 16;      // a view with as many may have the mirrored pose
+constexpr double kStartLoss = 0.01;  // scale of the Cauchy loss over the image's width
+constexpr double kPlainPose = 0.03;  // error of a pose under no distortion, likewise: still useful
+constexpr double kGoodPose = 0.005;  // error of a frame's pose over the image's width
+constexpr double kGoodStart = 0.01;  // error of a camera's first solution over the image's width
+
+/// The views of one camera that hold enough corners for a start.
+std::vector<int> startableViews(const PackedCorners& corners, const std::vector<Frame>& frames,
+                                std::size_t camera, int min_corners) {
+  std::vector<int> views;
+  for (const Frame& frame : frames) {
+    const int v = frame.view[camera];
+    if (v >= 0 && corners.view(v).count >= min_corners) views.push_back(v);
+  }
+  return views;
+}
+
+/// About `count` views, evenly in time, among those that hold at least half as many corners as the
+/// fullest ones; among all where these are too few.
+std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int>& views,
+                             int count) {
+  std::vector<int> sizes;
+  sizes.reserve(views.size());
+  for (const int v : views) sizes.push_back(corners.view(v).count);
+  std::sort(sizes.begin(), sizes.end());
+  const int full = sizes[sizes.size() * 9 / 10];
+  std::vector<int> rich;
+  for (const int v : views) {
+    if (2 * corners.view(v).count >= full) rich.push_back(v);
+  }
+  const std::vector<int>& from = static_cast<int>(rich.size()) >= kLeastViews ? rich : views;
+  if (static_cast<int>(from.size()) <= count) return from;
+  std::vector<int> some;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    some.push_back(from[i * from.size() / static_cast<std::size_t>(count)]);
+  }
+  return some;
+}
+
+/// A camera's first solution and the RMS error it leaves [px].
+struct MonoSolution {
+  Intrinsics camera;
+  double rms_px = std::numeric_limits<double>::infinity();
+};
+
+/// Poses of a start: gross errors take little part.
+PoseRefinementOptions roughPose(const Resolution& resolution, int iterations) {
+  PoseRefinementOptions options;
+  options.max_iterations = iterations;
+  options.gram.cauchy_px = kStartLoss * resolution.width;
+  return options;
+}
+
+MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
+                       const std::vector<int>& views, int threads) {
+  CameraProblem problem;
+  problem.corners = {&corners, 1};
+  problem.threads = threads;
+  CameraEstimate estimate{{plain}, {Transform()}, {}};
+  double count = 0;
+  const double width = plain.resolution.width;
+  problem.gram.cauchy_px = kStartLoss * width;
+  for (const int v : views) {
+    const auto pose = findPose({{&plain, corners.view(v), Transform()}}, kPlainPose * width,
+                               roughPose(plain.resolution, 3));
+    if (!pose || pose->errorPx() > kPlainPose * width) continue;
+    problem.frames.push_back({0, {v}});
+    estimate.T_C0F.push_back(pose->T_C0F);
+    count += pose->corners;
+  }
+  if (problem.frameCount() < kLeastViews) return {plain};
+  CameraSolverOptions coarse;
+  coarse.max_iterations = 30;
+  coarse.cost_tolerance = 1e-4;
+  const CameraSolution solution = solveCameraProblem(problem, estimate, coarse);
+  const Intrinsics& camera = solution.estimate.intrinsics[0];
+  const bool sane = camera.stacked().allFinite() && camera.projection.head<2>().minCoeff() > 0;
+  if (!sane) return {plain};
+  return {camera, std::sqrt(2 * solution.normals.cost / count)};
+}
+
+/// Tries the candidates for the focal length until one leads to a good solution.
+Intrinsics firstIntrinsics(const CameraStream& stream, const PackedCorners& corners,
+                           const std::vector<int>& views, const CameraModelPair& model,
+                           const CameraStageOptions& options) {
+  const std::vector<int> some = spreadViews(corners, views, options.start_views);
+  std::vector<PackedView> packed;
+  packed.reserve(some.size());
+  for (const int v : some) packed.push_back(corners.view(v));
+  MonoSolution best;
+  for (const double focal : focalCandidates(model.distortion, stream.resolution, packed)) {
+    const Intrinsics plain =
+        plainCamera(model.projection, model.distortion, stream.resolution, focal);
+    const MonoSolution mono = solveMono(plain, corners, some, options.threads);
+    if (best.camera.projection.size() == 0 || mono.rms_px < best.rms_px) best = mono;
+    if (best.rms_px < kGoodStart * stream.resolution.width) break;
+  }
+  return best.camera;
+}
+
+/// Pose of the target in one camera, for every frame by itself.
+CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
+                     const std::vector<Frame>& frames, std::size_t c,
+                     const CameraStageOptions& options) {
+  CameraPoses poses(frames.size());
+  const double width = camera.resolution.width;
+  const PoseRefinementOptions few = roughPose(camera.resolution, 2);
+  forChunks(static_cast<int>(frames.size()), kChunk, options.threads, [&](const Chunk& chunk) {
+    for (int f = chunk.begin; f < chunk.end; ++f) {
+      const int v = frames[static_cast<std::size_t>(f)].view[c];
+      if (v < 0 || corners.view(v).count < options.min_start_corners) continue;
+      const auto found =
+          findPose({{&camera, corners.view(v), Transform()}}, kGoodPose * width, few);
+      if (found && found->errorPx() < options.max_start_error * width) {
+        poses[static_cast<std::size_t>(f)] = found->T_C0F;
+      }
+    }
+  });
+  return poses;
+}
+
+std::vector<FrameView> viewsOf(const Frame& frame, std::span<const PackedCorners> corners,
+                               const CameraEstimate& cameras) {
+  std::vector<FrameView> views;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    views.push_back(
+        {&cameras.intrinsics[c], corners[c].view(frame.view[c]), cameras.T_C0Ci[c].inverse()});
+  }
+  return views;
+}
+
+/// Cameras that have a pose of their own in a frame, the one with most corners first.
+std::vector<std::size_t> camerasWithPose(const Frame& frame, std::size_t f,
+                                         std::span<const PackedCorners> corners,
+                                         const std::vector<CameraPoses>& own) {
+  std::vector<std::size_t> cameras;
+  for (std::size_t c = 0; c < own.size(); ++c) {
+    if (own[c][f]) cameras.push_back(c);
+  }
+  const auto count = [&](std::size_t c) { return corners[c].view(frame.view[c]).count; };
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [&](std::size_t a, std::size_t b) { return count(a) > count(b); });
+  return cameras;
+}
+
+/// The pose of a frame: that of the camera with most corners, or, where it does not suit the others
+/// or stands on few corners, the best of all its cameras' poses.
+std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
+                                  std::span<const PackedCorners> corners,
+                                  const CameraEstimate& cameras,
+                                  const std::vector<CameraPoses>& own, double max_error) {
+  const std::vector<FrameView> views = viewsOf(frame, corners, cameras);
+  const Resolution& resolution = cameras.intrinsics[0].resolution;
+  const double width = resolution.width;
+  const PoseRefinementOptions few = roughPose(resolution, views.size() > 1 ? 1 : 0);
+  std::optional<PoseRefinement> best;
+  for (const std::size_t c : camerasWithPose(frame, f, corners, own)) {
+    const PoseRefinement pose = refinePose(views, cameras.T_C0Ci[c] * *own[c][f], few);
+    if (!best || pose.cost < best->cost) best = pose;
+    const bool sure = corners[c].view(frame.view[c]).count > kFewCorners;
+    if (sure && best->errorPx() < kGoodPose * width) break;
+  }
+  if (!best || !(best->errorPx() < max_error * width)) return std::nullopt;
+  return best->T_C0F;
+}
+
+Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorners> corners,
+                              const std::vector<Frame>& frames, const std::vector<CameraPoses>& own,
+                              const CameraStageOptions& options) {
+  std::vector<std::optional<Transform>> poses(frames.size());
+  forChunks(static_cast<int>(frames.size()), kChunk, options.threads, [&](const Chunk& chunk) {
+    for (int i = chunk.begin; i < chunk.end; ++i) {
+      const auto f = static_cast<std::size_t>(i);
+      poses[f] = bestPose(frames[f], f, corners, cameras, own, options.max_start_error);
+    }
+  });
+  CameraStart start{{}, std::move(cameras)};
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (!poses[f]) continue;
+    start.frames.push_back(frames[f]);
+    start.estimate.T_C0F.push_back(*poses[f]);
+  }
+  if (start.frames.empty()) {
+    return Failure{
+        FailureReason::kTooFewViews,
+        fmt::format("none of {} frames gives a plausible pose of the target", frames.size()),
+        "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models",
+        FaultyInput::kTarget};
+  }
+  return start;
+}
+
+std::size_t mostCorners(const CameraStream& stream) {
+  std::size_t most = 0;
+  for (const ImageView& view : stream.views) most = std::max(most, view.corners.size());
+  return most;
+}
+
+Failure tooFewViews(const CameraStream& stream, std::size_t views,
+                    const CameraStageOptions& options) {
+  const int asked = options.frames.min_corners;
+  const int least = std::max(asked, options.min_start_corners);
+  const std::string what = fmt::format(
+      "{} has {} views with at least {} corners (of {} views, the fullest of which holds {}); {} "
+      "are needed",
+      stream.name, views, least, stream.views.size(), mostCorners(stream), kLeastViews);
+  const std::string record =
+      "record more views of the target, tilted and filling the image, or leave this camera out";
+  if (asked > options.min_start_corners) {
+    return {FailureReason::kTooFewViews, what,
+            fmt::format("--min-corners {} asks for so many: lower it, or {}", asked, record)};
+  }
+  return {FailureReason::kTooFewViews, what,
+          record + "; if it does see the target, check tagRows and tagCols in target.yaml"};
+}
+
+Failure noPose(const CameraStream& stream, std::size_t views) {
+  return {FailureReason::kTooFewViews,
+          fmt::format("none of the {} views of {} gives a plausible pose of the target", views,
+                      stream.name),
+          "check tagRows, tagCols and the order of a tag's corners, and the camera's model",
+          FaultyInput::kTarget};
+}
+
+}  // namespace
+
+Result<CameraStart> startFromViews(const Session& session, std::span<const PackedCorners> corners,
+                                   const std::vector<Frame>& frames,
+                                   const std::vector<CameraModelPair>& models,
+                                   const CameraStageOptions& options) {
+  CameraEstimate cameras;
+  std::vector<CameraPoses> own;
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    const CameraStream& stream = session.cameras[c];
+    const auto views = startableViews(corners[c], frames, c, options.min_start_corners);
+    if (static_cast<int>(views.size()) < kLeastViews) {
+      return tooFewViews(stream, views.size(), options);
+    }
+    cameras.intrinsics.push_back(firstIntrinsics(stream, corners[c], views, models[c], options));
+    own.push_back(ownPoses(cameras.intrinsics[c], corners[c], frames, c, options));
+    if (std::none_of(own.back().begin(), own.back().end(), [](const auto& p) { return bool(p); })) {
+      return noPose(stream, views.size());
+    }
+    names.push_back(stream.name);
+  }
+  auto extrinsics = extrinsicsFromPoses(own, names);
+  if (!extrinsics) return extrinsics.failure();
+  cameras.T_C0Ci = *extrinsics;
+  return withPoses(std::move(cameras), corners, frames, own, options);
+}
+
+Result<CameraStart> startFromCameras(const std::vector<CameraCalibration>& cameras,
+                                     std::span<const PackedCorners> corners,
+                                     const std::vector<Frame>& frames,
+                                     const CameraStageOptions& options) {
+  CameraEstimate known;
+  std::vector<CameraPoses> own;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    known.intrinsics.push_back(cameras[c].intrinsics);
+    known.T_C0Ci.push_back(c == 0 ? Transform() : cameras[c].T_C0Ci);
+    own.push_back(ownPoses(known.intrinsics[c], corners[c], frames, c, options));
+  }
+  return withPoses(std::move(known), corners, frames, own, options);
+}
+
+}  // namespace plumbline

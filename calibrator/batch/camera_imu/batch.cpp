@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu/batch.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/stopwatch.h"
+#include "calibrator/base/time_offsets.h"
+#include "calibrator/batch/camera_imu/noise.h"
+#include "calibrator/batch/camera_imu/outliers.h"
+#include "calibrator/batch/camera_imu/report.h"
+#include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/batch/camera_imu/start.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kMostSelections = 3;  // attempts to choose frames that stay on the samples
+constexpr int kFilterRounds = 2;    // of CornerFilter::kSigma
+constexpr int kFewestFrames = 10;
+
+std::optional<Failure> checkInputs(const Session& session,
+                                   const std::vector<CameraCalibration>& cameras) {
+  if (!session.imu || session.imu->samples.empty()) {
+    return Failure{FailureReason::kNoOverlap, "the session has no IMU samples",
+                   "add imu0/data.csv, or calibrate the cameras alone"};
+  }
+  if (cameras.size() != session.cameras.size()) {
+    return Failure{FailureReason::kTooFewViews,
+                   fmt::format("{} cameras are calibrated, the session has {}", cameras.size(),
+                               session.cameras.size()),
+                   "give a calibration of the session's own cameras"};
+  }
+  return std::nullopt;
+}
+
+Failure tooFewFrames(std::size_t frames) {
+  return {FailureReason::kTooFewViews,
+          fmt::format("{} frames show the target well enough for a pose; at least {} are needed",
+                      frames, kFewestFrames),
+          "keep the target in view, and check that the intrinsics belong to these cameras"};
+}
+
+Failure uncovered(std::size_t frames, std::size_t chosen, double offset_s) {
+  return {FailureReason::kNoOverlap,
+          fmt::format("IMU samples cover {} of {} frames (time offset {:.3f} s); at least {} are "
+                      "needed",
+                      chosen, frames, offset_s, kFewestFrames),
+          "check that camera and IMU stamps are of one clock and one recording"};
+}
+
+struct SelectedSolution {
+  CameraImuSolution solution;
+  int frames_without_imu = 0;
+  int gaps = 0;
+};
+
+/// Takes the selected frames into the problem; returns their poses.
+std::vector<CameraPose> take(const FrameSelection& selection, const PosedFrames& posed,
+                             CameraImuProblem& problem) {
+  std::vector<CameraPose> poses;
+  problem.frames.clear();
+  for (const int i : selection.chosen) {
+    problem.frames.push_back(posed.frames[static_cast<std::size_t>(i)]);
+    poses.push_back(posed.poses[static_cast<std::size_t>(i)]);
+  }
+  problem.links = selection.links;
+  problem.weights.assign(problem.frames.size(), 1);
+  return poses;
+}
+
+/// Chooses the frames under the first guess of the offset and solves; again with more margin should
+/// the offset leave the samples.
+Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFrames& posed,
+                                        const CameraImuStart& start,
+                                        const std::vector<CameraCalibration>& cameras,
+                                        const CameraImuOptions& options) {
+  const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
+  const auto stamps = posed.stamps();
+  FrameSelectionOptions choice = selectionOptions(options, start.time_offset_s);
+  SelectedSolution out;
+  for (int attempt = 0; attempt < kMostSelections; ++attempt, choice.margin_s *= 4) {
+    const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
+    if (selection.chosen.size() < kFewestFrames) {
+      return uncovered(stamps.size(), selection.chosen.size(), start.time_offset_s);
+    }
+    const auto poses = take(selection, posed, problem);
+    out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());
+    out.gaps = selection.gaps_used;
+    out.solution = solveFrom(problem,
+                             {startStates(poses, start), start.T_SC0, start.gravity_direction,
+                              start.time_offset_s, cameras, posed.own_offsets},
+                             options);
+    if (out.solution.end != SolverEnd::kLeftSamples) break;
+  }
+  return out;
+}
+
+/// Rounds of rejection above sigma and renewed solution.
+void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
+                    const CameraImuOptions& options) {
+  for (int round = 0; round < kFilterRounds; ++round) {
+    if (rejectAboveSigma(problem, solution.estimate, options.filter_sigmas) == 0) return;
+    const int before = solution.iterations;
+    solution = solveFromSolution(problem, solution.estimate, options);
+    solution.iterations += before;
+  }
+}
+
+/// What the session tells of the calibration that was held.
+void addInformation(CameraImuProblem problem, const CameraImuSolution& solution, double cauchy_px,
+                    StageSummary& summary) {
+  auto covariance = heldCovariance(std::move(problem), solution, cauchy_px);
+  if (!covariance) return;
+  summary.entropy_nats = gaussianEntropy(covariance->matrix);
+  summary.covariance = std::move(*covariance);
+}
+
+/// Per camera, by how much its given offset differs from camera 0's; empty where it does not.
+std::vector<std::optional<double>> givenDifferences(const ImuCalibration& imu, std::size_t count) {
+  std::vector<std::optional<double>> differences(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    const double difference = cameraTimeOffset(imu, c) - imu.time_offset_s;
+    if (difference != 0) differences[c] = difference;
+  }
+  return differences;
+}
+
+}  // namespace
+
+Result<CameraImuStageResult> scoreCameraImu(const Session& session,
+                                            const std::vector<CameraCalibration>& cameras,
+                                            const ImuCalibration& imu,
+                                            const CameraImuOptions& options) {
+  if (const auto failure = checkInputs(session, cameras)) return *failure;
+  const Stopwatch total;
+  Stopwatch watch;
+  CameraImuProblem problem = makeProblem(session, options);
+  problem.free_cameras = false;
+  problem.hold_calibration = true;
+  PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
+  if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
+  posed.own_offsets = givenDifferences(imu, cameras.size());
+  const CameraImuStart start = startFromCalibration(posed.poses, problem.samples, imu);
+  if (options.filter == CornerFilter::kKalibr) {
+    rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
+  }
+  StageSeconds seconds;
+  seconds.initialise = watch.lap();
+  auto selected = selectAndSolve(problem, posed, start, cameras, options);
+  if (!selected) return selected.failure();
+  CameraImuSolution& solution = selected.value().solution;
+  if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
+  seconds.solve = watch.lap();
+  seconds.total = total.seconds();
+  auto result = scoreResult(problem, solution, session);
+  if (!result) return result;
+  result.value().imu.T_SC0 = imu.T_SC0;  // steps of length zero round
+  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  result.value().summary.seconds = seconds;
+  result.value().frames_without_pose = posed.without_pose;
+  result.value().frames_without_imu = selected->frames_without_imu;
+  result.value().imu_gaps = selected->gaps;
+  if (options.score_information_px) {
+    addInformation(std::move(problem), solution, *options.score_information_px,
+                   result.value().summary);
+  }
+  return result;
+}
+
+Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
+                                                const std::vector<CameraCalibration>& cameras,
+                                                const CameraImuOptions& options) {
+  if (const auto failure = checkInputs(session, cameras)) return *failure;
+  const Stopwatch total;
+  Stopwatch watch;
+  CameraImuProblem problem = makeProblem(session, options);
+  const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
+  if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
+  const auto start = startCameraImu(posed.poses, problem.samples, session.target, options);
+  if (!start) return start.failure();
+  if (options.filter == CornerFilter::kKalibr) {
+    rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
+  }
+  StageSeconds seconds;
+  seconds.initialise = watch.lap();
+
+  auto selected = selectAndSolve(problem, posed, *start, cameras, options);
+  if (!selected) return selected.failure();
+  CameraImuSolution& solution = selected.value().solution;
+  if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
+  seconds.solve = watch.lap();
+
+  auto result = stageResult(problem, solution, session, options);
+  if (!result) return result;
+  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  if (options.noise_check) {
+    result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
+  }
+  seconds.covariance = watch.lap();
+  seconds.total = total.seconds();
+  result.value().summary.seconds = seconds;
+  result.value().frames_without_pose = posed.without_pose;
+  result.value().frames_without_imu = selected->frames_without_imu;
+  result.value().imu_gaps = selected->gaps;
+  result.value().inertial_check = start->check;
+  return result;
+}
+
+}  // namespace plumbline

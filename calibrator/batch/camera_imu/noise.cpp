@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu/noise.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "calibrator/batch/parallel_chunks.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kChunk = 64;     // intervals
+constexpr int kStretch = 100;  // frames
+constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
+constexpr double kLeastFactor = 1e-3;
+constexpr double kMostFactor = 1e3;
+using Groups = Eigen::Array<double, kGroups, 1>;
+
+double limited(double factor) { return std::clamp(factor, kLeastFactor, kMostFactor); }
+
+/// (J | r)'(J | r) of some rows of a link. Columns: state i (15), state j without biases (9),
+/// gravity (2), offset (1), residual (1).
+using LinkGram = Eigen::Matrix<double, 28, 28>;
+constexpr int kResidual = 27;
+
+/// One link, whitened by the assumed densities.
+struct Link {
+  int at = 0;  ///< of the earlier frame
+  bool inertial = false;
+  std::array<LinkGram, 2> motion;           ///< of its rotation rows, of the other six
+  Vector6d walk = Vector6d::Zero();         ///< residual
+  Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
+};
+
+std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
+                                         const CameraImuEstimate& estimate,
+                                         const ImuWeights& weights) {
+  std::vector<Link> links;
+  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
+  for (std::size_t k = 0; k < problem.links.size(); ++k) {
+    if (problem.links[k] == FrameLink::kBroken) continue;
+    const ImuState& i = estimate.states[k];
+    const ImuState& j = estimate.states[k + 1];
+    Link& link = links.emplace_back();
+    link.at = static_cast<int>(k);
+    link.walk_weight << Eigen::Vector3d::Constant(weights[k].gyro_walk),
+        Eigen::Vector3d::Constant(weights[k].accel_walk);
+    link.walk = biasWalkResidual(i, j).cwiseProduct(link.walk_weight);
+    if (problem.links[k] != FrameLink::kInertial) continue;
+    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.time_offset_s};
+    const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
+    if (!motion) return std::nullopt;
+    const ImuResidual r = imuResidual(*motion, i, j, gravity);
+    Eigen::Matrix<double, 9, 28> J;
+    J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
+    const Eigen::Matrix<double, 9, 28> W = weights[k].sqrt_information.lazyProduct(J);
+    link.motion[0] = W.topRows<3>().transpose().lazyProduct(W.topRows<3>());
+    link.motion[1] = W.bottomRows<6>().transpose().lazyProduct(W.bottomRows<6>());
+    link.inertial = true;
+  }
+  return links;
+}
+
+/// Factors on the assumed standard deviations.
+struct Factors {
+  double pixel = 1;
+  Groups imu = Groups::Ones();
+};
+
+/// One factor for each row of the biases' walk.
+Vector6d walkRows(const Groups& groups) {
+  Vector6d rows;
+  rows << Eigen::Vector3d::Constant(groups(2)), Eigen::Vector3d::Constant(groups(3));
+  return rows;
+}
+
+/// Adds a link, each group of its rows times its factor on the information.
+void addLink(const Link& link, const Groups& information, BorderedChain& chain) {
+  const auto at = static_cast<std::size_t>(link.at);
+  const int last = chain.border();
+  const Vector6d weight = walkRows(information).cwiseProduct(link.walk_weight);
+  const Vector6d walk_information = weight.cwiseProduct(link.walk_weight);
+  const Vector6d b = weight.cwiseProduct(link.walk);
+  chain.diagonal[at].diagonal().tail<6>() += walk_information;
+  chain.next[at].diagonal().tail<6>() -= walk_information;
+  chain.diagonal[at + 1].diagonal().tail<6>() += walk_information;
+  chain.to_border[at].col(last).tail<6>() -= b;
+  chain.to_border[at + 1].col(last).tail<6>() += b;
+  if (!link.inertial) return;
+  const LinkGram G = information(0) * link.motion[0] + information(1) * link.motion[1];
+  constexpr int kGravity = BorderLayout::kGravity;
+  chain.diagonal[at] += G.topLeftCorner<15, 15>();
+  chain.next[at].leftCols<9>() += G.block<15, 9>(0, 15);
+  chain.diagonal[at + 1].topLeftCorner<9, 9>() += G.block<9, 9>(15, 15);
+  chain.to_border[at].middleCols<3>(kGravity) += G.block<15, 3>(0, 24);
+  chain.to_border[at].col(last) += G.block<15, 1>(0, kResidual);
+  chain.to_border[at + 1].block<9, 3>(0, kGravity) += G.block<9, 3>(15, 24);
+  chain.to_border[at + 1].col(last).head<9>() += G.block<9, 1>(15, kResidual);
+  chain.border_block.block<3, 3>(kGravity, kGravity) += G.block<3, 3>(24, 24);
+  chain.border_gradient.segment<3>(kGravity) += G.block<3, 1>(24, kResidual);
+}
+
+BorderedChain combined(const BorderedChain& cameras, const std::vector<Link>& links,
+                       const Factors& factors) {
+  BorderedChain chain = cameras;
+  const double scale = 1 / (factors.pixel * factors.pixel);
+  for (ChainMatrix& D : chain.diagonal) D *= scale;
+  for (ChainBorderRows& C : chain.to_border) C *= scale;
+  chain.border_block *= scale;
+  chain.border_gradient *= scale;
+  for (const Link& link : links) addLink(link, factors.imu.square().inverse(), chain);
+  return chain;
+}
+
+/// Squared residuals at the optimum under some factors, and what they are expected to be.
+struct Evaluation {
+  Groups squares = Groups::Zero();
+  Groups redundancy = Groups::Zero();
+  Groups rows = Groups::Zero();
+  double pose_squares = 0;  ///< see poseSquares(), in units of pixel_sigma whatever the factor
+};
+
+/// Covariance of the unknowns of link.motion; 0 in the residual's row and column.
+LinkGram jointCovariance(std::size_t at, const ChainCovariance& S) {
+  constexpr int kGravity = BorderLayout::kGravity;
+  LinkGram joint = LinkGram::Zero();
+  joint.topLeftCorner<15, 15>() = S.diagonal[at];
+  joint.block<15, 9>(0, 15) = S.next[at].leftCols<9>();
+  joint.block<9, 9>(15, 15) = S.diagonal[at + 1].topLeftCorner<9, 9>();
+  joint.block<15, 3>(0, 24) = S.to_border[at].middleCols<3>(kGravity);
+  joint.block<9, 3>(15, 24) = S.to_border[at + 1].block<9, 3>(0, kGravity);
+  joint.block<3, 3>(24, 24) = S.border.block<3, 3>(kGravity, kGravity);
+  joint.triangularView<Eigen::StrictlyLower>() = joint.transpose();
+  return joint;
+}
+
+/// Adds a link's rows: (J dx + r)^2 from their Gram, and 1 - J S J' summed as a trace.
+void addRows(const Link& link, const Groups& information, const ChainInverse& inverse,
+             Evaluation& sum) {
+  const auto at = static_cast<std::size_t>(link.at);
+  const ChainCovariance& S = inverse.covariance;
+  const auto& dx_i = inverse.solution.step[at];
+  const auto& dx_j = inverse.solution.step[at + 1];
+  const Vector6d walk = link.walk + link.walk_weight.cwiseProduct((dx_j - dx_i).tail<6>());
+  const Vector6d variance =
+      (S.diagonal[at] + S.diagonal[at + 1] - 2 * S.next[at]).diagonal().tail<6>();
+  const Vector6d explained = link.walk_weight.cwiseAbs2().cwiseProduct(variance);
+  for (int g = 0; g < 2; ++g) {
+    sum.squares(2 + g) += information(2 + g) * walk.segment<3>(3 * g).squaredNorm();
+    sum.redundancy(2 + g) += 3 - information(2 + g) * explained.segment<3>(3 * g).sum();
+    sum.rows(2 + g) += 3;
+  }
+  if (!link.inertial) return;
+  const LinkGram joint = jointCovariance(at, S);
+  Eigen::Matrix<double, 28, 1> x;
+  x << dx_i, dx_j.head<9>(), inverse.solution.border_step.segment<3>(BorderLayout::kGravity), 1;
+  for (int g = 0; g < 2; ++g) {
+    const LinkGram& G = link.motion[static_cast<std::size_t>(g)];
+    const double rows = g == 0 ? 3 : 6;
+    sum.squares(g) += information(g) * x.dot(G.lazyProduct(x));
+    sum.redundancy(g) += rows - information(g) * G.cwiseProduct(joint).sum();
+    sum.rows(g) += rows;
+  }
+}
+
+/// Squared distance of every frame's pose from the one that its corners alone would choose, in the
+/// metric of the corners' information: sum of e' H e, e = x + H^-1 (b + C y).
+double poseSquares(const BorderedChain& cameras, const ChainSolution& step) {
+  const int m = cameras.border();
+  double sum = 0;
+  for (std::size_t i = 0; i < cameras.diagonal.size(); ++i) {
+    const Matrix6d H = cameras.diagonal[i].topLeftCorner<6, 6>();
+    const auto& C = cameras.to_border[i];
+    const Vector6d g =
+        H * step.step[i].head<6>() + C.col(m).head<6>() + C.topLeftCorner(6, m) * step.border_step;
+    sum += g.dot(H.ldlt().solve(g));
+  }
+  return sum;
+}
+
+class VarianceComponents {
+ public:
+  VarianceComponents(BorderedChain cameras, std::vector<Link> links, int threads)
+      : cameras_(std::move(cameras)), links_(std::move(links)), threads_(threads) {}
+
+  std::optional<Evaluation> at(const Factors& factors) const {
+    const auto inverse = invertChain(combined(cameras_, links_, factors), {0, threads_});
+    if (!inverse) return std::nullopt;
+    const Groups information = factors.imu.square().inverse();
+    const int count = static_cast<int>(links_.size());
+    std::vector<Evaluation> parts(static_cast<std::size_t>(chunkCount(count, kChunk)));
+    forChunks(count, kChunk, threads_, [&](const Chunk& chunk) {
+      Evaluation& part = parts[static_cast<std::size_t>(chunk.index)];
+      for (int k = chunk.begin; k < chunk.end; ++k) {
+        addRows(links_[static_cast<std::size_t>(k)], information, *inverse, part);
+      }
+    });
+    Evaluation sum;
+    for (const Evaluation& part : parts) {
+      sum.squares += part.squares;
+      sum.redundancy += part.redundancy;
+      sum.rows += part.rows;
+    }
+    sum.pose_squares = poseSquares(cameras_, inverse->solution);
+    return sum;
+  }
+
+  /// Standard deviation of the corners that the poses show, in units of pixel_sigma. The poses have
+  /// 6 rows a frame, and all redundancies add up to the number of rows less that of unknowns.
+  double pixelFactor(const Evaluation& e) const {
+    const double redundancy = (e.rows - e.redundancy).sum() -
+                              (kChainBlock - 6.0) * cameras_.blocks() - BorderLayout::kFixed;
+    return limited(std::sqrt(e.pose_squares / std::max(redundancy, 1.0)));
+  }
+
+ private:
+  BorderedChain cameras_;
+  std::vector<Link> links_;
+  int threads_;
+};
+
+/// The next factors of the densities. Plain estimation would raise the ratio to 1/2; the more
+/// converges faster at the usual redundancy of a third to two thirds of the rows.
+Groups nextFactors(const Groups& factors, const Groups& ratio) {
+  return (factors * ratio.pow(0.7)).max(kLeastFactor).min(kMostFactor);
+}
+
+ImuNoiseCheck checkOf(int group, const Evaluation& assumed, const Evaluation& end,
+                      const Groups& factors) {
+  ImuNoiseCheck check;
+  check.expected_rms =
+      std::sqrt(std::max(0.0, assumed.redundancy(group)) / std::max(assumed.rows(group), 1.0));
+  check.factor = factors(group);
+  check.redundancy = end.redundancy(group);
+  return check;
+}
+
+/// All of n frames, or `most` of them in evenly spread stretches.
+std::vector<int> spreadFrames(int n, int most) {
+  std::vector<int> frames;
+  const int stretches = std::max(2, most / kStretch);
+  if (n <= std::max(most, stretches * kStretch)) {
+    for (int f = 0; f < n; ++f) frames.push_back(f);
+    return frames;
+  }
+  for (int s = 0; s < stretches; ++s) {
+    const int first = s * (n - kStretch) / (stretches - 1);
+    for (int f = 0; f < kStretch; ++f) frames.push_back(first + f);
+  }
+  return frames;
+}
+
+/// Leaves the given frames (ascending), cut loose from each other where others lay between them.
+void keepOnly(const std::vector<int>& kept, CameraImuProblem& problem,
+              CameraImuSolution& solution) {
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const auto from = static_cast<std::size_t>(kept[k]);  // never before k
+    problem.frames[k] = problem.frames[from];
+    problem.weights[k] = problem.weights[from];
+    solution.estimate.states[k] = solution.estimate.states[from];
+    if (k + 1 == kept.size()) break;
+    const bool neighbours = kept[k + 1] == kept[k] + 1;
+    problem.links[k] = neighbours ? problem.links[from] : FrameLink::kBroken;
+    solution.weights[k] = solution.weights[from];
+  }
+  problem.frames.resize(kept.size());
+  problem.weights.resize(kept.size());
+  solution.estimate.states.resize(kept.size());
+  problem.links.resize(kept.empty() ? 0 : kept.size() - 1);
+  solution.weights.resize(problem.links.size());
+}
+
+}  // namespace
+
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
+                             const ImuNoiseOptions& options) {
+  solution.normals = CameraImuNormals();  // large, and not needed here
+  keepOnly(spreadFrames(problem.frameCount(), options.max_frames), problem, solution);
+  auto cameras = cameraInformationAt(problem, solution.estimate);
+  auto links = linksOf(problem, solution.estimate, solution.weights);
+  if (!links) return {};
+  const VarianceComponents components(std::move(cameras.chain), std::move(*links), problem.threads);
+  Factors factors;
+  const auto assumed = components.at(factors);
+  if (!assumed) return {};
+  Evaluation now = *assumed;
+  for (int round = 0; round < options.max_rounds; ++round) {
+    const double pixel = components.pixelFactor(now);
+    const Groups ratio =
+        (now.redundancy >= options.least_redundancy).select(now.squares / now.redundancy, 1.0);
+    const double change = std::max(std::abs(std::log(pixel / factors.pixel)),
+                                   0.5 * ratio.max(1e-12).log().abs().maxCoeff());
+    if (change < options.tolerance) break;
+    factors = {pixel, nextFactors(factors.imu, ratio)};
+    const auto next = components.at(factors);
+    if (!next) return {};
+    now = *next;
+  }
+  return {checkOf(0, *assumed, now, factors.imu), checkOf(1, *assumed, now, factors.imu),
+          checkOf(2, *assumed, now, factors.imu), checkOf(3, *assumed, now, factors.imu),
+          factors.pixel * problem.pixel_sigma};
+}
+
+}  // namespace plumbline

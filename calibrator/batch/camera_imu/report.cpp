@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu/report.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/camera_imu/exposure.h"
+#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/initialise/imu_sanity.h"
+#include "calibrator/residuals/tangent.h"
+
+namespace plumbline {
+namespace {
+
+int cornerCount(const CameraImuProblem& problem, const Frame& frame) {
+  int count = 0;
+  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+    if (frame.view[c] >= 0) count += problem.corners[c].view(frame.view[c]).count;
+  }
+  return count;
+}
+
+/// Writes the residuals of one frame, camera by camera, from `out` on.
+void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& estimate, int frame,
+                    CornerResidual* out) {
+  const auto at = static_cast<std::size_t>(frame);
+  const Frame& f = problem.frames[at];
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    if (f.view[c] < 0) continue;
+    const CameraCalibration& camera = estimate.cameras[c];
+    const Transform T_CF = targetInCamera(problem, estimate, at, c);
+    const PackedView view = problem.corners[c].view(f.view[c]);
+    for (int k = 0; k < view.count; ++k) {
+      CornerResidual& r = *out++;
+      r.camera = static_cast<int>(c);
+      r.frame = frame;
+      r.corner_id = view.id[k];
+      const Eigen::Vector2d uv(view.u[k], view.v[k]);
+      const auto p = project(camera.intrinsics, T_CF * Eigen::Vector3d(view.x[k], view.y[k], 0));
+      r.uv = uv.cast<float>();
+      r.used = view.w[k] > 0 && p.has_value();
+      if (p) r.error = (uv - *p).cast<float>();
+    }
+  }
+}
+
+/// Rows of the border that are calibration parameters, with their names and units.
+struct ParameterList {
+  std::vector<int> rows;
+  std::vector<std::string> names;
+  std::vector<std::string> units;
+  /// Those from here on are camera 0's offset plus their row.
+  std::size_t own_offsets = 0;
+
+  void add(int row, std::string name, std::string unit) {
+    rows.push_back(row);
+    names.push_back(std::move(name));
+    units.push_back(std::move(unit));
+  }
+  void addTransform(int row, const std::string& name) {
+    const char* parts[] = {"tx", "ty", "tz", "rx", "ry", "rz"};
+    for (int k = 0; k < 6; ++k) add(row + k, name + "." + parts[k], k < 3 ? "m" : "rad");
+  }
+};
+
+std::vector<std::string> distortionNames(DistortionModel model, int count) {
+  std::vector<std::string> names = {"k1", "k2", "k3", "k4"};
+  if (model == DistortionModel::kRadtan) names = {"k1", "k2", "p1", "p2"};
+  names.resize(static_cast<std::size_t>(count));
+  return names;
+}
+
+void addIntrinsics(ParameterList& list, const CameraCalibration& camera, std::size_t index,
+                   const BorderLayout& layout) {
+  const std::string name = camera.name.empty() ? fmt::format("cam{}", index) : camera.name;
+  int row = layout.intrinsics[index];
+  for (const char* parameter : {"fu", "fv", "pu", "pv"}) {
+    list.add(row++, name + "." + parameter, "px");
+  }
+  const auto count = static_cast<int>(camera.intrinsics.distortion.size());
+  for (const std::string& parameter : distortionNames(camera.intrinsics.distortion_model, count)) {
+    list.add(row++, name + "." + parameter, "-");
+  }
+}
+
+ParameterList parameterList(const CameraImuEstimate& estimate, bool free_cameras) {
+  const std::vector<CameraCalibration>& cameras = estimate.cameras;
+  ParameterList list;
+  list.addTransform(BorderLayout::kExtrinsics, "T_SC0");
+  list.add(BorderLayout::kOffset, "time_offset", "s");
+  list.own_offsets = list.rows.size();
+  if (!free_cameras) return list;
+  const BorderLayout layout(estimate, true);
+  for (std::size_t c = 0; c < cameras.size(); ++c) addIntrinsics(list, cameras[c], c, layout);
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    list.addTransform(layout.T_C0Ci[c], fmt::format("T_C0C{}", c));
+  }
+  list.own_offsets = list.rows.size();
+  return list;
+}
+
+/// With the offsets of cameras that have their own behind.
+ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estimate,
+                             bool free_cameras) {
+  const BorderLayout layout(estimate, free_cameras);
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    if (layout.own_offset[c] < 0) continue;
+    list.add(layout.own_offset[c], fmt::format("time_offset.cam{}", c), "s");
+  }
+  return list;
+}
+
+/// Of the listed parameters, from that of the border.
+Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixXd& border) {
+  Eigen::MatrixXd J =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(list.rows.size()), border.cols());
+  for (std::size_t i = 0; i < list.rows.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    J(at, list.rows[i]) = 1;
+    if (i >= list.own_offsets) J(at, BorderLayout::kOffset) = 1;
+  }
+  const Eigen::MatrixXd out = J * border * J.transpose();
+  return 0.5 * (out + out.transpose());
+}
+
+/// Inverse of an information matrix whose rows differ in unit: scaled to a unit diagonal first, and
+/// kept finite by a prior far weaker than any useful measurement.
+Eigen::MatrixXd invert(const Eigen::MatrixXd& information) {
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-13;
+  const Eigen::MatrixXd inverse =
+      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
+  return 0.5 * (out + out.transpose());
+}
+
+/// Names the worst direction of a 3 x 3 covariance if its deviation exceeds the limit.
+std::string looseDirection(const Eigen::Matrix3d& covariance, double limit, const char* what,
+                           const char* unit) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  const double deviation = std::sqrt(std::max(0.0, eigen.eigenvalues()(2)));
+  if (deviation <= limit && covariance.allFinite()) return {};
+  return fmt::format("{} {} of T_SC0 (standard deviation {:.2g} {})", what,
+                     axisName(eigen.eigenvectors().col(2)), deviation, unit);
+}
+
+std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
+                                    const CameraImuOptions& options) {
+  std::vector<std::string> loose;
+  const auto note = [&](std::string text) {
+    if (!text.empty()) loose.push_back(std::move(text));
+  };
+  note(looseDirection(covariance.topLeftCorner<3, 3>(), options.max_translation_std_m,
+                      "translation along", "m"));
+  note(looseDirection(covariance.block<3, 3>(3, 3), options.max_rotation_std_rad, "rotation about",
+                      "rad"));
+  const double offset = std::sqrt(std::max(0.0, covariance(6, 6)));
+  if (!(offset <= options.max_offset_std_s)) {
+    note(fmt::format("the time offset (standard deviation {:.2g} s)", offset));
+  }
+  if (loose.empty()) return std::nullopt;
+  return Failure{FailureReason::kNotObservable,
+                 fmt::format("not observable from this motion: {}", fmt::join(loose, ", ")),
+                 "turn the sensor briskly about at least two of its axes and move it to and fro "
+                 "while the target stays in view"};
+}
+
+}  // namespace
+
+std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
+                                            const CameraImuEstimate& estimate) {
+  std::vector<int> first(1, 0);  // of each frame, in the list
+  for (const Frame& frame : problem.frames) {
+    first.push_back(first.back() + cornerCount(problem, frame));
+  }
+  std::vector<CornerResidual> out(static_cast<std::size_t>(first.back()));
+  forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
+    CornerResidual* const begin = out.data() + first[static_cast<std::size_t>(chunk.begin)];
+    frameResiduals(problem, estimate, chunk.begin, begin);
+  });
+  return out;
+}
+
+std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& problem,
+                                                      const CameraImuEstimate& estimate,
+                                                      const ImuWeights& weights) {
+  std::vector<ImuIntervalResidual> out;
+  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
+  for (std::size_t k = 0; k < problem.links.size(); ++k) {
+    if (problem.links[k] != FrameLink::kInertial) continue;
+    const ImuState& i = estimate.states[k];
+    const ImuState& j = estimate.states[k + 1];
+    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.time_offset_s};
+    const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
+    if (!motion) continue;
+    const Vector9d r = imuResidual(*motion, i, j, gravity).r;
+    const Vector6d walk = biasWalkResidual(i, j);
+    ImuIntervalResidual interval;
+    interval.t = window.from;
+    interval.dt_s = window.duration_s();
+    interval.rotation_rad = r.head<3>();
+    interval.velocity_m_s = r.segment<3>(3);
+    interval.position_m = r.tail<3>();
+    interval.normalised << weights[k].sqrt_information * r, walk.head<3>() * weights[k].gyro_walk,
+        walk.tail<3>() * weights[k].accel_walk;
+    out.push_back(interval);
+  }
+  return out;
+}
+
+ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals) {
+  ImuResidualSummary s;
+  if (residuals.empty()) return s;
+  double gyro = 0, accel = 0, rotation = 0, motion = 0, gyro_walk = 0, accel_walk = 0;
+  for (const ImuIntervalResidual& r : residuals) {
+    gyro += r.rotation_rad.squaredNorm() / (r.dt_s * r.dt_s);
+    accel += r.velocity_m_s.squaredNorm() / (r.dt_s * r.dt_s);
+    rotation += r.normalised.head<3>().squaredNorm();
+    motion += r.normalised.segment<6>(3).squaredNorm();
+    gyro_walk += r.normalised.segment<3>(9).squaredNorm();
+    accel_walk += r.normalised.tail<3>().squaredNorm();
+  }
+  const auto n = static_cast<double>(residuals.size());
+  s.gyro_rms_rad_s = std::sqrt(gyro / n);
+  s.accel_rms_m_s2 = std::sqrt(accel / n);
+  s.gyro_normalised_rms = std::sqrt(rotation / (3 * n));
+  s.accel_normalised_rms = std::sqrt(motion / (6 * n));
+  s.gyro_bias_normalised_rms = std::sqrt(gyro_walk / (3 * n));
+  s.accel_bias_normalised_rms = std::sqrt(accel_walk / (3 * n));
+  s.chi2 = rotation + motion + gyro_walk + accel_walk;
+  s.dof = static_cast<int>(15 * residuals.size());
+  return s;
+}
+
+double gaussianEntropy(const Eigen::MatrixXd& covariance) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+  const double half_log_det = llt.matrixLLT().diagonal().array().log().sum();
+  const auto n = static_cast<double>(covariance.rows());
+  return 0.5 * n * std::log(2 * std::numbers::pi * std::numbers::e) + half_log_det;
+}
+
+Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
+                                                const CameraImuSolution& solution,
+                                                const CameraImuOptions& options) {
+  const CameraImuEstimate& estimate = solution.estimate;
+  const ParameterList list =
+      withOwnOffsets(parameterList(estimate, problem.free_cameras), estimate, problem.free_cameras);
+  const auto normals = informationAt(problem, estimate, solution.weights);
+  std::optional<ChainSolution> chain;
+  if (normals) chain = solveChain(normals->chain, {0, problem.threads});
+  if (!chain) {
+    return Failure{FailureReason::kNotObservable,
+                   "T_SC0 and the time offset are not observable from this motion",
+                   "turn the sensor about all its axes while the target stays in view"};
+  }
+  Eigen::MatrixXd full = invert(chain->border_information);
+  // Sandwich: the gradient by t_d varies by more than the information says.
+  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
+  full += normals->offset_noise * offset * offset.transpose();
+  ParameterCovariance out{list.names, list.units, listedCovariance(list, full)};
+  if (const auto failure = unobservable(out.matrix, options)) return *failure;
+  return out;
+}
+
+std::optional<ParameterCovariance> heldCovariance(CameraImuProblem problem,
+                                                  const CameraImuSolution& solution,
+                                                  double cauchy_px) {
+  problem.hold_calibration = false;
+  problem.free_cameras = false;
+  problem.gram.cauchy_px = cauchy_px;
+  const auto normals = informationAt(problem, solution.estimate, solution.weights);
+  if (!normals) return std::nullopt;
+  const auto chain = solveChain(normals->chain, {0, problem.threads});
+  if (!chain) return std::nullopt;
+  constexpr int kFixed = BorderLayout::kFixed;  // own offsets stand behind: leaving them out holds
+  Eigen::MatrixXd full = invert(chain->border_information.topLeftCorner(kFixed, kFixed));
+  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
+  full += normals->offset_noise * offset * offset.transpose();
+  const ParameterList list = parameterList(solution.estimate, false);
+  ParameterCovariance out{list.names, list.units, full(list.rows, list.rows)};
+  if (!out.matrix.allFinite() || Eigen::LLT<Eigen::MatrixXd>(out.matrix).info() != Eigen::Success) {
+    return std::nullopt;
+  }
+  return out;
+}
+
+std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& problem,
+                                                    const CameraImuSolution& solution) {
+  const auto normals = informationAt(problem, solution.estimate, solution.weights);
+  if (!normals) return std::nullopt;
+  auto inverse = invertChain(normals->chain, {0, problem.threads});
+  if (!inverse) return std::nullopt;
+  ChainCovariance& S = inverse->covariance;
+  constexpr int kOffset = BorderLayout::kOffset;
+  constexpr int kGravity = BorderLayout::kGravity;
+  ImuStateCovariances out;
+  out.states = std::move(S.diagonal);
+  for (std::size_t i = 0; i < out.states.size(); ++i) {
+    const Eigen::Matrix<double, kChainBlock, 1> offset = S.to_border[i].col(kOffset);
+    out.states[i] += normals->offset_noise * offset * offset.transpose();
+  }
+  const Eigen::Vector2d offset = S.border.block<2, 1>(kGravity, kOffset);
+  out.gravity_direction = S.border.block<2, 2>(kGravity, kGravity) +
+                          normals->offset_noise * offset * offset.transpose();
+  return out;
+}
+
+}  // namespace plumbline

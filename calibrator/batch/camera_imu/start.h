@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/batch/camera_imu/problem.h"
+#include "calibrator/initialise/imu_rates.h"
+
+namespace plumbline {
+
+/// Frames with a pose of their own, before the IMU has a say.
+struct PosedFrames {
+  std::vector<Frame> frames;
+  std::vector<CameraPose> poses;
+  int without_pose = 0;  ///< frames left out
+  /// Where a camera's stamps are off camera 0's: the start of its offset_differences_s.
+  std::vector<std::optional<double>> own_offsets;
+
+  std::vector<TimeNs> stamps() const;
+};
+/// Pairs the session's views and finds each frame's pose from its corners alone.
+PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>& corners,
+                       const std::vector<CameraCalibration>& cameras,
+                       const CameraImuOptions& options);
+
+/// First guess of everything that is not a frame's own.
+struct CameraImuStart {
+  Transform T_SC0;
+  double time_offset_s = 0;
+  Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();
+  ImuBias bias;
+  Eigen::Vector3d excitation = Eigen::Vector3d::Zero();  ///< see RateAlignment
+  InertialCheck check;
+};
+
+/// Units and axes checked, time offset by correlation, rotation by alignment of rates, gravity,
+/// translation and accelerometer bias by linear least squares.
+Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
+                                      std::span<const ImuSample> samples, const AprilGrid& target,
+                                      const CameraImuOptions& options);
+
+/// The start under a given calibration, which is taken as it is: gravity from the mean specific
+/// force, biases zero. Nothing of it can fail, whatever the calibration.
+CameraImuStart startFromCalibration(std::span<const CameraPose> poses,
+                                    std::span<const ImuSample> samples, const ImuCalibration& imu);
+
+/// States at the frames: poses through T_SC0, velocities by differences of positions.
+std::vector<ImuState> startStates(std::span<const CameraPose> poses, const CameraImuStart& start);
+
+}  // namespace plumbline

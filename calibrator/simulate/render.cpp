@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/simulate/render_sensor.h"
+#include "calibrator/target/tag_family.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kSamples = 64;
+constexpr float kFarAway = 1e6F;  // of rays along the wall: no target there
+
+struct SamplePoint {
+  float u = 0;  ///< place in the pixel's square, in (0, 1)
+  float v = 0;
+};
+
+/// Hammersley's set: any edge parallel to a side is resolved to 1/64 of a pixel.
+std::array<SamplePoint, kSamples> hammersley() {
+  std::array<SamplePoint, kSamples> points;
+  for (int i = 0; i < kSamples; ++i) {
+    int reversed = 0;
+    for (int bit = 0; bit < 6; ++bit) reversed |= ((i >> bit) & 1) << (5 - bit);
+    points[static_cast<std::size_t>(i)] = {(static_cast<float>(i) + 0.5F) / kSamples,
+                                           (static_cast<float>(reversed) + 0.5F) / kSamples};
+  }
+  return points;
+}
+
+void check(const AprilGrid& target, const RenderOptions& o) {
+  if (target.tagCount() > kFamilySize) {
+    throw InputError(fmt::format("a target of {} x {} tags cannot be rendered; tag36h11 has {}",
+                                 target.rows, target.cols, kFamilySize));
+  }
+  const auto within = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high)) {
+      throw InputError(fmt::format("render option {} is {}; expected a value from {} to {}", name,
+                                   value, low, high));
+    }
+  };
+  within("black_level", o.black_level, 0, 255);
+  within("white_level", o.white_level, 0, 255);
+  within("wall_level", o.wall_level, 0, 255);
+  within("shading", o.shading, 0, 1);
+  within("vignetting", o.vignetting, 0, 1);
+  within("blur_sigma_px", o.blur_sigma_px, 0, 20);
+  within("noise_sigma", o.noise_sigma, 0, 100);
+  within("margin_ratio", o.margin_ratio, 0, 100);
+}
+
+std::size_t area(int width, int height) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+/// Rays through the corners of all pixels; zero where the camera's model has none.
+std::vector<Eigen::Vector3f> cornerRays(const Intrinsics& camera) {
+  std::vector<Eigen::Vector3f> rays;
+  const Resolution& size = camera.resolution;
+  rays.reserve(area(size.width + 1, size.height + 1));
+  for (int y = 0; y <= size.height; ++y) {
+    for (int x = 0; x <= size.width; ++x) {
+      const auto ray = unproject(camera, Eigen::Vector2d(x - 0.5, y - 0.5));
+      rays.push_back(ray ? Eigen::Vector3f(ray->cast<float>()) : Eigen::Vector3f::Zero());
+    }
+  }
+  return rays;
+}
+
+/// 1 - vignetting * (r / r_corner)^2, r from the image's centre.
+std::vector<float> vignettingGain(const Resolution& size, double vignetting) {
+  std::vector<float> gain;
+  gain.reserve(area(size.width, size.height));
+  const Eigen::Vector2d centre(0.5 * (size.width - 1), 0.5 * (size.height - 1));
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double r2 = (Eigen::Vector2d(x, y) - centre).squaredNorm() / centre.squaredNorm();
+      gain.push_back(static_cast<float>(1 - vignetting * r2));
+    }
+  }
+  return gain;
+}
+
+}  // namespace
+
+struct TargetRenderer::View {
+  Eigen::Matrix3f R_FC;
+  Eigen::Vector3f c_F;  // the camera's centre
+};
+
+TargetRenderer::TargetRenderer(const Intrinsics& camera, const AprilGrid& target,
+                               const RenderOptions& options)
+    : width_(camera.resolution.width),
+      height_(camera.resolution.height),
+      target_(target),
+      options_((check(target, options), options)),
+      pattern_(target, options.margin_ratio * target.tag_size),
+      rays_(cornerRays(camera)),
+      gain_(vignettingGain(camera.resolution, options.vignetting)) {}
+
+TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f& n) const {
+  if (!(n.z() < 0)) return {};  // away from the plane, or no ray: the wall far out
+  const float range = -view.c_F.z() / n.z();
+  if (!(range < kFarAway)) return {};
+  Hit hit;
+  hit.x = view.c_F.x() + range * n.x();
+  hit.y = view.c_F.y() + range * n.y();
+  hit.cell = pattern_.cellAt(hit.x, hit.y);
+  return hit;
+}
+
+std::vector<TargetRenderer::Hit> TargetRenderer::castRow(const View& view, int lattice_row) const {
+  std::vector<Hit> row(static_cast<std::size_t>(width_ + 1));
+  for (int x = 0; x <= width_; ++x) {
+    row[static_cast<std::size_t>(x)] = cast(view, view.R_FC * ray(x, lattice_row));
+  }
+  return row;
+}
+
+float TargetRenderer::pixelLight(const View& view, int x, int y, const Hit* above,
+                                 const Hit* below) const {
+  const auto [col_low, col_high] =
+      std::minmax({above[0].cell.col, above[1].cell.col, below[0].cell.col, below[1].cell.col});
+  const auto [row_low, row_high] =
+      std::minmax({above[0].cell.row, above[1].cell.row, below[0].cell.row, below[1].cell.row});
+  // Illumination changes linearly over the target and stays constant beyond.
+  const float across = above[0].x / static_cast<float>(target_.width()) - 0.5F;
+  const float upward = above[0].y / static_cast<float>(target_.height()) - 0.5F;
+  const float slope = std::clamp(across + 0.5F * upward, -1.0F, 1.0F);
+  const float light = 1 + static_cast<float>(options_.shading) * slope;
+  const auto uniform = pattern_.uniformSurface({col_low, row_low}, {col_high, row_high});
+  if (!uniform) return mixedLight(view, x, y, light);
+  if (*uniform == Surface::kWall) return light * static_cast<float>(options_.wall_level);
+  const double level = *uniform == Surface::kBlack ? options_.black_level : options_.white_level;
+  return light * static_cast<float>(level);
+}
+
+float TargetRenderer::mixedLight(const View& view, int x, int y, float light) const {
+  static const std::array<SamplePoint, kSamples> points = hammersley();
+  const Eigen::Vector3f n = view.R_FC * ray(x, y);
+  const Eigen::Vector3f right = view.R_FC * ray(x + 1, y) - n;
+  const Eigen::Vector3f down = view.R_FC * ray(x, y + 1) - n;
+  const Eigen::Vector3f twist = view.R_FC * ray(x + 1, y + 1) - n - right - down;
+  std::array<int, 3> count{};
+  for (const SamplePoint& s : points) {
+    const Hit hit = cast(view, n + s.u * right + s.v * (down + s.u * twist));
+    ++count[static_cast<std::size_t>(pattern_.surface(hit.cell))];
+  }
+  const double sum = count[0] * options_.wall_level + count[1] * options_.white_level +
+                     count[2] * options_.black_level;
+  return light * static_cast<float>(sum / kSamples);
+}
+
+std::vector<float> TargetRenderer::illuminate(const Transform& T_FC) const {
+  std::vector<float> light(gain_.size(), static_cast<float>(options_.wall_level));
+  if (T_FC.t.z() <= 0) return light;  // behind the wall
+  const View view{T_FC.R.cast<float>(), T_FC.t.cast<float>()};
+  std::vector<Hit> above = castRow(view, 0);
+  auto pixel = light.begin();
+  auto gain = gain_.begin();
+  for (int y = 0; y < height_; ++y) {
+    std::vector<Hit> below = castRow(view, y + 1);
+    for (int x = 0; x < width_; ++x, ++pixel, ++gain) {
+      *pixel = *gain * pixelLight(view, x, y, &above[static_cast<std::size_t>(x)],
+                                  &below[static_cast<std::size_t>(x)]);
+    }
+    above = std::move(below);
+  }
+  return light;
+}
+
+GrayImage TargetRenderer::render(const Transform& T_FC, std::uint64_t image) const {
+  const std::vector<float> sharp = illuminate(T_FC);
+  const std::vector<float> light = gaussianBlur(sharp, width_, height_, options_.blur_sigma_px);
+  return exposeSensor(light, width_, height_, options_.noise_sigma, options_.seed, image);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/calibration_fields.h"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+template <class Model>
+Model modelOf(const YamlMap& map, const std::string& key, const std::string& word,
+              const std::optional<Model>& model, const std::string& known) {
+  if (model) return *model;
+  throw map.fault(key, {"unknown " + key + " '" + word + "'", "one of " + known, ""});
+}
+
+std::size_t projectionCount(ProjectionModel model) {
+  switch (model) {
+    case ProjectionModel::kPinhole:
+      return 4;
+    case ProjectionModel::kOmni:
+      return 5;
+    case ProjectionModel::kEucm:
+    case ProjectionModel::kDs:
+      return 6;
+  }
+  return 4;
+}
+
+std::size_t distortionCount(DistortionModel model) {
+  switch (model) {
+    case DistortionModel::kNone:
+      return 0;
+    case DistortionModel::kFov:
+      return 1;
+    case DistortionModel::kRadtan:
+    case DistortionModel::kEquidistant:
+      return 4;
+  }
+  return 0;
+}
+
+// Sixteen numbers, row by row; others where the key holds another matrix.
+std::vector<double> matrixNumbers(const YamlMap& map, const std::string& key) {
+  if (map.has(key) && map.node(key).IsMap()) {
+    return map.map(key, kMatrixRows).numbers("data", "sixteen numbers, row by row");
+  }
+  std::vector<double> numbers;
+  const auto rows = map.rows(key, kMatrixRows);
+  for (const auto& row : rows) {
+    if (row.size() != 4) return {};
+    numbers.insert(numbers.end(), row.begin(), row.end());
+  }
+  return numbers;
+}
+
+}  // namespace
+
+Transform transformField(const YamlMap& map, const std::string& key) {
+  const std::vector<double> numbers = matrixNumbers(map, key);
+  Eigen::Matrix4d T = Eigen::Matrix4d::Constant(std::nan(""));
+  if (numbers.size() == 16) {
+    T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+  }
+  const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
+  const bool rotation = (R * R.transpose()).isIdentity(1e-3) && R.determinant() > 0;
+  if (T.allFinite() && rotation && T.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1))) {
+    return Transform::fromMatrix(T);
+  }
+  throw map.fault(key, {key + " is not a rigid transform", kMatrixRows,
+                        "copy the matrix again without rounding; its upper left 3x3 block must be "
+                        "a rotation"});
+}
+
+Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std::size_t count) {
+  const auto values =
+      count == 0 && !map.has(key) ? std::vector<double>() : map.numbers(key, "a list of numbers");
+  if (values.size() == count) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(count));
+  }
+  throw map.fault(key, {fmt::format("{} has {} numbers", key, values.size()),
+                        fmt::format("{} for this model", count), "copy the line again"});
+}
+
+Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
+  Intrinsics k;
+  const std::string projection = map.text(keys.projection_model, "pinhole, omni, eucm or ds");
+  const std::string distortion =
+      map.text(keys.distortion_model, "radtan, equidistant, fov or none");
+  k.projection_model = modelOf(map, keys.projection_model, projection,
+                               projectionModelFrom(projection), "pinhole, omni, eucm, ds");
+  k.distortion_model = modelOf(map, keys.distortion_model, distortion,
+                               distortionModelFrom(distortion), "radtan, equidistant, fov, none");
+  k.projection = parametersField(map, keys.projection, projectionCount(k.projection_model));
+  k.distortion = parametersField(map, keys.distortion, distortionCount(k.distortion_model));
+  const auto size = map.numbers("resolution", "[width, height] in pixels");
+  if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
+    throw map.fault("resolution",
+                    {"resolution is not two positive numbers", "[width, height]", ""});
+  }
+  k.resolution = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+  return k;
+}
+
+}  // namespace plumbline

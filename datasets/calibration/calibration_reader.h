@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "calibrator/base/calibration.h"
+
+namespace plumbline {
+
+/// Reads a calibration, told by its content: ours (calibration.json), Kalibr's (camchain*.yaml),
+/// OpenVINS' (kalibr_imucam_chain.yaml), yac's (its results of camera and of camera-IMU
+/// calibration) or Basalt's (calibration.json, all below value0).
+///
+/// Kalibr: T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; a chain is
+/// resolved to T_C0Ci. The IMU is there if cam0 has T_cam_imu; the time offset is that of camera 0,
+/// with those of all where they differ. Its noise is not in that file (see
+/// datasets/calibration/kalibr/run.h for all files of a run).
+/// yac: T_cam0_cam1 and T_imu0_cam0 are our T_C0C1 and T_SC0, time_delay our time offset
+/// (imu_timestamp = camera_timestamp + time_delay); densities sigma_*_c are continuous-time ones.
+/// Throws InputError, with file and line, for a file that is none of these, missing keys,
+/// transforms that are not rigid or contradict each other by more than 1 mm or 0.1 degrees, a
+/// rolling shutter (line_delay), and models whose number of parameters is wrong.
+Calibration readCalibration(const std::string& path);
+
+/// Whether a calibration's file states the noise densities of its IMU: ours, yac's and Basalt's do,
+/// Kalibr's and OpenVINS' camchain do not (ImuCalibration::noise is then its default). Throws
+/// InputError for a file that cannot be parsed.
+bool statesImuNoise(const std::string& path);
+
+}  // namespace plumbline

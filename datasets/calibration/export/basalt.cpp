@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names as basalt-headers' serialisation reads them. JSON has no comments: notes stand beside it.
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/calibration/export/export_checks.h"
+#include "datasets/calibration/export/export_text.h"
+#include "datasets/calibration/export/tool_writers.h"
+
+namespace plumbline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Where the radial polynomial r (1 + k1 r^2 + k2 r^4) stops growing, so that projection beyond it
+// is not unique: the first root of 1 + 3 k1 u + 5 k2 u^2 in u = r^2; 0 (Basalt: no limit) if none.
+double monotoneRadius(double k1, double k2) {
+  const double a = 5 * k2;
+  const double b = 3 * k1;
+  if (a == 0) return b < 0 ? std::sqrt(-1 / b) : 0;
+  const double discriminant = b * b - 4 * a;
+  if (discriminant < 0) return 0;
+  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+  double first = 0;
+  for (const double u : {q / a, 1 / q}) {
+    if (u > 0 && (first == 0 || u < first)) first = u;
+  }
+  return std::sqrt(first);
+}
+
+Json pinholeOf(const Eigen::VectorXd& p) {
+  return {{"fx", p[0]}, {"fy", p[1]}, {"cx", p[2]}, {"cy", p[3]}};
+}
+
+Json cameraJson(const char* type, const Json& intrinsics) {
+  return {{"camera_type", type}, {"intrinsics", intrinsics}};
+}
+
+Json radtanJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
+  Json k = pinholeOf(p);
+  k.update({{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}});
+  for (const char* name : {"k3", "k4", "k5", "k6"}) k[name] = 0.0;
+  k["rpmax"] = monotoneRadius(d[0], d[1]);
+  return cameraJson("pinhole-radtan8", k);
+}
+
+Json pinholeFamily(const CameraCalibration& camera, const ExportChecks& checks, const char* known) {
+  const Intrinsics& k = camera.intrinsics;
+  switch (k.distortion_model) {
+    case DistortionModel::kNone:
+      return cameraJson("pinhole", pinholeOf(k.projection));
+    case DistortionModel::kRadtan:
+      return radtanJson(k.projection, k.distortion);
+    case DistortionModel::kEquidistant: {
+      Json kb4 = pinholeOf(k.projection);
+      for (int i = 0; i < 4; ++i) kb4[fmt::format("k{}", i + 1)] = k.distortion[i];
+      return cameraJson("kb4", kb4);
+    }
+    case DistortionModel::kFov:
+      break;
+  }
+  checks.refuseModel(camera, known);
+}
+
+// Kalibr's omni divides by z + xi d, Basalt's ucm by alpha d + (1 - alpha) z: the same projection
+// with alpha = xi / (1 + xi) and focal lengths over 1 + xi.
+Json unifiedOf(const Eigen::VectorXd& p) {
+  const double xi = p[0];
+  Json k = pinholeOf(Eigen::Vector4d(p[1] / (1 + xi), p[2] / (1 + xi), p[3], p[4]));
+  k["alpha"] = xi / (1 + xi);
+  return cameraJson("ucm", k);
+}
+
+Json intrinsicsJson(const CameraCalibration& camera, const ExportChecks& checks) {
+  const char* known =
+      "pinhole with radtan, equidistant or no distortion; ds, eucm and omni without distortion";
+  const Intrinsics& k = camera.intrinsics;
+  if (k.projection_model == ProjectionModel::kPinhole) return pinholeFamily(camera, checks, known);
+  if (k.distortion_model != DistortionModel::kNone) checks.refuseModel(camera, known);
+  if (k.projection_model == ProjectionModel::kOmni) return unifiedOf(k.projection);
+  const bool ds = k.projection_model == ProjectionModel::kDs;
+  Json json = pinholeOf(k.projection.tail(4));
+  json[ds ? "xi" : "alpha"] = k.projection[0];
+  json[ds ? "alpha" : "beta"] = k.projection[1];
+  return cameraJson(ds ? "ds" : "eucm", json);
+}
+
+Json poseJson(const Transform& T) {
+  Eigen::Quaterniond q = T.quaternion();
+  if (q.w() < 0) q.coeffs() *= -1;
+  return {{"px", T.t.x()}, {"py", T.t.y()}, {"pz", T.t.z()}, {"qx", q.x()},
+          {"qy", q.y()},   {"qz", q.z()},   {"qw", q.w()}};
+}
+
+std::vector<double> thrice(double value) { return {value, value, value}; }
+
+Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
+                     const ExportChecks& checks) {
+  Json json;
+  for (const CameraCalibration& camera : calibration.cameras) {
+    const Resolution& size = camera.intrinsics.resolution;
+    json["T_imu_cam"].push_back(poseJson(imu.T_SC0 * camera.T_C0Ci));
+    json["intrinsics"].push_back(intrinsicsJson(camera, checks));
+    json["resolution"].push_back({size.width, size.height});
+  }
+  json["calib_accel_bias"] = std::vector<double>(9, 0.0);
+  json["calib_gyro_bias"] = std::vector<double>(12, 0.0);
+  json["imu_update_rate"] = imu.noise.rate_hz;
+  json["accel_noise_std"] = thrice(imu.noise.accel_density);
+  json["gyro_noise_std"] = thrice(imu.noise.gyro_density);
+  json["accel_bias_std"] = thrice(imu.noise.accel_random_walk);
+  json["gyro_bias_std"] = thrice(imu.noise.gyro_random_walk);
+  json["cam_time_offset_ns"] = nanosecondsOf(imu.time_offset_s);
+  json["vignette"] = Json::array();
+  return {{"value0", json}};
+}
+
+std::vector<std::string> warningsOf(const Calibration& calibration) {
+  std::vector<std::string> warnings = unlikeOffsets(calibration);
+  warnings.push_back(
+      "Basalt's estimators carry the line that would add cam_time_offset_ns as a comment in the "
+      "sources looked at: check yours, and otherwise add " +
+      secondsText(calibration.imu->time_offset_s) +
+      " to every image stamp and set cam_time_offset_ns to 0.");
+  for (const CameraCalibration& camera : calibration.cameras) {
+    if (!isPinhole(camera.intrinsics, DistortionModel::kRadtan)) continue;
+    warnings.push_back(
+        "radtan is written as pinhole-radtan8 with k3 to k6 zero, which is the same projection; "
+        "older versions of basalt-headers do not have that model (they have pinhole, kb4, ds, eucm "
+        "and ucm).");
+    break;
+  }
+  return warnings;
+}
+
+std::string notesText(const ExportOptions& options, const std::vector<std::string>& warnings) {
+  std::vector<std::string> notes{
+      provenanceLine(options),
+      "T_imu_cam maps camera to IMU (quaternion: Hamilton, x y z w). t_imu = t_cam + "
+      "cam_time_offset_ns, in whole nanoseconds.",
+      "Noise: continuous-time densities; Basalt multiplies by the root of imu_update_rate itself. "
+      "Scale, misalignment and biases (calib_accel_bias, calib_gyro_bias) are zero: not "
+      "calibrated. "
+      "rpmax: up to this radius the distortion is unique; 0 means everywhere."};
+  notes.insert(notes.end(), warnings.begin(), warnings.end());
+  return wrapped(notes, "");
+}
+
+}  // namespace
+
+ExportedFiles exportBasalt(const Calibration& calibration, const ExportOptions& options) {
+  const ExportChecks checks(calibration, options, "Basalt");
+  const ImuCalibration& imu = checks.neededImu();
+  ExportedFiles out;
+  out.warnings = warningsOf(calibration);
+  out.files = {{"basalt_calib.json", calibrationJson(calibration, imu, checks).dump(2) + "\n"},
+               {"basalt_notes.txt", notesText(options, out.warnings)}};
+  return out;
+}
+
+}  // namespace plumbline

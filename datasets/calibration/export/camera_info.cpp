@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keys as ROS' camera_calibration_parsers reads them.
+#include <fmt/format.h>
+
+#include "datasets/calibration/export/export_checks.h"
+#include "datasets/calibration/export/export_text.h"
+#include "datasets/calibration/export/tool_writers.h"
+#include "datasets/files/yaml_numbers.h"
+
+namespace plumbline {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::string matrixText(const char* key, const RowMajor& M) {
+  const Eigen::Map<const Eigen::VectorXd> values(M.data(), M.size());
+  return fmt::format("{}:\n  rows: {}\n  cols: {}\n  data: {}\n", key, M.rows(), M.cols(),
+                     yamlList(values));
+}
+
+struct Distortion {
+  const char* word;
+  Eigen::VectorXd coefficients;
+};
+
+Distortion distortionOf(const CameraCalibration& camera, const ExportChecks& checks) {
+  const Intrinsics& k = camera.intrinsics;
+  if (isPinhole(k, DistortionModel::kEquidistant)) return {"equidistant", k.distortion};
+  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
+    Eigen::VectorXd five = Eigen::VectorXd::Zero(5);  // k1 k2 p1 p2 k3
+    five.head(4) = fourCoefficients(k);
+    return {"plumb_bob", five};
+  }
+  checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+}
+
+std::string cameraText(const CameraCalibration& camera, const Distortion& distortion) {
+  const Intrinsics& k = camera.intrinsics;
+  RowMajor K = RowMajor::Identity(3, 3);
+  K(0, 0) = k.projection[0];
+  K(1, 1) = k.projection[1];
+  K.col(2).head(2) = k.projection.tail(2);
+  RowMajor P = RowMajor::Zero(3, 4);
+  P.leftCols(3) = K;
+  return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", k.resolution.width,
+                     k.resolution.height, plainName(camera.name)) +
+         matrixText("camera_matrix", K) + fmt::format("distortion_model: {}\n", distortion.word) +
+         matrixText("distortion_coefficients", distortion.coefficients.transpose()) +
+         matrixText("rectification_matrix", RowMajor::Identity(3, 3)) +
+         matrixText("projection_matrix", P);
+}
+
+std::vector<std::string> warningsOf(const Calibration& calibration) {
+  std::vector<std::string> warnings;
+  if (calibration.cameras.size() > 1) {
+    warnings.emplace_back(
+        "camera_info holds one camera: the transforms between cameras are not in these files. R is "
+        "the identity and P = [K 0]: not rectified for stereo.");
+  }
+  if (calibration.imu) {
+    warnings.emplace_back(
+        "camera_info holds no IMU: its transform, time offset and noise are not in these files.");
+  }
+  return warnings;
+}
+
+}  // namespace
+
+ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptions& options) {
+  const ExportChecks checks(calibration, options, "camera_info");
+  ExportedFiles out;
+  out.warnings = warningsOf(calibration);
+  for (const CameraCalibration& camera : calibration.cameras) {
+    const std::string name = plainName(camera.name) + ".yaml";
+    for (const ExportFile& file : out.files) {
+      if (file.name == name) checks.refuse("two cameras are called " + camera.name, "rename one");
+    }
+    out.files.push_back({name, commentHeader(options, out.warnings) +
+                                   cameraText(camera, distortionOf(camera, checks))});
+  }
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keys as OKVIS2's ViParametersReader reads them. It stops where one is missing, and where a real
+// number has no decimal point.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/calibration/export/export_checks.h"
+#include "datasets/calibration/export/export_text.h"
+#include "datasets/calibration/export/tool_writers.h"
+#include "datasets/files/yaml_numbers.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kToolSettings = R"(
+# From here on: settings of the tool with the values of its own examples. They are no results of
+# the calibration; tune them.
+frontend_parameters:
+    detection_threshold: 38.0
+    absolute_threshold: 150.0
+    matching_threshold: 60.0
+    octaves: 0
+    max_num_keypoints: 700
+    keyframe_overlap: 0.60
+    use_cnn: false
+    parallelise_detection: true
+    num_matching_threads: 4
+estimator_parameters:
+    num_keyframes: 5
+    num_loop_closure_frames: 3
+    num_imu_frames: 3
+    do_loop_closures: true
+    do_final_ba: false
+    enforce_realtime: false
+    realtime_min_iterations: 3
+    realtime_max_iterations: 10
+    realtime_time_limit: 0.035
+    realtime_num_threads: 3
+    full_graph_iterations: 15
+    full_graph_num_threads: 3
+output_parameters:
+    display_matches: true
+    display_overhead: false
+)";
+
+const char* distortionWord(const CameraCalibration& camera, const ExportChecks& checks) {
+  const Intrinsics& k = camera.intrinsics;
+  if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
+  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
+    return "radialtangential";
+  }
+  checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+}
+
+// The sixteen numbers of a transform, a row a line.
+std::string matrixText(const Transform& T, const std::string& indent) {
+  const Eigen::Matrix4d M = T.matrix();
+  std::string text = "[";
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const std::string row = yamlList(M.row(i));
+    text += (i == 0 ? "" : ",\n" + indent + " ") + row.substr(1, row.size() - 2);
+  }
+  return text + "]";
+}
+
+std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
+                       const ExportChecks& checks) {
+  const Intrinsics& k = camera.intrinsics;
+  const std::string indent = "        ";
+  const auto distortion = distortionWord(camera, checks);  // first: it refuses what follows
+  return fmt::format("     - {{T_SC:\n{0}{1},\n{0}image_dimension: [{2}, {3}],\n", indent,
+                     matrixText(T_SC, indent), k.resolution.width, k.resolution.height) +
+         fmt::format("{}distortion_coefficients: {},\n{}distortion_type: {},\n", indent,
+                     yamlList(fourCoefficients(k)), indent, distortion) +
+         fmt::format("{0}focal_length: {1},\n{0}principal_point: {2},\n", indent,
+                     yamlList(k.projection.head(2)), yamlList(k.projection.tail(2))) +
+         fmt::format("{0}camera_type: gray,\n{0}slam_use: okvis}}\n", indent);
+}
+
+std::string cameraParameters(const Calibration& calibration) {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) all.push_back(i);
+  return fmt::format(
+             "\ncamera_parameters:\n    timestamp_tolerance: 0.005\n    sync_cameras: [{}]\n",
+             fmt::join(all, ", ")) +
+         "    # Minus our time offset: t_imu = t_cam - image_delay.\n" +
+         numberLine("    image_delay", 0.0 - calibration.imu->time_offset_s) +
+         "    online_calibration:\n        do_extrinsics: false\n"
+         "        do_extrinsics_final_ba: false\n        sigma_r: 0.01\n"
+         "        sigma_alpha: 0.05\n";
+}
+
+std::string imuParameters(const ImuCalibration& imu) {
+  return "\nimu_parameters:\n    use: true\n"
+         "    # Saturation [m/s^2, rad/s], priors of the biases and their starts: not calibrated.\n"
+         "    a_max: 176.0\n    g_max: 7.8\n    sigma_bg: 0.01\n    sigma_ba: 0.1\n"
+         "    g0: [0.0, 0.0, 0.0]\n    a0: [0.0, 0.0, 0.0]\n"
+         "    # Continuous-time densities.\n" +
+         numberLine("    sigma_g_c", imu.noise.gyro_density) +
+         numberLine("    sigma_a_c", imu.noise.accel_density) +
+         numberLine("    sigma_gw_c", imu.noise.gyro_random_walk) +
+         numberLine("    sigma_aw_c", imu.noise.accel_random_walk) +
+         numberLine("    g", imu.gravity_m_s2) + "    T_BS:\n        " +
+         matrixText(Transform(), "        ") + "\n";
+}
+
+}  // namespace
+
+ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& options) {
+  const ExportChecks checks(calibration, options, "OKVIS2");
+  const ImuCalibration& imu = checks.neededImu();
+  ExportedFiles out;
+  const std::vector<std::string> notes{
+      "OKVIS2 takes the time offset with the other sign: image_delay is minus our time offset.",
+      "a_max and g_max are those of the tool's EuRoC example: set them to your IMU's range, or "
+      "samples beyond them count as saturated."};
+  out.warnings = unlikeOffsets(calibration);
+  out.warnings.insert(out.warnings.end(), notes.begin(), notes.end());
+  std::string text =
+      opencvHeader(options, out.warnings) + "\n# T_SC maps camera to IMU.\ncameras:\n";
+  for (const CameraCalibration& camera : calibration.cameras) {
+    text += cameraText(camera, imu.T_SC0 * camera.T_C0Ci, checks);
+  }
+  text += cameraParameters(calibration) + imuParameters(imu);
+  out.files.push_back({"okvis2.yaml", text + kToolSettings});
+  return out;
+}
+
+}  // namespace plumbline

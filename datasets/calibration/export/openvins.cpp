@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keys as OpenVINS' VioManagerOptions and YamlParser read them.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/calibration/export/export_checks.h"
+#include "datasets/calibration/export/export_text.h"
+#include "datasets/calibration/export/tool_writers.h"
+#include "datasets/files/yaml_numbers.h"
+
+namespace plumbline {
+namespace {
+
+const char* distortionWord(const CameraCalibration& camera, const ExportChecks& checks) {
+  const Intrinsics& k = camera.intrinsics;
+  if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
+  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
+    return "radtan";
+  }
+  checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+}
+
+std::vector<std::string> warningsOf(const Calibration& calibration) {
+  std::vector<std::string> warnings = unlikeOffsets(calibration);
+  warnings.push_back(
+      fmt::format("Belongs into estimator_config.yaml, which is not written here: max_cameras: "
+                  "{}, gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "
+                  "relative_config_imucam: \"kalibr_imucam_chain.yaml\".",
+                  calibration.cameras.size(), yamlNumber(calibration.imu->gravity_m_s2)));
+  warnings.emplace_back(
+      "OpenVINS refines the calibration while it runs unless calib_cam_extrinsics, "
+      "calib_cam_intrinsics and calib_cam_timeoffset are false: switch them off when you judge "
+      "this calibration with it.");
+  return warnings;
+}
+
+std::string overlapsText(std::size_t camera, std::size_t count) {
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i != camera) others.push_back(i);
+  }
+  return fmt::format("[{}]", fmt::join(others, ", "));
+}
+
+std::string cameraText(const Calibration& calibration, std::size_t i, const ExportChecks& checks) {
+  const CameraCalibration& camera = calibration.cameras[i];
+  const Intrinsics& k = camera.intrinsics;
+  const Transform T_SCi = calibration.imu->T_SC0 * camera.T_C0Ci;
+  const char* distortion = distortionWord(camera, checks);
+  std::string text = fmt::format("cam{}:\n  T_imu_cam:\n", i) + yamlRows(T_SCi.matrix(), "    ");
+  text += fmt::format("  cam_overlaps: {}\n  camera_model: pinhole\n",
+                      overlapsText(i, calibration.cameras.size()));
+  text += fmt::format("  distortion_coeffs: {}\n  distortion_model: {}\n",
+                      yamlList(fourCoefficients(k)), distortion);
+  text +=
+      fmt::format("  intrinsics: {}\n  resolution: [{}, {}]\n  rostopic: {}\n",
+                  yamlList(k.projection), k.resolution.width, k.resolution.height, topicOf(camera));
+  return text + numberLine("  timeshift_cam_imu", calibration.imu->time_offset_s);
+}
+
+// Kalibr's model with nothing to correct: accelerometer and gyroscope as calibrated here.
+std::string imuText(const ImuCalibration& imu) {
+  const auto matrix = [](const char* key, const Eigen::MatrixXd& M) {
+    return fmt::format("  {}:\n", key) + yamlRows(M, "    ");
+  };
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  return "imu0:\n" + matrix("T_i_b", Eigen::Matrix4d::Identity()) +
+         numberLine("  accelerometer_noise_density", imu.noise.accel_density) +
+         numberLine("  accelerometer_random_walk", imu.noise.accel_random_walk) +
+         numberLine("  gyroscope_noise_density", imu.noise.gyro_density) +
+         numberLine("  gyroscope_random_walk", imu.noise.gyro_random_walk) +
+         "  rostopic: " + topicOf(imu) + "\n" + numberLine("  time_offset", 0) +
+         numberLine("  update_rate", imu.noise.rate_hz) + "  model: \"calibrated\"\n" +
+         matrix("Tw", I) + matrix("R_IMUtoGYRO", I) + matrix("Ta", I) + matrix("R_IMUtoACC", I) +
+         matrix("Tg", Eigen::Matrix3d::Zero());
+}
+
+}  // namespace
+
+ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions& options) {
+  const ExportChecks checks(calibration, options, "OpenVINS");
+  const ImuCalibration& imu = checks.neededImu();
+  ExportedFiles out;
+  out.warnings = warningsOf(calibration);
+  std::vector<std::string> notes = out.warnings;
+  notes.insert(notes.begin(),
+               "T_imu_cam maps camera to IMU; t_imu = t_cam + timeshift_cam_imu, of which OpenVINS "
+               "reads cam0's alone.");
+  std::string cameras = opencvHeader(options, notes) + "\n";
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
+    cameras += cameraText(calibration, i, checks);
+  }
+  const std::string densities =
+      "Continuous-time noise densities; scale, misalignment and gravity sensitivity are those of "
+      "an IMU without any. model \"kalibr\" in place of \"calibrated\" lets OpenVINS refine "
+      "them.";
+  out.files = {{"kalibr_imucam_chain.yaml", cameras},
+               {"kalibr_imu_chain.yaml", opencvHeader(options, {densities}) + "\n" + imuText(imu)}};
+  return out;
+}
+
+}  // namespace plumbline

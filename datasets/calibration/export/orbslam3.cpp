@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keys and types as ORB-SLAM3's Settings reads them (File.version "1.0").
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/calibration/export/export_checks.h"
+#include "datasets/calibration/export/export_text.h"
+#include "datasets/calibration/export/tool_writers.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kAssumedRate = 20;
+
+// Not calibration, but the tool stops without them.
+constexpr const char* kToolSettings = R"(
+# From here on: settings of the tool with the values of its own examples. They are no results of
+# the calibration; tune them.
+ORBextractor.nFeatures: 1200
+ORBextractor.scaleFactor: 1.2
+ORBextractor.nLevels: 8
+ORBextractor.iniThFAST: 20
+ORBextractor.minThFAST: 7
+Viewer.KeyFrameSize: 0.05
+Viewer.KeyFrameLineWidth: 1.0
+Viewer.GraphLineWidth: 0.9
+Viewer.PointSize: 2.0
+Viewer.CameraSize: 0.08
+Viewer.CameraLineWidth: 3.0
+Viewer.ViewpointX: 0.0
+Viewer.ViewpointY: -0.7
+Viewer.ViewpointZ: -1.8
+Viewer.ViewpointF: 500.0
+)";
+
+bool isFisheye(const CameraCalibration& camera) {
+  return camera.intrinsics.distortion_model == DistortionModel::kEquidistant;
+}
+
+void check(const Calibration& calibration, const ExportChecks& checks) {
+  checks.atMostCameras(2);
+  for (const CameraCalibration& camera : calibration.cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) continue;
+    if (isPinhole(k, DistortionModel::kEquidistant)) continue;
+    checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+  }
+  checks.oneModel();
+  checks.oneResolution();
+  checks.knownNoise();
+}
+
+std::vector<std::string> warningsOf(const Calibration& calibration, const ExportOptions& options) {
+  std::vector<std::string> warnings = unlikeOffsets(calibration);
+  if (calibration.imu) {
+    const double td = calibration.imu->time_offset_s;
+    warnings.push_back(fmt::format(
+        "ORB-SLAM3 has no time offset between camera and IMU: add {} to every image stamp before "
+        "you run it (t_imu = t_cam + t_d).",
+        secondsText(td)));
+  }
+  const bool distorted =
+      calibration.cameras.front().intrinsics.distortion_model != DistortionModel::kNone;
+  if (calibration.cameras.size() == 2 && distorted) {
+    warnings.push_back(
+        "Known fault of ORB-SLAM3: it takes camera 2's distortion from camera 1 (PinHole and "
+        "KannalaBrandt8 alike). Rectify the images first, and use Camera.type \"Rectified\", when "
+        "you judge a stereo calibration with it.");
+  }
+  if (!options.camera_rate_hz) {
+    warnings.push_back(
+        fmt::format("Camera.fps is assumed to be {:.0f} Hz; give the rate of the images with "
+                    "--camera-rate.",
+                    kAssumedRate));
+  }
+  return warnings;
+}
+
+std::string cameraText(const CameraCalibration& camera, int number) {
+  const Intrinsics& k = camera.intrinsics;
+  const std::string prefix = fmt::format("Camera{}.", number);
+  std::string text;
+  const char* projection[] = {"fx", "fy", "cx", "cy"};
+  for (int i = 0; i < 4; ++i) text += numberLine(prefix + projection[i], k.projection[i]);
+  if (k.distortion_model == DistortionModel::kNone) return text + "\n";
+  const char* radtan[] = {"k1", "k2", "p1", "p2"};
+  const char* fisheye[] = {"k1", "k2", "k3", "k4"};
+  for (int i = 0; i < 4; ++i) {
+    text += numberLine(prefix + (isFisheye(camera) ? fisheye[i] : radtan[i]), k.distortion[i]);
+  }
+  return text + "\n";
+}
+
+std::string overlapText(const Calibration& calibration) {
+  std::string text = "# Columns that both cameras see: all of them, until you know better.\n";
+  for (int i = 1; i <= 2; ++i) {
+    text += fmt::format("Camera{0}.overlappingBegin: 0\nCamera{0}.overlappingEnd: {1}\n", i,
+                        calibration.cameras.front().intrinsics.resolution.width - 1);
+  }
+  return text;
+}
+
+std::string stereoText(const Calibration& calibration) {
+  std::string text = "# Camera 2 into camera 1.\n" +
+                     opencvMatrix("Stereo.T_c1_c2", calibration.cameras[1].T_C0Ci, 'f') +
+                     "# Points nearer than this many baselines count as close (a setting).\n"
+                     "Stereo.ThDepth: 60.0\n";
+  if (isFisheye(calibration.cameras.front())) text += overlapText(calibration);
+  return text + "\n";
+}
+
+std::string imageText(const Calibration& calibration, const ExportOptions& options) {
+  const Resolution& size = calibration.cameras.front().intrinsics.resolution;
+  return fmt::format(
+      "Camera.width: {}\nCamera.height: {}\n# A whole number, or the tool stops.\nCamera.fps: "
+      "{}\nCamera.RGB: 1\n",
+      size.width, size.height, std::lround(options.camera_rate_hz.value_or(kAssumedRate)));
+}
+
+std::string imuText(const ImuCalibration& imu) {
+  return "\n# Camera 1 into the IMU (body).\n" + opencvMatrix("IMU.T_b_c1", imu.T_SC0, 'f') +
+         "# Continuous-time densities; the tool multiplies by the root of the frequency itself.\n" +
+         numberLine("IMU.NoiseGyro", imu.noise.gyro_density) +
+         numberLine("IMU.NoiseAcc", imu.noise.accel_density) +
+         numberLine("IMU.GyroWalk", imu.noise.gyro_random_walk) +
+         numberLine("IMU.AccWalk", imu.noise.accel_random_walk) +
+         numberLine("IMU.Frequency", imu.noise.rate_hz);
+}
+
+}  // namespace
+
+ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions& options) {
+  const ExportChecks checks(calibration, options, "ORB-SLAM3");
+  check(calibration, checks);
+  if (options.camera_rate_hz && std::lround(*options.camera_rate_hz) < 1) {
+    checks.refuse("Camera.fps must be a whole number, 1 or more", "correct --camera-rate");
+  }
+  ExportedFiles out;
+  out.warnings = warningsOf(calibration, options);
+  std::string text = opencvHeader(options, out.warnings) + "\nFile.version: \"1.0\"\n";
+  text += fmt::format("Camera.type: \"{}\"\n\n",
+                      isFisheye(calibration.cameras[0]) ? "KannalaBrandt8" : "PinHole");
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
+    text += cameraText(calibration.cameras[i], static_cast<int>(i) + 1);
+  }
+  if (calibration.cameras.size() == 2) text += stereoText(calibration);
+  text += imageText(calibration, options);
+  if (calibration.imu) text += imuText(*calibration.imu);
+  out.files.push_back({"orbslam3.yaml", text + kToolSettings});
+  return out;
+}
+
+}  // namespace plumbline

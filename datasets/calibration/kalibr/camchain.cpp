@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/kalibr/camchain.h"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/calibration/calibration_fields.h"
+#include "datasets/files/yaml_map.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kTranslation = 1e-3;  // [m] up to which transforms agree
+constexpr double kRotation = 0.1 * kDegree;
+
+std::optional<Transform> imuPlace(const YamlMap& map) {
+  if (map.has("T_cam_imu")) return transformField(map, "T_cam_imu");
+  if (map.has("T_imu_cam")) return transformField(map, "T_imu_cam").inverse();
+  return std::nullopt;
+}
+
+KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
+  KalibrCamera camera;
+  camera.name = name;
+  camera.rostopic = map.textOr("rostopic", "");
+  camera.intrinsics = intrinsicsField(map, {"camera_model", "distortion_model"});
+  camera.T_cam_imu = imuPlace(map);
+  if (map.has("T_cn_cnm1")) camera.T_cn_cnm1 = transformField(map, "T_cn_cnm1");
+  if (map.has("timeshift_cam_imu")) {
+    camera.timeshift_cam_imu = map.number("timeshift_cam_imu", "seconds");
+  }
+  if (map.has("line_delay")) camera.line_delay_s = map.number("line_delay", "seconds a row");
+  camera.line = map.line();
+  camera.T_cam_imu_line = map.lineOf(map.has("T_cam_imu") ? "T_cam_imu" : "T_imu_cam");
+  camera.T_cn_cnm1_line = map.lineOf("T_cn_cnm1");
+  camera.line_delay_line = map.lineOf("line_delay");
+  return camera;
+}
+
+bool agree(const Transform& a, const Transform& b) {
+  const Vector6d d = boxminus(a, b);
+  return d.head<3>().norm() <= kTranslation && d.tail<3>().norm() <= kRotation;
+}
+
+std::string suspectText(ChainContradiction::Suspect suspect, const KalibrCamera& camera,
+                        const KalibrCamera& previous) {
+  using Suspect = ChainContradiction::Suspect;
+  const std::string imu = "T_cam_imu is inverted (it must map IMU to camera): invert it";
+  switch (suspect) {
+    case Suspect::kChain:
+      return fmt::format(
+          "{}'s T_cn_cnm1 is inverted (it must map the previous camera to this "
+          "one): invert it",
+          camera.name);
+    case Suspect::kThisCamera:
+      return fmt::format("{}'s {}", camera.name, imu);
+    case Suspect::kPreviousCamera:
+      return fmt::format("{}'s {}", previous.name, imu);
+    case Suspect::kAllCameras:
+      return fmt::format("every camera's {}", imu);
+    case Suspect::kNone:
+      break;
+  }
+  return "one of them may be from another calibration";
+}
+
+InputError contradictionFault(const KalibrCamchain& chain, std::size_t i,
+                              const ChainContradiction& found) {
+  const bool by_chain = found.suspect == ChainContradiction::Suspect::kChain;
+  const KalibrCamera& camera = chain.cameras[i];
+  return badInput(
+      chain.path, by_chain ? camera.T_cn_cnm1_line : camera.T_cam_imu_line,
+      {fmt::format("T_cam_imu and T_cn_cnm1 contradict each other by {:.1f} mm and {:.2f} degrees",
+                   1e3 * found.translation_m, found.rotation_rad / kDegree),
+       "T_cam_imu mapping IMU to camera, T_cn_cnm1 the previous camera to this one",
+       suspectText(found.suspect, camera, chain.cameras[i - 1])});
+}
+
+// T_C0Ci from the chain; by T_cam_imu where the chain does not say.
+Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibration& so_far) {
+  if (i == 0) return {};
+  const KalibrCamera& camera = chain.cameras[i];
+  if (camera.T_cn_cnm1) return so_far.cameras.back().T_C0Ci * camera.T_cn_cnm1->inverse();
+  const auto& T_C0S = chain.cameras.front().T_cam_imu;
+  if (T_C0S && camera.T_cam_imu) return *T_C0S * camera.T_cam_imu->inverse();
+  throw badInput(chain.path, camera.line,
+                 {"neither T_cn_cnm1 nor T_cam_imu is there", kMatrixRows,
+                  "without one of them this camera's place is unknown"});
+}
+
+// A camera without a shift of its own takes that of the first camera that has one.
+std::vector<double> shiftsOf(const KalibrCamchain& chain) {
+  const auto first =
+      std::find_if(chain.cameras.begin(), chain.cameras.end(),
+                   [](const KalibrCamera& c) { return c.timeshift_cam_imu.has_value(); });
+  const double otherwise = first == chain.cameras.end() ? 0 : *first->timeshift_cam_imu;
+  std::vector<double> shifts;
+  for (const KalibrCamera& c : chain.cameras) {
+    shifts.push_back(c.timeshift_cam_imu.value_or(otherwise));
+  }
+  return shifts;
+}
+
+ImuCalibration imuOf(const KalibrCamchain& chain) {
+  ImuCalibration imu;
+  imu.T_SC0 = chain.cameras.front().T_cam_imu->inverse();
+  const std::vector<double> shifts = shiftsOf(chain);
+  imu.time_offset_s = shifts.front();
+  const bool same = std::all_of(shifts.begin(), shifts.end(),
+                                [&](double shift) { return shift == shifts.front(); });
+  if (!same) imu.camera_time_offsets_s = shifts;
+  return imu;
+}
+
+void refuseRollingShutter(const KalibrCamchain& chain) {
+  for (const KalibrCamera& camera : chain.cameras) {
+    if (camera.line_delay_s == 0) continue;
+    throw badInput(chain.path, camera.line_delay_line,
+                   {"a rolling shutter (line_delay is not 0)", "a global shutter",
+                    "rolling shutters are not supported yet"});
+  }
+}
+
+}  // namespace
+
+KalibrCamchain readKalibrCamchain(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, "Kalibr's camchain*.yaml (cam0: ...)");
+  KalibrCamchain chain;
+  chain.path = path;
+  for (int i = 0; i == 0 || file.has(fmt::format("cam{}", i)); ++i) {
+    const std::string name = fmt::format("cam{}", i);
+    chain.cameras.push_back(cameraOf(file.map(name, "a camera"), name));
+  }
+  return chain;
+}
+
+std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain, std::size_t i) {
+  using Suspect = ChainContradiction::Suspect;
+  const KalibrCamera& camera = chain.cameras[i];
+  const KalibrCamera& previous = chain.cameras[i - 1];
+  if (!camera.T_cam_imu || !previous.T_cam_imu || !camera.T_cn_cnm1) return std::nullopt;
+  const Transform& now = *camera.T_cam_imu;
+  const Transform& before = *previous.T_cam_imu;
+  const Transform& chained = *camera.T_cn_cnm1;
+  if (agree(now * before.inverse(), chained)) return std::nullopt;
+  ChainContradiction found;
+  const Vector6d d = boxminus(now * before.inverse(), chained);
+  found.translation_m = d.head<3>().norm();
+  found.rotation_rad = d.tail<3>().norm();
+  if (agree(now * before.inverse(), chained.inverse())) found.suspect = Suspect::kChain;
+  if (agree(now.inverse() * before.inverse(), chained)) found.suspect = Suspect::kThisCamera;
+  if (agree(now * before, chained)) found.suspect = Suspect::kPreviousCamera;
+  if (agree(now.inverse() * before, chained)) found.suspect = Suspect::kAllCameras;
+  return found;
+}
+
+Calibration calibrationOf(const KalibrCamchain& chain) {
+  refuseRollingShutter(chain);
+  Calibration calibration;
+  for (std::size_t i = 0; i < chain.cameras.size(); ++i) {
+    if (i > 0) {
+      const auto found = chainContradiction(chain, i);
+      if (found) throw contradictionFault(chain, i, *found);
+    }
+    CameraCalibration camera;
+    camera.name = chain.cameras[i].name;
+    camera.rostopic = chain.cameras[i].rostopic;
+    camera.intrinsics = chain.cameras[i].intrinsics;
+    camera.T_C0Ci = placeInRig(chain, i, calibration);
+    calibration.cameras.push_back(std::move(camera));
+  }
+  if (chain.hasImu()) calibration.imu = imuOf(chain);
+  return calibration;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/kalibr/poses.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "datasets/files/bad_input.h"
+#include "datasets/files/mapped_file.h"
+#include "datasets/files/number_scanner.h"
+#include "datasets/files/text_lines.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kRow = "stamp [ns], p x y z [m] and a quaternion, separated by commas";
+constexpr double kUnitTolerance = 1e-3;
+constexpr double kLooking = 0.8;  // share of poses that must look at the target
+constexpr double kSharper = 0.5;  // an order that brings the aims this much closer is the right one
+
+StampedPose poseOf(const std::string& path, const TextLines& lines) {
+  const auto cells = csvCells(lines.text());
+  if (cells.size() != 8) {
+    throw badInput(path, lines.number(), {fmt::format("{} columns", cells.size()), kRow, ""});
+  }
+  const auto t = parseStamp(cells[0], 0);
+  if (!t) throw badInput(path, lines.number(), {"the stamp is no number", kRow, ""});
+  std::array<double, 7> v{};
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const auto value = parseNumber(cells[i + 1]);
+    if (!value || !std::isfinite(*value)) {
+      throw badInput(path, lines.number(),
+                     {fmt::format("'{}' is not a finite number", cells[i + 1]), kRow, ""});
+    }
+    v[i] = *value;
+  }
+  StampedPose pose;
+  pose.t = *t;
+  pose.p = {v[0], v[1], v[2]};
+  pose.q = Eigen::Quaterniond(v[6], -v[3], -v[4], -v[5]);
+  if (std::abs(pose.q.norm() - 1) > kUnitTolerance) {
+    throw badInput(path, lines.number(),
+                   {fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1", ""});
+  }
+  return pose;
+}
+
+// Where the optical axis meets the target's plane; nothing where it points away from it.
+std::optional<Eigen::Vector2d> aimOf(const StampedPose& pose) {
+  const Eigen::Vector3d axis = pose.transform().R.col(2);
+  const double depth = -pose.p.z() / axis.z();
+  if (!(depth > 0)) return std::nullopt;
+  return (pose.p + depth * axis).head<2>();
+}
+
+// How the optical axes meet the target's plane: how many do, and how far apart.
+struct Aim {
+  double share = 0;
+  double spread_m = 0;  // median distance from the median point
+};
+
+Aim aimOf(const std::vector<StampedPose>& poses) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (const StampedPose& pose : poses) {
+    if (const auto at = aimOf(pose)) {
+      x.push_back(at->x());
+      y.push_back(at->y());
+    }
+  }
+  if (x.empty()) return {};
+  const Eigen::Vector2d centre(quantile(x, 0.5), quantile(y, 0.5));
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    distances.push_back((Eigen::Vector2d(x[i], y[i]) - centre).norm());
+  }
+  return {static_cast<double>(x.size()) / static_cast<double>(poses.size()),
+          quantile(distances, 0.5)};
+}
+
+// The four columns taken as the header names them: w, x, y, z.
+std::vector<StampedPose> asTheHeaderSays(std::vector<StampedPose> poses) {
+  for (StampedPose& pose : poses) {
+    const Eigen::Quaterniond& q = pose.q;
+    pose.q = Eigen::Quaterniond(-q.x(), -q.y(), -q.z(), q.w());
+  }
+  return poses;
+}
+
+// Cameras that see the target aim at it, more or less at one place.
+void requireLooking(const std::string& path, const Trajectory& trajectory) {
+  const Aim aim = aimOf(trajectory.poses);
+  const Aim other = aimOf(asTheHeaderSays(trajectory.poses));
+  const bool other_is_better = other.share >= kLooking && other.spread_m < kSharper * aim.spread_m;
+  if (aim.share >= kLooking && !other_is_better) return;
+  throw badInput(
+      path, 0,
+      {fmt::format("{:.0f} % of the cameras look at the target, {:.2f} m apart{}", 100 * aim.share,
+                   aim.spread_m,
+                   other_is_better
+                       ? fmt::format("; as the header says, {:.2f} m apart", other.spread_m)
+                       : std::string()),
+       "quaternions as Kalibr writes them: x, y, z, w of the conjugate, under a header that says "
+       "w, x, y, z",
+       "if another tool wrote this file, or its columns were put right, read it as a trajectory"});
+}
+
+}  // namespace
+
+Trajectory readKalibrPoses(const std::string& path) {
+  const MappedFile file(path);
+  TextLines lines(file.text());
+  Trajectory trajectory;
+  trajectory.name = std::filesystem::path(path).stem().string();
+  while (lines.next()) {
+    if (lines.text().empty() || lines.text().front() == '#') continue;
+    trajectory.poses.push_back(poseOf(path, lines));
+    const auto& poses = trajectory.poses;
+    if (poses.size() > 1 && poses.back().t <= poses[poses.size() - 2].t) {
+      throw badInput(path, lines.number(), {"the stamps do not ascend", "ascending stamps", ""});
+    }
+  }
+  if (trajectory.poses.empty()) throw badInput(path, 0, {"holds no poses", kRow, ""});
+  requireLooking(path, trajectory);
+  return trajectory;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/kalibr/run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/calibration/kalibr/poses.h"
+#include "datasets/files/mapped_file.h"
+#include "datasets/files/text_lines.h"
+#include "datasets/files/yaml_map.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = KalibrFileKind;
+using Files = std::map<Kind, std::vector<std::string>>;
+
+constexpr double kRounding = 2e-8;  // the text has eight decimals
+
+std::optional<Kind> yamlKind(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, "Kalibr's output");
+  if (file.has("cam0") && file.node("cam0").IsMap()) {
+    const YamlMap camera = file.map("cam0", "a camera");
+    if (!camera.has("camera_model")) return std::nullopt;
+    return camera.has("T_cam_imu") || camera.has("T_imu_cam") ? Kind::kCamchainImu
+                                                              : Kind::kCamchain;
+  }
+  const bool wrapped = file.has("imu0") && file.node("imu0").IsMap();
+  const bool imu = wrapped ? file.map("imu0", "an IMU").has("gyroscope_noise_density")
+                           : file.has("gyroscope_noise_density");
+  return imu ? std::optional(Kind::kImu) : std::nullopt;
+}
+
+// The table of poses has no unit in the first name of its header, unlike EuRoC's, and 8 columns.
+std::optional<Kind> textKind(std::string_view text) {
+  TextLines lines(text);
+  if (!lines.next()) return std::nullopt;
+  if (lines.text().substr(0, 19) == "Calibration results") {
+    const bool cameras = text.find("Camera-system parameters") != std::string_view::npos;
+    return cameras ? Kind::kResultsCameras : Kind::kResultsImu;
+  }
+  const bool poses =
+      lines.text().substr(0, 21) == "#timestamp, p_RS_R_x " && csvCells(lines.text()).size() == 8;
+  return poses ? std::optional(Kind::kPoses) : std::nullopt;
+}
+
+bool isNear(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() &&
+         (a - b).cwiseAbs().maxCoeff() <= kRounding * std::max(1.0, b.cwiseAbs().maxCoeff());
+}
+
+bool belongs(const KalibrResults& text, const KalibrCamchain& chain) {
+  if (text.cameras.size() != chain.cameras.size()) return false;
+  for (std::size_t i = 0; i < chain.cameras.size(); ++i) {
+    const KalibrTextCamera& a = text.cameras[i];
+    const KalibrCamera& b = chain.cameras[i];
+    if (text.tool == KalibrResults::Tool::kCameras) {
+      if (!isNear(a.projection, b.intrinsics.projection)) return false;
+    } else if (!a.T_cam_imu || !b.T_cam_imu ||
+               boxminus(*a.T_cam_imu, *b.T_cam_imu).cwiseAbs().maxCoeff() > 1e-6) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool belongs(const KalibrImuFile& file, const ImuNoise& noise) {
+  const ImuNoise& own = file.imus.front().noise;
+  const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(b); };
+  return near(own.gyro_density, noise.gyro_density) &&
+         near(own.accel_density, noise.accel_density) && near(own.rate_hz, noise.rate_hz);
+}
+
+Files filesIn(const fs::path& folder) {
+  Files files;
+  std::vector<std::string> paths;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) paths.push_back(entry.path().string());
+  }
+  std::sort(paths.begin(), paths.end());  // nothing depends on the order of the listing
+  for (const std::string& path : paths) {
+    if (const auto kind = kalibrFileKind(path)) files[*kind].push_back(path);
+  }
+  return files;
+}
+
+// The first text of a kind that rounds the chain's values.
+std::optional<KalibrResults> textOf(const std::vector<std::string>& paths,
+                                    const KalibrCamchain& chain, KalibrRun& run) {
+  std::optional<KalibrResults> found;
+  for (const std::string& path : paths) {
+    KalibrResults text = readKalibrResults(path);
+    if (!found && belongs(text, chain)) {
+      found = std::move(text);
+    } else {
+      run.remarks.push_back(path + " does not have the values of " + chain.path);
+    }
+  }
+  return found;
+}
+
+// A wrapped file (a result) goes before a flat one (an input).
+std::optional<KalibrImuFile> imuOf(const std::vector<std::string>& paths, KalibrRun& run) {
+  std::vector<KalibrImuFile> candidates;
+  for (const std::string& path : paths) {
+    KalibrImuFile file = readKalibrImus(path);
+    if (!run.results_imu || belongs(file, *run.results_imu->noise)) {
+      candidates.push_back(std::move(file));
+    }
+  }
+  std::stable_sort(
+      candidates.begin(), candidates.end(),
+      [](const KalibrImuFile& a, const KalibrImuFile& b) { return a.wrapped > b.wrapped; });
+  const bool clear = candidates.size() == 1 || run.results_imu ||
+                     (candidates.size() > 1 && candidates[0].wrapped && !candidates[1].wrapped);
+  if (!candidates.empty() && clear) return candidates.front();
+  if (!paths.empty()) run.remarks.push_back("no imu.yaml is known to belong to the camchain");
+  return std::nullopt;
+}
+
+std::string namesOf(const std::vector<std::string>& paths) {
+  std::string text;
+  for (const std::string& path : paths) {
+    text += (text.empty() ? "" : ", ") + fs::path(path).filename().string();
+  }
+  return text;
+}
+
+// Of several camchains, the one that `path` is or whose values it rounds.
+std::optional<KalibrCamchain> chainOf(const std::vector<std::string>& paths,
+                                      const std::string& path) {
+  if (paths.empty()) return std::nullopt;
+  if (paths.size() == 1) return readKalibrCamchain(paths.front());
+  if (std::find(paths.begin(), paths.end(), path) != paths.end()) return readKalibrCamchain(path);
+  const auto kind = kalibrFileKind(path);
+  if (kind == Kind::kResultsCameras || kind == Kind::kResultsImu) {
+    const KalibrResults text = readKalibrResults(path);
+    for (const std::string& candidate : paths) {
+      KalibrCamchain chain = readKalibrCamchain(candidate);
+      if (belongs(text, chain)) return chain;
+    }
+  }
+  throw badInput(path, 0,
+                 {"holds several runs of Kalibr (" + namesOf(paths) + ")", "one run",
+                  "name the camchain that is meant"});
+}
+
+void addStandardDeviations(Calibration& calibration, const KalibrResults& text) {
+  for (std::size_t i = 0; i < calibration.cameras.size() && i < text.cameras.size(); ++i) {
+    CameraCalibration& camera = calibration.cameras[i];
+    const KalibrTextCamera& printed = text.cameras[i];
+    const Eigen::Index n = printed.projection_std.size() + printed.distortion_std.size();
+    if (!isNear(printed.projection, camera.intrinsics.projection)) continue;
+    if (n != camera.intrinsics.stacked().size()) continue;
+    Eigen::VectorXd std(n);
+    std << printed.projection_std, printed.distortion_std;
+    camera.intrinsics_std = std;
+  }
+}
+
+}  // namespace
+
+std::optional<KalibrFileKind> kalibrFileKind(const std::string& path) {
+  try {
+    const MappedFile file(path);
+    if (const auto kind = textKind(file.text())) return kind;
+    const std::string ending = fs::path(path).extension().string();
+    if (ending == ".csv" || file.text().size() > 1'000'000)
+      return std::nullopt;  // no YAML of theirs
+    return yamlKind(path);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+Calibration KalibrRun::calibration() const {
+  Calibration result = calibrationOf(camera_imu ? *camera_imu : *cameras);
+  if (result.imu && imu) {
+    result.imu->noise = imu->imus.front().noise;
+    result.imu->rostopic = imu->imus.front().rostopic;
+  } else if (result.imu && results_imu) {
+    result.imu->noise = *results_imu->noise;
+  }
+  if (result.imu && results_imu) result.imu->gravity_m_s2 = results_imu->gravity_F->norm();
+  if (results_cameras) addStandardDeviations(result, *results_cameras);
+  return result;
+}
+
+std::optional<KalibrResults> KalibrRun::results() const {
+  return camera_imu ? results_imu : results_cameras;
+}
+
+KalibrRun readKalibrRun(const std::string& path) {
+  const bool folder = fs::is_directory(path);
+  if (!folder && !kalibrFileKind(path)) {
+    (void)MappedFile(path);  // a missing file says so
+    throw badInput(path, 0,
+                   {"this is no output of Kalibr",
+                    "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv", ""});
+  }
+  Files files = filesIn(folder ? fs::path(path) : fs::absolute(path).parent_path());
+  const std::string named = folder ? path : fs::absolute(path).string();
+  KalibrRun run;
+  run.camera_imu = chainOf(files[Kind::kCamchainImu], named);
+  run.cameras = chainOf(files[Kind::kCamchain], named);
+  if (!run.camera_imu && !run.cameras) {
+    throw badInput(path, 0,
+                   {"no camchain of Kalibr is here", "camchain*.yaml",
+                    "a results text is rounded: the values are in the YAML"});
+  }
+  if (run.cameras) {
+    run.results_cameras = textOf(files[Kind::kResultsCameras], *run.cameras, run);
+  }
+  if (run.camera_imu) {
+    run.results_imu = textOf(files[Kind::kResultsImu], *run.camera_imu, run);
+    run.imu = imuOf(files[Kind::kImu], run);
+  }
+  const auto& poses = files[Kind::kPoses];
+  if (poses.size() == 1) run.poses = readKalibrPoses(poses.front());
+  if (poses.size() > 1) run.remarks.push_back("several files of poses (" + namesOf(poses) + ")");
+  return run;
+}
+
+}  // namespace plumbline

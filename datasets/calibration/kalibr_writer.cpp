@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/kalibr_writer.h"
+
+#include <Eigen/Core>
+
+#include <fmt/format.h>
+
+#include "datasets/files/yaml_numbers.h"
+
+namespace plumbline {
+namespace {
+
+std::string matrixText(const char* key, const Transform& T) {
+  std::string text = fmt::format("  {}:\n", key);
+  const Eigen::Matrix4d M = T.matrix();
+  for (Eigen::Index i = 0; i < 4; ++i) text += "  - " + yamlList(M.row(i)) + "\n";
+  return text;
+}
+
+std::string overlapsText(std::size_t camera, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i != camera) text += (text.empty() ? "" : ", ") + std::to_string(i);
+  }
+  return "[" + text + "]";
+}
+
+std::string cameraText(const Calibration& calibration, std::size_t i) {
+  const CameraCalibration& camera = calibration.cameras[i];
+  const Intrinsics& k = camera.intrinsics;
+  std::string text = fmt::format("cam{}:\n", i);
+  if (calibration.imu) {
+    text += matrixText("T_cam_imu", (calibration.imu->T_SC0 * camera.T_C0Ci).inverse());
+  }
+  if (i > 0) {
+    text += matrixText("T_cn_cnm1", camera.T_C0Ci.inverse() * calibration.cameras[i - 1].T_C0Ci);
+  }
+  text += fmt::format("  cam_overlaps: {}\n", overlapsText(i, calibration.cameras.size()));
+  text += fmt::format("  camera_model: {}\n", toString(k.projection_model));
+  text += fmt::format("  distortion_coeffs: {}\n", yamlList(k.distortion));
+  text += fmt::format("  distortion_model: {}\n", toString(k.distortion_model));
+  text += fmt::format("  intrinsics: {}\n", yamlList(k.projection));
+  text += fmt::format("  resolution: [{}, {}]\n", k.resolution.width, k.resolution.height);
+  const std::string topic = "/" + camera.name + "/image_raw";  // Kalibr demands one
+  text += fmt::format("  rostopic: {}\n", camera.rostopic.empty() ? topic : camera.rostopic);
+  if (calibration.imu) {
+    const std::vector<double>& own = calibration.imu->camera_time_offsets_s;
+    const double offset = i < own.size() ? own[i] : calibration.imu->time_offset_s;
+    text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(offset));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string kalibrCamchainText(const Calibration& calibration) {
+  std::string text;
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) text += cameraText(calibration, i);
+  return text;
+}
+
+std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic) {
+  std::string text = "imu0:\n" + matrixText("T_i_b", Transform());
+  const auto add = [&](const char* key, double value) {
+    text += fmt::format("  {}: {}\n", key, yamlNumber(value));
+  };
+  add("accelerometer_noise_density", noise.accel_density);
+  add("accelerometer_random_walk", noise.accel_random_walk);
+  add("gyroscope_noise_density", noise.gyro_density);
+  add("gyroscope_random_walk", noise.gyro_random_walk);
+  text += "  model: calibrated\n";
+  text += fmt::format("  rostopic: {}\n", rostopic.empty() ? "/imu0" : rostopic);
+  add("time_offset", 0);
+  add("update_rate", noise.rate_hz);
+  return text;
+}
+
+std::string kalibrTargetText(const AprilGrid& target) {
+  return fmt::format(
+      "target_type: 'aprilgrid'\ntagCols: {}\ntagRows: {}\ntagSize: {}\ntagSpacing: {}\n",
+      target.cols, target.rows, yamlNumber(target.tag_size), yamlNumber(target.spacing));
+}
+
+}  // namespace plumbline

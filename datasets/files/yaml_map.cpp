@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/files/yaml_map.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "datasets/files/mapped_file.h"
+
+namespace plumbline {
+namespace {
+
+InputError wrongKind(const std::string& path, const YAML::Node& node, const std::string& key,
+                     const std::string& expected) {
+  return badInput(path, node.Mark().line + 1,
+                  {"the value of '" + key + "' is not usable", expected, "correct the value"});
+}
+
+double finiteNumber(const std::string& path, const YAML::Node& node, const std::string& key,
+                    const std::string& expected) {
+  double value = 0;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value)) {
+    throw wrongKind(path, node, key, expected);
+  }
+  return value;
+}
+
+std::vector<double> numberList(const std::string& path, const YAML::Node& node,
+                               const std::string& key, const std::string& expected) {
+  if (!node.IsSequence()) throw wrongKind(path, node, key, expected);
+  std::vector<double> values;
+  for (const YAML::Node& item : node) values.push_back(finiteNumber(path, item, key, expected));
+  return values;
+}
+
+}  // namespace
+
+YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(path)), node_(node) {
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second) {
+      throw badInput(path_, entry.first.Mark().line + 1,
+                     {"the key '" + entry.first.Scalar() + "' is given twice", "each key once",
+                      "delete one of them"});
+    }
+  }
+}
+
+YamlMap YamlMap::load(const std::string& path, const std::string& what) {
+  const MappedFile file(path);
+  YAML::Node top;
+  try {
+    top = YAML::Load(std::string(file.text()));
+  } catch (const YAML::Exception& error) {
+    throw badInput(path, error.mark.line + 1,
+                   {"YAML syntax error (" + error.msg + ")", what, "correct the file"});
+  }
+  if (!top.IsMap()) {
+    throw badInput(
+        path, 0,
+        {file.text().empty() ? "is empty" : "is not a YAML mapping", what, "correct the file"});
+  }
+  return {path, top};
+}
+
+YAML::Node YamlMap::node(const std::string& key) const {
+  return static_cast<const YAML::Node&>(node_)[key];
+}
+
+bool YamlMap::has(const std::string& key) const {
+  const YAML::Node found = node(key);
+  return found.IsDefined() && !found.IsNull();
+}
+
+int YamlMap::line() const { return node_.Mark().line + 1; }
+
+int YamlMap::lineOf(const std::string& key) const {
+  return has(key) ? node(key).Mark().line + 1 : line();
+}
+
+std::vector<std::string> YamlMap::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : node_) {
+    if (entry.first.IsScalar()) names.push_back(entry.first.Scalar());
+  }
+  return names;
+}
+
+YAML::Node YamlMap::require(const std::string& key, const std::string& expected) const {
+  if (!has(key)) {
+    throw badInput(path_, line(), {"the key '" + key + "' is missing", expected, "add it"});
+  }
+  return node(key);
+}
+
+double YamlMap::number(const std::string& key, const std::string& expected) const {
+  return finiteNumber(path_, require(key, expected), key, expected);
+}
+
+int YamlMap::integer(const std::string& key, const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  int value = 0;
+  if (!found.IsScalar() || !YAML::convert<int>::decode(found, value)) {
+    throw wrongKind(path_, found, key, expected);
+  }
+  return value;
+}
+
+std::string YamlMap::text(const std::string& key, const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  if (!found.IsScalar()) throw wrongKind(path_, found, key, expected);
+  return found.Scalar();
+}
+
+std::vector<double> YamlMap::numbers(const std::string& key, const std::string& expected) const {
+  return numberList(path_, require(key, expected), key, expected);
+}
+
+std::vector<std::vector<double>> YamlMap::rows(const std::string& key,
+                                               const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
+  std::vector<std::vector<double>> all;
+  for (const YAML::Node& row : found) all.push_back(numberList(path_, row, key, expected));
+  return all;
+}
+
+YamlMap YamlMap::map(const std::string& key, const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  if (!found.IsMap()) throw wrongKind(path_, found, key, expected);
+  return {path_, found};
+}
+
+std::vector<YamlMap> YamlMap::maps(const std::string& key, const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
+  std::vector<YamlMap> maps;
+  for (const YAML::Node& entry : found) {
+    if (!entry.IsMap()) throw wrongKind(path_, entry, key, expected);
+    maps.push_back(YamlMap(path_, entry));
+  }
+  return maps;
+}
+
+double YamlMap::numberOr(const std::string& key, double otherwise) const {
+  return has(key) ? number(key, "a finite number") : otherwise;
+}
+
+std::string YamlMap::textOr(const std::string& key, const std::string& otherwise) const {
+  return has(key) ? text(key, "a word") : otherwise;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <csetjmp>
+#include <cstddef>
+#include <cstdio>  // jpeglib.h needs FILE
+#include <utility>
+
+#include <jpeglib.h>
+
+#include "datasets/images/image_codecs.h"
+
+namespace plumbline {
+namespace {
+
+// libjpeg leaves by longjmp, which runs no destructors: the functions that call it hold only plain
+// values, and the pixels belong to the caller.
+struct ErrorTrap {
+  jpeg_error_mgr manager;
+  std::jmp_buf exit;
+  char message[JMSG_LENGTH_MAX];
+};
+
+void leave(j_common_ptr info) {
+  auto* trap = reinterpret_cast<ErrorTrap*>(info->err);
+  (*info->err->format_message)(info, trap->message);
+  std::longjmp(trap->exit, 1);
+}
+
+// A warning means damaged or missing data, which libjpeg would fill with grey: a fault here.
+void warn(j_common_ptr info, int level) {
+  if (level < 0) leave(info);
+}
+
+struct Decoder {
+  jpeg_decompress_struct info;
+  ErrorTrap trap;
+};
+
+bool start(Decoder& decoder, const unsigned char* bytes, unsigned long size) {
+  decoder.info.err = jpeg_std_error(&decoder.trap.manager);
+  decoder.trap.manager.error_exit = leave;
+  decoder.trap.manager.emit_message = warn;
+  jpeg_create_decompress(&decoder.info);
+  if (setjmp(decoder.trap.exit) != 0) return false;
+  jpeg_mem_src(&decoder.info, bytes, size);
+  jpeg_read_header(&decoder.info, TRUE);
+  decoder.info.out_color_space = JCS_GRAYSCALE;
+  jpeg_start_decompress(&decoder.info);
+  return true;
+}
+
+bool readRows(Decoder& decoder, unsigned char* pixels) {
+  if (setjmp(decoder.trap.exit) != 0) return false;
+  while (decoder.info.output_scanline < decoder.info.output_height) {
+    JSAMPROW row =
+        pixels + static_cast<std::size_t>(decoder.info.output_scanline) * decoder.info.output_width;
+    jpeg_read_scanlines(&decoder.info, &row, 1);
+  }
+  jpeg_finish_decompress(&decoder.info);
+  return true;
+}
+
+}  // namespace
+
+GrayImage decodeJpeg(std::string_view bytes) {
+  Decoder decoder{};
+  struct Cleanup {
+    jpeg_decompress_struct* info;
+    ~Cleanup() { jpeg_destroy_decompress(info); }
+  };
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const bool started = start(decoder, data, bytes.size());
+  const Cleanup cleanup{&decoder.info};
+  if (!started) throw DecodeError{decoder.trap.message};
+  GrayImage image(static_cast<int>(decoder.info.output_width),
+                  static_cast<int>(decoder.info.output_height));
+  if (!readRows(decoder, image.data())) throw DecodeError{decoder.trap.message};
+  return image;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/corner_cache.h"
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/files/atomic_file.h"
+#include "datasets/files/bad_input.h"
+#include "datasets/files/content_hash.h"
+#include "datasets/files/mapped_file.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Raise it when the detector finds other corners than before, or the files change their form.
+constexpr int kRevision = 2;
+constexpr std::string_view kMagic = "plumbline corners 1\n";
+
+// A corner as it lies in a file.
+struct StoredCorner {
+  std::int64_t id;
+  double u, v;
+};
+static_assert(sizeof(StoredCorner) == 24);
+
+std::string encode(const std::vector<Corner>& corners) {
+  std::string body;
+  for (const Corner& corner : corners) {
+    const StoredCorner stored{corner.id, corner.uv.x(), corner.uv.y()};
+    body.append(reinterpret_cast<const char*>(&stored), sizeof stored);
+  }
+  return std::string(kMagic) + toHex(contentHash(body)) + "\n" + body;
+}
+
+std::optional<std::vector<Corner>> decode(std::string_view text) {
+  const std::size_t head = kMagic.size() + 17;  // magic, hash, newline
+  if (text.size() < head || text.substr(0, kMagic.size()) != kMagic) return std::nullopt;
+  const std::string_view body = text.substr(head);
+  if (text.substr(kMagic.size(), 16) != toHex(contentHash(body))) return std::nullopt;
+  if (body.size() % sizeof(StoredCorner) != 0) return std::nullopt;
+  std::vector<Corner> corners;
+  for (std::size_t at = 0; at < body.size(); at += sizeof(StoredCorner)) {
+    StoredCorner stored{};
+    std::memcpy(&stored, body.data() + at, sizeof stored);
+    corners.push_back({static_cast<int>(stored.id), {stored.u, stored.v}});
+  }
+  return corners;
+}
+
+}  // namespace
+
+CornerCache::CornerCache(std::string folder, const AprilGrid& target,
+                         const DetectorOptions& options)
+    : folder_(std::move(folder)),
+      settings_(fmt::format("revision {} grid {}x{} {} {} detector {} {} {} {} {} {} {} {}",
+                            kRevision, target.rows, target.cols, target.tag_size, target.spacing,
+                            options.border_bits, options.decimation, options.max_hamming,
+                            options.min_border_distance_px, options.min_edge_px,
+                            options.max_grid_error_px, options.min_contrast, options.min_tags)) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error || !fs::is_directory(folder_)) {
+    throw badInput(folder_, 0,
+                   {"the cache folder cannot be made (" + error.message() + ")",
+                    "a writable folder", "give another (--cache) or none (--no-cache)"});
+  }
+}
+
+std::string CornerCache::keyOf(const std::string& image_path) const {
+  const MappedFile image(image_path);
+  const std::uint64_t bytes = contentHash(image.text());
+  const std::uint64_t seed = contentHash(settings_);
+  return toHex(contentHash(image.text(), seed)) + toHex(bytes ^ (seed * 31));
+}
+
+std::string CornerCache::fileOf(const std::string& key) const {
+  return folder_ + "/" + key + ".corners";
+}
+
+std::optional<std::vector<Corner>> CornerCache::find(const std::string& key) const {
+  const std::string path = fileOf(key);
+  if (!fs::is_regular_file(path)) return std::nullopt;
+  try {
+    const MappedFile file(path);
+    return decode(file.text());
+  } catch (const InputError&) {  // gone or unreadable meanwhile: as if it had never been there
+    return std::nullopt;
+  }
+}
+
+void CornerCache::store(const std::string& key, const std::vector<Corner>& corners) const {
+  try {
+    writeFileAtomically(fileOf(key), encode(corners));
+  } catch (const InputError&) {  // see the header: the work goes on without
+  }
+}
+
+}  // namespace plumbline

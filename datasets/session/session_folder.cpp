@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/session_folder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <utility>
+
+#include "datasets/files/bad_input.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLayout =
+    "a EuRoC ASL folder: cam0/corners.csv (or cam0/data/<ns>.png), cam0/sensor.yaml, "
+    "imu0/data.csv, target.yaml and imu.yaml, optionally below mav0/";
+
+// N of "camN", or -1.
+int cameraNumber(const std::string& name) {
+  if (name.rfind("cam", 0) != 0 || name.size() < 4) return -1;
+  int number = -1;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data() + 3, end, number);
+  return error == std::errc() && stop == end ? number : -1;
+}
+
+std::vector<std::string> camerasIn(const fs::path& folder) {
+  std::vector<std::pair<int, std::string>> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const int number = cameraNumber(entry.path().filename().string());
+    if (number >= 0 && entry.is_directory()) found.emplace_back(number, entry.path().string());
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> folders;
+  for (auto& [number, camera] : found) folders.push_back(std::move(camera));
+  return folders;
+}
+
+}  // namespace
+
+SessionFolder findSession(const std::string& path) {
+  if (!fs::exists(path)) {
+    throw badInput(path, 0, {"does not exist", kLayout, "check the path of the session"});
+  }
+  if (!fs::is_directory(path)) {
+    throw badInput(path, 0, {"is not a folder", kLayout, "give the session's folder"});
+  }
+  const fs::path top = fs::weakly_canonical(path);
+  const bool is_mav = top.filename() == "mav0";
+  const bool below = !is_mav && fs::is_directory(fs::path(path) / "mav0");
+  SessionFolder folder;
+  folder.name = (is_mav ? top.parent_path() : top).filename().string();
+  folder.root = (below ? fs::path(path) / "mav0" : fs::path(path)).string();
+  folder.beside = {path};
+  if (below) folder.beside.push_back(folder.root);
+  if (is_mav) folder.beside.push_back(top.parent_path().string());
+  folder.cameras = camerasIn(folder.root);
+  if (folder.cameras.empty()) {
+    throw badInput(
+        folder.root, 0,
+        {"holds no camera folder (cam0, cam1, ...)", kLayout, "give the folder that holds cam0"});
+  }
+  const fs::path imu = fs::path(folder.root) / "imu0";
+  if (fs::is_directory(imu)) folder.imu = imu.string();
+  return folder;
+}
+
+std::optional<std::string> findBeside(const std::vector<std::string>& folders,
+                                      const std::string& name) {
+  for (const std::string& folder : folders) {
+    const fs::path candidate = fs::path(folder) / name;
+    if (fs::exists(candidate)) return candidate.string();
+  }
+  return std::nullopt;
+}
+
+}  // namespace plumbline

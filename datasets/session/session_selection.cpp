@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/session_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/frames.h"
+
+namespace plumbline {
+namespace {
+
+void checkOptions(const SessionReadOptions& options) {
+  if (options.stride < 1) {
+    throw InputError(fmt::format("--stride is {}; expected 1 or more; 2 keeps every second frame",
+                                 options.stride));
+  }
+  if (!(options.from_s >= 0) || !(options.to_s > options.from_s)) {
+    throw InputError(
+        fmt::format("--from {:g} --to {:g} is no interval; expected 0 <= from < to, "
+                    "in seconds after the first frame; correct them",
+                    options.from_s, options.to_s));
+  }
+}
+
+// The instant `seconds` after `start`; the largest stamp for infinity.
+TimeNs instant(TimeNs start, double seconds) {
+  if (seconds > 1e9) return std::numeric_limits<TimeNs>::max();
+  return start + toNanoseconds(seconds);
+}
+
+// Which views of each camera stay. Frames are counted as pairs of views, so that cameras with
+// dropped images stay together under a stride.
+std::vector<std::vector<bool>> keptViews(const std::vector<Frame>& frames, const Session& session,
+                                         const SessionReadOptions& options) {
+  std::vector<std::vector<bool>> kept;
+  for (const CameraStream& camera : session.cameras) kept.emplace_back(camera.views.size(), false);
+  const TimeNs from = instant(frames.front().t, options.from_s);
+  const TimeNs to = instant(frames.front().t, options.to_s);
+  int index = 0;
+  for (const Frame& frame : frames) {
+    if (frame.t < from || frame.t > to) continue;
+    if (index++ % options.stride != 0) continue;
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      if (frame.view[c] >= 0) kept[c][static_cast<std::size_t>(frame.view[c])] = true;
+    }
+  }
+  return kept;
+}
+
+template <class Item>
+void keepOnly(std::vector<Item>& items, const std::vector<bool>& kept) {
+  if (items.size() != kept.size()) return;  // no images for this camera
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!kept[i]) continue;
+    if (out != i) items[out] = std::move(items[i]);
+    ++out;
+  }
+  items.resize(out);
+}
+
+void trimImu(ImuStream& imu, TimeNs first_frame, const SessionReadOptions& options) {
+  const TimeNs from = instant(first_frame, options.from_s - options.imu_margin_s);
+  const TimeNs to = instant(first_frame, options.to_s + options.imu_margin_s);
+  std::erase_if(imu.samples, [&](const ImuSample& s) { return s.t < from || s.t > to; });
+}
+
+}  // namespace
+
+void selectFrames(Recording& recording, const SessionReadOptions& options) {
+  checkOptions(options);
+  if (options.from_s == 0 && std::isinf(options.to_s) && options.stride == 1) return;
+  Session& session = recording.session;
+  const std::vector<Frame> frames = pairFrames(session.cameras, {options.sync_tolerance, 0});
+  if (frames.empty()) return;
+  const std::vector<std::vector<bool>> kept = keptViews(frames, session, options);
+  std::size_t left = 0;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    keepOnly(session.cameras[c].views, kept[c]);
+    keepOnly(recording.images[c], kept[c]);
+    left += session.cameras[c].views.size();
+  }
+  if (left == 0) {
+    const double length = secondsBetween(frames.front().t, frames.back().t);
+    throw InputError(
+        fmt::format("--from {:g} --to {:g} leaves no frame; expected an interval "
+                    "within the recording's {:.1f} s; correct them",
+                    options.from_s, options.to_s, length));
+  }
+  const bool whole = options.from_s == 0 && std::isinf(options.to_s);
+  if (session.imu && !whole) trimImu(*session.imu, frames.front().t, options);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/simulated_truth.h"
+
+#include <iterator>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json jsonOf(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
+
+Json jsonOf(const Transform& T) {
+  const Eigen::Matrix4d M = T.matrix();
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < 4; ++i) rows.push_back(jsonOf(Eigen::VectorXd(M.row(i))));
+  return rows;
+}
+
+Json jsonOf(const CameraCalibration& camera) {
+  const Intrinsics& k = camera.intrinsics;
+  return {{"name", camera.name},
+          {"model", toString(k.projection_model)},
+          {"distortion", toString(k.distortion_model)},
+          {"resolution", {k.resolution.width, k.resolution.height}},
+          {"intrinsics", jsonOf(k.projection)},
+          {"distortion_coeffs", jsonOf(k.distortion)},
+          {"T_C0Ci", jsonOf(camera.T_C0Ci)}};
+}
+
+Json jsonOf(const ImuCalibration& imu) {
+  return {{"T_SC0", jsonOf(imu.T_SC0)},
+          {"time_offset_s", imu.time_offset_s},
+          {"gravity_m_s2", imu.gravity_m_s2},
+          {"noise",
+           {{"gyro_density", imu.noise.gyro_density},
+            {"gyro_random_walk", imu.noise.gyro_random_walk},
+            {"accel_density", imu.noise.accel_density},
+            {"accel_random_walk", imu.noise.accel_random_walk},
+            {"rate_hz", imu.noise.rate_hz}}}};
+}
+
+const char* nameOf(MotionKind kind) {
+  switch (kind) {
+    case MotionKind::kFull:
+      return "full";
+    case MotionKind::kPureRotation:
+      return "pure-rotation";
+    case MotionKind::kSingleAxisRotation:
+      return "single-axis-rotation";
+    case MotionKind::kPlanar:
+      return "planar";
+    case MotionKind::kStatic:
+      return "static";
+    case MotionKind::kFrontoParallel:
+      return "fronto-parallel";
+  }
+  return "unknown";
+}
+
+Json jsonOf(const SimulationOptions& o) {
+  return {{"seed", o.seed},
+          {"trajectory",
+           {{"seed", o.trajectory.seed},
+            {"kind", nameOf(o.trajectory.kind)},
+            {"axis_S", jsonOf(Eigen::VectorXd(o.trajectory.axis_S))},
+            {"pace", o.trajectory.pace},
+            {"distance_ratio", o.trajectory.distance_ratio}}},
+          {"target",
+           {{"rows", o.target.rows},
+            {"cols", o.target.cols},
+            {"tag_size", o.target.tag_size},
+            {"spacing", o.target.spacing}}},
+          {"duration_s", o.duration_s},
+          {"start_ns", o.start_ns},
+          {"imu_margin_s", o.imu_margin_s},
+          {"corner_sigma_px", o.corner_sigma_px},
+          {"outlier_fraction", o.outlier_fraction},
+          {"outlier_px", o.outlier_px},
+          {"dropped_fraction", o.dropped_fraction},
+          {"stamp_jitter_s", o.stamp_jitter_s},
+          {"border_px", o.border_px},
+          {"min_tag_px", o.min_tag_px},
+          {"imu_noise", o.imu_noise},
+          {"initial_gyro_bias", jsonOf(Eigen::VectorXd(o.initial_gyro_bias))},
+          {"initial_accel_bias", jsonOf(Eigen::VectorXd(o.initial_accel_bias))},
+          {"down_F", jsonOf(Eigen::VectorXd(o.down_F))}};
+}
+
+void appendVector(std::string& text, const Eigen::Vector3d& v) {
+  for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.12g}", value);
+}
+
+}  // namespace
+
+std::string truthJson(const SimulatedSession& simulated, const SimulationOptions& options) {
+  Json cameras = Json::array();
+  for (const CameraCalibration& camera : simulated.truth.cameras) {
+    cameras.push_back(jsonOf(camera));
+  }
+  const Json truth{{"schema", 1},
+                   {"session", simulated.session.name},
+                   {"options", jsonOf(options)},
+                   {"camera_rate_hz", simulated.camera_rate_hz},
+                   {"cameras", cameras},
+                   {"imu", jsonOf(*simulated.truth.imu)},
+                   {"gravity_F", jsonOf(Eigen::VectorXd(simulated.gravity_F))},
+                   {"T_WF", jsonOf(simulated.T_WF())}};
+  return truth.dump(2) + "\n";
+}
+
+std::string trajectoryCsv(const SimulatedSession& simulated) {
+  std::string text =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], "
+      "b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], "
+      "b_a_RS_S_z [m s^-2]\n";
+  const Transform T_WF = simulated.T_WF();
+  const std::vector<ImuSample>& samples = simulated.session.imu->samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const MotionState m = simulated.motionAtImuTime(samples[i].t);
+    const Transform T_WS = T_WF * m.T_FB;
+    const Eigen::Quaterniond q = T_WS.quaternion();
+    fmt::format_to(std::back_inserter(text), "{}", samples[i].t);
+    appendVector(text, T_WS.t);
+    fmt::format_to(std::back_inserter(text), ",{:.12g}", q.w());
+    appendVector(text, q.vec());
+    appendVector(text, T_WF.R * m.v_F);
+    appendVector(text, simulated.biases[i].gyro);
+    appendVector(text, simulated.biases[i].accel);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace plumbline

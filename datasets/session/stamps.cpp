@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/stamps.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "datasets/files/bad_input.h"
+
+namespace plumbline {
+namespace {
+
+// The unit in which the interval would be that of a usual sensor.
+const char* likelyUnit(TimeNs interval, TimeNs shortest) {
+  if (interval * 1000 >= shortest) return "microseconds";
+  return interval * 1'000'000 >= shortest ? "milliseconds" : "seconds";
+}
+
+}  // namespace
+
+std::string duplicateCure(TimeNs t) {
+  constexpr TimeNs kNanosecondsFromHere = 10'000'000'000'000;  // as milliseconds: the year 2286
+  const bool perhaps_other_unit = t > 1'000'000'000 && t < kNanosecondsFromHere;
+  return perhaps_other_unit
+             ? "delete one of the two rows; or, if the stamps are seconds or milliseconds, "
+               "write them in nanoseconds with all their digits"
+             : "delete one of the two rows";
+}
+
+void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, TimeNs shortest,
+                    const std::string& things) {
+  if (stamps.size() < 2) return;
+  std::vector<TimeNs> gaps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) gaps.push_back(stamps[i] - stamps[i - 1]);
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  if (*middle >= shortest) return;
+  throw badInput(path, 0,
+                 {fmt::format("the {} are {} ns apart, so the stamps look like {}", things, *middle,
+                              likelyUnit(*middle, shortest)),
+                  "stamps in nanoseconds", "multiply them to nanoseconds"});
+}
+
+}  // namespace plumbline

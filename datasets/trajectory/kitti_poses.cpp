@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "datasets/files/mapped_file.h"
+#include "datasets/files/number_scanner.h"
+#include "datasets/trajectory/table_row.h"
+#include "datasets/trajectory/trajectory_formats.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kPoseColumns = 12;
+constexpr double kOrthonormal = 1e-2;  // largest entry of R^T R - I
+
+// The next line with content; false at the end.
+bool nextContent(TextLines& lines) {
+  while (lines.next()) {
+    if (!lines.text().empty() && lines.text()[0] != '#') return true;
+  }
+  return false;
+}
+
+std::vector<TimeNs> readTimes(const std::string& path) {
+  const MappedFile file(path);
+  TextLines lines(file.text());
+  std::vector<TimeNs> times;
+  while (nextContent(lines)) {
+    const std::optional<TimeNs> t = parseStamp(lines.text(), 9);
+    if (!t) {
+      throw badInput(path, lines.number(),
+                     {"is no stamp", "one number of seconds a line",
+                      "give KITTI's times.txt of the same sequence"});
+    }
+    times.push_back(*t);
+  }
+  return times;
+}
+
+StampedPose poseOf(const TrajectorySource& source, const TextLines& line, const TableRow& row) {
+  checkColumns(source, line, row, kPoseColumns);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> T(row.values.data());
+  const Eigen::Matrix3d R = T.leftCols<3>();
+  const double deviation = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!T.allFinite()) {
+    throw source.fault(line.number(), {"the pose is not finite (nan or inf)", "12 finite numbers",
+                                       "the estimator diverged here: delete these rows"});
+  }
+  if (!(deviation <= kOrthonormal && R.determinant() > 0)) {
+    throw source.fault(line.number(), {"the 3x3 block is no rotation", "an orthonormal matrix",
+                                       "are the numbers the 3x4 matrix row by row?"});
+  }
+  return {0, T.col(3), Eigen::Quaterniond(R).normalized()};
+}
+
+struct Row {
+  StampedPose pose;
+  int line = 0;
+};
+
+std::vector<Row> readRows(const TrajectorySource& source) {
+  std::vector<Row> rows;
+  TextLines lines(source.text);
+  while (nextContent(lines)) {
+    rows.push_back({poseOf(source, lines, parseTableRow(source, lines)), lines.number()});
+  }
+  return rows;
+}
+
+std::vector<TimeNs> stampsFor(const TrajectorySource& source, std::size_t poses,
+                              const std::string& times_path) {
+  constexpr TimeNs kSecond = 1'000'000'000;
+  std::vector<TimeNs> times;
+  if (times_path.empty()) {
+    for (std::size_t i = 0; i < poses; ++i) times.push_back(static_cast<TimeNs>(i) * kSecond);
+    return times;
+  }
+  times = readTimes(times_path);
+  if (times.size() == poses) return times;
+  throw badInput(
+      times_path, 0,
+      {fmt::format("has {} stamps for the {} poses of {}", times.size(), poses, source.path),
+       "one stamp for each pose", "give the times.txt of the same sequence"});
+}
+
+}  // namespace
+
+TrajectoryFile readKitti(const TrajectorySource& source, const TrajectoryReadOptions& options) {
+  const std::vector<Row> rows = readRows(source);
+  const std::vector<TimeNs> times = stampsFor(source, rows.size(), options.times.string());
+  TrajectoryBuilder builder(source, TrajectoryFormat::kKitti, true);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    builder.add({times[i], rows[i].pose.p, rows[i].pose.q}, rows[i].line);
+  }
+  if (options.times.empty()) {
+    builder.remark("the poses have no stamps: frame i is taken at i seconds");
+  }
+  return std::move(builder).finish();
+}
+
+}  // namespace plumbline

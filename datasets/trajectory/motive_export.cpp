@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/files/number_scanner.h"
+#include "datasets/files/text_lines.h"
+#include "datasets/trajectory/trajectory_formats.h"
+
+namespace plumbline {
+namespace {
+
+using Cells = std::vector<std::string_view>;
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+// Columns of a rigid body: position x y z and quaternion x y z w.
+struct Body {
+  std::string name;
+  std::array<std::size_t, 7> columns = {kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+};
+
+struct Take {
+  std::map<std::string, std::string, std::less<>> properties;  // of the first line
+  std::vector<Body> bodies;
+  std::size_t other_columns = 0;  // markers and the like
+};
+
+std::string cellAt(const Cells& cells, std::size_t i) {
+  return i < cells.size() ? std::string(cells[i]) : std::string();
+}
+
+const std::string& property(const TrajectorySource& source, const Take& take, const char* name) {
+  const auto found = take.properties.find(name);
+  if (found != take.properties.end()) return found->second;
+  throw source.fault(1, {fmt::format("the header has no '{}'", name),
+                         "Motive's CSV with its header", "export again with the header"});
+}
+
+// Millimetres and the like to metres: what a position is divided by.
+double lengthDivisor(const TrajectorySource& source, const Take& take) {
+  const std::string& units = property(source, take, "Length Units");
+  if (units == "Meters") return 1;
+  if (units == "Centimeters") return 100;
+  if (units == "Millimeters") return 1000;
+  throw source.fault(1, {fmt::format("the length unit is '{}'", units),
+                         "Meters, Centimeters or Millimeters", "export again in one of these"});
+}
+
+void checkConventions(const TrajectorySource& source, const Take& take) {
+  const std::string& rotation = property(source, take, "Rotation Type");
+  if (rotation != "Quaternion") {
+    throw source.fault(1, {fmt::format("the rotation type is '{}'", rotation), "Quaternion",
+                           "export again with quaternions"});
+  }
+  const auto space = take.properties.find("Coordinate Space");
+  if (space != take.properties.end() && space->second != "Global") {
+    throw source.fault(1, {fmt::format("the coordinate space is '{}'", space->second), "Global",
+                           "export again in global coordinates"});
+  }
+}
+
+double rateOf(const TrajectorySource& source, const Take& take) {
+  const std::string& text = property(source, take, "Export Frame Rate");
+  const std::optional<double> rate = parseNumber(text);
+  if (rate && *rate > 0 && std::isfinite(*rate)) return *rate;
+  throw source.fault(1, {fmt::format("the export frame rate is '{}'", text),
+                         "frames per second above 0", "export again"});
+}
+
+// Where `kind` and `axis` belong in Body::columns; kNone: elsewhere (Mean Marker Error).
+std::size_t slotOf(const std::string& kind, const std::string& axis) {
+  const std::size_t at = std::string("XYZW").find(axis);
+  if (axis.size() != 1 || at == std::string::npos) return kNone;
+  if (kind == "Rotation") return 3 + at;
+  return kind == "Position" && at < 3 ? at : kNone;
+}
+
+Body& bodyNamed(Take& take, const std::string& name) {
+  const auto found = std::find_if(take.bodies.begin(), take.bodies.end(),
+                                  [&](const Body& body) { return body.name == name; });
+  if (found != take.bodies.end()) return *found;
+  take.bodies.push_back({name, Body().columns});
+  return take.bodies.back();
+}
+
+// The rows between the first line and the frames: types, names, ids (and more), kinds, axes.
+void takeColumns(Take& take, const std::vector<Cells>& rows) {
+  const Cells& types = rows.front();
+  const Cells& names = rows[1];
+  const Cells& kinds = rows[rows.size() - 2];
+  const Cells& axes = rows.back();
+  for (std::size_t c = 2; c < axes.size(); ++c) {
+    if (cellAt(types, c) != "Rigid Body") {
+      ++take.other_columns;
+      continue;
+    }
+    Body& body = bodyNamed(take, cellAt(names, c));
+    const std::size_t slot = slotOf(cellAt(kinds, c), cellAt(axes, c));
+    if (slot != kNone) body.columns[slot] = c;
+  }
+}
+
+// Up to and with the row of axes.
+Take readHeader(const TrajectorySource& source, TextLines& lines) {
+  Take take;
+  lines.next();
+  const Cells pairs = csvCells(lines.text());
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+    take.properties.emplace(pairs[i], pairs[i + 1]);
+  }
+  std::vector<Cells> rows;
+  while (rows.empty() || rows.back().front() != "Frame") {
+    if (!lines.next() || rows.size() > 10) {
+      throw source.fault(lines.number(), {"no row 'Frame,Time (Seconds),...' follows the header",
+                                          "Motive's CSV with its header", "export again"});
+    }
+    if (!lines.text().empty()) rows.push_back(csvCells(lines.text()));
+  }
+  if (rows.size() >= 4) takeColumns(take, rows);
+  return take;
+}
+
+const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::string& wanted) {
+  if (take.bodies.empty()) {
+    throw source.fault(
+        0, {fmt::format("has no rigid body ({} columns of markers or others)", take.other_columns),
+            "columns of type Rigid Body",
+            "define a rigid body in Motive, solve the take, export with rigid bodies"});
+  }
+  std::vector<std::string> names;
+  for (const Body& body : take.bodies) names.push_back(body.name);
+  const Body& body = take.bodies[chooseBody(source, names, wanted)];
+  if (std::count(body.columns.begin(), body.columns.end(), kNone) == 0) return body;
+  throw source.fault(0, {fmt::format("the rigid body '{}' lacks columns", body.name),
+                         "Rotation X Y Z W and Position X Y Z", "export again with both"});
+}
+
+struct BodyFrame {
+  long number = 0;
+  double seconds = 0;  // as the file rounds it
+  std::optional<StampedPose> pose;
+  int line = 0;
+};
+
+double numberAt(const TrajectorySource& source, const TextLines& line, const Cells& cells,
+                std::size_t column) {
+  const std::optional<double> value =
+      column < cells.size() ? parseNumber(cells[column]) : std::nullopt;
+  if (value) return *value;
+  throw source.fault(
+      line.number(),
+      {fmt::format("column {} is '{}'", column + 1, cellAt(cells, column)), "a number",
+       line.ended() ? "repair or delete this line"
+                    : "the file is truncated: copy it again or delete this line"});
+}
+
+std::optional<StampedPose> poseOf(const TrajectorySource& source, const TextLines& line,
+                                  const Cells& cells, const Body& body) {
+  const auto empty = [&](std::size_t c) { return c < cells.size() && cells[c].empty(); };
+  if (std::all_of(body.columns.begin(), body.columns.end(), empty)) return std::nullopt;
+  std::array<double, 7> v{};
+  for (std::size_t i = 0; i < 7; ++i) v[i] = numberAt(source, line, cells, body.columns[i]);
+  return StampedPose{0, {v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
+}
+
+std::vector<BodyFrame> readFrames(const TrajectorySource& source, TextLines& lines,
+                                  const Body& body) {
+  std::vector<BodyFrame> frames;
+  while (lines.next()) {
+    if (lines.text().empty()) continue;
+    const Cells cells = csvCells(lines.text());
+    BodyFrame frame;
+    frame.number = std::lround(numberAt(source, lines, cells, 0));
+    frame.seconds = numberAt(source, lines, cells, 1);
+    frame.pose = poseOf(source, lines, cells, body);
+    frame.line = lines.number();
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+// The stamps from frame numbers must agree with the rounded Time column.
+void checkTimes(const TrajectorySource& source, const std::vector<BodyFrame>& frames, double rate) {
+  if (frames.empty()) return;
+  const double span = static_cast<double>(frames.back().number - frames.front().number) / rate;
+  const double stated = frames.back().seconds - frames.front().seconds;
+  if (std::abs(span - stated) <= 2e-3) return;
+  throw source.fault(frames.back().line,
+                     {fmt::format("the frames span {:.3f} s at {} frames per second, but the Time "
+                                  "column {:.3f} s",
+                                  span, rate, stated),
+                      "frame numbers that count at the export frame rate", "export again"});
+}
+
+}  // namespace
+
+std::size_t chooseBody(const TrajectorySource& source, const std::vector<std::string>& names,
+                       const std::string& wanted) {
+  const auto found = std::find(names.begin(), names.end(), wanted);
+  if (!wanted.empty() && found != names.end()) {
+    return static_cast<std::size_t>(found - names.begin());
+  }
+  if (wanted.empty() && names.size() == 1) return 0;
+  throw source.fault(0, {wanted.empty() ? fmt::format("has {} bodies", names.size())
+                                        : fmt::format("has no body '{}'", wanted),
+                         fmt::format("the name of one of: {}", fmt::join(names, ", ")),
+                         "choose the body by its name"});
+}
+
+TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOptions& options) {
+  TextLines lines(source.text);
+  const Take take = readHeader(source, lines);
+  const Body& body = bodyOf(source, take, options.body);
+  checkConventions(source, take);
+  const double divisor = lengthDivisor(source, take);
+  const double rate = rateOf(source, take);
+  const std::vector<BodyFrame> frames = readFrames(source, lines, body);
+  checkTimes(source, frames, rate);
+  TrajectoryBuilder builder(source, TrajectoryFormat::kMotive, true);
+  std::size_t occluded = 0;
+  for (const BodyFrame& frame : frames) {
+    if (!frame.pose) {
+      ++occluded;
+      continue;
+    }
+    const TimeNs t = std::llround(static_cast<long double>(frame.number) * 1e9L / rate);
+    builder.add({t, frame.pose->p / divisor, frame.pose->q}, frame.line);
+  }
+  builder.remark(fmt::format("rigid body '{}'; stamps count from frame 0 at {} frames per second",
+                             body.name, rate));
+  if (occluded > 0) {
+    builder.remark(
+        fmt::format("{} of {} frames are skipped: the body was not seen", occluded, frames.size()));
+  }
+  return std::move(builder).finish();
+}
+
+}  // namespace plumbline

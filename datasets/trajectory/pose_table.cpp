@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/files/number_scanner.h"
+#include "datasets/trajectory/stamp_unit.h"
+#include "datasets/trajectory/table_header.h"
+#include "datasets/trajectory/table_row.h"
+#include "datasets/trajectory/trajectory_formats.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kEpochNanoseconds = 6.3e17;  // 1990; smaller stamps are no nanoseconds since 1970
+constexpr int kOpenVinsColumns = 20;
+
+struct Layout {
+  TrajectoryFormat format = TrajectoryFormat::kTum;
+  std::optional<int> stated_power;
+  bool order_is_stated = false;
+  bool has_orientation = true;
+  bool has_covariance = false;
+  std::size_t p = 1;
+  std::array<std::size_t, 4> q = {4, 5, 6, 7};  // x, y, z, w
+  int columns = 8;
+};
+
+constexpr std::array<std::size_t, 4> kScalarFirst = {5, 6, 7, 4};
+
+TrajectoryFormat formatOf(const TableRow& row, const std::optional<TableHeader>& header) {
+  if (header && header->quaternion) {
+    const auto& q = *header->quaternion;
+    return q[3] < q[0] || (row.commas && header->stamp_power == 0) ? TrajectoryFormat::kEuroc
+                                                                   : TrajectoryFormat::kTum;
+  }
+  const bool euroc_wide = row.columns > 8 && row.columns != kOpenVinsColumns;
+  const bool euroc_rows = row.commas && row.values[0] > kEpochNanoseconds;
+  return euroc_wide || euroc_rows ? TrajectoryFormat::kEuroc : TrajectoryFormat::kTum;
+}
+
+void takeHeader(Layout& layout, const TableHeader& header) {
+  layout.stated_power = header.stamp_power;
+  layout.p = static_cast<std::size_t>(*header.position);
+  if (!header.quaternion) return;
+  for (std::size_t i = 0; i < 4; ++i) {
+    layout.q[i] = static_cast<std::size_t>((*header.quaternion)[i]);
+  }
+  layout.order_is_stated = true;
+}
+
+bool knownCount(const TableRow& row, const Layout& layout) {
+  if (layout.order_is_stated) {
+    const auto last = std::max(*std::max_element(layout.q.begin(), layout.q.end()), layout.p + 2);
+    return static_cast<std::size_t>(row.columns) > last;
+  }
+  if (row.columns == 4 || row.columns == 8) return true;
+  return layout.format == TrajectoryFormat::kEuroc ? row.columns == 11 || row.columns == 17
+                                                   : row.columns == kOpenVinsColumns;
+}
+
+Layout layoutOf(const TableRow& row, const std::optional<TableHeader>& header,
+                const std::optional<TrajectoryFormat>& asked) {
+  Layout layout;
+  layout.format = asked.value_or(formatOf(row, header));
+  layout.columns = row.columns;
+  if (layout.format == TrajectoryFormat::kEuroc) layout.q = kScalarFirst;
+  if (header) takeHeader(layout, *header);
+  layout.has_orientation = row.columns >= 8;
+  layout.has_covariance =
+      layout.format == TrajectoryFormat::kTum && row.columns == kOpenVinsColumns;
+  return layout;
+}
+
+void checkLayout(const TrajectorySource& source, int line, const TableRow& row,
+                 const Layout& layout) {
+  if (knownCount(row, layout)) return;
+  throw source.fault(
+      line, {fmt::format("the row has {} columns", row.columns),
+             "8 (t x y z qx qy qz qw; with OpenVINS' covariances 20), EuRoC's 4, 8, 11 or 17, or "
+             "KITTI's 12",
+             "name the columns in a first line '# timestamp [s] tx ty tz qx qy qz qw'"});
+}
+
+// Rows of the upper triangle that begins at `column`, as a symmetric matrix.
+Eigen::Matrix3d symmetric(const TableRow& row, std::size_t column) {
+  const double* v = &row.values[column];
+  Eigen::Matrix3d m;
+  m << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
+  return m;
+}
+
+Matrix6d openVinsCovariance(const TableRow& row, const StampedPose& pose) {
+  const Eigen::Matrix3d R = pose.transform().R;
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.topLeftCorner<3, 3>() = symmetric(row, 14);
+  covariance.bottomRightCorner<3, 3>() = R * symmetric(row, 8) * R.transpose();
+  return covariance;
+}
+
+StampedPose poseOf(const TableRow& row, const Layout& layout, TimeNs t) {
+  const auto& v = row.values;
+  StampedPose pose;
+  pose.t = t;
+  pose.p = {v[layout.p], v[layout.p + 1], v[layout.p + 2]};
+  if (layout.has_orientation) {
+    pose.q = {v[layout.q[3]], v[layout.q[0]], v[layout.q[1]], v[layout.q[2]]};
+  }
+  return pose;
+}
+
+// A relative rotation has the same angle in both orders, so that smoothness tells nothing. What
+// tells is a first pose that is the identity in the other order, as most estimates begin, and
+// orientations that are all half a turn in this one.
+void checkQuaternionOrder(const TrajectorySource& source, TrajectoryBuilder& builder,
+                          const Layout& layout, bool asked) {
+  const bool scalar_last = layout.q[3] == 7;
+  const auto suspect = [&](const StampedPose& pose) {
+    return scalar_last ? pose.q.x() : pose.q.z();
+  };
+  const auto& poses = builder.poses();
+  const char* const other = scalar_last ? "w x y z" : "x y z w";
+  const std::string cure = fmt::format(
+      "state the order in a first line '# timestamp [s] tx ty tz {}'",
+      scalar_last ? "qw qx qy qz' or '... qx qy qz qw" : "qx qy qz qw' or '... qw qx qy qz");
+  if (std::abs(suspect(poses.front())) == 1 && !asked) {
+    throw source.fault(builder.firstLine(),
+                       {fmt::format("the first orientation is half a turn; read as {} it would be "
+                                    "the identity, so the quaternions look like {}",
+                                    other, other),
+                        scalar_last ? "qx qy qz qw" : "qw qx qy qz", cure});
+  }
+  double sum = 0;
+  for (const StampedPose& pose : poses) sum += suspect(pose) * suspect(pose);
+  if (sum > 0.9 * static_cast<double>(poses.size())) {
+    builder.remark(fmt::format(
+        "all orientations are near half a turn; if the quaternions are {}, {}", other, cure));
+  }
+}
+
+class TableReader {
+ public:
+  TableReader(const TrajectorySource& source, const TrajectoryReadOptions& options)
+      : source_(source), options_(options), lines_(source.text) {}
+
+  TrajectoryFile read() {
+    if (!nextRow()) return TrajectoryBuilder(source_, TrajectoryFormat::kTum, true).finish();
+    const TableRow first = parseTableRow(source_, lines_);
+    const Layout layout = layoutOf(first, header_, options_.format);
+    checkLayout(source_, lines_.number(), first, layout);
+    const StampUnit unit =
+        decideStampUnit(source_, {lines_.number(), first.values[0], layout.stated_power,
+                                  layout.format == TrajectoryFormat::kEuroc ? 0 : 9});
+    TrajectoryBuilder builder(source_, layout.format, layout.has_orientation);
+    builder.reserve(source_.text.size() / std::max<std::size_t>(lines_.text().size(), 1) + 1);
+    add(builder, layout, first, unit.power);
+    while (nextRow()) add(builder, layout, parseTableRow(source_, lines_), unit.power);
+    return checked(std::move(builder), layout, unit);
+  }
+
+ private:
+  // The next line with numbers; headers on the way are kept.
+  bool nextRow() {
+    while (lines_.next()) {
+      const std::string_view text = lines_.text();
+      if (text.empty()) continue;
+      const bool words = header_lines_ == 0 && std::isalpha(static_cast<unsigned char>(text[0]));
+      if (text[0] != '#' && !(words && text.substr(0, 3) != "nan")) return true;
+      ++header_lines_;
+      if (std::optional<TableHeader> header = parseTableHeader(text); header) header_ = header;
+    }
+    return false;
+  }
+
+  void add(TrajectoryBuilder& builder, const Layout& layout, const TableRow& row, int power) const {
+    checkColumns(source_, lines_, row, layout.columns);
+    const std::optional<TimeNs> t = parseStamp(row.stamp, power);
+    if (!t) {
+      throw source_.fault(lines_.number(),
+                          {fmt::format("the stamp '{}' is no time", row.stamp),
+                           "a decimal number within 292 years of 0", "repair or delete this line"});
+    }
+    const StampedPose pose = poseOf(row, layout, *t);
+    builder.add(pose, lines_.number());
+    if (layout.has_covariance) builder.addCovariance(covarianceOf(row, pose));
+  }
+
+  Matrix6d covarianceOf(const TableRow& row, const StampedPose& pose) const {
+    const Matrix6d covariance = openVinsCovariance(row, pose);
+    if (covariance.allFinite()) return covariance;
+    throw source_.fault(lines_.number(), {"the covariance is not finite (nan or inf)",
+                                          "twelve finite numbers behind the quaternion",
+                                          "the estimator diverged here: delete these rows"});
+  }
+
+  TrajectoryFile checked(TrajectoryBuilder builder, const Layout& layout,
+                         const StampUnit& unit) const {
+    checkPoseIntervals(source_, builder.poses(), unit.power, builder.firstLine());
+    if (!unit.remark.empty()) builder.remark(unit.remark);
+    if (layout.has_orientation && !layout.order_is_stated) {
+      checkQuaternionOrder(source_, builder, layout, options_.format.has_value());
+    }
+    return std::move(builder).finish();
+  }
+
+  const TrajectorySource& source_;
+  const TrajectoryReadOptions& options_;
+  TextLines lines_;
+  std::optional<TableHeader> header_;
+  int header_lines_ = 0;
+};
+
+}  // namespace
+
+TrajectoryFile readPoseTable(const TrajectorySource& source, const TrajectoryReadOptions& options) {
+  return TableReader(source, options).read();
+}
+
+}  // namespace plumbline

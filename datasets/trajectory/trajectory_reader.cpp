@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/trajectory/trajectory_reader.h"
+
+#include <algorithm>
+
+#include "datasets/files/mapped_file.h"
+#include "datasets/files/text_lines.h"
+#include "datasets/trajectory/table_header.h"
+#include "datasets/trajectory/trajectory_formats.h"
+
+namespace plumbline {
+namespace {
+
+// The number of cells in a line of numbers.
+std::size_t countCells(std::string_view line) {
+  std::size_t cells = 0;
+  bool inside = false;
+  for (const char c : line) {
+    const bool separator = c == ',' || c == ' ' || c == '\t';
+    if (!separator && !inside) ++cells;
+    inside = !separator;
+  }
+  return cells;
+}
+
+bool beginsViconSection(std::string_view line) {
+  constexpr std::string_view kSections[] = {"Objects",       "Segments", "Trajectories", "Joints",
+                                            "Model Outputs", "Devices",  "Markers"};
+  const std::string_view first = line.substr(0, line.find(','));
+  return std::find(std::begin(kSections), std::end(kSections), first) != std::end(kSections);
+}
+
+// From the first line that says something. Tables tell TUM from EuRoC themselves.
+std::optional<TrajectoryFormat> formatOf(std::string_view text) {
+  TextLines lines(text);
+  while (lines.next()) {
+    const std::string_view line = lines.text();
+    if (line.empty()) continue;
+    if (line.substr(0, 14) == "Format Version") return TrajectoryFormat::kMotive;
+    if (beginsViconSection(line)) return TrajectoryFormat::kVicon;
+    if (parseTableHeader(line)) return std::nullopt;
+    if (line[0] == '#') continue;
+    return countCells(line) == 12 ? std::optional(TrajectoryFormat::kKitti) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+TrajectoryFile readTrajectory(const std::filesystem::path& path,
+                              const TrajectoryReadOptions& options) {
+  const MappedFile file(path.string());
+  const TrajectorySource source{path.string(), file.text()};
+  const auto format = options.format ? options.format : formatOf(source.text);
+  if (format == TrajectoryFormat::kMotive) return readMotive(source, options);
+  if (format == TrajectoryFormat::kVicon) return readVicon(source, options);
+  if (format == TrajectoryFormat::kKitti) return readKitti(source, options);
+  return readPoseTable(source, options);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "datasets/files/number_scanner.h"
+#include "datasets/files/text_lines.h"
+#include "datasets/trajectory/trajectory_formats.h"
+
+namespace plumbline {
+namespace {
+
+using Cells = std::vector<std::string_view>;
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+constexpr const char* kExport = "Vicon's CSV: 'Objects', the rate, names, columns, units";
+
+// Columns of one object; without rw the rotation is a vector.
+struct Object {
+  std::string name;
+  std::array<std::size_t, 3> translation = {kNone, kNone, kNone};
+  std::array<std::size_t, 4> rotation = {kNone, kNone, kNone, kNone};  // x, y, z, w
+};
+
+struct Header {
+  double rate = 0;
+  Cells names;
+  Cells columns;
+  Cells units;
+};
+
+std::string_view cellAt(const Cells& cells, std::size_t i) {
+  return i < cells.size() ? cells[i] : std::string_view();
+}
+
+Cells nextCells(const TrajectorySource& source, TextLines& lines) {
+  if (lines.next()) return csvCells(lines.text());
+  throw source.fault(lines.number(), {"the file ends in its header", kExport,
+                                      "the file is truncated: export it again"});
+}
+
+// Moves behind the line that begins the section of poses.
+void findSection(const TrajectorySource& source, TextLines& lines) {
+  while (lines.next()) {
+    const Cells cells = csvCells(lines.text());
+    if (cells[0] == "Objects" || cells[0] == "Segments") return;
+  }
+  throw source.fault(0, {"has no section 'Objects' or 'Segments'", kExport,
+                         "trajectories of markers carry no orientation: export the objects"});
+}
+
+Header readHeader(const TrajectorySource& source, TextLines& lines) {
+  findSection(source, lines);
+  Header header;
+  const Cells rate = nextCells(source, lines);
+  header.rate = parseNumber(rate[0]).value_or(0);
+  if (!(header.rate > 0 && std::isfinite(header.rate))) {
+    throw source.fault(lines.number(), {fmt::format("the rate is '{}'", rate[0]),
+                                        "frames per second above 0", "export again"});
+  }
+  header.names = nextCells(source, lines);
+  header.columns = nextCells(source, lines);
+  if (cellAt(header.columns, 0) != "Frame" || cellAt(header.columns, 1) != "Sub Frame") {
+    throw source.fault(lines.number(),
+                       {"is no row 'Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ'", kExport, "export again"});
+  }
+  header.units = nextCells(source, lines);
+  return header;
+}
+
+// Tracker writes "Global Angle NAME" over the first column of an object.
+std::string objectName(std::string_view cell) {
+  constexpr std::string_view kPrefix = "Global Angle ";
+  if (cell.substr(0, kPrefix.size()) == kPrefix) cell.remove_prefix(kPrefix.size());
+  return std::string(cell);
+}
+
+std::vector<Object> objectsOf(const Header& header) {
+  std::vector<Object> objects;
+  for (std::size_t c = 2; c < header.columns.size(); ++c) {
+    const std::string_view name = cellAt(header.names, c);
+    if (!name.empty()) objects.emplace_back().name = objectName(name);
+    if (objects.empty() || header.columns[c].size() != 2) continue;
+    const std::size_t axis = std::string_view("XYZW").find(header.columns[c][1]);
+    if (axis == std::string_view::npos) continue;
+    if (header.columns[c][0] == 'R') objects.back().rotation[axis] = c;
+    if (header.columns[c][0] == 'T' && axis < 3) objects.back().translation[axis] = c;
+  }
+  return objects;
+}
+
+double unitFactor(const TrajectorySource& source, int line, std::string_view unit) {
+  if (unit == "m" || unit == "rad") return 1;
+  if (unit == "mm") return 1e-3;
+  if (unit == "deg") return std::numbers::pi / 180;
+  throw source.fault(line, {fmt::format("the unit '{}' is unknown", unit),
+                            "mm or m for TX TY TZ, rad or deg for RX RY RZ", "export again"});
+}
+
+Object chooseObject(const TrajectorySource& source, const Header& header,
+                    const std::string& wanted) {
+  const std::vector<Object> objects = objectsOf(header);
+  std::vector<std::string> names;
+  for (const Object& object : objects) names.push_back(object.name);
+  const Object& object = objects.at(chooseBody(source, names, wanted));
+  const auto missing = std::count(object.translation.begin(), object.translation.end(), kNone) +
+                       std::count(object.rotation.begin(), object.rotation.begin() + 3, kNone);
+  if (missing == 0) return object;
+  throw source.fault(0, {fmt::format("the object '{}' lacks columns", object.name),
+                         "RX RY RZ TX TY TZ", "export the objects' rotations and translations"});
+}
+
+Eigen::Quaterniond fromVector(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  if (angle == 0) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, v / angle));
+}
+
+class ViconReader {
+ public:
+  ViconReader(const TrajectorySource& source, const std::string& wanted)
+      : source_(source),
+        lines_(source.text),
+        header_(readHeader(source, lines_)),
+        object_(chooseObject(source, header_, wanted)),
+        builder_(source, TrajectoryFormat::kVicon, true) {
+    const int line = lines_.number();
+    length_ = unitFactor(source_, line, cellAt(header_.units, object_.translation[0]));
+    if (isVector()) angle_ = unitFactor(source_, line, cellAt(header_.units, object_.rotation[0]));
+  }
+
+  TrajectoryFile read() {
+    int frames = 0;
+    for (; lines_.next() && !lines_.text().empty(); ++frames) takeFrame();
+    builder_.remark(fmt::format("object '{}'; stamps count from frame 0 at {} frames per second",
+                                object_.name, header_.rate));
+    if (isVector()) {
+      builder_.remark(
+          "RX RY RZ are read as a rotation vector (Vicon's helical); an export as "
+          "Euler angles has the same header and must be exported again");
+    }
+    if (occluded_ > 0) {
+      builder_.remark(
+          fmt::format("{} of {} frames are skipped: the object was not seen", occluded_, frames));
+    }
+    return std::move(builder_).finish();
+  }
+
+ private:
+  bool isVector() const { return object_.rotation[3] == kNone; }
+
+  double number(const Cells& cells, std::size_t column) const {
+    const std::optional<double> value = parseNumber(cellAt(cells, column));
+    if (value) return *value;
+    throw source_.fault(
+        lines_.number(),
+        {fmt::format("column {} is '{}'", column + 1, cellAt(cells, column)), "a number",
+         lines_.ended() ? "repair or delete this line"
+                        : "the file is truncated: copy it again or delete this line"});
+  }
+
+  bool seen(const Cells& cells) const {
+    const auto empty = [&](std::size_t c) { return c < cells.size() && cells[c].empty(); };
+    if (std::all_of(object_.translation.begin(), object_.translation.end(), empty)) return false;
+    const auto zero = [&](std::size_t c) { return number(cells, c) == 0; };
+    return !(std::all_of(object_.translation.begin(), object_.translation.end(), zero) &&
+             std::all_of(object_.rotation.begin(), object_.rotation.begin() + 3, zero));
+  }
+
+  Eigen::Quaterniond rotation(const Cells& cells) const {
+    const auto at = [&](std::size_t i) { return number(cells, object_.rotation[i]); };
+    if (!isVector()) return {at(3), at(0), at(1), at(2)};
+    const Eigen::Vector3d v = angle_ * Eigen::Vector3d(at(0), at(1), at(2));
+    if (v.allFinite() && v.norm() > 2 * std::numbers::pi * 1.001) {
+      throw source_.fault(
+          lines_.number(),
+          {fmt::format("the rotation vector is {:.3f} rad long", v.norm()), "at most a full turn",
+           "are RX RY RZ Euler angles, or is their unit another? Export with "
+           "helical angles or quaternions"});
+    }
+    return fromVector(v);
+  }
+
+  TimeNs stamp(const Cells& cells) const {
+    if (number(cells, 1) != 0) {
+      throw source_.fault(lines_.number(), {"the sub frame is not 0", "whole frames",
+                                            "export at the cameras' rate"});
+    }
+    return std::llround(static_cast<long double>(number(cells, 0)) * 1e9L / header_.rate);
+  }
+
+  void takeFrame() {
+    const Cells cells = csvCells(lines_.text());
+    const TimeNs t = stamp(cells);
+    if (!seen(cells)) {
+      ++occluded_;
+      return;
+    }
+    const auto& columns = object_.translation;
+    const Eigen::Vector3d p(number(cells, columns[0]), number(cells, columns[1]),
+                            number(cells, columns[2]));
+    builder_.add({t, length_ * p, rotation(cells)}, lines_.number());
+  }
+
+  const TrajectorySource& source_;
+  TextLines lines_;
+  Header header_;
+  Object object_;
+  TrajectoryBuilder builder_;
+  double length_ = 1;
+  double angle_ = 1;
+  int occluded_ = 0;
+};
+
+}  // namespace
+
+TrajectoryFile readVicon(const TrajectorySource& source, const TrajectoryReadOptions& options) {
+  return ViconReader(source, options.body).read();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/calibration/calibrate_session.h"
+
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "calibrator/batch/camera_imu/resample.h"
+#include "calibrator/batch/resample.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "evaluate/results/assumptions.h"
+#include "evaluate/session/check_target.h"
+#include "evaluate/session/locate_failure.h"
+#include "evaluate/session/match_cameras.h"
+
+namespace plumbline {
+namespace {
+
+ResampleSpread spreadOf(const ResampleSummary& summary, int draws) {
+  return {draws, summary.failed, summary.names, summary.std};
+}
+
+void addLoading(const LoadedSession& loaded, StageSeconds& seconds) {
+  seconds.load = loaded.load_s;
+  seconds.detect = loaded.detect_s;
+  seconds.total += loaded.load_s + loaded.detect_s;
+}
+
+ResampleOptions resampleOptions(const CalibrateRequest& request) {
+  ResampleOptions options;
+  options.draws = request.resamples;
+  options.seed = request.seed;
+  options.threads = request.camera.threads;
+  return options;
+}
+
+// Of a camera stage that failed: the lens may be too wide for the model that was tried.
+Failure withModelCure(Failure failure, const CalibrateRequest& request, const Session& session) {
+  bool radtan = false;
+  bool unstated = false;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    const std::string& word = session.cameras[c].distortion_model;
+    const bool asked = c < request.camera.models.size();
+    unstated = unstated || (!asked && word.empty());
+    radtan = radtan || (asked ? request.camera.models[c].distortion == DistortionModel::kRadtan
+                              : word.empty() || word == toString(DistortionModel::kRadtan));
+  }
+  const bool no_pose =
+      failure.reason == FailureReason::kTooFewViews && failure.input == FaultyInput::kTarget;
+  const bool suspect = no_pose || failure.reason == FailureReason::kNotConverged ||
+                       (failure.reason == FailureReason::kNotObservable && unstated);
+  if (!radtan || !suspect || !request.camera.start.empty()) return failure;
+  failure.cure +=
+      fmt::format("; {}a wide-angle lens (fisheye) needs --models pinhole-equidistant",
+                  unstated ? "no sensor.yaml states the model, so pinhole-radtan was tried: " : "");
+  return failure;
+}
+
+// Fills record.camera (and its resampled spread); nothing where the cameras are given and fixed.
+std::optional<Failure> cameraStage(const CalibrateRequest& request, const LoadedSession& loaded,
+                                   const ProgressSink& progress, CalibrationRecord& record) {
+  progress("calibrating the cameras", -1);
+  auto stage = calibrateCameras(loaded.session, request.camera);
+  if (!stage) return withModelCure(stage.failure(), request, loaded.session);
+  record.camera = std::move(stage).value();
+  addLoading(loaded, record.camera->summary.seconds);
+  if (request.resamples > 0) {
+    progress("resampling the cameras", -1);
+    const auto spread =
+        resampleCameras(loaded.session, *record.camera, resampleOptions(request), request.camera);
+    if (!spread) return spread.failure();
+    record.camera_resample = spreadOf(*spread, request.resamples);
+  }
+  return std::nullopt;
+}
+
+std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const LoadedSession& loaded,
+                                      const std::vector<CameraCalibration>& cameras,
+                                      const ProgressSink& progress, CalibrationRecord& record) {
+  progress("calibrating camera and IMU", -1);
+  auto stage = calibrateCameraImu(loaded.session, cameras, request.camera_imu);
+  if (!stage) return stage.failure();
+  if (!stage->summary.converged) {
+    return Failure{FailureReason::kNotConverged,
+                   fmt::format("the camera-IMU calibration did not converge in {} iterations",
+                               stage->summary.iterations),
+                   "check imu.yaml's noise densities and the recording's motion, or calibrate the "
+                   "cameras alone with --no-imu"};
+  }
+  record.camera_imu = std::move(stage).value();
+  addLoading(loaded, record.camera_imu->summary.seconds);
+  if (request.resamples > 0) {
+    progress("resampling camera and IMU", -1);
+    const auto spread = resampleCameraImu(loaded.session, *record.camera_imu,
+                                          resampleOptions(request), request.camera_imu);
+    if (!spread) return spread.failure();
+    record.camera_imu_resample = spreadOf(*spread, request.resamples);
+  }
+  return std::nullopt;
+}
+
+CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSession& loaded) {
+  CalibrationRecord record;
+  attribute(record, request.provenance, loaded);
+  record.assumptions = assumptionsOf(request.camera, request.camera_imu);
+  record.target = loaded.session.target;
+  record.counts = loaded.counts;
+  return record;
+}
+
+}  // namespace
+
+Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
+                                           const ProgressSink& progress) {
+  CalibrateRequest request = asked;
+  if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
+  const LoadedSession loaded = loadSession(request.load, progress);
+  checkTargetLayout(loaded, {});
+  auto& models = request.camera.models;
+  if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());
+  CalibrationRecord record = emptyRecord(request, loaded);
+  std::vector<CameraCalibration> cameras;
+  if (request.cameras_file) {
+    cameras =
+        matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, loaded.session);
+    refuseUnsupportedModels(cameras, *request.cameras_file);
+    if (request.free_cameras) request.camera.start = cameras;
+  }
+  const bool with_imu = request.use_imu && loaded.session.imu.has_value();
+  if (!with_imu && request.cameras_file && !request.free_cameras) {
+    throw InputError(
+        "--cameras fixes the cameras, and there is no IMU to calibrate: nothing is left to do; add "
+        "imu0/data.csv and imu.yaml to the session, or --free-cameras");
+  }
+  if (!request.cameras_file || request.free_cameras) {
+    if (auto failure = cameraStage(request, loaded, progress, record)) {
+      return locate(*failure, request, loaded);
+    }
+    cameras = record.camera->cameras;
+  }
+  checkTargetLayout(loaded, cameras);
+  if (with_imu) {
+    record.assumptions.imu_noise = loaded.session.imu->noise;
+    if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) {
+      return locate(*failure, request, loaded);
+    }
+  }
+  record.verdict = judge(record, request.thresholds);
+  return record;
+}
+
+}  // namespace plumbline

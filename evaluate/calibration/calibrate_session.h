@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/metrics/verdict.h"
+#include "evaluate/results/progress.h"
+#include "evaluate/session/load_session.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// What `plumbline calibrate` is asked to do.
+struct CalibrateRequest {
+  LoadRequest load;
+  CameraStageOptions camera;
+  CameraImuOptions camera_imu;
+  /// Kalibr's or our file: its intrinsics and camera extrinsics are used as they are.
+  std::optional<std::string> cameras_file;
+  bool free_cameras = false;  ///< cameras_file is only the start of the camera stage
+  bool use_imu = true;
+  int resamples = 0;  ///< bootstrap solutions over resampled time segments; 0: none
+  std::uint64_t seed = 1;
+  VerdictThresholds thresholds;
+  Provenance provenance;  ///< version, command, options and date; input and hash are filled in
+};
+
+/// Loads, detects, calibrates the cameras and the camera-IMU, resamples, and judges: everything but
+/// writing. The record holds all that the report shows.
+/// Throws InputError for bad input; a Failure says what the data cannot give.
+Result<CalibrationRecord> calibrateSession(const CalibrateRequest& request,
+                                           const ProgressSink& progress);
+
+}  // namespace plumbline

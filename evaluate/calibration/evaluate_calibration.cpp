@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/calibration/evaluate_calibration.h"
+
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "datasets/calibration/calibration_reader.h"
+#include "evaluate/results/assumptions.h"
+#include "evaluate/session/check_target.h"
+#include "evaluate/session/match_cameras.h"
+
+namespace plumbline {
+namespace {
+
+/// Another session, read as the first one is; stretches of time belong to the first alone.
+LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
+  LoadRequest load = first;
+  load.session = session;
+  load.read.from_s = 0;
+  load.read.to_s = std::numeric_limits<double>::infinity();
+  load.others.clear();
+  return load;
+}
+
+/// All but what was computed.
+CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibrationRequest& asked) {
+  CalibrationRecord record;
+  attribute(record, asked.provenance, loaded);
+  const ScoreOptions& score = asked.score;
+  record.assumptions = score.use_imu ? assumptionsOf(score.camera, score.camera_imu, loaded.session)
+                                     : assumptionsOf(score.camera, score.camera_imu);
+  record.target = loaded.session.target;
+  record.counts = loaded.counts;
+  return record;
+}
+
+}  // namespace
+
+Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& asked,
+                                              const ProgressSink& progress) {
+  LoadRequest load = asked.load;
+  load.others.push_back(asked.calibration);
+  const std::string label = std::filesystem::path(asked.calibration).filename().string();
+  const ScoredCalibration scored{label, asked.calibration, readCalibration(asked.calibration)};
+  const LoadedSession loaded = loadSession(load, progress);
+  matchCalibration(scored.calibration, scored.path, loaded.session);
+  checkTargetLayout(loaded, {});
+  SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
+  const CalibrationScore& whole = on_session.scores.front();
+  if (whole.reprojection.count == 0) {
+    return Failure{FailureReason::kTooFewViews,
+                   fmt::format("{} gives {} no score: {}", label, whole.session, whole.problem),
+                   "check that the calibration belongs to these cameras"};
+  }
+  CalibrationRecord record = recordOf(loaded, asked);
+  record.camera = std::move(on_session.camera);
+  record.camera_imu = std::move(on_session.camera_imu);
+  record.held = HeldCalibration{label, std::move(on_session.scores)};
+  for (const std::string& folder : asked.held_out) {
+    const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);
+    progress("scoring " + other.session.name, -1);
+    record.held->scores.push_back(scoreHeldOut(scored, other.session, asked.score));
+  }
+  return record;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/calibration/parameters.h"
+
+#include <array>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/parameter_names.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+void addIntrinsics(const CameraCalibration& camera, std::size_t index,
+                   std::vector<CalibrationParameter>& list) {
+  const Intrinsics& k = camera.intrinsics;
+  const Eigen::VectorXd values = k.stacked();
+  const auto names = intrinsicParameters(k.projection_model, k.distortion_model);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    CalibrationParameter p{fmt::format("cam{}.{}", index, names[i].name), names[i].unit,
+                           values[static_cast<Eigen::Index>(i)], std::nullopt};
+    if (camera.intrinsics_std) p.std = (*camera.intrinsics_std)[static_cast<Eigen::Index>(i)];
+    list.push_back(std::move(p));
+  }
+}
+
+void addTransform(const std::string& name, const Transform& T, const std::optional<Vector6d>& std,
+                  std::vector<CalibrationParameter>& list) {
+  constexpr std::array kParts{"tx", "ty", "tz", "rx", "ry", "rz"};
+  Vector6d values;
+  values << T.t, logSO3(T.R);
+  for (int i = 0; i < 6; ++i) {
+    CalibrationParameter p{name + "." + kParts[static_cast<std::size_t>(i)], i < 3 ? "m" : "rad",
+                           values[i], std::nullopt};
+    if (std) p.std = (*std)[i];
+    list.push_back(std::move(p));
+  }
+}
+
+// The same camera model, so that its parameters compare one by one.
+bool sameModel(const CameraCalibration& a, const CameraCalibration& b) {
+  return a.intrinsics.projection_model == b.intrinsics.projection_model &&
+         a.intrinsics.distortion_model == b.intrinsics.distortion_model;
+}
+
+Eigen::VectorXd intrinsicsChange(const Calibration& to, const Calibration& from, std::size_t i) {
+  const Eigen::VectorXd before = from.cameras[i].intrinsics.stacked();
+  if (i >= to.cameras.size() || !sameModel(to.cameras[i], from.cameras[i])) {
+    return Eigen::VectorXd::Constant(before.size(), kNone);
+  }
+  return to.cameras[i].intrinsics.stacked() - before;
+}
+
+}  // namespace
+
+std::vector<CalibrationParameter> calibrationParameters(const Calibration& calibration) {
+  std::vector<CalibrationParameter> list;
+  const auto& cameras = calibration.cameras;
+  for (std::size_t i = 0; i < cameras.size(); ++i) addIntrinsics(cameras[i], i, list);
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    addTransform(fmt::format("T_C0C{}", i), cameras[i].T_C0Ci, cameras[i].T_C0Ci_std, list);
+  }
+  if (const auto& imu = calibration.imu) {
+    addTransform("T_SC0", imu->T_SC0, imu->T_SC0_std, list);
+    list.push_back({"time_offset", "s", imu->time_offset_s, imu->time_offset_std_s});
+  }
+  return list;
+}
+
+Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from) {
+  const auto count = static_cast<Eigen::Index>(calibrationParameters(from).size());
+  Eigen::VectorXd change = Eigen::VectorXd::Constant(count, kNone);
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < from.cameras.size(); ++i) {
+    const Eigen::VectorXd part = intrinsicsChange(to, from, i);
+    change.segment(at, part.size()) = part;
+    at += part.size();
+  }
+  for (std::size_t i = 1; i < from.cameras.size(); ++i, at += 6) {
+    if (i >= to.cameras.size()) continue;
+    change.segment<6>(at) = boxminus(to.cameras[i].T_C0Ci, from.cameras[i].T_C0Ci);
+  }
+  if (to.imu && from.imu) {
+    change.segment<6>(at) = boxminus(to.imu->T_SC0, from.imu->T_SC0);
+    change[at + 6] = to.imu->time_offset_s - from.imu->time_offset_s;
+  }
+  return change;
+}
+
+}  // namespace plumbline

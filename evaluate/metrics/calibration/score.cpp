@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/calibration/score.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/camera/information.h"
+#include "calibrator/camera/camera.h"
+#include "evaluate/metrics/calibration/folds.h"
+#include "evaluate/session/match_cameras.h"
+
+namespace plumbline {
+namespace {
+
+/// Errors of used corners, per camera; all cameras' are their sequence.
+using CameraErrors = std::vector<std::vector<Eigen::Vector2d>>;
+
+/// What a score was made of, kept so that folds can be pooled.
+struct Scored {
+  CalibrationScore score;
+  CameraErrors camera;                                   ///< of the cameras alone
+  CameraErrors camera_imu;                               ///< empty without IMU
+  std::optional<CameraStageResult> camera_stage;         ///< of scoreMatched()
+  std::optional<CameraImuStageResult> camera_imu_stage;  ///< likewise
+};
+
+CameraErrors errorsOf(const std::vector<CornerResidual>& residuals, std::size_t cameras) {
+  CameraErrors errors(cameras);
+  for (const CornerResidual& r : residuals) {
+    if (r.used) errors[static_cast<std::size_t>(r.camera)].push_back(r.error.cast<double>());
+  }
+  return errors;
+}
+
+ErrorStatistics together(const CameraErrors& errors) {
+  std::vector<Eigen::Vector2d> all;
+  for (const auto& one : errors) all.insert(all.end(), one.begin(), one.end());
+  return summariseErrors(all);
+}
+
+void addReprojection(const CameraErrors& errors, CalibrationScore& score) {
+  score.reprojection = together(errors);
+  score.per_camera.clear();
+  for (const auto& one : errors) score.per_camera.push_back(summariseErrors(one));
+}
+
+std::string problemOf(const Failure& failure) { return failure.message + "; " + failure.cure; }
+
+void addCameraStage(const CameraStageResult& stage, Scored& out) {
+  out.camera = errorsOf(stage.residuals, stage.cameras.size());
+  addReprojection(out.camera, out.score);
+  out.score.views_used = stage.summary.views_used;
+  out.score.views_offered = stage.summary.views_offered;
+}
+
+void addImuStage(const CameraImuStageResult& stage, Scored& out) {
+  out.camera_imu = errorsOf(stage.residuals, stage.cameras.size());
+  out.score.camera_imu = together(out.camera_imu);
+  out.score.camera_imu_cost = stage.summary.cost;
+  out.score.gyro_rms_rad_s = stage.imu_summary.gyro_rms_rad_s;
+  out.score.accel_rms_m_s2 = stage.imu_summary.accel_rms_m_s2;
+}
+
+/// What the session tells of the calibration's own parameters, at their values.
+void addEntropy(const Session& session, const ScoreOptions& options, Scored& out) {
+  CameraInformationOptions information;
+  information.pixel_sigma = options.camera.pixel_sigma;
+  information.cauchy_px = options.entropy_under_loss ? options.camera.cauchy_px : 0;
+  information.threads = options.camera.threads;
+  StageSummary& summary = out.camera_stage->summary;
+  const auto told = cameraInformation(session, *out.camera_stage, information);
+  if (!told) return;
+  summary.covariance = told->covariance;
+  summary.entropy_nats = told->entropy_nats;
+  out.score.entropy_nats = told->entropy_nats;
+  out.score.entropy_parameters = told->covariance.names;
+}
+
+/// Camera and IMU, the calibration held; what it tells of T_SC0 and the offset with it.
+void addHeldImu(const Session& session, const Calibration& calibration, const ScoreOptions& options,
+                Scored& out) {
+  CameraImuOptions held = options.camera_imu;
+  held.score_information_px = options.entropy_under_loss ? held.cauchy_px : 0;
+  auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, held);
+  if (!imu) {
+    out.score.problem = "camera-IMU: " + problemOf(imu.failure());
+    return;
+  }
+  addImuStage(*imu, out);
+  if (!imu->summary.covariance.names.empty()) {
+    out.score.camera_imu_entropy_nats = imu->summary.entropy_nats;
+    out.score.camera_imu_entropy_parameters = imu->summary.covariance.names;
+  }
+  out.camera_imu_stage = std::move(imu).value();
+}
+
+CalibrationScore emptyScore(const std::string& label, const Session& session) {
+  CalibrationScore score;
+  score.label = label;
+  score.session = session.name;
+  score.part = "all";
+  for (const CameraStream& camera : session.cameras) score.cameras.push_back(camera.name);
+  return score;
+}
+
+bool hasCorners(const Session& session) {
+  for (const CameraStream& camera : session.cameras) {
+    for (const ImageView& view : camera.views) {
+      if (!view.corners.empty()) return true;
+    }
+  }
+  return false;
+}
+
+/// The calibration is in the session's order.
+Scored scoreMatched(const std::string& label, const Calibration& calibration,
+                    const Session& session, const ScoreOptions& options) {
+  Scored out;
+  out.score = emptyScore(label, session);
+  if (!hasCorners(session)) {
+    out.score.problem =
+        "the session holds no corner of the target; check its images and target.yaml";
+    return out;
+  }
+  auto cameras = scoreCameras(session, calibration.cameras, options.camera);
+  if (!cameras) {
+    out.score.problem = problemOf(cameras.failure());
+    return out;
+  }
+  addCameraStage(*cameras, out);
+  out.camera_stage = std::move(cameras).value();
+  addEntropy(session, options, out);
+  if (options.use_imu && calibration.imu && session.imu) {
+    addHeldImu(session, calibration, options, out);
+  }
+  return out;
+}
+
+/// In sample and held out, of one fold or pooled over several.
+struct FoldScores {
+  Scored in_sample, held_out;
+};
+
+CameraStageOptions recalibration(const Calibration& calibration, CameraStageOptions options) {
+  options.models.clear();
+  options.start.clear();
+  for (const CameraCalibration& camera : calibration.cameras) {
+    options.models.push_back(
+        {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+  }
+  return options;
+}
+
+/// The part's name for the score, or what prevents it.
+FoldScores failedFold(FoldScores scores, const std::string& problem) {
+  scores.in_sample.score.problem = scores.held_out.score.problem = problem;
+  return scores;
+}
+
+FoldScores scoreFold(const ScoredCalibration& scored, const Calibration& calibration,
+                     const Fold& fold, const ScoreOptions& options) {
+  FoldScores out;
+  out.in_sample.score = emptyScore(scored.label, fold.training);
+  out.held_out.score = emptyScore(scored.label, fold.held_out);
+  const auto cameras = calibrateCameras(fold.training, recalibration(calibration, options.camera));
+  if (!cameras) return failedFold(std::move(out), problemOf(cameras.failure()));
+  addCameraStage(*cameras, out.in_sample);
+  out.in_sample.score.entropy_nats = cameras->summary.entropy_nats;
+  out.in_sample.score.entropy_parameters = cameras->summary.covariance.names;
+  Calibration anew{cameras->cameras, {}};
+  if (options.use_imu && calibration.imu && fold.training.imu) {
+    const auto imu = calibrateCameraImu(fold.training, anew.cameras, options.camera_imu);
+    if (!imu) {
+      out = failedFold(std::move(out), "camera-IMU: " + problemOf(imu.failure()));
+    } else {
+      addImuStage(*imu, out.in_sample);
+      anew.imu = imu->imu;
+    }
+  }
+  Scored held_out = scoreMatched(scored.label, anew, fold.held_out, options);
+  if (held_out.score.problem.empty()) held_out.score.problem = out.held_out.score.problem;
+  out.held_out = std::move(held_out);
+  return out;
+}
+
+void append(const CameraErrors& more, CameraErrors& errors) {
+  errors.resize(std::max(errors.size(), more.size()));
+  for (std::size_t c = 0; c < more.size(); ++c) {
+    errors[c].insert(errors[c].end(), more[c].begin(), more[c].end());
+  }
+}
+
+void pool(const Scored& fold, Scored& sum) {
+  append(fold.camera, sum.camera);
+  append(fold.camera_imu, sum.camera_imu);
+  sum.score.views_used += fold.score.views_used;
+  sum.score.views_offered += fold.score.views_offered;
+  if (sum.score.problem.empty() && !fold.score.problem.empty()) {
+    sum.score.problem = fold.score.part + ": " + fold.score.problem;
+  }
+}
+
+CalibrationScore pooled(Scored sum, const std::string& part, bool held_out) {
+  addReprojection(sum.camera, sum.score);
+  if (!sum.camera_imu.empty()) sum.score.camera_imu = together(sum.camera_imu);
+  sum.score.part = part;
+  sum.score.held_out = held_out;
+  return std::move(sum.score);
+}
+
+void addFolds(const ScoredCalibration& scored, const Calibration& calibration,
+              const Session& session, const ScoreOptions& options, const ProgressSink& progress,
+              std::vector<CalibrationScore>& scores) {
+  FoldScores sum;
+  sum.in_sample.score = sum.held_out.score = emptyScore(scored.label, session);
+  for (int k = 0; k < options.folds; ++k) {
+    progress("validating", static_cast<double>(k) / options.folds);
+    const double offset_s = calibration.imu ? calibration.imu->time_offset_s : 0;
+    const Fold fold = foldOf(session, options.camera.frames, {k, options.folds, offset_s});
+    FoldScores one = scoreFold(scored, calibration, fold, options);
+    one.in_sample.score.part = one.held_out.score.part =
+        fmt::format("fold {} of {}", k + 1, options.folds);
+    one.held_out.score.held_out = true;
+    pool(one.in_sample, sum.in_sample);
+    pool(one.held_out, sum.held_out);
+    scores.push_back(std::move(one.in_sample.score));
+    scores.push_back(std::move(one.held_out.score));
+  }
+  const std::string all = fmt::format("all {} folds", options.folds);
+  scores.push_back(pooled(std::move(sum.in_sample), all, false));
+  scores.push_back(pooled(std::move(sum.held_out), all, true));
+}
+
+bool canBeCalibrated(const Calibration& calibration) {
+  for (const CameraCalibration& camera : calibration.cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    if (!isCalibrationSupported(k.projection_model, k.distortion_model)) return false;
+  }
+  return true;
+}
+
+/// Why there is no K-fold validation; empty where there can be one.
+std::string whyNoFolds(const Calibration& calibration, const Session& session,
+                       const ScoreOptions& options) {
+  if (!canBeCalibrated(calibration)) {
+    return "its camera models can be scored, but not calibrated: no K-fold validation";
+  }
+  const int frames = frameCount(session, options.camera.frames);
+  if (frames >= 2 * options.folds) return {};
+  return fmt::format("{} frames with corners are too few for {} folds", frames, options.folds);
+}
+
+}  // namespace
+
+SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
+                           const ScoreOptions& options, const ProgressSink& progress) {
+  const Calibration calibration = matchCalibration(scored.calibration, scored.path, session);
+  progress("scoring", -1);
+  Scored whole = scoreMatched(scored.label, calibration, session, options);
+  SessionScores out{{}, std::move(whole.camera_stage), std::move(whole.camera_imu_stage)};
+  out.scores.push_back(std::move(whole.score));
+  if (options.folds < 2) return out;
+  const std::string why = whyNoFolds(calibration, session, options);
+  if (why.empty()) {
+    addFolds(scored, calibration, session, options, progress, out.scores);
+  } else {
+    CalibrationScore none = emptyScore(scored.label, session);
+    none.part = fmt::format("all {} folds", options.folds);
+    none.held_out = true;
+    none.problem = why;
+    out.scores.push_back(std::move(none));
+  }
+  return out;
+}
+
+std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
+                                               const Session& session, const ScoreOptions& options,
+                                               const ProgressSink& progress) {
+  return scoreSession(scored, session, options, progress).scores;
+}
+
+CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,
+                              const ScoreOptions& options) {
+  const Calibration calibration = matchCalibration(scored.calibration, scored.path, session);
+  CalibrationScore score = scoreMatched(scored.label, calibration, session, options).score;
+  score.held_out = true;
+  return score;
+}
+
+}  // namespace plumbline

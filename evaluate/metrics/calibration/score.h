@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/results/progress.h"
+#include "report/records/comparison_record.h"
+
+namespace plumbline {
+
+/// A calibration as it was read, to be scored on any session of its cameras.
+struct ScoredCalibration {
+  std::string label;
+  std::string path;  ///< for messages
+  Calibration calibration;
+};
+
+struct ScoreOptions {
+  CameraStageOptions camera;    ///< noise, loss, filter, frames; models and start do not matter
+  CameraImuOptions camera_imu;  ///< likewise
+  bool use_imu = true;          ///< score the camera-IMU part where both sides have one
+  /// Entropies weight the corners by the stages' loss; false: all alike, so that two calibrations
+  /// are judged by the same corners.
+  bool entropy_under_loss = true;
+  /// 2 or more: also K-fold validation, see scoreCalibration().
+  int folds = 0;
+};
+
+/// A calibration's scores on a session, and what its poses and states are there.
+struct SessionScores {
+  std::vector<CalibrationScore> scores;
+  std::optional<CameraStageResult> camera;         ///< of the whole session, the calibration held
+  std::optional<CameraImuStageResult> camera_imu;  ///< likewise
+};
+
+/// Scores a calibration on a session: of the cameras only the poses move (scoreCameras()), and with
+/// IMU only states and gravity's direction (scoreCameraImu()); everything else is as the file says.
+/// This compares calibrations fairly where the session is the same; their own in-sample errors do
+/// not.
+///
+/// The first score is that of the whole session ("all"). With folds the session is calibrated anew
+/// K times with the calibration's models, each time without a run of consecutive frames (foldOf()):
+/// for each fold its in-sample score and the score of the run that it did not see, then both pooled
+/// over all folds ("all 5 folds"). What cannot be had (a pose of no frame; a model that can only be
+/// scored) is said in CalibrationScore::problem.
+/// Throws InputError where the session has a camera that the calibration has not, or in another
+/// resolution.
+SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
+                           const ScoreOptions& options, const ProgressSink& progress);
+
+/// The scores alone.
+std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
+                                               const Session& session, const ScoreOptions& options,
+                                               const ProgressSink& progress);
+
+/// The score of a session that the calibration has not seen: part "all", held out.
+CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,
+                              const ScoreOptions& options);
+
+}  // namespace plumbline

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/session/check_target.h"
+
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/metrics/target_layout.h"
+#include "evaluate/session/locate_failure.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kFewPairs = 20;  // say nothing of tagCols
+constexpr double kRawTolerance = 0.15;
+constexpr double kTolerance = 0.1;
+
+void checkColumns(const TargetLayout& layout, const LoadedSession& loaded) {
+  if (layout.pairs_above < kFewPairs || 2 * layout.pairs_in_line >= layout.pairs_above) return;
+  const std::string& path = loaded.target_path;
+  throw InputError(
+      path, lineOf("tagCols", path),
+      fmt::format("tagCols is {}, but only {} of {} tags stand in line with the one that this puts "
+                  "above them; expected the number of tags in a row; count them",
+                  loaded.session.target.cols, layout.pairs_in_line, layout.pairs_above));
+}
+
+void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
+  const double stated = loaded.session.target.spacing;
+  if (std::abs(shown / stated - 1) <= tolerance) return;
+  const std::string& path = loaded.target_path;
+  throw InputError(
+      path, lineOf("tagSpacing", path),
+      fmt::format("tagSpacing is {:g}, but the corners show gaps of {:.3g} times the tags' size; "
+                  "expected the gap between tags as a ratio of tagSize; measure both on the target",
+                  stated, shown));
+}
+
+}  // namespace
+
+void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
+  if (loaded.shown_spacing) checkSpacing(*loaded.shown_spacing, kTolerance, loaded);
+  const TargetLayout layout = shownLayout(loaded.session, cameras);
+  checkColumns(layout, loaded);
+  if (layout.spacing) {
+    checkSpacing(*layout.spacing, cameras.empty() ? kRawTolerance : kTolerance, loaded);
+  }
+}
+
+}  // namespace plumbline

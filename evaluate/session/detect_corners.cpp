@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/session/detect_corners.h"
+
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/statistics.h"
+#include "datasets/images/image_io.h"
+#include "datasets/session/corner_cache.h"
+#include "evaluate/results/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+struct Task {
+  std::size_t camera;
+  std::size_t view;
+};
+
+std::vector<Task> tasksOf(const Recording& recording) {
+  std::vector<Task> tasks;
+  for (std::size_t c = 0; c < recording.images.size(); ++c) {
+    for (std::size_t v = 0; v < recording.images[c].size(); ++v) tasks.push_back({c, v});
+  }
+  return tasks;
+}
+
+void checkSize(const GrayImage& image, const std::string& path, const CameraStream& camera) {
+  const Resolution size{image.width(), image.height()};
+  if (camera.resolution == size) return;
+  throw InputError(path, 0,
+                   fmt::format("is {}x{} pixels; {} is said to have {}x{}: correct the resolution "
+                               "in sensor.yaml, or remove images of another size",
+                               size.width, size.height, camera.name, camera.resolution.width,
+                               camera.resolution.height));
+}
+
+// Resolutions that the session does not state come from the first image of each camera.
+void completeResolutions(Recording& recording) {
+  for (std::size_t c = 0; c < recording.images.size(); ++c) {
+    CameraStream& camera = recording.session.cameras[c];
+    if (camera.resolution.width > 0 || recording.images[c].empty()) continue;
+    const GrayImage image = readGrayImage(recording.images[c].front().path);
+    camera.resolution = {image.width(), image.height()};
+  }
+}
+
+constexpr double kSpacingTolerance = 0.1;  // relative: what no print or lens explains
+constexpr std::size_t kFewSpacings = 3;
+
+// Finds the corners of one image after another, asking the cache first. One per thread.
+class Worker {
+ public:
+  Worker(const AprilGrid& target, const DetectRequest& request, const CornerCache* cache)
+      : stated_spacing_(target.spacing), detector_(target, request.detector), cache_(cache) {}
+
+  std::vector<Corner> corners(const std::string& path, const CameraStream& camera) {
+    // The stated size is part of the key: an image of another size is never answered from there.
+    std::optional<std::string> key;
+    if (cache_ != nullptr) {
+      key = fmt::format("{}-{}x{}", cache_->keyOf(path), camera.resolution.width,
+                        camera.resolution.height);
+    }
+    if (key) {
+      if (auto known = cache_->find(*key)) return *std::move(known);
+    }
+    const GrayImage image = readGrayImage(path);
+    checkSize(image, path, camera);
+    Detection found = detector_.detect(image.view());
+    if (found.spacing) spacings_.push_back(*found.spacing);
+    const bool contradicts =
+        found.spacing && std::abs(*found.spacing / stated_spacing_ - 1) > kSpacingTolerance;
+    if (key && !contradicts) cache_->store(*key, found.corners);
+    return std::move(found.corners);
+  }
+
+  /// As shown by the images that were searched, one each.
+  const std::vector<double>& spacings() const { return spacings_; }
+
+ private:
+  double stated_spacing_;
+  std::vector<double> spacings_;
+  AprilGridDetector detector_;
+  const CornerCache* cache_;
+};
+
+std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& workers) {
+  std::vector<double> spacings;
+  for (const auto& worker : workers) {
+    if (!worker) continue;
+    spacings.insert(spacings.end(), worker->spacings().begin(), worker->spacings().end());
+  }
+  if (spacings.size() < kFewSpacings) return std::nullopt;
+  return quantile(std::move(spacings), 0.5);
+}
+
+}  // namespace
+
+std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
+                                    const ProgressSink& progress) {
+  completeResolutions(recording);
+  const std::vector<Task> tasks = tasksOf(recording);
+  std::optional<CornerCache> cache;
+  if (request.cache) cache.emplace(*request.cache, recording.session.target, request.detector);
+  std::vector<std::unique_ptr<Worker>> workers(threadCount(request.threads));
+  std::mutex mutex;
+  std::size_t done = 0;
+  parallelFor(tasks.size(), request.threads, [&](int worker, std::size_t i) {
+    auto& mine = workers[worker];
+    if (!mine) {
+      mine = std::make_unique<Worker>(recording.session.target, request, cache ? &*cache : nullptr);
+    }
+    const auto [c, v] = tasks[i];
+    CameraStream& camera = recording.session.cameras[c];
+    camera.views[v].corners = mine->corners(recording.images[c][v].path, camera);
+    const std::lock_guard lock(mutex);
+    progress("finding corners", static_cast<double>(++done) / static_cast<double>(tasks.size()));
+  });
+  return medianSpacing(workers);
+}
+
+}  // namespace plumbline

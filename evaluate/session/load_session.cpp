@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/session/load_session.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/stopwatch.h"
+#include "datasets/session/input_hash.h"
+#include "evaluate/session/detect_corners.h"
+
+namespace plumbline {
+namespace {
+
+// Drops the cameras that were not asked for; the others keep their order.
+void keepOnly(Recording& recording, const std::vector<std::string>& only) {
+  if (only.empty()) return;
+  std::vector<std::string> names;
+  for (const CameraStream& camera : recording.session.cameras) names.push_back(camera.name);
+  for (const std::string& name : only) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      throw InputError(fmt::format("--only {}: the session has no such camera; it has {}", name,
+                                   fmt::join(names, ", ")));
+    }
+  }
+  for (std::size_t i = names.size(); i-- > 0;) {
+    if (std::find(only.begin(), only.end(), names[i]) != only.end()) continue;
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    recording.session.cameras.erase(recording.session.cameras.begin() + at);
+    recording.images.erase(recording.images.begin() + at);
+  }
+}
+
+CameraCounts countsOf(const CameraStream& camera) {
+  CameraCounts counts;
+  counts.views_offered = static_cast<int>(camera.views.size());
+  for (const ImageView& view : camera.views) {
+    if (!view.corners.empty()) ++counts.views_with_corners;
+    counts.corners += view.corners.size();
+    int last_tag = -1;
+    for (const Corner& corner : view.corners) {  // ids ascend, so a tag's corners are neighbours
+      if (corner.id / 4 != last_tag) ++counts.tags;
+      last_tag = corner.id / 4;
+    }
+  }
+  return counts;
+}
+
+bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const auto inner = std::filesystem::weakly_canonical(path);
+  const auto outer = std::filesystem::weakly_canonical(folder);
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
+}  // namespace
+
+std::optional<std::string> defaultCacheFolder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
+    return std::string(cache) + "/plumbline";
+  }
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    return std::string(home) + "/.cache/plumbline";
+  }
+  return std::nullopt;
+}
+
+void refuseInside(const std::string& path, const std::string& session, const std::string& option) {
+  if (!isInside(path, session)) return;
+  throw InputError(path, 0,
+                   fmt::format("is inside the recording, which is never written to; give {} "
+                               "another folder",
+                               option));
+}
+
+LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress) {
+  if (request.cache) refuseInside(*request.cache, request.session, "--cache");
+  progress("reading", -1);
+  const Stopwatch reading;
+  Recording recording = readRecording(request.session, request.read);
+  keepOnly(recording, request.only);
+  LoadedSession loaded;
+  loaded.input_hash = inputHash(request.session, request.read, request.others);
+  loaded.load_s = reading.seconds();
+  if (recording.needsDetection()) {
+    const Stopwatch detecting;
+    loaded.shown_spacing =
+        detectCorners(recording, {request.detector, request.cache, request.threads}, progress);
+    loaded.detect_s = detecting.seconds();
+  }
+  for (const CameraStream& camera : recording.session.cameras) {
+    loaded.counts.push_back(countsOf(camera));
+  }
+  loaded.session = std::move(recording.session);
+  loaded.images = std::move(recording.images);
+  loaded.target_path = recording.target_path;
+  loaded.imu_samples_path = recording.imu_samples_path;
+  return loaded;
+}
+
+}  // namespace plumbline

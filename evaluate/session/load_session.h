@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/session.h"
+#include "calibrator/target/detector.h"
+#include "datasets/session/session_reader.h"
+#include "evaluate/results/progress.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// Which recording, and how its images become corners.
+struct LoadRequest {
+  std::string session;  ///< folder
+  SessionReadOptions read;
+  DetectorOptions detector;
+  std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
+  std::vector<std::string> only;     ///< cameras to use, by name; empty: all
+  std::vector<std::string> others;   ///< further files that the input hash covers
+  int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.
+};
+
+struct LoadedSession {
+  Session session;
+  std::string target_path;           ///< files to name where the data contradict them
+  std::string imu_samples_path;      ///< empty where there is no IMU
+  std::vector<CameraCounts> counts;  ///< one per camera
+  /// Per camera, parallel to its views; empty for a camera that comes as corners.
+  std::vector<std::vector<ImageFile>> images;
+  std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown
+  std::string input_hash;               ///< "algorithm:hex" of the files that were read
+  double load_s = 0;                    ///< wall seconds of reading
+  double detect_s = 0;                  ///< and of detection
+};
+
+/// Throws InputError where `path`, which the option `option` names, lies in the recording: that is
+/// never written to.
+void refuseInside(const std::string& path, const std::string& session, const std::string& option);
+
+/// Reads a recording and finds the corners of its images, unless they were found before. Throws
+/// InputError for bad input.
+LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress);
+
+/// Says in a record of any kind that it comes from this session: its name, and `provenance` with
+/// the session as the input.
+template <class Record>
+void attribute(Record& record, const Provenance& provenance, const LoadedSession& loaded) {
+  record.name = loaded.session.name;
+  record.provenance = provenance;
+  record.provenance.input = loaded.session.name;
+  record.provenance.input_hash = loaded.input_hash;
+}
+
+/// Where found corners are kept unless the user says otherwise: $XDG_CACHE_HOME/plumbline, or
+/// ~/.cache/plumbline; empty without either.
+std::optional<std::string> defaultCacheFolder();
+
+}  // namespace plumbline

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/trajectory/evaluate_runs.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "evaluate/results/parallel_for.h"
+#include "evaluate/trajectory/run_pattern.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kLate = 1;  // [s], a start-up worth naming
+
+struct Truth {
+  std::filesystem::path path;
+  TrajectoryFile file;
+};
+
+using Truths = std::map<std::string, Truth>;  // by sequence; under "" where one serves all
+
+TrajectoryRequest withTruth(TrajectoryRequest how, const std::filesystem::path& path) {
+  how.truth = path;
+  return how;
+}
+
+Truths readTruths(const RunsRequest& request) {
+  if (hasField(request.truth, "run") || hasField(request.truth, "calibration")) {
+    throw InputError(request.truth, 0,
+                     "a truth has no {run} and no {calibration}: expected {sequence} alone, or a "
+                     "file");
+  }
+  Truths truths;
+  for (const RunFile& file : findRuns(request.truth)) truths[file.sequence].path = file.path;
+  if (truths.empty()) {
+    throw InputError(request.truth, 0, "matches no file; expected the truth of each sequence");
+  }
+  std::vector<Truth*> list;
+  for (auto& [sequence, truth] : truths) list.push_back(&truth);
+  parallelFor(list.size(), request.threads, [&](int, std::size_t i) {
+    list[i]->file = readTruth(withTruth(request.how, list[i]->path));
+  });
+  return truths;
+}
+
+const Truth* truthOf(const Truths& truths, const std::string& sequence) {
+  const auto found = truths.find(truths.count("") > 0 ? "" : sequence);
+  return found == truths.end() ? nullptr : &found->second;
+}
+
+// Every calibration with every (sequence, run) that one of them has.
+std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files) {
+  std::set<std::string> calibrations;
+  std::set<std::pair<std::string, std::string>> repetitions;
+  std::map<std::tuple<std::string, std::string, std::string>, std::string> paths;
+  for (const RunFile& file : files) {
+    calibrations.insert(file.calibration);
+    repetitions.insert({file.sequence, file.run});
+    paths[{file.sequence, file.calibration, file.run}] = file.path.string();
+  }
+  std::map<std::tuple<std::string, std::string, std::string>, TrajectoryRun> runs;
+  for (const auto& [sequence, repetition] : repetitions) {
+    for (const std::string& calibration : calibrations) {
+      TrajectoryRun& run = runs[{sequence, calibration, repetition}];
+      run.sequence = sequence;
+      run.calibration = calibration;
+      run.run = repetition;
+      const auto path = paths.find({sequence, calibration, repetition});
+      if (path != paths.end()) run.estimate = path->second;
+    }
+  }
+  std::vector<TrajectoryRun> list;
+  for (auto& [key, run] : runs) list.push_back(std::move(run));
+  return list;
+}
+
+TrajectoryRun failed(TrajectoryRun run, const std::string& problem) {
+  run.status = RunStatus::kFailed;
+  run.problem = problem;
+  run.t.clear();
+  run.truth_m.clear();
+  run.estimate_m.clear();
+  run.error_m.clear();
+  run.error_deg.clear();
+  return run;
+}
+
+double spreadOf(const std::vector<Eigen::Vector3d>& points) {
+  const auto n = static_cast<double>(points.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p / n;
+  double sum = 0;
+  for (const Eigen::Vector3d& p : points) sum += (p - mean).squaredNorm() / n;
+  return std::sqrt(sum);
+}
+
+TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
+  if (run.coverage >= min_coverage) return run;
+  run.status = RunStatus::kPartial;
+  run.problem = fmt::format("covers {:.1f} % of the truth's time, less than {:g} %",
+                            100 * run.coverage, 100 * min_coverage);
+  if (run.starts_late_s > kLate) {
+    run.problem += fmt::format("; its first pose is {:.1f} s after the truth's", run.starts_late_s);
+  }
+  return run;
+}
+
+TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
+  const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
+  const double ate = run.ate_translation_m.rmse;
+  if (!(ate <= limit)) {
+    const char* which = request.max_ate_m ? "--max-ate" : "the spread of the truth's positions";
+    return failed(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
+                                              ate, limit, which));
+  }
+  return withCompletion(std::move(run), request.min_coverage);
+}
+
+// "results/V1_01.txt": "V1_01"; in a folder of EuRoC's layout the recording's name.
+std::string nameOfFile(const std::filesystem::path& file) {
+  static const std::set<std::string> kLayout{
+      "data", "mav0", "vicon0", "leica0", "state_groundtruth_estimate0", "groundtruth"};
+  std::string name = file.stem().string();
+  for (auto folder = std::filesystem::absolute(file).parent_path();
+       kLayout.count(name) > 0 && folder.has_filename(); folder = folder.parent_path()) {
+    name = folder.filename().string();
+  }
+  return name;
+}
+
+TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
+                     const RunsRequest& request) {
+  if (expected.estimate.empty()) {
+    return failed(expected, "no file, though another calibration has this sequence and run");
+  }
+  const Truth* truth = truthOf(truths, expected.sequence);
+  if (truth == nullptr) return failed(expected, "no truth for this sequence");
+  TrajectoryRequest how = withTruth(request.how, truth->path);
+  how.estimate = expected.estimate;
+  try {
+    auto result = evaluateFiles(readEstimate(how), truth->file, how);
+    if (!result) return failed(expected, result.failure().message + "; " + result.failure().cure);
+    TrajectoryRun run = std::move(result.value().run);
+    run.sequence = expected.sequence;
+    run.calibration = expected.calibration;
+    run.run = expected.run;
+    return withStatus(std::move(run), request);
+  } catch (const InputError& error) {
+    return failed(expected, error.what());
+  }
+}
+
+std::vector<std::string> sequencesOf(const Truths& truths) {
+  std::vector<std::string> sequences;
+  for (const auto& [sequence, truth] : truths) {
+    if (!sequence.empty()) sequences.push_back(sequence);
+  }
+  return sequences;
+}
+
+}  // namespace
+
+TrajectoryRecord evaluateRuns(const RunsRequest& request) {
+  const Truths truths = readTruths(request);
+  const std::vector<RunFile> files = findRuns(request.runs, sequencesOf(truths));
+  if (files.empty()) {
+    throw InputError(request.runs, 0,
+                     "matches no file; expected estimates, e.g. "
+                     "'results/{calibration}/{sequence}_{run}.txt'");
+  }
+  TrajectoryRecord record;
+  record.runs = expectedRuns(files);
+  parallelFor(record.runs.size(), request.threads, [&](int, std::size_t i) {
+    record.runs[i] = judged(record.runs[i], truths, request);
+  });
+  return record;
+}
+
+TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage) {
+  run.sequence = nameOfFile(run.truth);
+  run.run = nameOfFile(run.estimate);
+  TrajectoryRecord record;
+  record.name = run.run;
+  record.runs.push_back(withCompletion(std::move(run), min_coverage));
+  return record;
+}
+
+}  // namespace plumbline

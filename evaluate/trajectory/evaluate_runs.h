@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "evaluate/trajectory/evaluate_trajectory.h"
+#include "report/records/trajectory_record.h"
+
+namespace plumbline {
+
+/// Share of the truth's span below which a run is partial, unless told otherwise.
+inline constexpr double kLeastCoverage = 0.9;
+
+/// Runs x sequences x calibrations against their truths.
+struct RunsRequest {
+  std::string runs;                      ///< pattern of the estimates, see findRuns
+  std::string truth;                     ///< pattern with {sequence} at most
+  TrajectoryRequest how;                 ///< but for the files: how each is read and judged
+  double min_coverage = kLeastCoverage;  ///< of TrajectoryMetricOptions::coverage's span; a run
+                                         ///< below is partial
+  /// ATE (RMSE of positions [m]) above which a run has diverged. Unset: the RMS distance of the
+  /// truth's positions from their mean, which an estimate that never moves would reach.
+  std::optional<double> max_ate_m;
+  int threads = 0;  ///< 0: all cores
+};
+
+/// One run for each calibration with each (sequence, run) that any calibration has, sorted by
+/// sequence, calibration, run. What is missing, cannot be read, has no truth, cannot be paired or
+/// aligned, or has diverged, is failed; what covers too little is partial; each says why. Nothing
+/// is left out. The result does not depend on threads or on the order of files. name and provenance
+/// are the caller's. Throws InputError where no estimate is found, or a truth cannot be read.
+TrajectoryRecord evaluateRuns(const RunsRequest& request);
+
+/// A study of one run, so that it can be kept and shown as many are: partial below `min_coverage`,
+/// never failed. `run` and `sequence` are named after the files of estimate and truth, or after the
+/// folder of the recording where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").
+TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage);
+
+}  // namespace plumbline

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/trajectory/evaluate_trajectory.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/trajectory/absolute_error.h"
+#include "evaluate/metrics/trajectory/aligned_poses.h"
+#include "evaluate/metrics/trajectory/nees.h"
+#include "evaluate/metrics/trajectory/quaternion_order.h"
+#include "evaluate/trajectory/trajectory_frames.h"
+#include "evaluate/trajectory/trajectory_remarks.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kFewestPairs = 3;
+constexpr std::size_t kPlotted = 2000;
+constexpr int kGapFactor = 10;  // an interval so many times the median one is a hole
+
+bool standsOnRotation(AlignmentKind kind) {
+  return kind == AlignmentKind::kOrigin || kind == AlignmentKind::kSe3First ||
+         kind == AlignmentKind::kYawFirst;
+}
+
+// Share of the truth's span, from `from` on, within the estimate's intervals, holes left out.
+double coverageOf(const std::vector<StampedPose>& estimate, const Trajectory& truth, TimeNs offset,
+                  TimeNs from) {
+  const TimeNs to = truth.poses.back().t;
+  if (estimate.size() < 2 || to <= from) return 0;
+  std::vector<TimeNs> intervals;
+  for (std::size_t i = 1; i < estimate.size(); ++i) {
+    intervals.push_back(estimate[i].t - estimate[i - 1].t);
+  }
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  const TimeNs hole = kGapFactor * *middle;
+  TimeNs covered = 0;
+  for (std::size_t i = 1; i < estimate.size(); ++i) {
+    const TimeNs a = std::max(from, estimate[i - 1].t + offset);
+    const TimeNs b = std::min(to, estimate[i].t + offset);
+    if (b > a && estimate[i].t - estimate[i - 1].t <= hole) covered += b - a;
+  }
+  return static_cast<double>(covered) / static_cast<double>(to - from);
+}
+
+// `run` with what it covers of the truth; both have poses.
+TrajectoryRun withCoverage(TrajectoryRun run, const Trajectory& estimate, const Trajectory& truth,
+                           const TrajectoryMetricOptions& options) {
+  const TimeNs offset = toNanoseconds(options.association.time_offset_s);
+  const TimeNs start = truth.poses.front().t, first = estimate.poses.front().t + offset;
+  const bool whole = options.coverage == CoverageSpan::kTruth;
+  run.coverage = coverageOf(estimate.poses, truth, offset, whole ? start : std::max(start, first));
+  run.starts_late_s = secondsBetween(start, first);
+  return run;
+}
+
+// `run` with every k-th pair, for plots.
+TrajectoryRun withPlots(TrajectoryRun run, const std::vector<PosePair>& pairs,
+                        const AlignedPoses& poses, const std::vector<double>& error_deg) {
+  const std::size_t step = (pairs.size() + kPlotted - 1) / kPlotted;
+  for (std::size_t i = 0; i < pairs.size(); i += step) {
+    run.t.push_back(pairs[i].truth.t);
+    run.truth_m.push_back(poses.truth[i].t);
+    run.estimate_m.push_back(poses.estimate[i].t);
+    run.error_m.push_back((poses.estimate[i].t - poses.truth[i].t).norm());
+    if (!error_deg.empty()) run.error_deg.push_back(error_deg[i]);
+  }
+  return run;
+}
+
+// `run` with the errors of its pairs, which are matched and aligned.
+TrajectoryRun measured(TrajectoryRun run, const std::vector<PosePair>& pairs,
+                       const std::vector<RelativeDelta>& rpe, bool with_rotation) {
+  const AlignedPoses poses = alignedPoses(pairs, run.alignment);
+  run.ate_translation_m = sampleStatistics(absoluteErrors(poses, AbsoluteMeasure::kTranslation));
+  std::vector<double> error_deg;
+  if (with_rotation) error_deg = absoluteErrors(poses, AbsoluteMeasure::kRotationDeg);
+  run.ate_rotation_deg = sampleStatistics(error_deg);
+  std::vector<TimeNs> t;
+  for (const PosePair& pair : pairs) t.push_back(pair.truth.t);
+  // Without orientations the frame of a relative motion is unknown.
+  if (with_rotation) {
+    for (const RelativeDelta& delta : rpe) run.rpe.push_back(relativeErrorOver(delta, poses, t));
+  }
+  return withPlots(std::move(run), pairs, poses, error_deg);
+}
+
+Failure named(Failure failure, const TrajectoryRequest& request) {
+  failure.message = fmt::format("{} against {}: {}", request.estimate.string(),
+                                request.truth.string(), failure.message);
+  return failure;
+}
+
+std::vector<std::string> remarksOf(const std::filesystem::path& path, const TrajectoryFile& file) {
+  std::vector<std::string> remarks;
+  for (const std::string& remark : file.remarks) {
+    remarks.push_back(fmt::format("{}: {}", path.filename().string(), remark));
+  }
+  return remarks;
+}
+
+std::vector<std::string> joined(std::vector<std::string> first, std::vector<std::string> second) {
+  std::move(second.begin(), second.end(), std::back_inserter(first));
+  return first;
+}
+
+std::vector<std::string> remarksOnErrors(const TrajectoryRun& run, bool with_rotation,
+                                         std::size_t deltas) {
+  std::vector<std::string> remarks;
+  if (!with_rotation) {
+    remarks.push_back(
+        fmt::format("there are no orientations: no rotation errors{}",
+                    deltas > 0 ? ", and no relative ones, which need the body's frame" : ""));
+  }
+  for (const RelativeErrorRecord& rpe : run.rpe) {
+    if (rpe.translation_m.n > 0) continue;
+    remarks.push_back(fmt::format("no poses are {} {} apart: no relative error over that distance",
+                                  rpe.delta, rpe.unit));
+  }
+  return remarks;
+}
+
+bool isFit(const AlignmentRecord& alignment) {
+  return alignment.kind == nameOf(AlignmentKind::kSe3) ||
+         alignment.kind == nameOf(AlignmentKind::kSim3) ||
+         alignment.kind == nameOf(AlignmentKind::kYaw);
+}
+
+// `evaluation` with the NEES of the pairs, whose covariances are the estimate's.
+TrajectoryEvaluation withNees(TrajectoryEvaluation evaluation, const Trajectory& estimate,
+                              const Association& association, const AlignedPoses& poses) {
+  const AlignmentRecord& alignment = evaluation.run.alignment;
+  std::vector<Matrix6d> covariances;
+  covariances.reserve(association.estimate_index.size());
+  for (const std::size_t i : association.estimate_index) {
+    covariances.push_back(alignedCovariance(estimate.covariances[i], alignment));
+  }
+  const Nees nees = neesOf(poses, covariances);
+  evaluation.run.nees = nees.parts;
+  if (nees.left_out > 0) {
+    evaluation.remarks.push_back(
+        fmt::format("{} covariances are not positive definite: left out of NEES", nees.left_out));
+  }
+  if (nees.used > 0 && isFit(alignment)) {
+    evaluation.remarks.push_back(
+        fmt::format("NEES after alignment {}: the fit takes away error that the covariances, which "
+                    "grow from the start, still expect; yaw-first or se3-first leave it",
+                    alignment.kind));
+  }
+  return evaluation;
+}
+
+// With clock and bodies in common.
+Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Trajectory& truth,
+                                       const TrajectoryMetricOptions& options) {
+  const bool with_rotation = estimate.has_orientation && truth.has_orientation;
+  const Association association = associate(estimate, truth, options.association);
+  if (association.pairs.size() < kFewestPairs) {
+    return explainTooFewPairs(estimate, truth, association, options.association);
+  }
+  if (with_rotation) {
+    if (const auto fault = explainQuaternionOrder(association.pairs)) return *fault;
+  }
+  const Result<AlignmentRecord> alignment = align(association.pairs, options.alignment);
+  if (!alignment) return alignment.failure();
+  TrajectoryRun run;
+  run.association = association.record;
+  run.alignment = *alignment;
+  run = withCoverage(std::move(run), estimate, truth, options);
+  run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
+  std::vector<std::string> remarks =
+      joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));
+  TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
+  if (!with_rotation) return evaluation;
+  const AlignedPoses poses = alignedPoses(association.pairs, *alignment);
+  const std::string rotations = remarkOnRotations(poses, *alignment);
+  if (!rotations.empty()) evaluation.remarks.push_back(rotations);
+  if (estimate.covariances.empty()) return evaluation;
+  return withNees(std::move(evaluation), estimate, association, poses);
+}
+
+// A file whose w stands first, as its reader took it to stand last.
+TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path) {
+  if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
+    throw InputError(path.string(), 0,
+                     "is no TUM file with quaternions: only there can w stand first unannounced; "
+                     "leave out the option");
+  }
+  for (StampedPose& pose : file.trajectory.poses) pose.q = fromWFirst(pose.q);
+  return file;
+}
+
+}  // namespace
+
+Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
+                                                  const Trajectory& truth,
+                                                  const TrajectoryMetricOptions& options) {
+  const bool with_rotation = estimate.has_orientation && truth.has_orientation;
+  if (!with_rotation && standsOnRotation(options.alignment.kind)) {
+    return Failure{FailureReason::kNotObservable,
+                   fmt::format("alignment {} needs orientations, and there are none",
+                               nameOf(options.alignment.kind)),
+                   "align with se3, sim3, yaw or none", FaultyInput::kSession};
+  }
+  const Result<CommonFrames> frames = commonFrames(estimate, truth, options);
+  if (!frames) return frames.failure();
+  TrajectoryMetricOptions rest = options;
+  rest.association.time_offset_s = frames->time_offset_s;
+  Result<TrajectoryEvaluation> result =
+      evaluated(estimate, frames->truth_S ? *frames->truth_S : truth, rest);
+  if (!result) return result;
+  TrajectoryEvaluation& evaluation = result.value();
+  evaluation.run.clock_offset = frames->clock_offset;
+  evaluation.run.hand_eye = frames->hand_eye;
+  evaluation.remarks = joined(frames->remarks, std::move(evaluation.remarks));
+  evaluation.run.remarks = evaluation.remarks;
+  return result;
+}
+
+TrajectoryFile readEstimate(const TrajectoryRequest& request) {
+  TrajectoryFile file = readTrajectory(request.estimate, request.read_estimate);
+  return request.estimate_w_first ? reordered(std::move(file), request.estimate) : file;
+}
+
+TrajectoryFile readTruth(const TrajectoryRequest& request) {
+  TrajectoryFile file = readTrajectory(request.truth, request.read_truth);
+  return request.truth_w_first ? reordered(std::move(file), request.truth) : file;
+}
+
+Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
+                                           const TrajectoryFile& truth,
+                                           const TrajectoryRequest& request) {
+  Result<TrajectoryEvaluation> result =
+      evaluateTrajectories(estimate.trajectory, truth.trajectory, request.metrics);
+  if (!result) return named(result.failure(), request);
+  TrajectoryEvaluation& evaluation = result.value();
+  evaluation.run.estimate = request.estimate.string();
+  evaluation.run.truth = request.truth.string();
+  evaluation.remarks =
+      joined(joined(remarksOf(request.estimate, estimate), remarksOf(request.truth, truth)),
+             std::move(evaluation.remarks));
+  evaluation.run.remarks = evaluation.remarks;
+  return result;
+}
+
+Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request) {
+  return evaluateFiles(readEstimate(request), readTruth(request), request);
+}
+
+}  // namespace plumbline

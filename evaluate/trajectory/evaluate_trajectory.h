@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/initialise/clock_offset.h"
+#include "datasets/trajectory/trajectory_reader.h"
+#include "evaluate/metrics/trajectory/alignment.h"
+#include "evaluate/metrics/trajectory/association.h"
+#include "evaluate/metrics/trajectory/relative_error.h"
+#include "report/records/trajectory_record.h"
+
+namespace plumbline {
+
+/// The span of the truth that coverage is a share of.
+enum class CoverageSpan {
+  kTruth,      ///< all of it: an estimator that starts late leaves its start uncovered
+  kFirstPose,  ///< from the estimate's first pose on: its start-up is not counted
+};
+
+/// How an estimate is judged, whatever the files.
+struct TrajectoryMetricOptions {
+  AssociationOptions association;
+  AlignmentOptions alignment;
+  std::vector<RelativeDelta> rpe;
+  /// Set: the offset of the clocks is estimated about association.time_offset_s and replaces it.
+  std::optional<ClockOffsetOptions> clock;
+  bool hand_eye = false;  ///< whether the marker body's transform is estimated, and the truth moved
+  CoverageSpan coverage = CoverageSpan::kTruth;
+};
+
+/// One estimate, its truth, and how it is judged.
+struct TrajectoryRequest {
+  std::filesystem::path estimate, truth;
+  TrajectoryReadOptions read_estimate, read_truth;
+  bool estimate_w_first = false;  ///< TUM: its columns are t x y z qw qx qy qz
+  bool truth_w_first = false;
+  TrajectoryMetricOptions metrics;
+};
+
+struct TrajectoryEvaluation {
+  TrajectoryRun run;
+  std::vector<std::string> remarks;  ///< run.remarks, a sentence each
+};
+
+/// Pairs, aligns and measures two trajectories in memory. The rotation's errors are empty (n = 0)
+/// where one of them has no orientations. Failures: kNoOverlap where the spans do not meet or no
+/// stamps pair, with both spans and the likely cause; kNotObservable for fewer than three pairs and
+/// whatever align() refuses; kImplausible for quaternions in the wrong order; what commonFrames
+/// says. NEES are there where the estimate has covariances.
+Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
+                                                  const Trajectory& truth,
+                                                  const TrajectoryMetricOptions& options);
+
+/// The files of a request, as its options say. Throw InputError for bad ones, and where w is said
+/// to stand first in a file that is not TUM.
+TrajectoryFile readEstimate(const TrajectoryRequest& request);
+TrajectoryFile readTruth(const TrajectoryRequest& request);
+
+/// evaluateTrajectories on what these returned; failures and remarks name the files.
+Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
+                                           const TrajectoryFile& truth,
+                                           const TrajectoryRequest& request);
+
+/// All of it.
+Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request);
+
+}  // namespace plumbline

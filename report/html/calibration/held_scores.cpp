@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/calibration/held_scores.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "report/html/text.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+using Scores = std::vector<CalibrationScore>;
+
+bool isWhole(const CalibrationScore& s) { return s.part == "all"; }
+
+/// "all 5 folds" stands for every fold in the plot.
+bool isPooled(const CalibrationScore& s) { return s.part.rfind("all ", 0) == 0; }
+
+std::string rmseText(const ErrorStatistics* s) {
+  return s != nullptr && s->count > 0 ? fmt::format("{:.4f}", s->rmse_px) : kDash;
+}
+
+bool anyImu(const Scores& scores) {
+  return std::any_of(scores.begin(), scores.end(),
+                     [](const CalibrationScore& s) { return s.camera_imu.has_value(); });
+}
+
+std::vector<Column> columnsOf(const std::vector<std::string>& cameras, bool with_imu) {
+  std::vector<Column> columns = {{"Recording"}, {"Part"}, {"Corners are"}, {"RMSE [px]", kNumber}};
+  for (const std::string& camera : cameras) columns.push_back({camera + " [px]", kNumber});
+  columns.push_back({"Median [px]", kNumber});
+  columns.push_back({"Corners", kNumber});
+  columns.push_back({"Views used", kNumber});
+  if (!with_imu) return columns;
+  columns.push_back({"With IMU [px]", kNumber});
+  columns.push_back({"Gyro [mrad/s]", kNumber});
+  columns.push_back({"Accel [m/s\u00b2]", kNumber});
+  return columns;
+}
+
+void addImuCells(const CalibrationScore& s, std::vector<Cell>& row) {
+  row.push_back(number(rmseText(s.camera_imu ? &*s.camera_imu : nullptr)));
+  row.push_back(number(s.gyro_rms_rad_s ? fmt::format("{:.2f}", 1e3 * *s.gyro_rms_rad_s) : kDash));
+  row.push_back(number(s.accel_rms_m_s2 ? fmt::format("{:.4f}", *s.accel_rms_m_s2) : kDash));
+}
+
+std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string>& cameras,
+                        bool with_imu) {
+  const bool scored = s.reprojection.count > 0;
+  std::vector<Cell> row = {tight(s.session), tight(isWhole(s) ? "whole" : s.part),
+                           tight(s.held_out   ? "held out"
+                                 : isWhole(s) ? "scored"
+                                              : "calibrated on"),
+                           number(rmseText(&s.reprojection))};
+  for (const std::string& camera : cameras) row.push_back(number(rmseText(errorsOf(s, camera))));
+  row.push_back(number(scored ? fmt::format("{:.4f}", s.reprojection.median_px) : kDash));
+  row.push_back(number(scored ? grouped(s.reprojection.count) : kDash));
+  row.push_back(
+      number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash));
+  if (with_imu) addImuCells(s, row);
+  return row;
+}
+
+Block blockOf(const std::string& heading, const std::string& text, const Scores& scores) {
+  const bool with_imu = anyImu(scores);
+  const std::vector<std::string> cameras = cameraNames(scores);
+  Block block{heading, text, Table{columnsOf(cameras, with_imu), {}}, {}, {}};
+  for (const CalibrationScore& s : scores) {
+    block.table->rows.push_back(rowOf(s, cameras, with_imu));
+  }
+  return block;
+}
+
+/// RMSE per camera of whole recordings and of all folds together.
+Figure barsOf(const Scores& scores) {
+  BarPlot plot;
+  plot.categories = cameraNames(scores);
+  for (const CalibrationScore& s : scores) {
+    if (s.reprojection.count == 0 || !(isPooled(s) || isWhole(s))) continue;
+    std::vector<double> values;
+    for (const std::string& camera : plot.categories) {
+      const ErrorStatistics* errors = errorsOf(s, camera);
+      const bool known = errors != nullptr && errors->count > 0;
+      values.push_back(known ? errors->rmse_px : std::numeric_limits<double>::quiet_NaN());
+    }
+    plot.names.push_back((isWhole(s) ? s.session : s.part) + (s.held_out ? ", held out" : ""));
+    plot.values.push_back(std::move(values));
+  }
+  if (plot.values.size() < 2) return {};
+  plot.frame.title = "RMSE per camera";
+  plot.frame.width = 960;
+  plot.frame.height = 320;
+  plot.frame.x.label = "camera";
+  plot.frame.y.label = "RMSE [px]";
+  return {toSvg(plot, "held-scores"),
+          "Held-out corners that are fitted clearly worse than those calibrated on point at a "
+          "model that follows the noise, or at conditions that differ.",
+          true};
+}
+
+Scores chosen(const Scores& scores, bool folds, bool held_out_sessions) {
+  Scores out;
+  for (const CalibrationScore& s : scores) {
+    const bool fold = !isWhole(s);
+    if (fold == folds && (fold || s.held_out == held_out_sessions)) out.push_back(s);
+  }
+  return out;
+}
+
+}  // namespace
+
+Section heldScoresSection(const HeldCalibration& held) {
+  Section section{"scores",
+                  "Scores",
+                  fmt::format("{} is held fixed; only the target's poses, and with an IMU the "
+                              "states and gravity's direction, are estimated.",
+                              held.file),
+                  {},
+                  {}};
+  for (const CalibrationScore& s : held.scores) {
+    if (!s.problem.empty()) {
+      section.remarks.push_back(
+          fmt::format("{}, {}: {}", s.session, isWhole(s) ? "whole" : s.part, s.problem));
+    }
+  }
+  if (const Scores own = chosen(held.scores, false, false); !own.empty()) {
+    section.blocks.push_back(blockOf("This recording", "", own));
+  }
+  if (const Scores others = chosen(held.scores, false, true); !others.empty()) {
+    section.blocks.push_back(blockOf("Recordings that it has not seen", "", others));
+  }
+  if (const Scores folds = chosen(held.scores, true, false); !folds.empty()) {
+    section.blocks.push_back(
+        blockOf("K-fold validation",
+                "This recording calibrated anew without one part at a time, with the same camera "
+                "models; each part is scored by the calibration that has not seen it.",
+                folds));
+  }
+  if (Figure bars = held.scores.empty() ? Figure{} : barsOf(held.scores); !bars.svg.empty()) {
+    section.blocks.push_back({"", "", {}, {}, {std::move(bars)}});
+  }
+  return section;
+}
+
+}  // namespace plumbline::html_internal

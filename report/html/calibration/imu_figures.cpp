@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/calibration/imu_figures.h"
+
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "report/html/stage_view.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr double kPi = 3.14159265358979323846;
+
+using Pick = std::function<Eigen::Vector3d(const ImuIntervalResidual&)>;
+
+LinePlot overTime(const std::string& title, const std::string& label) {
+  LinePlot plot;
+  plot.frame.title = title;
+  plot.frame.width = 900;
+  plot.frame.height = 260;
+  plot.frame.x.label = "time since the first frame [s]";
+  plot.frame.y.label = label;
+  return plot;
+}
+
+Figure seriesFigure(const CameraImuStageResult& stage, LinePlot plot, const Pick& pick,
+                    const std::string& caption, const std::string& id) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Colour colour = seriesColour(axis);
+    colour.alpha = 200;
+    Series series{kAxes[axis], {}, {}, colour, 1, false};
+    for (const ImuIntervalResidual& r : stage.imu_residuals) {
+      series.x.push_back(secondsBetween(stage.imu_residuals.front().t, r.t));
+      series.y.push_back(pick(r)[static_cast<Eigen::Index>(axis)]);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return {toSvg(plot, id), caption, true};
+}
+
+/// `expected` is the RMS to expect under the assumptions.
+Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string& title, int first,
+                           int rows, double expected, const std::string& id) {
+  constexpr int kBins = 50;
+  constexpr double kReach = 5;
+  Histogram plot;
+  plot.frame.title = title;
+  plot.frame.width = 440;
+  plot.frame.height = 320;
+  plot.frame.x.label = "normalised residual [-]";
+  plot.frame.y.label = "count";
+  plot.first = -kReach;
+  plot.bin_width = 2 * kReach / kBins;
+  plot.series = {{"residuals", std::vector<double>(kBins, 0), {0, 94, 162, 160}}};
+  double total = 0;
+  for (const ImuIntervalResidual& r : stage.imu_residuals) {
+    for (int i = first; i < first + rows; ++i) {
+      total += 1;
+      const double place = (r.normalised[i] + kReach) / plot.bin_width;
+      if (place >= 0 && place < kBins) plot.series[0].counts[static_cast<std::size_t>(place)] += 1;
+    }
+  }
+  const double sigma = expected > 0 ? expected : 1;
+  Series curve{fmt::format("expected, std {:.2f}", sigma), {}, {}, {40, 44, 52, 255}, 1.4, true};
+  for (int i = 0; i <= 120; ++i) {
+    const double x = kReach * (i / 60.0 - 1);
+    curve.x.push_back(x);
+    curve.y.push_back(total * plot.bin_width / (sigma * std::sqrt(2 * kPi)) *
+                      std::exp(-0.5 * x * x / (sigma * sigma)));
+  }
+  plot.curves = {std::move(curve)};
+  return {
+      toSvg(plot, id),
+      "The curve is what the assumed noise, of corners and samples, lets expect. Wider than it: "
+      "some of that noise is too small; narrower: too large.",
+      false};
+}
+
+Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
+                  const std::string& unit, Eigen::Vector3d ImuState::*bias, const std::string& id) {
+  LinePlot plot = overTime(title, "bias - mean [" + unit + "]");
+  const std::vector<double> seconds = frameSeconds(stage.frames);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ImuState& state : stage.states) mean += state.*bias;
+  mean /= std::max(1.0, static_cast<double>(stage.states.size()));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    Series series{fmt::format("{} (mean {:.4g} {})", kAxes[axis], mean[k], unit),
+                  seconds,
+                  {},
+                  seriesColour(axis),
+                  1.4,
+                  false};
+    for (const ImuState& state : stage.states) series.y.push_back((state.*bias)[k] - mean[k]);
+    plot.series.push_back(std::move(series));
+  }
+  return {toSvg(plot, id),
+          "Each axis about its mean, which the legend states. A bias drifts slowly; one that "
+          "follows the motion hides a scale or alignment error of the sensor, or a wrong time "
+          "offset.",
+          true};
+}
+
+}  // namespace
+
+std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage) {
+  if (stage.imu_residuals.empty()) return {};
+  const std::string raw =
+      "Difference between the integrated samples and the estimated motion, "
+      "per interval between frames. Bursts mark shocks, saturation or missing "
+      "samples.";
+  const ImuNoiseChecks& noise = stage.imu_summary.noise;
+  const auto whitened = [](const ImuNoiseCheck& check) {
+    return fmt::format(
+        "The same divided by the assumed noise. Each frame's own velocity and biases absorb much "
+        "of "
+        "it: about two thirds of the values lie within \u00b1{:.2f} when the assumptions hold.",
+        check.expected_rms > 0 ? check.expected_rms : 1);
+  };
+  const auto gyro = [](const ImuIntervalResidual& r) {
+    return Eigen::Vector3d(1e3 * r.rotation_rad / r.dt_s);
+  };
+  const auto accel = [](const ImuIntervalResidual& r) {
+    return Eigen::Vector3d(r.velocity_m_s / r.dt_s);
+  };
+  const auto rows = [](int first) {
+    return [first](const ImuIntervalResidual& r) {
+      return Eigen::Vector3d(r.normalised.segment<3>(first));
+    };
+  };
+  return {
+      {"Gyroscope",
+       {seriesFigure(stage, overTime("Gyroscope residual", "[mrad/s]"), gyro, raw, "imu-gyro"),
+        seriesFigure(stage, overTime("Gyroscope residual, normalised", "[-]"), rows(0),
+                     whitened(noise.gyro), "imu-gyro-normalised")}},
+      {"Accelerometer",
+       {seriesFigure(stage, overTime("Accelerometer residual", "[m/s^2]"), accel, raw, "imu-accel"),
+        seriesFigure(stage, overTime("Accelerometer residual, normalised", "[-]"), rows(3),
+                     whitened(noise.accel), "imu-accel-normalised")}},
+      {"Distributions",
+       {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
+                            "imu-rotation-histogram"),
+        normalisedHistogram(stage, "Velocity and position", 3, 6, noise.accel.expected_rms,
+                            "imu-velocity-histogram")}}};
+}
+
+FigureGroup biasFigures(const CameraImuStageResult& stage) {
+  if (stage.states.size() < 2) return {};
+  return {"",
+          {biasFigure(stage, "Gyroscope bias", "rad/s", &ImuState::gyro_bias, "bias-gyro"),
+           biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, "bias-accel")}};
+}
+
+std::string judgeDensity(const std::string& sensor, const ImuNoiseCheck& check) {
+  constexpr double kLeastRedundancy = 50;
+  constexpr double kBand = 1.3;
+  if (check.redundancy < kLeastRedundancy) {
+    return fmt::format("{}: this recording says too little of it (redundancy {:.0f}).", sensor,
+                       check.redundancy);
+  }
+  const std::string start =
+      fmt::format("{}: {:.2f} \u00d7 the assumed density (redundancy {:.0f}): ", sensor,
+                  check.factor, check.redundancy);
+  if (check.factor > kBand) {
+    return start + fmt::format(
+                       "the density in imu.yaml seems {:.1f} times too small for this recording, "
+                       "and the standard deviations here are optimistic. Raise it, or look for "
+                       "vibration, a wrong scale of the sensor and timing faults.",
+                       check.factor);
+  }
+  if (check.factor < 1 / kBand) {
+    return start + fmt::format(
+                       "the density in imu.yaml seems {:.1f} times too large; it is cautious, and "
+                       "the inertial data get less weight than they could bear.",
+                       1 / check.factor);
+  }
+  return start + "consistent.";
+}
+
+}  // namespace plumbline::html_internal

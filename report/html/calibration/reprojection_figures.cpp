@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/calibration/reprojection_figures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr int kFieldColumns = 20;   // cells across the image for the vector field
+constexpr int kMapColumns = 24;     // and for the RMSE and coverage maps
+constexpr std::size_t kFewest = 8;  // corners that a cell needs before its mean is shown
+constexpr double kShown = 0.999;    // share of the errors inside the scatter's axes
+constexpr double kPi = 3.14159265358979323846;
+
+/// Sums of the errors that fell into each cell of a grid over the image, row by row.
+struct ImageGrid {
+  int columns = 0, rows = 0;
+  double cell_width = 0, cell_height = 0;  // [px]
+  std::vector<std::size_t> count;
+  std::vector<Eigen::Vector2d> sum;
+  std::vector<double> squares;
+};
+
+enum class Corners { kUsed, kAll };
+
+ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners which) {
+  const Resolution size = stage.cameras[static_cast<std::size_t>(camera)].intrinsics.resolution;
+  ImageGrid grid;
+  const double width = std::max(1, size.width), height = std::max(1, size.height);
+  grid.columns = columns;
+  grid.rows = std::max(1, static_cast<int>(std::lround(columns * height / width)));
+  grid.cell_width = width / grid.columns;
+  grid.cell_height = height / grid.rows;
+  const auto cells = static_cast<std::size_t>(grid.columns * grid.rows);
+  grid.count.assign(cells, 0);
+  grid.sum.assign(cells, Eigen::Vector2d::Zero());
+  grid.squares.assign(cells, 0);
+  for (const CornerResidual& r : stage.residuals) {
+    if (r.camera != camera || (!r.used && which == Corners::kUsed)) continue;
+    const double u = (static_cast<double>(r.uv.x()) + 0.5) / grid.cell_width;
+    const double v = (static_cast<double>(r.uv.y()) + 0.5) / grid.cell_height;
+    const int column = std::clamp(static_cast<int>(u), 0, grid.columns - 1);
+    const int row = std::clamp(static_cast<int>(v), 0, grid.rows - 1);
+    const auto cell = static_cast<std::size_t>(row * grid.columns + column);
+    grid.count[cell] += 1;
+    grid.sum[cell] += r.error.cast<double>();
+    grid.squares[cell] += static_cast<double>(r.error.squaredNorm());
+  }
+  return grid;
+}
+
+PlotFrame imageFrame(const std::string& title, const Resolution& size) {
+  PlotFrame frame;
+  frame.title = title;
+  frame.x = {"u [px]", Range{-0.5, size.width - 0.5}, {}, false, false};
+  frame.y = {"v [px]", Range{-0.5, size.height - 0.5}, {}, true, false};
+  frame.equal_axes = true;
+  return frame;
+}
+
+std::vector<Eigen::Vector2d> usedErrors(const StageView& stage, int camera) {
+  std::vector<Eigen::Vector2d> errors;
+  for (const CornerResidual& r : stage.residuals) {
+    if (r.camera == camera && r.used) errors.push_back(r.error.cast<double>());
+  }
+  return errors;
+}
+
+/// Half of the width that holds kShown of the errors along either axis, rounded up a little.
+double shownRange(const std::vector<Eigen::Vector2d>& errors) {
+  std::vector<double> largest;
+  largest.reserve(errors.size());
+  for (const auto& e : errors) largest.push_back(e.cwiseAbs().maxCoeff());
+  return largest.empty() ? 1.0 : std::max(1e-6, 1.15 * quantile(std::move(largest), kShown));
+}
+
+Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::string& name,
+                     const std::string& id) {
+  const double range = shownRange(errors);
+  ScatterPlot plot;
+  plot.frame.title = name + ": errors";
+  plot.frame.width = 440;
+  plot.frame.height = 400;
+  plot.frame.equal_axes = true;
+  plot.frame.x = {"e_u [px]", Range{-range, range}, {}, false, false};
+  plot.frame.y = {"e_v [px]", Range{-range, range}, {}, false, false};
+  plot.count_label = "corners";
+  Series series;
+  series.colour = {0, 94, 162, 110};
+  series.width = 2;
+  std::size_t outside = 0;
+  for (const auto& e : errors) {
+    series.x.push_back(e.x());
+    series.y.push_back(e.y());
+    if (e.cwiseAbs().maxCoeff() > range) ++outside;
+  }
+  plot.series = {std::move(series)};
+  const std::string left_out =
+      outside == 0 ? "" : fmt::format(" {} corners lie outside the axes.", outside);
+  return {toSvg(plot, id),
+          "Measured minus projected, one point per used corner. A round cloud centred on zero is "
+          "noise; a stretched or shifted one points at blur, rolling shutter or a model that "
+          "does not fit." +
+              left_out,
+          false};
+}
+
+Series normalCurve(const std::string& name, double deviation, double range, double area) {
+  Series curve;
+  curve.name = name;
+  curve.colour = {40, 44, 52, 255};
+  curve.dashed = true;
+  for (int i = 0; i <= 120; ++i) {
+    const double x = range * (i / 60.0 - 1);
+    curve.x.push_back(x);
+    curve.y.push_back(area / (std::sqrt(2 * kPi) * deviation) *
+                      std::exp(-0.5 * x * x / (deviation * deviation)));
+  }
+  return curve;
+}
+
+Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::string& name,
+                       const std::string& id) {
+  constexpr int kBins = 61;
+  const double range = shownRange(errors);
+  Histogram plot;
+  plot.frame.title = name + ": distribution";
+  plot.frame.width = 440;
+  plot.frame.height = 400;
+  plot.frame.x.label = "error component [px]";
+  plot.frame.y.label = "corners";
+  plot.first = -range;
+  plot.bin_width = 2 * range / kBins;
+  plot.series = {{"e_u", std::vector<double>(kBins, 0), {0, 94, 162, 150}},
+                 {"e_v", std::vector<double>(kBins, 0), {213, 94, 0, 110}}};
+  double squares = 0;
+  for (const auto& e : errors) {
+    squares += e.squaredNorm();
+    for (int axis : {0, 1}) {
+      const double place = (e[axis] + range) / plot.bin_width;
+      if (!(place >= 0 && place < kBins)) continue;
+      plot.series[static_cast<std::size_t>(axis)].counts[static_cast<std::size_t>(place)] += 1;
+    }
+  }
+  const auto n = static_cast<double>(errors.size());
+  const double deviation = std::max(1e-9, std::sqrt(squares / std::max(1.0, 2 * n)));
+  plot.curves = {normalCurve("normal, same RMS", deviation, range, n * plot.bin_width)};
+  return {
+      toSvg(plot, id),
+      fmt::format("Components of the error beside a normal density of the same RMS ({:.3f} px). "
+                  "A sharper peak with long tails means outliers: a robust loss is then worth "
+                  "having.",
+                  deviation),
+      false};
+}
+
+double roundedDown(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * power <= value) return factor * power;
+  }
+  return power;
+}
+
+Figure fieldFigure(const StageView& stage, int camera, const std::string& name,
+                   const std::string& id) {
+  const ImageGrid grid = binErrors(stage, camera, kFieldColumns, Corners::kUsed);
+  VectorField plot;
+  plot.frame = imageFrame(name + ": mean error over the image",
+                          stage.cameras[static_cast<std::size_t>(camera)].intrinsics.resolution);
+  plot.colour = seriesColour(0);
+  std::vector<double> lengths;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const auto cell = static_cast<std::size_t>(row * grid.columns + column);
+      if (grid.count[cell] < kFewest) continue;
+      const Eigen::Vector2d mean = grid.sum[cell] / static_cast<double>(grid.count[cell]);
+      lengths.push_back(mean.norm());
+      plot.arrows.push_back(
+          {(column + 0.5) * grid.cell_width - 0.5, (row + 0.5) * grid.cell_height - 0.5, mean.x(),
+           mean.y(),
+           fmt::format("({:.3f}, {:.3f}) px of {} corners", mean.x(), mean.y(), grid.count[cell])});
+    }
+  }
+  const double typical = lengths.empty() ? 1 : std::max(1e-9, quantile(lengths, 0.9));
+  plot.magnification = 1.1 * grid.cell_width / typical;
+  plot.reference = roundedDown(typical);
+  plot.reference_label = fmt::format("{:g} px", plot.reference);
+  return {toSvg(plot, id),
+          fmt::format("Mean error of the corners in each cell, magnified {:.0f} times. Arrows in "
+                      "all directions are noise; a pattern (radial, swirling, one-sided) is a "
+                      "distortion that the model does not describe.",
+                      plot.magnification),
+          false};
+}
+
+HeatMap imageMap(const StageView& stage, int camera, const ImageGrid& grid,
+                 const std::string& title) {
+  HeatMap map;
+  map.frame =
+      imageFrame(title, stage.cameras[static_cast<std::size_t>(camera)].intrinsics.resolution);
+  map.columns = grid.columns;
+  map.rows = grid.rows;
+  return map;
+}
+
+Figure regionFigure(const StageView& stage, int camera, const std::string& name,
+                    const std::string& id) {
+  const ImageGrid grid = binErrors(stage, camera, kMapColumns, Corners::kUsed);
+  HeatMap map = imageMap(stage, camera, grid, name + ": RMSE by region");
+  map.value_label = "RMSE [px]";
+  std::vector<double> known;
+  for (std::size_t i = 0; i < grid.count.size(); ++i) {
+    const bool enough = grid.count[i] >= kFewest;
+    map.values.push_back(enough ? std::sqrt(grid.squares[i] / static_cast<double>(grid.count[i]))
+                                : std::nan(""));
+    if (enough) known.push_back(map.values.back());
+  }
+  if (!known.empty()) map.value_range = Range{0, std::max(1e-6, quantile(known, 0.98))};
+  return {toSvg(map, id),
+          "RMSE of the used corners by region; blank where fewer than eight fell. Even is good; "
+          "dark corners mean that the distortion model fails at the edge.",
+          false};
+}
+
+std::string cameraName(const StageView& stage, std::size_t camera) {
+  const std::string& name = stage.cameras[camera].name;
+  return name.empty() ? "cam" + std::to_string(camera) : name;
+}
+
+Figure frameFigure(const StageView& stage) {
+  LinePlot plot;
+  plot.frame.title = "RMSE of every frame";
+  plot.frame.width = 900;
+  plot.frame.height = 280;
+  plot.frame.x.label = "time since the first frame [s]";
+  plot.frame.y.label = "RMSE [px]";
+  const std::vector<double> seconds = frameSeconds(stage.frames);
+  const auto rmse = frameRmse(stage);
+  double largest = 0;
+  for (std::size_t camera = 0; camera < rmse.size(); ++camera) {
+    Colour colour = seriesColour(camera);
+    colour.alpha = 210;
+    plot.series.push_back({cameraName(stage, camera), seconds, rmse[camera], colour, 1.1, false});
+    for (const double value : rmse[camera]) {
+      if (std::isfinite(value)) largest = std::max(largest, value);
+    }
+  }
+  plot.frame.y.range = Range{0, largest > 0 ? 1.08 * largest : 1};
+  return {toSvg(plot, stage.id + "-frames"),
+          "Peaks are frames with motion blur, a partly hidden target or false corners; a steady "
+          "rise or fall suggests that something moved or warmed up during the recording.",
+          true};
+}
+
+}  // namespace
+
+std::vector<FigureGroup> reprojectionFigures(const StageView& stage) {
+  std::vector<FigureGroup> groups = {{"", {frameFigure(stage)}}};
+  for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
+    const int camera = static_cast<int>(i);
+    const std::string name = cameraName(stage, i);
+    const std::string id = fmt::format("{}-cam{}-", stage.id, i);
+    const auto errors = usedErrors(stage, camera);
+    groups.push_back({name,
+                      {scatterFigure(errors, name, id + "scatter"),
+                       histogramFigure(errors, name, id + "histogram"),
+                       fieldFigure(stage, camera, name, id + "field"),
+                       regionFigure(stage, camera, name, id + "region")}});
+  }
+  return groups;
+}
+
+FigureGroup coverageFigures(const StageView& stage) {
+  FigureGroup group;
+  for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
+    const int camera = static_cast<int>(i);
+    const ImageGrid grid = binErrors(stage, camera, kMapColumns, Corners::kAll);
+    HeatMap map = imageMap(stage, camera, grid, cameraName(stage, i) + ": corners by region");
+    map.value_label = "corners";
+    std::size_t covered = 0;
+    for (const std::size_t count : grid.count) {
+      map.values.push_back(count > 0 ? static_cast<double>(count) : std::nan(""));
+      if (count > 0) ++covered;
+    }
+    const double share = 100.0 * static_cast<double>(covered) /
+                         static_cast<double>(std::max<std::size_t>(1, grid.count.size()));
+    group.figures.push_back(
+        {toSvg(map, fmt::format("coverage-cam{}", i)),
+         fmt::format("Corners per cell, rejected ones included; {:.0f} % of the image has some. "
+                     "Where nothing was seen, the distortion is extrapolated.",
+                     share),
+         false});
+  }
+  return group;
+}
+
+FigureGroup correlationFigures(const StageView& stage) {
+  const ParameterCovariance& covariance = stage.summary.covariance;
+  const auto n = static_cast<int>(covariance.names.size());
+  if (n == 0 || covariance.matrix.rows() != n) return {};
+  HeatMap map;
+  map.frame.title = stage.title;
+  map.frame.width = std::clamp(230 + 30 * n, 420, 960);
+  map.frame.height = map.frame.width - 90;
+  map.frame.equal_axes = true;
+  map.frame.x = {"", Range{0, static_cast<double>(n)}, {}, false, true};
+  map.frame.y = {"", Range{0, static_cast<double>(n)}, {}, true, false};
+  map.columns = map.rows = n;
+  map.colours = ColourMap::kDiverging;
+  map.value_range = Range{-1, 1};
+  map.value_label = "correlation";
+  for (int i = 0; i < n; ++i) {
+    map.frame.x.ticks.push_back({i + 0.5, covariance.names[static_cast<std::size_t>(i)]});
+    for (int j = 0; j < n; ++j) {
+      const double scale = std::sqrt(covariance.matrix(i, i) * covariance.matrix(j, j));
+      const double rho = scale > 0 ? covariance.matrix(i, j) / scale : std::nan("");
+      map.values.push_back(rho);
+      const bool shown = std::isfinite(rho) && (n <= 8 || (i != j && std::abs(rho) >= 0.3));
+      map.cell_labels.push_back(shown ? fmt::format("{:.2f}", rho) : "");
+    }
+  }
+  map.frame.y.ticks = map.frame.x.ticks;
+  return {"",
+          {{toSvg(map, stage.id + "-correlation"),
+            "Near 1 or -1 two parameters can trade against each other: their own standard "
+            "deviations then understate how well their combination is known, and more varied "
+            "views (tilt, distance, edges) would separate them.",
+            n > 8}}};
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What recordings say of the calibrations: scores, predictions, entropies.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "report/html/comparison/sections.h"
+#include "report/html/text.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+std::string cameraName(const CalibrationScore& score, std::size_t i) {
+  return i < score.cameras.size() ? score.cameras[i] : "cam" + std::to_string(i);
+}
+
+std::string perCamera(const CalibrationScore& s) {
+  std::string text;
+  for (std::size_t i = 0; i < s.per_camera.size(); ++i) {
+    text +=
+        fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", cameraName(s, i), s.per_camera[i].rmse_px);
+  }
+  return text.empty() ? kDash : text;
+}
+
+template <class Format>
+Cell optionalCell(const std::optional<double>& value, const Format& text) {
+  return number(value ? text(*value) : kDash);
+}
+
+std::vector<Cell> scoreRow(const CalibrationScore& s) {
+  const bool scored = s.reprojection.count > 0;
+  const auto decimals = [](double v) { return fmt::format("{:.4f}", v); };
+  std::optional<double> with_imu;
+  if (s.camera_imu) with_imu = s.camera_imu->rmse_px;
+  std::optional<double> gyro;
+  if (s.gyro_rms_rad_s) gyro = 1e3 * *s.gyro_rms_rad_s;
+  return {
+      {s.label},
+      {s.session},
+      tight(s.part),
+      {!scored      ? kDash
+       : s.held_out ? "yes"
+                    : "no"},
+      number(scored ? decimals(s.reprojection.rmse_px) : kDash),
+      {scored ? perCamera(s) : kDash},
+      number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash),
+      optionalCell(with_imu, decimals),
+      optionalCell(gyro, [](double v) { return fmt::format("{:.2f}", v); }),
+      optionalCell(s.accel_rms_m_s2, decimals),
+      s.problem.empty() ? Cell{} : Cell{s.problem, Cell::Kind::kText, VerdictLevel::kDoubtful}};
+}
+
+Table scoresTable(const std::vector<CalibrationScore>& scores) {
+  Table table{{{"Calibration"},
+               {"Recording"},
+               {"Part"},
+               {"Held out"},
+               {"RMSE [px]", kNumber},
+               {"Per camera [px]"},
+               {"Views used", kNumber},
+               {"With IMU [px]", kNumber},
+               {"Gyro [mrad/s]", kNumber},
+               {"Accel [m/s\u00b2]", kNumber},
+               {"Why not"}},
+              {}};
+  for (const CalibrationScore& s : scores) table.rows.push_back(scoreRow(s));
+  return table;
+}
+
+bool anyHeldOut(const std::vector<CalibrationScore>& scores) {
+  return std::any_of(scores.begin(), scores.end(), [](const CalibrationScore& s) {
+    return s.held_out && s.reprojection.count > 0;
+  });
+}
+
+/// RMSE of a camera over some parts, weighted by corners; NaN where none has it.
+double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string& camera) {
+  double squares = 0, count = 0;
+  for (const CalibrationScore& s : parts) {
+    const ErrorStatistics* errors = errorsOf(s, camera);
+    if (errors == nullptr) continue;
+    const auto n = static_cast<double>(errors->count);
+    squares += n * errors->rmse_px * errors->rmse_px;
+    count += n;
+  }
+  return count > 0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+Figure scoreBars(const std::vector<CalibrationScore>& scores) {
+  const bool held_out = anyHeldOut(scores);
+  BarPlot plot;
+  std::vector<std::string> labels;
+  for (const CalibrationScore& s : scores) {
+    if (std::find(labels.begin(), labels.end(), s.label) == labels.end()) labels.push_back(s.label);
+  }
+  plot.categories = cameraNames(scores);
+  for (const std::string& label : labels) {
+    std::vector<CalibrationScore> parts;
+    for (const CalibrationScore& s : scores) {
+      const bool counts = s.label == label && s.held_out == held_out && !s.per_camera.empty();
+      if (counts) parts.push_back(s);
+    }
+    if (parts.empty()) continue;
+    std::vector<double> values;
+    for (const std::string& camera : plot.categories) values.push_back(pooledRmse(parts, camera));
+    plot.names.push_back(label);
+    plot.values.push_back(std::move(values));
+  }
+  if (plot.values.empty()) return {};
+  plot.frame.title = held_out ? "RMSE per camera, held out" : "RMSE per camera";
+  plot.frame.width = 960;
+  plot.frame.height = 320;
+  plot.frame.x.label = "camera";
+  plot.frame.y.label = "RMSE [px]";
+  return {toSvg(plot, "score-bars"),
+          held_out ? "Corners that no calibration here was made from; pooled over the held-out "
+                     "parts."
+                   : "None of these scores is held out: a calibration is flattered by the "
+                     "recording that it was made from.",
+          true};
+}
+
+Table pairedTable(const ComparisonRecord& record) {
+  Table table{{{"Calibration"},
+               {"Camera"},
+               {"Views", kNumber},
+               {"Mean difference [px\u00b2]", kNumber},
+               {"Std error [px\u00b2]", kNumber},
+               {"Reading"}},
+              {}};
+  const std::string first = record.calibrations.empty() ? "" : record.calibrations[0].label;
+  for (const PairedPrediction& p : record.paired) {
+    const double sigma = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
+    const std::string better = sigma < 0 ? p.label : first;
+    table.rows.push_back(
+        {{p.label + " \u2212 " + first},
+         {p.camera},
+         number(std::to_string(p.views)),
+         number(fmt::format("{:+.4g}", p.difference_px2)),
+         number(twoDigits(p.std_px2)),
+         {!(p.std_px2 > 0)       ? "\u2013 (no standard error)"
+          : std::abs(sigma) >= 3 ? fmt::format("{} predicts better, by {:.1f} "
+                                               "\u03c3",
+                                               better, std::abs(sigma))
+                                 : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
+  }
+  return table;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// One row for each score, where any has such an entropy.
+Table entropyTable(const std::vector<CalibrationScore>& scores,
+                   std::optional<double> CalibrationScore::*entropy,
+                   std::vector<std::string> CalibrationScore::*parameters) {
+  Table table{{{"Calibration"},
+               {"Recording"},
+               {"Part"},
+               {"Entropy [nats]", kNumber},
+               {"Parameters", kNumber},
+               {"Of"}},
+              {}};
+  bool any = false;
+  for (const CalibrationScore& s : scores) {
+    const std::optional<double>& value = s.*entropy;
+    any = any || value;
+    const std::string why = s.problem.empty() ? "not computed for this part" : s.problem;
+    table.rows.push_back({{s.label},
+                          {s.session},
+                          {s.part},
+                          number(value ? fmt::format("{:.2f}", *value) : kDash),
+                          number(value ? std::to_string((s.*parameters).size()) : kDash),
+                          {value ? listed(s.*parameters) : "\u2013 (" + why + ")"}});
+  }
+  if (!any) table.rows.clear();
+  return table;
+}
+
+std::string imuAssumed(const Assumptions& a) {
+  std::string text =
+      "Poses, velocities, biases and gravity's direction are marginalised; the cameras and the "
+      "differences between their own time offsets are held. Under the recording's noise densities";
+  if (a.imu_noise) {
+    text += fmt::format(
+        ": gyroscope {:.5g} rad/s/\u221aHz (walk {:.5g}), accelerometer {:.5g} m/s\u00b2/\u221aHz "
+        "(walk {:.5g})",
+        a.imu_noise->gyro_density, a.imu_noise->gyro_random_walk, a.imu_noise->accel_density,
+        a.imu_noise->accel_random_walk);
+  }
+  return text + ".";
+}
+
+}  // namespace
+
+Section scoresSection(const ComparisonRecord& record) {
+  Section section{"scores",
+                  "Scores on recordings",
+                  "Every calibration is held fixed; only the target's poses (and with an IMU the "
+                  "states and gravity) move. The same corners and rule for all, which in-sample "
+                  "figures of different tools are not.",
+                  {},
+                  {}};
+  if (record.scores.empty()) return section;
+  Block block;
+  block.table = scoresTable(record.scores);
+  if (Figure bars = scoreBars(record.scores); !bars.svg.empty()) {
+    block.figures.push_back(std::move(bars));
+  }
+  section.blocks.push_back(std::move(block));
+  if (!record.paired.empty()) {
+    section.blocks.push_back({"Which predicts better, view by view",
+                              "Mean over views of the difference in mean squared error; negative "
+                              "means that the first-named is better. The standard error is of "
+                              "blocks of consecutive views.",
+                              pairedTable(record),
+                              {},
+                              {}});
+  }
+  return section;
+}
+
+Section entropySection(const ComparisonRecord& record) {
+  Section section{"entropy",
+                  "Entropy",
+                  fmt::format("0.5 log((2\u03c0e)\u207f |\u03a3|) of the parameters on that "
+                              "recording, in nats, for a corner noise of {:g} px; lower is better "
+                              "determined. It compares only under the same parameters, units and "
+                              "noise.",
+                              record.assumptions.pixel_sigma_px),
+                  {},
+                  {}};
+  Table cameras = entropyTable(record.scores, &CalibrationScore::entropy_nats,
+                               &CalibrationScore::entropy_parameters);
+  Table imu = entropyTable(record.scores, &CalibrationScore::camera_imu_entropy_nats,
+                           &CalibrationScore::camera_imu_entropy_parameters);
+  if (!cameras.rows.empty()) {
+    section.blocks.push_back({"Cameras",
+                              "All corners weigh alike; poses are marginalised.",
+                              std::move(cameras),
+                              {},
+                              {}});
+  }
+  if (!imu.rows.empty()) {
+    section.blocks.push_back(
+        {"Camera-IMU", imuAssumed(record.assumptions), std::move(imu), {}, {}});
+  }
+  return section;
+}
+
+}  // namespace plumbline::html_internal

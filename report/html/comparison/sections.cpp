@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/comparison/sections.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/html/page_parts.h"
+#include "report/html/text.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr double kNotable = 2, kLarge = 3;  // [sigma]
+
+using Values = std::vector<std::optional<double>>;
+
+std::optional<double> at(const Values& column, std::size_t k) {
+  return k < column.size() ? column[k] : std::nullopt;
+}
+
+std::string modelOf(const CameraCalibration& camera) {
+  const Intrinsics& i = camera.intrinsics;
+  return fmt::format("{}: {}-{}, {} \u00d7 {}", camera.name, toString(i.projection_model),
+                     toString(i.distortion_model), i.resolution.width, i.resolution.height);
+}
+
+std::string camerasOf(const Calibration& calibration) {
+  std::string text;
+  for (const CameraCalibration& camera : calibration.cameras) {
+    text += (text.empty() ? "" : "; ") + modelOf(camera);
+  }
+  return text;
+}
+
+Cell lintCell(const ComparedCalibration& c) {
+  std::string rules;
+  VerdictLevel worst = VerdictLevel::kGood;
+  for (const Finding& f : c.lint) {
+    if (f.level == VerdictLevel::kGood) continue;
+    worst = std::max(worst, f.level);
+    rules += (rules.empty() ? "" : "; ") + f.rule + ": " + f.evidence;
+  }
+  return {rules.empty() ? "nothing found" : rules, Cell::Kind::kText, worst};
+}
+
+std::string ownerOf(const std::string& parameter) {
+  const std::string prefix = parameter.substr(0, parameter.find('.'));
+  if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
+  if (prefix.rfind("T_C0C", 0) == 0) {
+    return "Camera " + prefix.substr(5) + " in camera 0 (" + prefix + ")";
+  }
+  return "Camera 0 in the IMU (T_SC0) and time offset";
+}
+
+/// "458.654 ± 0.080", or the reason why there is nothing.
+std::string estimateText(const ComparedParameter& p, std::size_t k, double factor) {
+  const auto value = at(p.values, k);
+  if (!value) return "\u2013 (not in this file)";
+  const auto std = at(p.std, k);
+  if (!std || !(*std > 0)) return withPrecisionOf(factor * *value, 0);
+  return withPrecisionOf(factor * *value, factor * *std) + " \u00b1 " + twoDigits(factor * *std);
+}
+
+Cell significanceCell(const ComparedParameter& p, std::size_t k) {
+  const auto n = at(p.significance, k);
+  if (n) {
+    std::optional<VerdictLevel> level;
+    if (*n >= kNotable) level = *n >= kLarge ? VerdictLevel::kBad : VerdictLevel::kDoubtful;
+    const char* word = *n >= kLarge ? ", differs" : *n >= kNotable ? ", notable" : "";
+    return {fmt::format("{:.1f} \u03c3{}", *n, word), kNumber, level};
+  }
+  if (!at(p.values, k) || !at(p.values, 0)) return number(kDash);
+  return number("\u2013 (no std)");
+}
+
+std::vector<Column> parameterColumns(const ComparisonRecord& record) {
+  std::vector<Column> columns = {{"Parameter", Cell::Kind::kCode}, {"Unit"}};
+  for (std::size_t k = 0; k < record.calibrations.size(); ++k) {
+    const std::string& label = record.calibrations[k].label;
+    columns.push_back({label, kNumber});
+    if (k == 0) continue;
+    columns.push_back({"Difference", kNumber});
+    columns.push_back({"Significance", kNumber});
+  }
+  return columns;
+}
+
+std::vector<Cell> parameterRow(const ComparedParameter& p, std::size_t calibrations) {
+  const auto [unit, factor] = readable(p.unit);
+  std::vector<Cell> row = {code(p.name), {unit}};
+  for (std::size_t k = 0; k < calibrations; ++k) {
+    row.push_back(number(estimateText(p, k, factor)));
+    if (k == 0) continue;
+    const auto difference = at(p.difference, k);
+    row.push_back(number(difference ? fmt::format("{:+.3g}", factor * *difference) : kDash));
+    row.push_back(significanceCell(p, k));
+  }
+  return row;
+}
+
+/// One column a calibration: the offset as a tool writes it.
+Table offsetTable(const ComparisonRecord& record) {
+  Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}}, {}};
+  std::vector<std::vector<OffsetRow>> rows;
+  for (const OffsetSummary& o : record.offsets) {
+    table.columns.push_back({o.label, kNumber});
+    rows.push_back(o.time_offset_s ? offsetRows(*o.time_offset_s, o.std_s)
+                                   : std::vector<OffsetRow>());
+  }
+  table.columns.push_back({"Note"});
+  const auto tools = offsetRows(0, std::nullopt);
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    std::vector<Cell> cells = {{tools[i].tool}, code(tools[i].field)};
+    for (const auto& column : rows) {
+      cells.push_back(number(column.empty() ? "\u2013 (no IMU)" : column[i].value));
+    }
+    cells.push_back({tools[i].note});
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+/// Offset, deviation and, where cameras have one each, theirs; all in Kalibr's sign.
+Table offsetDetails(const ComparisonRecord& record) {
+  Table table{
+      {{"Calibration"}, {"t_d [ms]", kNumber}, {"Std [ms]", kNumber}, {"Per camera [ms]", kNumber}},
+      {}};
+  for (const OffsetSummary& o : record.offsets) {
+    std::string each;
+    for (const double t : o.per_camera_s) {
+      each += (each.empty() ? "" : ", ") + withPrecisionOf(1e3 * t, 1e3 * o.std_s.value_or(0));
+    }
+    table.rows.push_back(
+        {{o.label},
+         number(o.time_offset_s ? withPrecisionOf(1e3 * *o.time_offset_s, 1e3 * o.std_s.value_or(0))
+                                : "\u2013 (no IMU)"),
+         number(o.std_s ? twoDigits(1e3 * *o.std_s) : "\u2013 (not stated)"),
+         number(each.empty() ? "\u2013 (one for all)" : each)});
+  }
+  return table;
+}
+
+}  // namespace
+
+Section calibrationsSection(const ComparisonRecord& record) {
+  Section section{"calibrations", "Calibrations", "Differences below are to the first.", {}, {}};
+  Table table{{{"Label"}, {"Tool"}, {"File"}, {"Cameras"}, {"IMU"}, {"Conventions"}}, {}};
+  for (const ComparedCalibration& c : record.calibrations) {
+    table.rows.push_back({{c.label},
+                          {c.tool.empty() ? kDash : c.tool},
+                          code(c.file),
+                          {camerasOf(c.calibration)},
+                          {c.calibration.imu ? "yes" : "no"},
+                          lintCell(c)});
+  }
+  return withTable(std::move(section), std::move(table));
+}
+
+Section comparedParametersSection(const ComparisonRecord& record) {
+  Section section{
+      "parameters",
+      "Parameters",
+      "In one convention: p_A = T_AB p_B, rotations as rotation vectors, t_imu = t_cam + t_d. "
+      "Significance is |difference| over the standard deviations of both together; from 2 \u03c3 "
+      "it is notable, from 3 \u03c3 the two differ by more than their stated noise explains. "
+      "Without standard deviations of both there is none.",
+      {},
+      {}};
+  for (const ComparedParameter& p : record.parameters) {
+    const std::string owner = ownerOf(p.name);
+    if (section.blocks.empty() || section.blocks.back().heading != owner) {
+      section.blocks.push_back({owner, "", Table{parameterColumns(record), {}}, {}, {}});
+    }
+    section.blocks.back().table->rows.push_back(parameterRow(p, record.calibrations.size()));
+  }
+  return section;
+}
+
+Section transformsSection(const ComparisonRecord& record) {
+  Section section{"transforms", "Transforms", "Metres; p_A = T_AB p_B.", {}, {}};
+  for (const ComparedCalibration& c : record.calibrations) {
+    Block block;
+    block.heading = c.label;
+    if (c.calibration.imu) {
+      block.matrices.push_back({"T_SC0", c.calibration.imu->T_SC0, "Camera 0 to IMU"});
+    }
+    for (std::size_t i = 1; i < c.calibration.cameras.size(); ++i) {
+      block.matrices.push_back({fmt::format("T_C0C{}", i), c.calibration.cameras[i].T_C0Ci,
+                                fmt::format("Camera {} to camera 0", i)});
+    }
+    if (block.matrices.empty()) block.text = "\u2013 (one camera and no IMU)";
+    section.blocks.push_back(std::move(block));
+  }
+  return section;
+}
+
+Section offsetsSection(const ComparisonRecord& record) {
+  Section section{"time-offset",
+                  "Time offset in every tool's sign",
+                  "The convention here, and Kalibr's, is t_imu = t_cam + t_d: a camera stamp plus "
+                  "the offset is the same instant on the IMU's clock.",
+                  {},
+                  {}};
+  if (record.offsets.empty()) return section;
+  section.blocks.push_back({"", "", offsetDetails(record), {}, {}});
+  section.blocks.push_back({"As each tool writes it", "", offsetTable(record), {}, {}});
+  return section;
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "report/html/replay/sections.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr double kShownShare = 0.95;  // of the values; the first few views are far above
+constexpr const char* kAbove =
+    " Where an order was drawn with several seeds, dashed lines frame the band between the "
+    "quartiles. The highest 5 % of the values lie above the picture.";
+
+using Bands = std::vector<CounterfactualBand>;
+using BandColumn = std::vector<std::optional<Quartiles>> CounterfactualBand::*;
+
+Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quartiles::*part) {
+  Series series;
+  const auto& values = band.*column;
+  for (std::size_t i = 0; i < std::min(band.views.size(), values.size()); ++i) {
+    series.x.push_back(std::log10(std::max(1, band.views[i])));
+    series.y.push_back(values[i] ? (*values[i]).*part : std::numeric_limits<double>::quiet_NaN());
+  }
+  return series;
+}
+
+/// The median over the seeds, between dashed lines at the quartiles.
+void addBand(LinePlot& plot, const CounterfactualBand& band, BandColumn column, std::size_t place) {
+  const Colour colour = seriesColour(place);
+  for (double Quartiles::*edge : {&Quartiles::lower, &Quartiles::upper}) {
+    if (band.seeds < 2) break;
+    Series line = seriesOf(band, column, edge);
+    line.colour = {colour.red, colour.green, colour.blue, 160};
+    line.width = 1;
+    line.dashed = true;
+    plot.series.push_back(std::move(line));
+  }
+  Series middle = seriesOf(band, column, &Quartiles::median);
+  middle.name = band.strategy;
+  if (band.seeds > 1) middle.name += fmt::format(" (median of {})", band.seeds);
+  middle.colour = colour;
+  middle.width = 2;
+  plot.series.push_back(std::move(middle));
+}
+
+Range rangeShown(const LinePlot& plot) {
+  std::vector<double> values;
+  for (const Series& s : plot.series) {
+    std::copy_if(s.y.begin(), s.y.end(), std::back_inserter(values),
+                 [](double v) { return std::isfinite(v); });
+  }
+  if (values.empty()) return {0, 1};
+  const double low = *std::min_element(values.begin(), values.end());
+  const double high = std::max(quantile(values, kShownShare), low + 1e-9);
+  return {low - 0.06 * (high - low), high + 0.06 * (high - low)};
+}
+
+/// 1, 2, 5, 10, ... on the logarithmic axis.
+std::vector<AxisTick> viewTicks(const Range& range) {
+  std::vector<AxisTick> ticks;
+  for (int power = 0; power <= 6; ++power) {
+    for (const int first : {1, 2, 5}) {
+      const double views = first * std::pow(10, power);
+      const double at = std::log10(views);
+      if (at >= range.min && at <= range.max) ticks.push_back({at, fmt::format("{:g}", views)});
+    }
+  }
+  return ticks;
+}
+
+Range viewRange(const Bands& bands) {
+  int least = std::numeric_limits<int>::max(), most = 2;
+  for (const CounterfactualBand& b : bands) {
+    if (b.views.empty()) continue;
+    least = std::min(least, std::max(1, b.views.front()));
+    most = std::max(most, b.views.back());
+  }
+  return {std::log10(std::min(least, most - 1)), std::log10(most)};
+}
+
+/// One colour a strategy, in all figures.
+std::size_t placeOf(const std::string& strategy) {
+  static const char* const kKnown[] = {"recorded", "random", "greedy-mi", "coverage", "guide"};
+  std::size_t place = 0;
+  while (place < std::size(kKnown) && strategy != kKnown[place]) ++place;
+  return place;
+}
+
+struct BandFigure {
+  const char* id;
+  std::string title;
+  const char* y_label;
+  BandColumn column;
+  std::optional<double> full_pool;
+  std::string caption;
+};
+
+Figure bandFigure(const Bands& bands, const BandFigure& what) {
+  LinePlot plot;
+  plot.frame.title = what.title;
+  plot.frame.width = 960;
+  plot.frame.height = 380;
+  const Range views = viewRange(bands);
+  plot.frame.x = {"views used", views, viewTicks(views), false, false};
+  plot.frame.y.label = what.y_label;
+  for (const CounterfactualBand& band : bands) {
+    addBand(plot, band, what.column, placeOf(band.strategy));
+  }
+  if (what.full_pool) {
+    plot.series.push_back({"all of the pool",
+                           {views.min, views.max},
+                           {*what.full_pool, *what.full_pool},
+                           {90, 98, 110, 255},
+                           1,
+                           true});
+  }
+  plot.frame.y.range = rangeShown(plot);
+  return {toSvg(plot, what.id), what.caption + kAbove, true};
+}
+
+/// "14 (12 to 17)": median and quartiles.
+std::string neededText(const CounterfactualBand& band) {
+  if (!band.views_needed) return band.seeds > 1 ? "not by every seed" : "never";
+  const Quartiles& q = *band.views_needed;
+  if (band.seeds < 2) return fmt::format("{:g}", q.median);
+  return fmt::format("{:g} ({:g} to {:g})", q.median, q.lower, q.upper);
+}
+
+std::string lastText(const CounterfactualBand& band, BandColumn column) {
+  const auto& values = band.*column;
+  return values.empty() || !values.back() ? kDash : fmt::format("{:.4g}", values.back()->median);
+}
+
+std::string medianRegret(const CounterfactualBand& band) {
+  std::vector<double> known;
+  for (const auto& value : band.regret_px) {
+    if (value && std::isfinite(*value)) known.push_back(*value);
+  }
+  return known.empty() ? kDash : fmt::format("{:.3f}", quantile(known, 0.5));
+}
+
+Table strategyTable(const Bands& bands) {
+  Table table{{{"Order"},
+               {"Seeds", kNumber},
+               {"Most views", kNumber},
+               {"Views to come within 10 %", kNumber},
+               {"Median regret [px]", kNumber},
+               {"Last entropy [nats]", kNumber},
+               {"Last held-out RMSE [px]", kNumber}},
+              {}};
+  for (const CounterfactualBand& b : bands) {
+    table.rows.push_back({tight(b.strategy), number(std::to_string(b.seeds)),
+                          number(b.views.empty() ? kDash : std::to_string(b.views.back())),
+                          number(neededText(b)), number(medianRegret(b)),
+                          number(lastText(b, &CounterfactualBand::entropy_nats)),
+                          number(lastText(b, &CounterfactualBand::held_out_px))});
+  }
+  return table;
+}
+
+Block figureBlock(const Bands& bands, const BandFigure& what) {
+  return {"", "", {}, {}, {bandFigure(bands, what)}};
+}
+
+void addFigures(Section& section, const Counterfactuals& c) {
+  section.blocks.push_back(figureBlock(
+      c.bands,
+      {"replay-entropy", "Entropy over views", "entropy [nats]", &CounterfactualBand::entropy_nats,
+       c.full_pool_entropy_nats, "Entropy of the calibration parameters after so many views."}));
+  section.blocks.push_back(figureBlock(
+      c.bands, {"replay-held-out", "Held-out error over views", "held-out RMSE [px]",
+                &CounterfactualBand::held_out_px, c.full_pool_held_out_px,
+                "Reprojection RMSE on frames that no order could use, with only their poses "
+                "solved."}));
+  if (c.other_model_bands.empty()) return;
+  section.blocks.push_back(figureBlock(
+      c.other_model_bands,
+      {"replay-other-model", "Held-out error with " + c.other_model, "held-out RMSE [px]",
+       &CounterfactualBand::held_out_px, std::nullopt,
+       "The same frames and orders of their own under another camera model: where the gain is "
+       "larger than above, the first model's misfit had cost it."}));
+}
+
+}  // namespace
+
+Section counterfactualsSection(const ReplayRecord& record) {
+  Section section{"counterfactuals",
+                  "Counterfactuals",
+                  "The same frames in other orders: how soon would the calibration have been as "
+                  "good?",
+                  {},
+                  {}};
+  if (!record.counterfactuals) return section;
+  const Counterfactuals& c = *record.counterfactuals;
+  section.remarks = c.remarks;
+  if (!c.problem.empty()) section.blocks.push_back({"", c.problem, {}, {}, {}});
+  if (c.bands.empty()) return section;
+  section.lead += fmt::format(
+      " The pool holds {} frames, {} others are held out; with all of the pool the entropy is "
+      "{:.3f} "
+      "nats and the held-out RMSE {:.4f} px. Views are counted until an order comes within 10 % of "
+      "that RMSE; regret is an order's held-out RMSE less that of the best order with as many "
+      "views, in the median over the numbers of views.",
+      c.pool_frames, c.held_out_frames, c.full_pool_entropy_nats, c.full_pool_held_out_px);
+  section = withTable(std::move(section), strategyTable(c.bands));
+  addFigures(section, c);
+  return section;
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/replay/events.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace plumbline::html_internal {
+namespace {
+
+bool isProblem(const Decision& d) {
+  switch (d.reason) {
+    case GuideReason::kInitialiseFailed:
+    case GuideReason::kNoPose:
+    case GuideReason::kTimeJump:
+    case GuideReason::kNoImu:
+    case GuideReason::kImuGap:
+    case GuideReason::kNotSolved:
+      return true;
+    default:
+      return !d.detail.empty();
+  }
+}
+
+std::string bits(double nats) {
+  return std::isinf(nats) ? "unbounded" : fmt::format("{:.2f} bits", nats / std::numbers::ln2);
+}
+
+std::string initialisedText(const Decision& d) {
+  std::string text = fmt::format("{} stage initialised", toString(d.stage));
+  if (d.entropy_nats) text += fmt::format(", entropy {:.2f} nats", *d.entropy_nats);
+  return text;
+}
+
+std::string finishedText(const Decision& d) {
+  std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
+  if (d.round && d.round->best >= 0) {
+    const double best = d.round->mi_nats[static_cast<std::size_t>(d.round->best)];
+    text += fmt::format(": the best candidate would gain {:.3f} bits, less than {:.3f}",
+                        best / std::numbers::ln2, d.threshold_nats / std::numbers::ln2);
+  }
+  return text;
+}
+
+/// Walks over the decisions and remembers what a text needs of those before.
+class Events {
+ public:
+  std::vector<ReplayEvent> events;
+
+  void add(const Decision& d) {
+    addProblem(d);
+    if (d.reason == GuideReason::kInitialised) push(d, "initialised", initialisedText(d));
+    addSuggestion(d);
+    if (d.mode == GuideMode::kFinished && finished_.insert(d.stage).second) {
+      push(d, "finished", finishedText(d));
+    }
+  }
+
+ private:
+  void push(const Decision& d, const char* kind, std::string text) {
+    events.push_back({d.frame, kind, std::move(text)});
+  }
+
+  void addProblem(const Decision& d) {
+    const bool lasts = isProblem(d) && run_ > 0 && problem_ == d.reason;
+    run_ = lasts ? run_ + 1 : isProblem(d) ? 1 : 0;
+    if (run_ == 0) return;
+    problem_ = d.reason;
+    if (run_ == 1) {
+      said_ = toString(d.reason) + (d.detail.empty() ? "" : ": " + d.detail);
+      at_ = events.size();
+      push(d, "problem", said_);
+    } else {
+      events[at_].text = fmt::format("{} ({} frames)", said_, run_);
+    }
+  }
+
+  void addSuggestion(const Decision& d) {
+    if (d.opened) {
+      opened_[d.opened->id] = d.t;
+      push(d, "opened",
+           fmt::format("#{} asked: {}, {}", d.opened->id, d.opened->candidate,
+                       bits(d.opened->mi_nats)));
+    }
+    if (!d.suggestion) return;
+    if (d.event == SuggestionEvent::kNone || d.event == SuggestionEvent::kOpened) return;
+    std::string text = fmt::format("#{} {}", *d.suggestion, toString(d.event));
+    if (const auto from = opened_.find(*d.suggestion); from != opened_.end()) {
+      text += fmt::format(" after {:.1f} s", secondsBetween(from->second, d.t));
+    }
+    if (d.distance_px) text += fmt::format(", {:.1f} px away", *d.distance_px);
+    push(d, toString(d.event).c_str(), std::move(text));
+  }
+
+  std::set<GuideStage> finished_;
+  std::map<int, TimeNs> opened_;
+  GuideReason problem_ = GuideReason::kInitialising;
+  int run_ = 0;         ///< frames in a row with this problem
+  std::string said_;    ///< of it
+  std::size_t at_ = 0;  ///< its event
+};
+
+}  // namespace
+
+std::string bitsAndNats(double nats) {
+  if (std::isinf(nats)) return "unbounded";
+  return fmt::format("{:.3f} bits ({:.3f} nats)", nats / std::numbers::ln2, nats);
+}
+
+std::vector<ReplayEvent> replayEvents(const ReplayRecord& record) {
+  Events all;
+  for (const Decision& d : record.decisions) all.add(d);
+  return std::move(all.events);
+}
+
+}  // namespace plumbline::html_internal

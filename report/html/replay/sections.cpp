@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/replay/sections.h"
+
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "report/html/replay/events.h"
+#include "report/html/text.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+TimeNs startOf(const ReplayRecord& record) {
+  if (!record.frames.empty()) return record.frames.front().t;
+  return record.decisions.empty() ? 0 : record.decisions.front().t;
+}
+
+std::string secondsText(const ReplayRecord& record, TimeNs t) {
+  return fmt::format("{:.2f}", secondsBetween(startOf(record), t));
+}
+
+std::string secondsText(const ReplayRecord& record, const std::optional<TimeNs>& t) {
+  return t ? secondsText(record, *t) : kDash;
+}
+
+std::string fixedOrDash(const std::optional<double>& value, int decimals, double factor = 1) {
+  return value ? fmt::format("{:.{}f}", factor * *value, decimals) : kDash;
+}
+
+std::string countText(int count) { return grouped(static_cast<std::size_t>(count)); }
+
+std::string titleOf(GuideStage stage) {
+  return stage == GuideStage::kCamera ? "cameras" : "camera-IMU";
+}
+
+std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary& s) {
+  std::vector<Cell> row = {tight(titleOf(s.stage))};
+  const auto count = [&row](bool known, int n) {
+    row.push_back(number(known ? countText(n) : kDash));
+  };
+  for (const int n : {s.frames_offered, s.frames_dropped, s.views_used}) count(s.ran, n);
+  const bool in_hindsight = s.stage == GuideStage::kCamera && s.kept_batch;
+  for (const int n : {s.views_redundant, s.views_missed}) count(in_hindsight, n);
+  for (const int n : {s.suggestions, s.reached}) count(s.ran, n);
+  row.push_back(number(secondsText(record, s.started)));
+  row.push_back(number(secondsText(record, s.finished)));
+  row.push_back(number(s.finished ? bitsAndNats(s.information_after_finish_nats) : kDash));
+  return row;
+}
+
+Table stageTable(const ReplayRecord& record) {
+  Table table{{{"Stage"},
+               {"Offered", kNumber},
+               {"Dropped", kNumber},
+               {"Used", kNumber},
+               {"Redundant", kNumber},
+               {"Missed", kNumber},
+               {"Suggested", kNumber},
+               {"Reached", kNumber},
+               {"Started [s]", kNumber},
+               {"Finish [s]", kNumber},
+               {"Gained after it", kNumber}},
+              {}};
+  for (const ReplayStageSummary& s : record.stages) table.rows.push_back(stageRow(record, s));
+  return table;
+}
+
+std::vector<Cell> batchRow(const ReplayStageSummary& s, const char* over,
+                           const StageSummary& batch) {
+  return {tight(titleOf(s.stage)),
+          tight(over),
+          number(grouped(static_cast<std::size_t>(batch.views_used))),
+          number(grouped(batch.corners_used)),
+          number(fmt::format("{:.4f}", batch.reprojection.rmse_px)),
+          number(fmt::format("{:.3f}", batch.entropy_nats)),
+          number(fmt::format("{:.3f}", batch.entropy_nats / std::numbers::ln2)),
+          tight(batch.converged ? "yes" : "no")};
+}
+
+Table batchTable(const ReplayRecord& record) {
+  Table table{{{"Stage"},
+               {"Batch over"},
+               {"Views, all cameras", kNumber},
+               {"Corners", kNumber},
+               {"RMSE [px]", kNumber},
+               {"Entropy [nats]", kNumber},
+               {"Entropy [bits]", kNumber},
+               {"Converged"}},
+              {}};
+  for (const ReplayStageSummary& s : record.stages) {
+    if (s.kept_batch) table.rows.push_back(batchRow(s, "views kept", *s.kept_batch));
+    if (s.full_batch) table.rows.push_back(batchRow(s, "all frames", *s.full_batch));
+  }
+  return table;
+}
+
+std::string endText(const SuggestionOutcome& o) {
+  return o.end == SuggestionEvent::kNone ? "open at the end" : toString(o.end);
+}
+
+std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
+  if (end == SuggestionEvent::kReached) return VerdictLevel::kGood;
+  if (end == SuggestionEvent::kWithdrawn) return std::nullopt;  // nothing was missed
+  return end == SuggestionEvent::kExpired ? VerdictLevel::kBad : VerdictLevel::kDoubtful;
+}
+
+std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome& o) {
+  const bool ended = o.ended >= o.suggestion.t && o.ended != 0;
+  return {number(std::to_string(o.suggestion.id)),
+          tight(titleOf(o.suggestion.stage)),
+          {o.suggestion.candidate},
+          number(o.suggestion.mi_nats != 0 ? bitsAndNats(o.suggestion.mi_nats) : kDash),
+          number(secondsText(record, o.suggestion.t)),
+          number(ended ? fmt::format("{:.1f}", secondsBetween(o.suggestion.t, o.ended)) : kDash),
+          {endText(o), Cell::Kind::kTight, levelOf(o.end)},
+          number(fixedOrDash(o.closest_px, 1)),
+          number(fixedOrDash(o.mean_px, 1)),
+          number(fixedOrDash(o.closest_m, 0, 1e3)),
+          number(fixedOrDash(o.closest_rad, 1, 180 / std::numbers::pi))};
+}
+
+Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {
+  Table table{{{"#", kNumber},
+               {"Stage"},
+               {"Asked for"},
+               {"Predicted gain", kNumber},
+               {"Shown [s]", kNumber},
+               {"Open [s]", kNumber},
+               {"End"},
+               {"Closest [px]", kNumber},
+               {"Mean [px]", kNumber},
+               {"Position [mm]", kNumber},
+               {"Rotation [\u00b0]", kNumber}},
+              {}};
+  for (const SuggestionOutcome& o : outcomes) table.rows.push_back(outcomeRow(record, o));
+  return table;
+}
+
+Cell verdictCell(StopAudit::Verdict verdict) {
+  switch (verdict) {
+    case StopAudit::Verdict::kNotJudged:
+      return {"not judged", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+    case StopAudit::Verdict::kNeverStopped:
+      return {"never stopped", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+    case StopAudit::Verdict::kEarly:
+      return {"too early", Cell::Kind::kTight, VerdictLevel::kBad};
+    case StopAudit::Verdict::kLate:
+      return {"late", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+    case StopAudit::Verdict::kRight:
+      return {"right", Cell::Kind::kTight, VerdictLevel::kGood};
+  }
+  return {kDash};
+}
+
+std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
+  return {
+      tight(titleOf(a.stage)),
+      verdictCell(a.verdict),
+      number(secondsText(record, a.finished)),
+      number(secondsText(record, a.enough)),
+      number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
+      number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
+      number(a.finished && a.entropy_at_finish_nats != 0
+                 ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
+                 : kDash),
+      number(a.entropy_of_all_nats != 0 ? fmt::format("{:.3f}", a.entropy_of_all_nats) : kDash)};
+}
+
+}  // namespace
+
+Section replayStagesSection(const ReplayRecord& record) {
+  Section section{
+      "stages",
+      "Stages",
+      "Used: entered the estimate. Redundant: used, though in hindsight each gains less "
+      "than the threshold; missed: not used, though each would have gained more. Times "
+      "count from the first frame. What was gained after \"finish\" is the information "
+      "that the rest of the recording would have added.",
+      {},
+      {}};
+  for (const ReplayStageSummary& s : record.stages) {
+    if (!s.problem.empty()) section.remarks.push_back(titleOf(s.stage) + ": " + s.problem);
+  }
+  section = withTable(std::move(section), stageTable(record));
+  Table batches = batchTable(record);
+  if (batches.rows.empty()) return section;
+  section.blocks.push_back(
+      {"Batch over the views kept, and over all", "", std::move(batches), {}, {}});
+  return section;
+}
+
+Section replaySuggestionsSection(const ReplayRecord& record) {
+  return withTable(
+      {"suggestions",
+       "Suggestions",
+       "What the guide asked for, and how near the recording came to it while it was open: mean "
+       "distance of the corners, and at its least the distance of the camera. In an unguided "
+       "recording nobody followed. Withdrawn: the stage finished, or started "
+       "anew, while it was open.",
+       {},
+       {}},
+      outcomeTable(record, record.suggestions));
+}
+
+Section stopAuditSection(const ReplayRecord& record) {
+  Section section{
+      "stop-audit",
+      "Stop audit",
+      "The guide's \"finish\" against the first instant at which the views kept were "
+      "good enough, judged by the held-out error of the batch over them. Saved: what of the "
+      "recording came after it.",
+      {},
+      {}};
+  Table table{{{"Stage"},
+               {"Finish was"},
+               {"Finish [s]", kNumber},
+               {"Enough [s]", kNumber},
+               {"Missing or wasted [s]", kNumber},
+               {"Saved [s]", kNumber},
+               {"Entropy then [nats]", kNumber},
+               {"Of all frames [nats]", kNumber}},
+              {}};
+  for (const StopAudit& a : record.stop_audits) {
+    table.rows.push_back(auditRow(record, a));
+    if (!a.explanation.empty()) section.remarks.push_back(titleOf(a.stage) + ": " + a.explanation);
+  }
+  return withTable(std::move(section), std::move(table));
+}
+
+Section complianceSection(const ReplayRecord& record) {
+  Section section{"compliance",
+                  "Operator compliance",
+                  "What the recording's own guide had shown to its operator, and how near and how "
+                  "soon the operator came.",
+                  {},
+                  {}};
+  if (!record.compliance) return section;
+  const OperatorCompliance& c = *record.compliance;
+  section.remarks.push_back(fmt::format(
+      "{} of {} suggestions were reached{}.", c.reached, c.suggestions.size(),
+      c.reached > 0 ? fmt::format(", after {:.1f} s in the median", c.median_seconds_to_reach)
+                    : ""));
+  return withTable(std::move(section), outcomeTable(record, c.suggestions));
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/trajectory/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "report/html/trajectory/sections.h"
+#include "report/plots/svg.h"
+#include "report/plots/ticks.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr std::size_t kOverlays = 12;     // runs that are drawn
+constexpr std::size_t kLeastRepeats = 3;  // runs that make a box
+constexpr Colour kTruth{150, 156, 166, 255};
+
+bool drawable(const TrajectoryRun& run) {
+  return run.t.size() > 1 && run.truth_m.size() == run.t.size() &&
+         run.estimate_m.size() == run.t.size() && run.error_m.size() == run.t.size();
+}
+
+std::vector<std::string> sequencesOf(const std::vector<TrajectoryRun>& runs) {
+  std::vector<std::string> names;
+  for (const TrajectoryRun& run : runs) {
+    if (std::find(names.begin(), names.end(), run.sequence) == names.end()) {
+      names.push_back(run.sequence);
+    }
+  }
+  return names;
+}
+
+std::size_t placeOf(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::array<double, 5> quantilesOf(const std::vector<double>& values, double least, double most) {
+  return {quantile(values, least), quantile(values, 0.25), quantile(values, 0.5),
+          quantile(values, 0.75), quantile(values, most)};
+}
+
+/// Values of each (sequence, calibration) in the order of appearance.
+template <class Collect>
+BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, double least, double most,
+                        const Collect& collect) {
+  BoxPlot plot;
+  plot.series = calibrationsOf(runs);
+  for (const std::string& sequence : sequencesOf(runs)) {
+    for (std::size_t k = 0; k < plot.series.size(); ++k) {
+      std::vector<double> values;
+      for (const TrajectoryRun& run : runs) {
+        if (run.sequence == sequence && run.calibration == plot.series[k]) collect(run, values);
+      }
+      if (values.empty()) continue;
+      plot.boxes.push_back({sequence, quantilesOf(values, least, most), k});
+    }
+  }
+  return plot;
+}
+
+Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
+  BoxPlot plot =
+      boxesBySequence(runs, 0.05, 0.95, [](const TrajectoryRun& run, std::vector<double>& values) {
+        values.insert(values.end(), run.error_m.begin(), run.error_m.end());
+      });
+  if (plot.boxes.empty()) return {};
+  frameBoxes(plot, "Position error along the trajectories", "position error [m]");
+  return {toSvg(plot, "ate-along"),
+          "All paired poses of a sequence's runs under one calibration: whiskers at 5 and 95 %, "
+          "box from 25 to 75 %, line at the median. Failed runs have no poses to show; see the "
+          "completion above.",
+          true};
+}
+
+Figure repeatsFigure(const std::vector<TrajectoryRun>& runs) {
+  BoxPlot plot =
+      boxesBySequence(runs, 0, 1, [](const TrajectoryRun& run, std::vector<double>& values) {
+        if (run.status == RunStatus::kComplete && run.ate_translation_m.n > 0) {
+          values.push_back(run.ate_translation_m.rmse);
+        }
+      });
+  std::map<std::pair<std::string, std::string>, std::size_t> repeats;
+  std::size_t most = 0;
+  for (const TrajectoryRun& run : runs) {
+    if (run.status != RunStatus::kComplete) continue;
+    most = std::max(most, ++repeats[{run.sequence, run.calibration}]);
+  }
+  if (most < kLeastRepeats || plot.boxes.empty()) return {};
+  frameBoxes(plot, "RMSE of complete runs", "ATE RMSE [m]");
+  return {toSvg(plot, "ate-runs"),
+          "One value a run: whiskers at the best and the worst, box from 25 to 75 %, line at the "
+          "median. Partial and failed runs are not in it.",
+          true};
+}
+
+/// Axes of one view of a path.
+struct View {
+  int x = 0, y = 1;
+  const char* name = "";
+  const char* id = "";
+};
+constexpr View kViews[] = {{0, 1, "top view", "top"}, {0, 2, "side view", "side"}};
+constexpr const char* kAxes[] = {"x [m]", "y [m]", "z [m]"};
+
+std::vector<double> component(const std::vector<Eigen::Vector3d>& points, int axis) {
+  std::vector<double> values;
+  values.reserve(points.size());
+  for (const auto& p : points) values.push_back(p[axis]);
+  return values;
+}
+
+Range wider(const Range& range, double span) {
+  const double more = std::max(0.0, (span - (range.max - range.min)) / 2);
+  return {range.min - more, range.max + more};
+}
+
+Figure viewFigure(const TrajectoryRun& run, const View& view, const Range& errors,
+                  const std::string& id) {
+  LinePlot plot;
+  const auto tx = component(run.truth_m, view.x), ty = component(run.truth_m, view.y);
+  const auto ex = component(run.estimate_m, view.x), ey = component(run.estimate_m, view.y);
+  Range x = rangeOf({&tx, &ex}, 0.04), y = rangeOf({&ty, &ey}, 0.04);
+  const double least = 0.35 * std::max(x.max - x.min, y.max - y.min);  // no slits
+  x = wider(x, least);
+  y = wider(y, least);
+  plot.frame.title = view.name;
+  plot.frame.width = 480;
+  plot.frame.height = 420;
+  plot.frame.equal_axes = true;
+  plot.frame.x = {kAxes[view.x], x, {}, false, false};
+  plot.frame.y = {kAxes[view.y], y, {}, false, false};
+  plot.series = {{"truth", tx, ty, kTruth, 1, false}};
+  plot.coloured = {{ex, ey, run.error_m, 2}};
+  plot.value_label = "position error [m]";
+  plot.value_range = errors;
+  return {toSvg(plot, id + "-" + view.id), "", false};
+}
+
+/// Colours up to the 99th percentile, so that one stray pose does not pale the rest.
+Range colourRange(const TrajectoryRun& run) {
+  std::vector<double> known;
+  for (const double e : run.error_m) {
+    if (std::isfinite(e)) known.push_back(e);
+  }
+  return {0, known.empty() ? 1 : std::max(1e-9, quantile(known, 0.99))};
+}
+
+Block overlayBlock(const TrajectoryRun& run, std::size_t index) {
+  Block block;
+  block.heading = runName(run);
+  block.text = fmt::format("ATE RMSE {:.4f} m over {} pairs{}.", run.ate_translation_m.rmse,
+                           run.association.matches, run.problem.empty() ? "" : "; " + run.problem);
+  for (const View& view : kViews) {
+    block.figures.push_back(
+        viewFigure(run, view, colourRange(run), fmt::format("overlay-{}", index)));
+  }
+  return block;
+}
+
+Series errorSeries(const TrajectoryRun& run, std::size_t colour, TimeNs start) {
+  Series series;
+  series.colour = seriesColour(colour);
+  series.width = 1.2;
+  for (std::size_t i = 0; i < run.t.size(); ++i) {
+    series.x.push_back(1e-9 * static_cast<double>(run.t[i] - start));
+    series.y.push_back(run.error_m[i]);
+  }
+  return series;
+}
+
+Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& sequence,
+                  const std::string& id) {
+  const std::vector<std::string> names = calibrationsOf(runs);
+  LinePlot plot;
+  TimeNs start = std::numeric_limits<TimeNs>::max();
+  for (const TrajectoryRun& run : runs) {
+    if (run.sequence == sequence && drawable(run)) start = std::min(start, run.t.front());
+  }
+  std::vector<bool> named(names.size(), false);
+  double top = 0;
+  for (const TrajectoryRun& run : runs) {
+    if (run.sequence != sequence || !drawable(run)) continue;
+    const std::size_t k = placeOf(names, run.calibration);
+    plot.series.push_back(errorSeries(run, k, start));
+    if (!named[k]) plot.series.back().name = names[k];
+    named[k] = true;
+    for (const double e : run.error_m) top = std::isfinite(e) ? std::max(top, e) : top;
+  }
+  if (plot.series.empty()) return {};
+  plot.frame.title = sequence.empty() ? "Position error over time" : sequence;
+  plot.frame.width = 960;
+  plot.frame.height = 260;
+  plot.frame.x.label = "time since the first pair [s]";
+  plot.frame.y.label = "position error [m]";
+  plot.frame.y.range = Range{0, top > 0 ? 1.06 * top : 1};
+  return {toSvg(plot, id), "", true};
+}
+
+}  // namespace
+
+void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& label) {
+  plot.frame.title = title;
+  plot.frame.width = 960;
+  double top = 0;
+  std::size_t longest = 0;
+  for (const BoxSummary& box : plot.boxes) {
+    top = std::max(top, box.quantiles[4]);
+    longest = std::max(longest, box.name.size());
+  }
+  plot.frame.x.upright_labels = longest * plot.boxes.size() > 110;
+  plot.frame.height = plot.frame.x.upright_labels ? 400 : 340;
+  plot.frame.y.label = label;
+  plot.frame.y.range = Range{0, top > 0 ? 1.06 * top : 1};
+}
+
+Section errorSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"ate",
+                  "Absolute errors",
+                  "Distance between the aligned estimate and the truth, per sequence and "
+                  "calibration.",
+                  {},
+                  {}};
+  Block block;
+  for (Figure figure : {repeatsFigure(runs), alongFigure(runs)}) {
+    if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
+  }
+  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
+  return section;
+}
+
+Section overlaySection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"overlays",
+                  "Overlays",
+                  "The aligned estimate in the colour of its position error (colours end at the "
+                  "99th percentile), the truth in thin grey. Both axes of a view have the same "
+                  "scale; z points up where the truth's frame does.",
+                  {},
+                  {}};
+  std::size_t drawn = 0, more = 0;
+  for (const TrajectoryRun& run : runs) {
+    if (!drawable(run)) continue;
+    if (drawn < kOverlays) {
+      section.blocks.push_back(overlayBlock(run, drawn++));
+    } else {
+      ++more;
+    }
+  }
+  if (more > 0) {
+    section.remarks.push_back(
+        fmt::format("{} further runs are in the tables and boxes, but not drawn here.", more));
+  }
+  return section;
+}
+
+Section timeSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"error-time",
+                  "Errors over time",
+                  "A sudden step is a relocalisation or a lost track; a slow rise is drift.",
+                  {},
+                  {}};
+  Block block;
+  std::size_t index = 0;
+  for (const std::string& sequence : sequencesOf(runs)) {
+    Figure figure = timeFigure(runs, sequence, fmt::format("error-time-{}", index++));
+    if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
+  }
+  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
+  return section;
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Errors of relative motion by distance.
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "report/html/text.h"
+#include "report/html/trajectory/figures.h"
+#include "report/html/trajectory/sections.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+/// p5, quartiles and p95 of what a relative error's statistics keep.
+std::array<double, 5> fiveOf(const SampleStatistics& s) {
+  return {s.percentiles[1], s.percentiles[2], s.median, s.percentiles[3], s.percentiles[4]};
+}
+
+/// The median over runs of each of the five numbers.
+std::array<double, 5> medianOf(const std::vector<std::array<double, 5>>& all) {
+  std::array<double, 5> result{};
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    std::vector<double> column;
+    for (const auto& five : all) column.push_back(five[i]);
+    result[i] = quantile(column, 0.5);
+  }
+  return result;
+}
+
+using Distance = std::pair<std::string, double>;  // unit, delta
+
+std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
+  std::vector<Distance> all;
+  for (const TrajectoryRun& run : runs) {
+    for (const RelativeErrorRecord& r : run.rpe) {
+      if (std::find(all.begin(), all.end(), Distance(r.unit, r.delta)) == all.end()) {
+        all.emplace_back(r.unit, r.delta);
+      }
+    }
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+BoxPlot relativeBoxes(const std::vector<TrajectoryRun>& runs,
+                      SampleStatistics RelativeErrorRecord::*what) {
+  BoxPlot plot;
+  plot.series = calibrationsOf(runs);
+  for (const auto& [unit, delta] : distancesOf(runs)) {
+    for (std::size_t k = 0; k < plot.series.size(); ++k) {
+      std::vector<std::array<double, 5>> all;
+      for (const TrajectoryRun& run : runs) {
+        if (run.calibration != plot.series[k]) continue;
+        for (const RelativeErrorRecord& r : run.rpe) {
+          if (r.unit == unit && r.delta == delta && (r.*what).n > 0) all.push_back(fiveOf(r.*what));
+        }
+      }
+      if (all.empty()) continue;
+      plot.boxes.push_back({fmt::format("{:g} {}", delta, unit), medianOf(all), k});
+    }
+  }
+  return plot;
+}
+
+/// Of one distance under one calibration: the median over runs, and what it stands on.
+std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std::string& name,
+                              const Distance& distance) {
+  std::vector<double> metres, degrees;
+  std::string pairs;
+  std::size_t pieces = 0;
+  for (const TrajectoryRun& run : runs) {
+    if (run.calibration != name) continue;
+    for (const RelativeErrorRecord& r : run.rpe) {
+      if (Distance(r.unit, r.delta) != distance || r.translation_m.n == 0) continue;
+      metres.push_back(r.translation_m.rmse);
+      degrees.push_back(r.rotation_deg.rmse);
+      pieces += r.translation_m.n;
+      pairs = r.pairs;
+    }
+  }
+  if (metres.empty()) return {};
+  return {{name.empty() ? "\u2013" : name},
+          tight(fmt::format("{:g} {}", distance.second, distance.first)),
+          tight(pairs),
+          number(std::to_string(metres.size())),
+          number(grouped(pieces)),
+          number(fmt::format("{:.4f}", quantile(metres, 0.5))),
+          number(fmt::format("{:.4f}", quantile(degrees, 0.5)))};
+}
+
+Table relativeTable(const std::vector<TrajectoryRun>& runs) {
+  Table table{{{"Calibration"},
+               {"Length"},
+               {"Pieces by the rule of"},
+               {"Runs", kNumber},
+               {"Pieces", kNumber},
+               {"Translation RMSE [m]", kNumber},
+               {"Rotation RMSE [\u00b0]", kNumber}},
+              {}};
+  for (const Distance& distance : distancesOf(runs)) {
+    for (const std::string& name : calibrationsOf(runs)) {
+      auto row = relativeRow(runs, name, distance);
+      if (!row.empty()) table.rows.push_back(std::move(row));
+    }
+  }
+  return withoutEmptyColumns(std::move(table));
+}
+
+}  // namespace
+
+Section relativeSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"rpe",
+                  "Relative errors by distance",
+                  "Error of the motion over pieces of each length: whiskers at 5 and 95 %, box "
+                  "from 25 to 75 %, line at the median over the pieces; of several runs the median "
+                  "of each of these.",
+                  {},
+                  {}};
+  if (Table table = relativeTable(runs); !table.rows.empty()) {
+    section.blocks.push_back({"", "", std::move(table), {}, {}});
+  }
+  Block block;
+  BoxPlot translation = relativeBoxes(runs, &RelativeErrorRecord::translation_m);
+  BoxPlot rotation = relativeBoxes(runs, &RelativeErrorRecord::rotation_deg);
+  if (!translation.boxes.empty()) {
+    frameBoxes(translation, "Translation", "translation error [m]");
+    block.figures.push_back({toSvg(translation, "rpe-translation"), "", true});
+  }
+  if (!rotation.boxes.empty()) {
+    frameBoxes(rotation, "Rotation", "rotation error [\u00b0]");
+    block.figures.push_back({toSvg(rotation, "rpe-rotation"), "", true});
+  }
+  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
+  return section;
+}
+
+}  // namespace plumbline::html_internal

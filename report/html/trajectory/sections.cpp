@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/trajectory/sections.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/html/text.h"
+#include "report/html/trajectory/figures.h"
+#include "report/records/paired_differences.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+std::vector<Cell> pairedRow(const PairedDifference& d) {
+  const auto n = std::to_string(d.pairs);
+  if (d.pairs == 0) {
+    return {{d.b + " \u2212 " + d.a},
+            number(n),
+            number(std::to_string(d.left_out)),
+            number(kDash),
+            number(kDash),
+            number(kDash),
+            number(kDash),
+            number(kDash),
+            {"no pair is complete under both"}};
+  }
+  const bool interval = d.low_m && d.high_m;
+  const bool differs = interval && (*d.low_m > 0 || *d.high_m < 0);
+  return {{d.b + " \u2212 " + d.a},
+          number(n),
+          number(std::to_string(d.left_out)),
+          number(fmt::format("{:+.4f}", d.mean_m)),
+          number(interval ? fmt::format("{:+.4f} to {:+.4f}", *d.low_m, *d.high_m) : kDash),
+          number(fmt::format("{:+.4f}", d.median_m)),
+          number(fmt::format("{} of {}", d.b_better, d.pairs)),
+          number(fmt::format("{:.3g}", d.sign_test_p)),
+          {!interval  ? "too few pairs for an interval (five needed)"
+           : !differs ? "no difference at 95 %"
+                      : (d.mean_m < 0 ? d.b : d.a) + " is better"}};
+}
+
+std::vector<Cell> associationRow(const TrajectoryRun& run) {
+  const AssociationRecord& a = run.association;
+  const auto count = [](std::size_t n) { return number(grouped(n)); };
+  return {{runName(run)},
+          {a.rule},
+          count(a.matches),
+          number(grouped(a.estimate_poses) + " / " + grouped(a.truth_poses)),
+          number(fmt::format("{:g}", 1e3 * a.max_dt_s)),
+          number(fmt::format("{:+.3f}", 1e3 * a.median_dt_s)),
+          number(fmt::format("{:g}", 1e3 * a.time_offset_s)),
+          number(grouped(a.estimate_duplicates) + " / " + grouped(a.truth_duplicates)),
+          number(fmt::format("{:.3f} / {:.3f}", a.largest_estimate_gap_s, a.largest_truth_gap_s)),
+          count(a.stamps_in_gaps),
+          {run.alignment.first_n > 0
+               ? fmt::format("{}, first {}", run.alignment.kind, run.alignment.first_n)
+               : run.alignment.kind},
+          number(fmt::format("{:.6g}", run.alignment.scale))};
+}
+
+std::vector<Cell> handEyeRow(const TrajectoryRun& run) {
+  const HandEyeRecord& h = *run.hand_eye;
+  const Eigen::Vector3d t = 1e3 * h.T_SM.t;
+  const Vector6d& s = h.T_SM_std;
+  const double degrees = readable("rad").factor;
+  return {{runName(run)},
+          number(fmt::format("({:.2f}, {:.2f}, {:.2f})", t.x(), t.y(), t.z())),
+          number(fmt::format("({}, {}, {})", twoDigits(1e3 * s[0]), twoDigits(1e3 * s[1]),
+                             twoDigits(1e3 * s[2]))),
+          number(fmt::format("{:.3f}", degrees * rotationAngle(h.T_SM.R))),
+          number(fmt::format("({}, {}, {})", twoDigits(degrees * s[3]), twoDigits(degrees * s[4]),
+                             twoDigits(degrees * s[5]))),
+          number(fmt::format("{:.2f}", 1e3 * h.rms_translation_m)),
+          number(fmt::format("{:.3f}", degrees * h.rms_rotation_rad))};
+}
+
+std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
+  const bool low = n.mean<n.lower, high = n.mean> n.upper;
+  const std::string verdict = high  ? "overconfident: covariances too small"
+                              : low ? "cautious: covariances too large"
+                                    : "consistent";
+  return {
+      {runName(run)},
+      {n.part},
+      number(std::to_string(n.dof)),
+      number(fmt::format("{:.3f}", n.mean)),
+      number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
+      number(fmt::format("{:g}", 100 * n.confidence)),
+      {verdict, Cell::Kind::kText, high || low ? VerdictLevel::kDoubtful : VerdictLevel::kGood}};
+}
+
+}  // namespace
+
+std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs) {
+  std::vector<std::string> names;
+  for (const TrajectoryRun& run : runs) {
+    if (std::find(names.begin(), names.end(), run.calibration) == names.end()) {
+      names.push_back(run.calibration);
+    }
+  }
+  return names;
+}
+
+std::string runName(const TrajectoryRun& run) {
+  std::string name;
+  for (const std::string& part : {run.sequence, run.calibration, run.run}) {
+    if (!part.empty()) name += (name.empty() ? "" : " \u00b7 ") + part;
+  }
+  return name.empty() ? run.estimate : name;
+}
+
+Section pairedSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{
+      "paired",
+      "Paired differences",
+      "ATE RMSE under one calibration minus that under the other, for the same sequence and run; "
+      "negative means that the first-named is better. The interval is a percentile bootstrap of "
+      "the mean over pairs (10\u2009000 resamples); p is of the exact two-sided sign test. Pairs "
+      "that are not complete under both are left out and counted.",
+      {},
+      {}};
+  Table table{{{"Difference"},
+               {"Pairs", kNumber},
+               {"Left out", kNumber},
+               {"Mean [m]", kNumber},
+               {"95 % interval [m]", kNumber},
+               {"Median [m]", kNumber},
+               {"Better", kNumber},
+               {"p (sign test)", kNumber},
+               {"Reading"}},
+              {}};
+  for (const PairedDifference& d : pairedDifferences(runs)) table.rows.push_back(pairedRow(d));
+  return withTable(std::move(section), std::move(table));
+}
+
+Section clockSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"clock-offset",
+                  "Clock offset",
+                  "t_truth = t_estimate + offset, from correlating the angular rates of both.",
+                  {},
+                  {}};
+  Table table{{{"Run"}, {"Offset [ms]", kNumber}, {"Std [ms]", kNumber}, {"Correlation", kNumber}},
+              {}};
+  for (const TrajectoryRun& run : runs) {
+    if (!run.clock_offset) continue;
+    const ClockOffsetRecord& c = *run.clock_offset;
+    table.rows.push_back({{runName(run)},
+                          number(withPrecisionOf(1e3 * c.offset_s, 1e3 * c.std_s)),
+                          number(twoDigits(1e3 * c.std_s)),
+                          number(fmt::format("{:.4f}", c.correlation))});
+  }
+  return withTable(std::move(section), std::move(table));
+}
+
+Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"hand-eye",
+                  "Hand-eye",
+                  "T_SM maps points of the marker body M into the IMU frame S, estimated from the "
+                  "trajectories themselves; residuals are what is left after it.",
+                  {},
+                  {}};
+  Table table{{{"Run"},
+               {"t_SM [mm]", kNumber},
+               {"Std [mm]", kNumber},
+               {"Angle [\u00b0]", kNumber},
+               {"Std [\u00b0]", kNumber},
+               {"RMS left [mm]", kNumber},
+               {"RMS left [\u00b0]", kNumber}},
+              {}};
+  Block matrices;
+  for (const TrajectoryRun& run : runs) {
+    if (!run.hand_eye) continue;
+    table.rows.push_back(handEyeRow(run));
+    matrices.matrices.push_back(
+        {"T_SM, " + runName(run), run.hand_eye->T_SM, "p_S = T_SM p_M [m]"});
+  }
+  if (table.rows.empty()) return section;
+  section.blocks = {{"", "", std::move(table), {}, {}}, std::move(matrices)};
+  return section;
+}
+
+Section neesSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"nees",
+                  "Consistency (NEES)",
+                  "Mean normalised estimation error squared against its two-sided chi-square "
+                  "bounds: are the covariances that the estimate carries honest?",
+                  {},
+                  {}};
+  Table table{{{"Run"},
+               {"Part"},
+               {"Dof", kNumber},
+               {"Mean", kNumber},
+               {"Bounds", kNumber},
+               {"Confidence [%]", kNumber},
+               {"Reading"}},
+              {}};
+  for (const TrajectoryRun& run : runs) {
+    for (const NeesRecord& n : run.nees) table.rows.push_back(neesRow(run, n));
+  }
+  return withTable(std::move(section), std::move(table));
+}
+
+Section associationSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{"association",
+                  "Pairing and alignment",
+                  "How the stamps of estimate and truth were paired, and what was odd about them. "
+                  "A median difference far from zero points at a clock offset.",
+                  {},
+                  {}};
+  Table table{{{"Run"},
+               {"Rule"},
+               {"Pairs", kNumber},
+               {"Poses, estimate / truth", kNumber},
+               {"Max \u0394t [ms]", kNumber},
+               {"Median \u0394t [ms]", kNumber},
+               {"Offset added [ms]", kNumber},
+               {"Duplicates", kNumber},
+               {"Largest gap [s]", kNumber},
+               {"In gaps", kNumber},
+               {"Alignment"},
+               {"Scale", kNumber}},
+              {}};
+  for (const TrajectoryRun& run : runs) {
+    if (run.association.estimate_poses + run.association.matches == 0) continue;
+    table.rows.push_back(associationRow(run));
+  }
+  return withTable(std::move(section), std::move(table));
+}
+
+Table withoutEmptyColumns(Table table) {
+  for (std::size_t c = table.columns.size(); c-- > 0;) {
+    const bool empty = std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+      return row[c].text == kDash || row[c].text.empty();
+    });
+    if (!empty || table.rows.empty()) continue;
+    const auto at = static_cast<std::ptrdiff_t>(c);
+    table.columns.erase(table.columns.begin() + at);
+    for (auto& row : table.rows) row.erase(row.begin() + at);
+  }
+  return table;
+}
+
+std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs) {
+  return {runsSection(runs), errorSection(runs),      pairedSection(runs), overlaySection(runs),
+          timeSection(runs), relativeSection(runs),   clockSection(runs),  handEyeSection(runs),
+          neesSection(runs), associationSection(runs)};
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/plots/colour_maps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace plumbline {
+
+Colour seriesColour(std::size_t i) {
+  static constexpr std::array<Colour, 7> kCycle = {{{0, 94, 162, 255},
+                                                    {213, 94, 0, 255},
+                                                    {0, 138, 100, 255},
+                                                    {180, 70, 140, 255},
+                                                    {200, 140, 0, 255},
+                                                    {70, 150, 210, 255},
+                                                    {90, 90, 90, 255}}};
+  return kCycle[i % kCycle.size()];
+}
+
+namespace internal {
+namespace {
+
+template <std::size_t N>
+Colour between(const std::array<Colour, N>& stops, double u) {
+  const double place = std::clamp(u, 0.0, 1.0) * (N - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(place), N - 2);
+  const double f = place - static_cast<double>(i);
+  const auto mix = [f](std::uint8_t a, std::uint8_t b) {
+    return static_cast<std::uint8_t>(std::lround(a + f * (b - a)));
+  };
+  return {mix(stops[i].red, stops[i + 1].red), mix(stops[i].green, stops[i + 1].green),
+          mix(stops[i].blue, stops[i + 1].blue), 255};
+}
+
+}  // namespace
+
+Colour sequentialColour(double u) {
+  static constexpr std::array<Colour, 6> kStops = {{{240, 246, 226, 255},
+                                                    {190, 224, 190, 255},
+                                                    {112, 192, 184, 255},
+                                                    {48, 144, 178, 255},
+                                                    {34, 88, 150, 255},
+                                                    {24, 34, 92, 255}}};
+  return between(kStops, u);
+}
+
+Colour divergingColour(double u) {
+  static constexpr std::array<Colour, 5> kStops = {{{33, 76, 148, 255},
+                                                    {132, 172, 214, 255},
+                                                    {250, 250, 250, 255},
+                                                    {232, 152, 122, 255},
+                                                    {168, 34, 44, 255}}};
+  return between(kStops, u);
+}
+
+Colour errorColour(double u) {
+  static constexpr std::array<Colour, 3> kStops = {
+      {{20, 140, 110, 255}, {226, 160, 30, 255}, {192, 32, 40, 255}}};
+  return between(kStops, u);
+}
+
+}  // namespace internal
+}  // namespace plumbline

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/plots/svg.h"
+#include "report/plots/ticks.h"
+#include "report/plots/vtk/chart_page.h"
+
+namespace plumbline {
+namespace {
+
+using internal::ChartPage;
+using internal::SvgDevice;
+
+/// A box between two values of each axis, with a title that tells what it is.
+void drawBox(vtkContext2D& painter, const ChartPage& page, const Range& x, const Range& y) {
+  const double u = page.unitX(x.min), v = page.unitY(y.min);
+  painter.DrawRect(static_cast<float>(u), static_cast<float>(v),
+                   static_cast<float>(page.unitX(x.max) - u),
+                   static_cast<float>(page.unitY(y.max) - v));
+}
+
+void drawLine(vtkContext2D& painter, const ChartPage& page, const Range& x, const Range& y) {
+  painter.DrawLine(static_cast<float>(page.unitX(x.min)), static_cast<float>(page.unitY(y.min)),
+                   static_cast<float>(page.unitX(x.max)), static_cast<float>(page.unitY(y.max)));
+}
+
+Range heightRange(const std::vector<const std::vector<double>*>& columns) {
+  const double top = rangeOf(columns, 0).max;
+  return {0, top > 0 ? 1.06 * top : 1};
+}
+
+void addBars(ChartPage& page, const Histogram& plot, const HistogramSeries& series) {
+  page.addDrawing([&page, plot, series](vtkContext2D& painter, SvgDevice& device) {
+    internal::setNoPen(painter);
+    internal::setBrush(painter, series.colour);
+    for (std::size_t i = 0; i < series.counts.size(); ++i) {
+      if (!(series.counts[i] > 0)) continue;
+      const double from = plot.first + plot.bin_width * static_cast<double>(i);
+      device.setShapeTitle(
+          fmt::format("{:.4g} to {:.4g}: {:g}", from, from + plot.bin_width, series.counts[i]));
+      drawBox(painter, page, {from, from + plot.bin_width}, {0, series.counts[i]});
+    }
+  });
+}
+
+std::vector<AxisTick> ticksOf(const std::vector<std::string>& names) {
+  std::vector<AxisTick> ticks;
+  for (const std::string& name : names) ticks.push_back({static_cast<double>(ticks.size()), name});
+  return ticks;
+}
+
+/// A pale version of the colour, opaque so that whiskers do not show through.
+Colour tint(const Colour& colour) {
+  const auto pale = [](std::uint8_t v) {
+    return static_cast<std::uint8_t>(255 - (255 - v) * 23 / 100);
+  };
+  return {pale(colour.red), pale(colour.green), pale(colour.blue), 255};
+}
+
+void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
+                    const BoxSummary& box, double centre) {
+  const auto& q = box.quantiles;
+  const Colour colour = seriesColour(box.series);
+  device.setShapeTitle(fmt::format("{}: {:.4g} | {:.4g} | {:.4g} | {:.4g} | {:.4g}", box.name, q[0],
+                                   q[1], q[2], q[3], q[4]));
+  internal::setPen(painter, colour, 1.2);
+  drawLine(painter, page, {centre, centre}, {q[0], q[1]});
+  drawLine(painter, page, {centre, centre}, {q[3], q[4]});
+  for (const double end : {q[0], q[4]}) {
+    drawLine(painter, page, {centre - 0.12, centre + 0.12}, {end, end});
+  }
+  internal::setBrush(painter, tint(colour));
+  drawBox(painter, page, {centre - 0.25, centre + 0.25}, {q[1], q[3]});
+  internal::setPen(painter, colour, 2.2);
+  drawLine(painter, page, {centre - 0.25, centre + 0.25}, {q[2], q[2]});
+}
+
+}  // namespace
+
+std::string toSvg(const Histogram& plot, const std::string& id) {
+  internal::PageLayout layout;
+  std::vector<const std::vector<double>*> heights;
+  std::size_t bins = 1;
+  for (const HistogramSeries& series : plot.series) {
+    heights.push_back(&series.counts);
+    bins = std::max(bins, series.counts.size());
+    layout.legend.push_back({series.name, series.colour});
+  }
+  for (const Series& curve : plot.curves) {
+    heights.push_back(&curve.y);
+    layout.legend.push_back({curve.name, curve.colour});
+  }
+  const double last = plot.first + plot.bin_width * static_cast<double>(bins);
+  layout.x = plot.frame.x.range.value_or(Range{plot.first, last});
+  layout.y = plot.frame.y.range.value_or(heightRange(heights));
+  ChartPage page(plot.frame, layout, id);
+  for (const HistogramSeries& series : plot.series) addBars(page, plot, series);
+  for (const Series& curve : plot.curves) page.addLine(curve);
+  return page.svg();
+}
+
+std::string toSvg(const BarPlot& plot, const std::string& id) {
+  internal::PageLayout layout;
+  std::vector<const std::vector<double>*> heights;
+  for (std::size_t s = 0; s < plot.values.size(); ++s) {
+    heights.push_back(&plot.values[s]);
+    layout.legend.push_back({plot.names[s], seriesColour(s)});
+  }
+  layout.x = {-0.5, static_cast<double>(std::max<std::size_t>(1, plot.categories.size())) - 0.5};
+  layout.y = plot.frame.y.range.value_or(heightRange(heights));
+  PlotFrame frame = plot.frame;
+  frame.x.ticks = ticksOf(plot.categories);
+  ChartPage page(frame, layout, id);
+  page.addDrawing([&page, &plot](vtkContext2D& painter, SvgDevice& device) {
+    const double width = 0.8 / static_cast<double>(std::max<std::size_t>(1, plot.values.size()));
+    internal::setNoPen(painter);
+    for (std::size_t s = 0; s < plot.values.size(); ++s) {
+      internal::setBrush(painter, seriesColour(s));
+      for (std::size_t i = 0; i < plot.values[s].size(); ++i) {
+        if (!std::isfinite(plot.values[s][i])) continue;
+        const double from = static_cast<double>(i) - 0.4 + width * static_cast<double>(s);
+        device.setShapeTitle(
+            fmt::format("{}, {}: {:.4g}", plot.categories[i], plot.names[s], plot.values[s][i]));
+        drawBox(painter, page, {from, from + width}, {0, plot.values[s][i]});
+      }
+    }
+  });
+  return page.svg();
+}
+
+std::string toSvg(const BoxPlot& plot, const std::string& id) {
+  std::vector<std::string> names;
+  std::vector<double> values;
+  for (const BoxSummary& box : plot.boxes) {
+    names.push_back(box.name);
+    values.insert(values.end(), box.quantiles.begin(), box.quantiles.end());
+  }
+  internal::PageLayout layout;
+  layout.x = {-0.5, static_cast<double>(std::max<std::size_t>(1, names.size())) - 0.5};
+  layout.y = plot.frame.y.range.value_or(rangeOf({&values}, 0.06));
+  for (std::size_t s = 0; s < plot.series.size(); ++s) {
+    layout.legend.push_back({plot.series[s], seriesColour(s)});
+  }
+  PlotFrame frame = plot.frame;
+  frame.x.ticks = ticksOf(names);
+  ChartPage page(frame, layout, id);
+  page.addDrawing([&page, &plot](vtkContext2D& painter, SvgDevice& device) {
+    for (std::size_t i = 0; i < plot.boxes.size(); ++i) {
+      drawBoxSummary(painter, device, page, plot.boxes[i], static_cast<double>(i));
+    }
+  });
+  return page.svg();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/plots/vtk/svg_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace plumbline::internal {
+namespace {
+
+constexpr std::size_t kShortLine = 1000;  // points; below it nothing is thinned
+
+std::vector<double> mergeEqualNeighbours(const std::vector<double>& points) {
+  std::vector<double> kept;
+  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+    const bool same = !kept.empty() && std::abs(kept[kept.size() - 2] - points[i]) < 0.05 &&
+                      std::abs(kept.back() - points[i + 1]) < 0.05;
+    if (same) continue;
+    kept.push_back(points[i]);
+    kept.push_back(points[i + 1]);
+  }
+  return kept;
+}
+
+std::vector<double> keepExtremes(const std::vector<double>& points) {
+  std::vector<double> kept;
+  const std::size_t n = points.size() / 2;
+  for (std::size_t begin = 0; begin < n;) {
+    const double column = std::floor(2 * points[2 * begin]);
+    std::size_t end = begin, low = begin, high = begin;
+    for (; end < n && std::floor(2 * points[2 * end]) == column; ++end) {
+      if (points[2 * end + 1] < points[2 * low + 1]) low = end;
+      if (points[2 * end + 1] > points[2 * high + 1]) high = end;
+    }
+    std::vector<std::size_t> chosen = {begin, std::min(low, high), std::max(low, high), end - 1};
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    for (const std::size_t i : chosen) {
+      kept.push_back(points[2 * i]);
+      kept.push_back(points[2 * i + 1]);
+    }
+    begin = end;
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::string escapeXml(const std::string& text) {
+  std::string escaped;
+  escaped.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string pixel(double value) {
+  const long tenths = std::lround(value * 10);
+  if (tenths % 10 == 0) return fmt::format("{}", tenths / 10);
+  return fmt::format("{}{}.{}", tenths < 0 ? "-" : "", std::abs(tenths) / 10,
+                     std::abs(tenths) % 10);
+}
+
+std::string pointList(const std::vector<double>& points) {
+  std::string list;
+  list.reserve(points.size() * 6);
+  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+    if (i > 0) list += ' ';
+    list += pixel(points[i]) + ',' + pixel(points[i + 1]);
+  }
+  return list;
+}
+
+std::vector<double> thinLine(const std::vector<double>& points) {
+  if (points.size() / 2 < kShortLine) return points;
+  for (std::size_t i = 2; i < points.size(); i += 2) {
+    if (points[i] < points[i - 2]) return mergeEqualNeighbours(points);
+  }
+  return keepExtremes(points);
+}
+
+std::string base64(const unsigned char* bytes, std::size_t count) {
+  static constexpr char kAlphabet[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((count + 2) / 3 * 4);
+  for (std::size_t i = 0; i < count; i += 3) {
+    const std::size_t have = std::min<std::size_t>(3, count - i);
+    unsigned triple = 0;
+    for (std::size_t k = 0; k < 3; ++k) triple = triple << 8 | (k < have ? bytes[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= have ? kAlphabet[(triple >> (18 - 6 * k)) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace plumbline::internal
