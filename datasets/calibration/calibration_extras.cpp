@@ -5,8 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/calibration/basalt_calibration.h"
-#include "datasets/calibration/yac_result.h"
+#include "datasets/calibration/other_tools.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {

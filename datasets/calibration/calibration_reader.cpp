@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/calibration/calibration_reader.h"
 
-#include "datasets/calibration/basalt_calibration.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/kalibr/camchain.h"
-#include "datasets/calibration/yac_result.h"
+#include "datasets/calibration/other_tools.h"
 #include "datasets/files/yaml_map.h"
 
 // JSON is a subset of YAML (1.2), so one reader serves both and names lines in both.

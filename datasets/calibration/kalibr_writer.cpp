@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/yaml_numbers.h"
+#include "datasets/files/numbers.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "calibrator/base/time.h"
 #include "datasets/files/bad_input.h"
-#include "datasets/files/mapped_file.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 

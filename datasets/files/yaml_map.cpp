@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "datasets/files/mapped_file.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 namespace {

@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/atomic_file.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/content_hash.h"
-#include "datasets/files/mapped_file.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,13 @@
 #include <charconv>
 #include <filesystem>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "datasets/files/bad_input.h"
+#include "datasets/files/content_hash.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 namespace {
@@ -36,6 +41,42 @@ std::vector<std::string> camerasIn(const fs::path& folder) {
   std::vector<std::string> folders;
   for (auto& [number, camera] : found) folders.push_back(std::move(camera));
   return folders;
+}
+
+// One line for each file: its name and what stands for its content.
+class Manifest {
+ public:
+  void addContent(const std::string& path, const std::string& name) {
+    if (!fs::exists(path)) return;
+    lines_.push_back(fmt::format("{} {}\n", name, toHex(contentHash(MappedFile(path).text()))));
+  }
+
+  void addSizes(const std::string& folder, const std::string& name) {
+    if (!fs::is_directory(folder)) return;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      if (!entry.is_regular_file()) continue;
+      const std::string file = entry.path().filename().string();
+      lines_.push_back(fmt::format("{}/{} {} bytes\n", name, file, entry.file_size()));
+    }
+  }
+
+  std::string hash() {
+    std::sort(lines_.begin(), lines_.end());
+    std::string all;
+    for (const std::string& line : lines_) all += line;
+    return "xxh64:" + toHex(contentHash(all));
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+void addCamera(Manifest& manifest, const std::string& camera) {
+  const std::string name = fs::path(camera).filename().string();
+  for (const char* file : {"corners.csv", "data.csv", "sensor.yaml"}) {
+    manifest.addContent(camera + "/" + file, name + "/" + file);
+  }
+  if (!fs::exists(camera + "/corners.csv")) manifest.addSizes(camera + "/data", name + "/data");
 }
 
 }  // namespace
@@ -74,6 +115,27 @@ std::optional<std::string> findBeside(const std::vector<std::string>& folders,
     if (fs::exists(candidate)) return candidate.string();
   }
   return std::nullopt;
+}
+
+std::string inputHash(const std::string& session, const SessionReadOptions& options,
+                      const std::vector<std::string>& others) {
+  const SessionFolder folder = findSession(session);
+  Manifest manifest;
+  const auto beside = [&](const std::string& name, const std::optional<std::string>& given) {
+    const auto path = given ? given : findBeside(folder.beside, name);
+    if (path) manifest.addContent(*path, name);
+  };
+  beside("target.yaml", options.target_path);
+  for (const std::string& camera : folder.cameras) addCamera(manifest, camera);
+  if (folder.imu && options.read_imu) {
+    beside("imu.yaml", options.imu_path);
+    manifest.addContent(*folder.imu + "/sensor.yaml", "imu0/sensor.yaml");
+    manifest.addContent(*folder.imu + "/data.csv", "imu0/data.csv");
+  }
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    manifest.addContent(others[i], fmt::format("given/{}", i));
+  }
+  return manifest.hash();
 }
 
 }  // namespace plumbline

@@ -6,10 +6,8 @@
 #include <utility>
 
 #include "datasets/files/bad_input.h"
-#include "datasets/session/imu_reader.h"
+#include "datasets/session/imu.h"
 #include "datasets/session/session_folder.h"
-#include "datasets/session/session_selection.h"
-#include "datasets/session/target_reader.h"
 
 namespace plumbline {
 namespace {

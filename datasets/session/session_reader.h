@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/session.h"
-#include "datasets/session/camera_stream_reader.h"
+#include "datasets/session/camera_stream.h"
 
 namespace plumbline {
 
@@ -51,5 +52,14 @@ Recording readRecording(const std::string& path, const SessionReadOptions& optio
 
 /// The session of a recording that comes as corners; InputError where it comes as images.
 Session readSession(const std::string& path, const SessionReadOptions& options = {});
+
+/// Reads Kalibr's target.yaml (target_type: aprilgrid; tagRows, tagCols, tagSize [m], tagSpacing as
+/// a ratio of tagSize). Throws InputError for checkerboards and circle grids, which are not
+/// supported yet, and for sizes that cannot be metres or ratios.
+AprilGrid readTarget(const std::string& path);
+
+/// Keeps the frames that the options ask for (from_s, to_s, stride) and the IMU samples around
+/// them. Throws InputError for options out of range or where nothing would be left.
+void selectFrames(Recording& recording, const SessionReadOptions& options);
 
 }  // namespace plumbline

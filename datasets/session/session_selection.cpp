@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/session_selection.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -9,6 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
+#include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/session.h"
+#include "calibrator/simulate/render.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 
@@ -24,5 +28,28 @@ struct TextFile {
 /// corners.csv where the views are corners), mav0/imu0/{data.csv,sensor.yaml}, target.yaml and
 /// imu.yaml as Kalibr reads them. Corners have 9 decimals, IMU samples 12 significant digits.
 std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz, ViewFormat views);
+
+/// How a simulated session is written.
+struct SimulatedSessionFormat {
+  ViewFormat views = ViewFormat::kCorners;
+  RenderOptions render;  ///< of the images
+  int threads = 0;       ///< that render; 0: all cores. The bytes written do not depend on it.
+  /// Called with the number of images done and of all, from any thread, one call at a time.
+  std::function<void(std::size_t, std::size_t)> progress;
+};
+
+/// Writes a simulated session as a recording that `plumbline calibrate` reads, with its truth
+/// beside it:
+///   FOLDER/mav0/{cam0,cam1,...,imu0}/...    see sessionFiles()
+///   FOLDER/{target.yaml,imu.yaml}
+///   FOLDER/truth/camchain-imucam.yaml       Kalibr's format
+///   FOLDER/truth/trajectory.csv             see trajectoryCsv()
+///   FOLDER/truth/truth.json                 see truthJson()
+/// `options` are those the session was simulated with. Everything is written beside FOLDER under a
+/// temporary name and renamed at the end, so FOLDER is complete or not there. Throws InputError
+/// where FOLDER exists and is not empty, or cannot be written.
+void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
+                           const std::filesystem::path& folder,
+                           const SimulatedSessionFormat& format = {});
 
 }  // namespace plumbline

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include "datasets/files/mapped_file.h"
-#include "datasets/files/number_scanner.h"
-#include "datasets/trajectory/table_row.h"
-#include "datasets/trajectory/trajectory_formats.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/numbers.h"
+#include "datasets/trajectory/formats.h"
+#include "datasets/trajectory/table.h"
 
 namespace plumbline {
 namespace {

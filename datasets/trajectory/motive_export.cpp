@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "datasets/files/number_scanner.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/text_lines.h"
-#include "datasets/trajectory/trajectory_formats.h"
+#include "datasets/trajectory/formats.h"
 
 namespace plumbline {
 namespace {

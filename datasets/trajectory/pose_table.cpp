@@ -6,11 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/number_scanner.h"
-#include "datasets/trajectory/stamp_unit.h"
-#include "datasets/trajectory/table_header.h"
-#include "datasets/trajectory/table_row.h"
-#include "datasets/trajectory/trajectory_formats.h"
+#include "datasets/files/numbers.h"
+#include "datasets/trajectory/formats.h"
+#include "datasets/trajectory/table.h"
 
 namespace plumbline {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "datasets/files/mapped_file.h"
+#include "datasets/files/file_io.h"
 #include "datasets/files/text_lines.h"
-#include "datasets/trajectory/table_header.h"
-#include "datasets/trajectory/trajectory_formats.h"
+#include "datasets/trajectory/formats.h"
+#include "datasets/trajectory/table.h"
 
 namespace plumbline {
 namespace {

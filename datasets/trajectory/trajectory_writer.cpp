@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 namespace {

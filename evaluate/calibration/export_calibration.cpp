@@ -7,9 +7,9 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/calibration/calibration_reader.h"
-#include "datasets/calibration/export/select_cameras.h"
-#include "datasets/files/atomic_file.h"
-#include "datasets/session/imu_reader.h"
+#include "datasets/calibration/export/calibration_export.h"
+#include "datasets/files/file_io.h"
+#include "datasets/session/imu.h"
 #include "evaluate/results/result_folder.h"
 #include "generated/version.h"
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_io.h"
 #include "evaluate/calibration/evaluation_document.h"
 #include "evaluate/calibration/write_results.h"
 #include "evaluate/results/result_folder.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_io.h"
 #include "evaluate/calibration/calibration_document.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"

@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_io.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"

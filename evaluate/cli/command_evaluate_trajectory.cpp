@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_io.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/failure.h"

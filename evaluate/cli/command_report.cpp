@@ -9,7 +9,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/files/atomic_file.h"
+#include "datasets/files/file_io.h"
 #include "evaluate/calibration/calibration_document.h"
 #include "evaluate/calibration/evaluation_document.h"
 #include "evaluate/calibration/write_results.h"

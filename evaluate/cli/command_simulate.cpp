@@ -9,7 +9,7 @@
 
 #include "calibrator/simulate/rig.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "datasets/session/simulated_session.h"
+#include "datasets/session/session_writer.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"

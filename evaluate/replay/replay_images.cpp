@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg_writer.h"
+#include "datasets/images/jpeg.h"
 #include "evaluate/results/parallel_for.h"
 
 namespace plumbline {

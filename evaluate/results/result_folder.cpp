@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/files/pending_folder.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 namespace {

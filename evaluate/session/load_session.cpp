@@ -10,7 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/stopwatch.h"
-#include "datasets/session/input_hash.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/session/detect_corners.h"
 
 namespace plumbline {

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/statistics.h"
-#include "datasets/files/atomic_file.h"
-#include "datasets/files/pending_folder.h"
+#include "datasets/files/file_io.h"
 #include "datasets/session/session_writer.h"
 
 namespace plumbline {

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/calibration/export/export_checks.h"
-#include "datasets/calibration/export/export_text.h"
-#include "datasets/calibration/export/tool_writers.h"
+#include "datasets/calibration/export/tools.h"
 
 namespace plumbline {
 namespace {

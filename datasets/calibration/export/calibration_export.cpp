@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/calibration/export/calibration_export.h"
 
+#include <algorithm>
 #include <array>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "calibrator/base/error.h"
-#include "datasets/calibration/export/tool_writers.h"
+#include "datasets/calibration/export/tools.h"
+#include "datasets/calibration/kalibr_writer.h"
 
 namespace plumbline {
 namespace {
@@ -26,6 +31,41 @@ constexpr std::array<Entry, 7> kTools{{{ExportTool::kKalibr, "kalibr", exportKal
                                        {ExportTool::kCameraInfo, "camera_info", exportCameraInfo}}};
 
 const Entry& entryOf(ExportTool tool) { return kTools[static_cast<std::size_t>(tool)]; }
+
+constexpr const char* kDirections =
+    "T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; t_imu = t_cam + "
+    "timeshift_cam_imu.";
+
+std::string namesOf(const Calibration& calibration) {
+  std::vector<std::string> names;
+  for (const CameraCalibration& camera : calibration.cameras) names.push_back(camera.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+const CameraCalibration& named(const Calibration& calibration, const std::string& name,
+                               const std::string& path) {
+  for (const CameraCalibration& camera : calibration.cameras) {
+    if (camera.name == name) return camera;
+  }
+  throw InputError(path, 0,
+                   fmt::format("has no camera '{}'; expected some of {}; correct --only", name,
+                               namesOf(calibration)));
+}
+
+// Of the cameras chosen, where the cameras have offsets of their own; the first one's is that of
+// all else.
+void selectOffsets(const Calibration& from, ImuCalibration& imu,
+                   const std::vector<CameraCalibration>& chosen) {
+  const std::vector<double>& own = from.imu->camera_time_offsets_s;
+  if (own.size() != from.cameras.size()) return;
+  imu.camera_time_offsets_s.clear();
+  for (const CameraCalibration& camera : chosen) {
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (from.cameras[i].name == camera.name) imu.camera_time_offsets_s.push_back(own[i]);
+    }
+  }
+  imu.time_offset_s = imu.camera_time_offsets_s.front();
+}
 
 }  // namespace
 
@@ -50,6 +90,50 @@ ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
     throw InputError(options.source, 0, "has no camera; expected a calibration of one or more");
   }
   return entryOf(tool).write(calibration, options);
+}
+
+ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& options) {
+  ExportedFiles out;
+  const bool with_imu = calibration.imu.has_value();
+  out.files.push_back({with_imu ? "camchain-imucam.yaml" : "camchain.yaml",
+                       commentHeader(options, {kDirections}) + kalibrCamchainText(calibration)});
+  if (!with_imu) return out;
+  if (!options.noise_known) {
+    out.warnings.push_back(
+        "imu.yaml is not written: this file does not state the IMU's noise densities (give them "
+        "with --imu imu.yaml).");
+    return out;
+  }
+  out.files.push_back(
+      {"imu.yaml", commentHeader(options, {"Continuous-time noise densities."}) +
+                       kalibrImuText(calibration.imu->noise, topicOf(*calibration.imu))});
+  return out;
+}
+
+Calibration selectCameras(const Calibration& calibration, const std::vector<std::string>& names,
+                          const std::string& path) {
+  if (names.empty()) return calibration;
+  Calibration chosen{{}, calibration.imu};
+  for (const std::string& name : names) {
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      throw InputError(path, 0,
+                       fmt::format("camera '{}' is asked for twice; correct --only", name));
+    }
+    chosen.cameras.push_back(named(calibration, name, path));
+  }
+  if (chosen.imu) selectOffsets(calibration, *chosen.imu, chosen.cameras);
+  if (names.front() == calibration.cameras.front().name) return chosen;
+  const Transform T_C0Cn = chosen.cameras.front().T_C0Ci;
+  for (CameraCalibration& camera : chosen.cameras) {
+    camera.T_C0Ci = T_C0Cn.inverse() * camera.T_C0Ci;
+    camera.T_C0Ci_std.reset();
+  }
+  chosen.cameras.front().T_C0Ci = Transform();
+  if (chosen.imu) {
+    chosen.imu->T_SC0 = chosen.imu->T_SC0 * T_C0Cn;
+    chosen.imu->T_SC0_std.reset();
+  }
+  return chosen;
 }
 
 }  // namespace plumbline

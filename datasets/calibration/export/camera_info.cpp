@@ -2,10 +2,8 @@
 // Keys as ROS' camera_calibration_parsers reads them.
 #include <fmt/format.h>
 
-#include "datasets/calibration/export/export_checks.h"
-#include "datasets/calibration/export/export_text.h"
-#include "datasets/calibration/export/tool_writers.h"
-#include "datasets/files/yaml_numbers.h"
+#include "datasets/calibration/export/tools.h"
+#include "datasets/files/numbers.h"
 
 namespace plumbline {
 namespace {

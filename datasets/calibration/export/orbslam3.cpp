@@ -4,9 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/calibration/export/export_checks.h"
-#include "datasets/calibration/export/export_text.h"
-#include "datasets/calibration/export/tool_writers.h"
+#include "datasets/calibration/export/tools.h"
 
 namespace plumbline {
 namespace {

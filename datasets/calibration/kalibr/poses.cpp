@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/calibration/kalibr/poses.h"
-
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -11,9 +9,10 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics.h"
+#include "datasets/calibration/kalibr/run.h"
 #include "datasets/files/bad_input.h"
-#include "datasets/files/mapped_file.h"
-#include "datasets/files/number_scanner.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/text_lines.h"
 
 namespace plumbline {

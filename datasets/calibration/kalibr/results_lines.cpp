@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/files/bad_input.h"
-#include "datasets/files/number_scanner.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/text_lines.h"
 
 namespace plumbline {

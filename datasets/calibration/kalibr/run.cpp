@@ -9,8 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/calibration/kalibr/poses.h"
-#include "datasets/files/mapped_file.h"
+#include "datasets/files/file_io.h"
 #include "datasets/files/text_lines.h"
 #include "datasets/files/yaml_map.h"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg_writer.h"
+#include "datasets/images/jpeg.h"
 #include "evaluate/replay/guide_frames.h"
 
 namespace plumbline {

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/export/tools.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/files/numbers.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kColumns = 96;
+
+bool plain(char c, std::string_view also) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || also.find(c) != also.npos;
+}
+
+std::string topicOr(const std::string& topic, const std::string& otherwise) {
+  const bool good = std::all_of(topic.begin(), topic.end(), [](char c) { return plain(c, "_/"); });
+  return good && !topic.empty() ? topic : otherwise;
+}
+
+std::string wrappedParagraph(const std::string& paragraph, const std::string& prefix) {
+  std::istringstream words(paragraph);
+  std::string text;
+  std::string line = prefix;
+  for (std::string word; words >> word;) {
+    const bool first = line.size() == prefix.size();
+    if (!first && line.size() + 1 + word.size() > kColumns) {
+      text += line + "\n";
+      line = prefix;
+    }
+    line += (line.size() == prefix.size() ? "" : " ") + word;
+  }
+  return text + line + "\n";
+}
+
+}  // namespace
+
+void ExportChecks::refuse(const std::string& what, const std::string& cure) const {
+  throw InputError(options_.source, 0, fmt::format("{}: {}; {}", tool_, what, cure));
+}
+
+void ExportChecks::atMostCameras(std::size_t count) const {
+  if (calibration_.cameras.size() <= count) return;
+  refuse(fmt::format("it takes at most {} cameras, this calibration has {}", count,
+                     calibration_.cameras.size()),
+         "choose with --only, e.g. --only cam0,cam1");
+}
+
+void ExportChecks::oneResolution() const {
+  const Resolution& first = calibration_.cameras.front().intrinsics.resolution;
+  for (const CameraCalibration& camera : calibration_.cameras) {
+    const Resolution& size = camera.intrinsics.resolution;
+    if (size == first) continue;
+    refuse(fmt::format("it takes one image size, {} has {}x{} and {} has {}x{}",
+                       calibration_.cameras.front().name, first.width, first.height, camera.name,
+                       size.width, size.height),
+           "export one camera with --only");
+  }
+}
+
+void ExportChecks::oneModel() const {
+  const CameraCalibration& first = calibration_.cameras.front();
+  for (const CameraCalibration& camera : calibration_.cameras) {
+    if (modelName(camera.intrinsics) == modelName(first.intrinsics)) continue;
+    refuse(fmt::format("it takes one camera model, {} is {} and {} is {}", first.name,
+                       modelName(first.intrinsics), camera.name, modelName(camera.intrinsics)),
+           "calibrate both cameras with the same model, or export one camera with --only");
+  }
+}
+
+const ImuCalibration& ExportChecks::neededImu() const {
+  if (!calibration_.imu) {
+    refuse("it needs an IMU, and this calibration has none",
+           "calibrate with the recording's IMU, or export to kalibr, orbslam3 or camera_info");
+  }
+  knownNoise();
+  return *calibration_.imu;
+}
+
+void ExportChecks::knownNoise() const {
+  if (!calibration_.imu) return;
+  if (!options_.noise_known) {
+    refuse("it needs the IMU's noise densities, and this file does not state them",
+           "give them with --imu imu.yaml (Kalibr's)");
+  }
+  const ImuNoise& n = calibration_.imu->noise;
+  const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
+                        n.accel_random_walk > 0 && n.rate_hz > 0;
+  if (!positive) {
+    refuse("a noise density or the IMU's rate is not positive",
+           "correct the calibration, or give --imu imu.yaml");
+  }
+}
+
+void ExportChecks::refuseModel(const CameraCalibration& camera, const std::string& known) const {
+  refuse(fmt::format("it cannot represent {}, which is {}; it has {}", camera.name,
+                     modelName(camera.intrinsics), known),
+         "calibrate this camera with a model that it has, or export to another tool "
+         "(docs/export.md)");
+}
+
+std::string modelName(const Intrinsics& intrinsics) {
+  return toString(intrinsics.projection_model) + "-" + toString(intrinsics.distortion_model);
+}
+
+bool isPinhole(const Intrinsics& intrinsics, DistortionModel distortion) {
+  return intrinsics.projection_model == ProjectionModel::kPinhole &&
+         intrinsics.distortion_model == distortion;
+}
+
+Eigen::Vector4d fourCoefficients(const Intrinsics& intrinsics) {
+  if (intrinsics.distortion_model == DistortionModel::kNone) return Eigen::Vector4d::Zero();
+  assert(intrinsics.distortion.size() == 4);
+  return intrinsics.distortion;
+}
+
+std::string provenanceLine(const ExportOptions& options) {
+  std::string file = std::filesystem::path(options.source).filename().string();
+  std::replace_if(
+      file.begin(), file.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); },
+      '?');
+  return fmt::format("{} {} from {}.", kExportMark, options.version, file);
+}
+
+std::string wrapped(const std::vector<std::string>& paragraphs, const std::string& prefix) {
+  std::string text;
+  for (const std::string& paragraph : paragraphs) text += wrappedParagraph(paragraph, prefix);
+  return text;
+}
+
+std::string commentHeader(const ExportOptions& options,
+                          const std::vector<std::string>& paragraphs) {
+  return wrapped({provenanceLine(options)}, "# ") + wrapped(paragraphs, "# ");
+}
+
+std::string opencvHeader(const ExportOptions& options, const std::vector<std::string>& paragraphs) {
+  return "%YAML:1.0\n---\n" + commentHeader(options, paragraphs);
+}
+
+std::string opencvMatrix(const std::string& key, const Transform& T, char dt) {
+  std::string text =
+      fmt::format("{}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: {}\n   data: [", key, dt);
+  const Eigen::Matrix4d M = T.matrix();
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const std::string row = yamlList(M.row(i));
+    text += (i == 0 ? "" : ",\n          ") + row.substr(1, row.size() - 2);
+  }
+  return text + "]\n";
+}
+
+std::string numberLine(const std::string& key, double value) {
+  return fmt::format("{}: {}\n", key, yamlNumber(value));
+}
+
+std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent) {
+  std::string text;
+  for (Eigen::Index i = 0; i < M.rows(); ++i) text += indent + "- " + yamlList(M.row(i)) + "\n";
+  return text;
+}
+
+long long nanosecondsOf(double seconds) { return std::llround(seconds * 1e9); }
+
+std::string secondsText(double seconds) {
+  return fmt::format("{} s ({} ns)", yamlNumber(seconds), nanosecondsOf(seconds));
+}
+
+std::vector<std::string> unlikeOffsets(const Calibration& calibration) {
+  std::vector<std::string> warnings;
+  if (!calibration.imu) return warnings;
+  const std::vector<double>& own = calibration.imu->camera_time_offsets_s;
+  for (std::size_t i = 1; i < std::min(own.size(), calibration.cameras.size()); ++i) {
+    const double shift = own[i] - calibration.imu->time_offset_s;
+    if (shift == 0) continue;
+    warnings.push_back(fmt::format(
+        "The cameras are not synchronised, and this tool takes one time offset, that of {}: add {} "
+        "to the image stamps of {} first.",
+        calibration.cameras.front().name, secondsText(shift), calibration.cameras[i].name));
+  }
+  return warnings;
+}
+
+std::string topicOf(const CameraCalibration& camera) {
+  return topicOr(camera.rostopic, "/" + plainName(camera.name) + "/image_raw");
+}
+
+std::string topicOf(const ImuCalibration& imu) { return topicOr(imu.rostopic, "/imu0"); }
+
+std::string plainName(const std::string& name) {
+  std::string text = name;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return !plain(c, "_-"); }, '_');
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/transform.h"
+#include "datasets/calibration/export/calibration_export.h"
+
+namespace plumbline {
+
+// One writer a tool, each in its own file; contract as exportCalibration().
+
+/// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml.
+ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& options);
+/// orbslam3.yaml: settings of File.version 1.0.
+ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions& options);
+/// kalibr_imucam_chain.yaml, kalibr_imu_chain.yaml.
+ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions& options);
+/// vins_fusion.yaml, cam0.yaml and cam1.yaml.
+ExportedFiles exportVinsFusion(const Calibration& calibration, const ExportOptions& options);
+/// okvis2.yaml.
+ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& options);
+/// basalt_calib.json, basalt_notes.txt.
+ExportedFiles exportBasalt(const Calibration& calibration, const ExportOptions& options);
+/// NAME.yaml for each camera.
+ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptions& options);
+
+/// Refusals that tools share. Each throws InputError with the tool's name and what to do.
+class ExportChecks {
+ public:
+  /// `tool` as its authors write it; both references must outlive the checks.
+  ExportChecks(const Calibration& calibration, const ExportOptions& options, std::string tool)
+      : calibration_(calibration), options_(options), tool_(std::move(tool)) {}
+
+  void atMostCameras(std::size_t count) const;
+  void oneResolution() const;
+  /// The same projection and distortion for all cameras.
+  void oneModel() const;
+  /// The IMU with noise that is known and positive.
+  const ImuCalibration& neededImu() const;
+  /// As neededImu() where there is an IMU.
+  void knownNoise() const;
+  /// A camera whose model the tool does not have; `known` lists those that it has.
+  [[noreturn]] void refuseModel(const CameraCalibration& camera, const std::string& known) const;
+  [[noreturn]] void refuse(const std::string& what, const std::string& cure) const;
+
+ private:
+  const Calibration& calibration_;
+  const ExportOptions& options_;
+  std::string tool_;
+};
+
+/// "pinhole-radtan".
+std::string modelName(const Intrinsics& intrinsics);
+
+/// Whether the camera is a pinhole with this distortion.
+bool isPinhole(const Intrinsics& intrinsics, DistortionModel distortion);
+
+/// The distortion's four coefficients (radtan k1 k2 p1 p2; equidistant k1 k2 k3 k4), zeros for
+/// none.
+Eigen::Vector4d fourCoefficients(const Intrinsics& intrinsics);
+
+/// "Written by Plumbline VERSION from FILE."
+std::string provenanceLine(const ExportOptions& options);
+
+/// Paragraphs as lines of at most 96 columns, each behind `prefix`.
+std::string wrapped(const std::vector<std::string>& paragraphs, const std::string& prefix);
+
+/// The provenance and the paragraphs as a block of "# " lines.
+std::string commentHeader(const ExportOptions& options, const std::vector<std::string>& paragraphs);
+
+/// "%YAML:1.0", which OpenCV's FileStorage wants first, then commentHeader().
+std::string opencvHeader(const ExportOptions& options, const std::vector<std::string>& paragraphs);
+
+/// A 4x4 !!opencv-matrix under `key`; `dt` is 'd' (double) or 'f' (float).
+std::string opencvMatrix(const std::string& key, const Transform& T, char dt);
+
+/// "KEY: NUMBER\n" with every digit of the double.
+std::string numberLine(const std::string& key, double value);
+
+/// The rows of a matrix as "- [a, b, ...]" lines behind `indent`.
+std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent);
+
+/// A time in seconds as whole nanoseconds.
+long long nanosecondsOf(double seconds);
+
+/// "0.0021 s (2100000 ns)": every digit of the seconds.
+std::string secondsText(double seconds);
+
+/// Where cameras have time offsets of their own and the tool takes one for all, camera 0's: by how
+/// much the other cameras' stamps must be moved first, t_d,i - t_d,0. Empty where there is nothing
+/// to say.
+std::vector<std::string> unlikeOffsets(const Calibration& calibration);
+
+/// The camera's topic, or /NAME/image_raw where it has none that is a plain ROS name.
+std::string topicOf(const CameraCalibration& camera);
+/// Likewise for the IMU; /imu0.
+std::string topicOf(const ImuCalibration& imu);
+
+/// The name with everything but letters, digits, '_' and '-' replaced by '_': fit for a file.
+std::string plainName(const std::string& name);
+
+}  // namespace plumbline

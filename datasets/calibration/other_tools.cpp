@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/calibration/other_tools.h"
+
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/calibration/calibration_fields.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kPose = "px, py, pz, qx, qy, qz, qw";
+
+Transform poseOf(const YamlMap& map) {
+  const auto number = [&](const char* key) { return map.number(key, kPose); };
+  const Eigen::Quaterniond q(number("qw"), number("qx"), number("qy"), number("qz"));
+  if (std::abs(q.norm() - 1) > 1e-3) {
+    throw map.fault("qw", {fmt::format("the quaternion's length is {:.4f}", q.norm()), "1", ""});
+  }
+  return {q, Eigen::Vector3d(number("px"), number("py"), number("pz"))};
+}
+
+Eigen::VectorXd numbersOf(const YamlMap& map, std::initializer_list<const char*> keys) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(keys.size()));
+  Eigen::Index i = 0;
+  for (const char* key : keys) values(i++) = map.number(key, "a parameter of the camera");
+  return values;
+}
+
+void refuseRational(const YamlMap& map) {
+  for (const char* key : {"k3", "k4", "k5", "k6"}) {
+    if (map.numberOr(key, 0) == 0) continue;
+    throw map.fault(key, {"a distortion with k3 to k6", "k3 to k6 zero: radtan has four parameters",
+                          "calibrate with kb4 or with radtan"});
+  }
+}
+
+void setModel(Intrinsics& k, ProjectionModel projection, DistortionModel distortion) {
+  k.projection_model = projection;
+  k.distortion_model = distortion;
+}
+
+Intrinsics unified(const YamlMap& map, Intrinsics k) {
+  setModel(k, ProjectionModel::kOmni, DistortionModel::kNone);
+  const double alpha = map.number("alpha", "between 0 and 1");
+  const double xi = alpha / (1 - alpha);
+  k.projection.resize(5);
+  k.projection << xi, numbersOf(map, {"fx", "fy", "cx", "cy"});
+  k.projection.segment<2>(1) *= 1 + xi;
+  return k;
+}
+
+Intrinsics intrinsicsOf(const YamlMap& camera) {
+  const std::string type = camera.text("camera_type", "pinhole-radtan8, kb4, ds, ...");
+  const YamlMap map = camera.map("intrinsics", "the camera's parameters");
+  Intrinsics k;
+  if (type == "ucm") return unified(map, k);
+  if (type == "ds") {
+    setModel(k, ProjectionModel::kDs, DistortionModel::kNone);
+    k.projection = numbersOf(map, {"xi", "alpha", "fx", "fy", "cx", "cy"});
+  } else if (type == "eucm") {
+    setModel(k, ProjectionModel::kEucm, DistortionModel::kNone);
+    k.projection = numbersOf(map, {"alpha", "beta", "fx", "fy", "cx", "cy"});
+  } else {
+    k.projection = numbersOf(map, {"fx", "fy", "cx", "cy"});
+  }
+  if (type == "pinhole-radtan8") {
+    refuseRational(map);
+    setModel(k, ProjectionModel::kPinhole, DistortionModel::kRadtan);
+    k.distortion = numbersOf(map, {"k1", "k2", "p1", "p2"});
+  } else if (type == "kb4") {
+    setModel(k, ProjectionModel::kPinhole, DistortionModel::kEquidistant);
+    k.distortion = numbersOf(map, {"k1", "k2", "k3", "k4"});
+  } else if (type == "pinhole") {
+    setModel(k, ProjectionModel::kPinhole, DistortionModel::kNone);
+  } else if (type != "ds" && type != "eucm") {
+    throw camera.fault("camera_type", {"unknown camera_type '" + type + "'",
+                                       "pinhole, pinhole-radtan8, kb4, ds, eucm or ucm", ""});
+  }
+  return k;
+}
+
+double firstOf(const YamlMap& map, const std::string& key) {
+  const auto values = map.numbers(key, "three numbers, one for each axis");
+  if (!values.empty()) return values.front();
+  throw map.fault(key, {key + " is empty", "three numbers, one for each axis", ""});
+}
+
+ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
+  ImuCalibration imu;
+  imu.T_SC0 = T_SC0;
+  imu.time_offset_s = 1e-9 * value.number("cam_time_offset_ns", "nanoseconds");
+  imu.noise.rate_hz = value.number("imu_update_rate", "Hz");
+  imu.noise.accel_density = firstOf(value, "accel_noise_std");
+  imu.noise.gyro_density = firstOf(value, "gyro_noise_std");
+  imu.noise.accel_random_walk = firstOf(value, "accel_bias_std");
+  imu.noise.gyro_random_walk = firstOf(value, "gyro_bias_std");
+  return imu;
+}
+
+CameraCalibration cameraOf(const YamlMap& file, int i) {
+  CameraCalibration camera;
+  camera.name = fmt::format("cam{}", i);
+  camera.intrinsics = intrinsicsField(file.map(camera.name, "a camera"),
+                                      {"proj_model", "dist_model", "proj_params", "dist_params"});
+  if (i > 0) camera.T_C0Ci = transformField(file, fmt::format("T_cam0_cam{}", i));
+  return camera;
+}
+
+ImuCalibration imuOf(const YamlMap& file) {
+  const YamlMap section = file.map("imu0", "the IMU's noise");
+  ImuCalibration imu;
+  imu.T_SC0 = transformField(file, "T_imu0_cam0");
+  imu.time_offset_s = file.number("time_delay", "seconds: imu_timestamp - camera_timestamp");
+  imu.gravity_m_s2 = section.number("g", "metres per second squared");
+  imu.noise.gyro_density = section.number("sigma_g_c", "rad/s/sqrt(Hz)");
+  imu.noise.gyro_random_walk = section.number("sigma_gw_c", "rad/s^2/sqrt(Hz)");
+  imu.noise.accel_density = section.number("sigma_a_c", "m/s^2/sqrt(Hz)");
+  imu.noise.accel_random_walk = section.number("sigma_aw_c", "m/s^3/sqrt(Hz)");
+  imu.noise.rate_hz = section.number("rate", "Hz");
+  return imu;
+}
+
+}  // namespace
+
+bool isBasaltCalibration(const YamlMap& file) {
+  return file.has("value0") && file.node("value0").IsMap() &&
+         file.map("value0", "a calibration").has("T_imu_cam");
+}
+
+Calibration readBasaltCalibration(const YamlMap& file) {
+  const YamlMap value = file.map("value0", "a calibration");
+  const auto poses = value.maps("T_imu_cam", "one pose for each camera");
+  const auto cameras = value.maps("intrinsics", "one entry for each camera");
+  const auto sizes = value.rows("resolution", "[width, height] for each camera");
+  if (poses.size() != cameras.size() || sizes.size() != cameras.size() || poses.empty()) {
+    throw value.fault("intrinsics", {fmt::format("{} poses, {} cameras, {} resolutions",
+                                                 poses.size(), cameras.size(), sizes.size()),
+                                     "one of each for each camera", ""});
+  }
+  const Transform T_SC0 = poseOf(poses.front());
+  Calibration calibration;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (sizes[i].size() != 2) throw value.fault("resolution", {"no size", "[width, height]", ""});
+    CameraCalibration camera;
+    camera.name = fmt::format("cam{}", i);
+    camera.intrinsics = intrinsicsOf(cameras[i]);
+    camera.intrinsics.resolution = {static_cast<int>(sizes[i][0]), static_cast<int>(sizes[i][1])};
+    if (i > 0) camera.T_C0Ci = T_SC0.inverse() * poseOf(poses[i]);
+    calibration.cameras.push_back(std::move(camera));
+  }
+  calibration.imu = imuOf(value, T_SC0);
+  return calibration;
+}
+
+bool isYacResult(const YamlMap& file) {
+  return file.has("cam0") && file.node("cam0").IsMap() &&
+         file.map("cam0", "a camera").has("proj_model");
+}
+
+Calibration readYacResult(const YamlMap& file) {
+  Calibration calibration;
+  for (int i = 0; file.has(fmt::format("cam{}", i)); ++i) {
+    calibration.cameras.push_back(cameraOf(file, i));
+  }
+  if (file.has("imu0")) calibration.imu = imuOf(file);
+  return calibration;
+}
+
+}  // namespace plumbline

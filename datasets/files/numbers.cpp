@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/files/numbers.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                 1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+// A decimal as mantissa * 10^exponent. Digits beyond the 19 that fit are dropped and counted.
+struct Decimal {
+  std::uint64_t mantissa = 0;
+  int exponent = 0;
+  bool negative = false;
+  bool exact = true;
+  const char* next = nullptr;
+};
+
+constexpr std::uint64_t kRoomForOneMore = std::numeric_limits<std::uint64_t>::max() / 10 - 1;
+
+// Takes the digits at `at`; each one moves the exponent by `per_digit` (-1 behind the point).
+const char* takeDigits(const char* at, const char* end, int per_digit, Decimal& number) {
+  const char* const first = at;
+  std::uint64_t mantissa = number.mantissa;
+  while (at != end && isDigit(*at) && mantissa <= kRoomForOneMore) {
+    mantissa = mantissa * 10 + static_cast<std::uint64_t>(*at++ - '0');
+  }
+  number.mantissa = mantissa;
+  number.exponent += per_digit * static_cast<int>(at - first);
+  for (; at != end && isDigit(*at); ++at) {
+    number.exact = number.exact && *at == '0';
+    number.exponent += per_digit + 1;
+  }
+  return at;
+}
+
+// The exponent behind 'e', where digits follow it; else leaves the number as it was.
+const char* takeExponent(const char* at, const char* end, Decimal& number) {
+  const char* c = at;
+  if (c == end || (*c != 'e' && *c != 'E')) return at;
+  ++c;
+  const bool negative = c != end && *c == '-';
+  if (c != end && (*c == '-' || *c == '+')) ++c;
+  if (c == end || !isDigit(*c)) return at;
+  int exponent = 0;
+  for (; c != end && isDigit(*c); ++c) exponent = std::min(exponent * 10 + (*c - '0'), 9999);
+  number.exponent += negative ? -exponent : exponent;
+  return c;
+}
+
+Decimal scanDecimal(const char* at, const char* end) {
+  Decimal number;
+  if (at != end && (*at == '-' || *at == '+')) number.negative = *at++ == '-';
+  const char* const first = at;
+  at = takeDigits(at, end, 0, number);
+  auto digits = at - first;
+  if (at != end && *at == '.') {
+    const char* const point = ++at;
+    at = takeDigits(at, end, -1, number);
+    digits += at - point;
+  }
+  if (digits > 0) number.next = takeExponent(at, end, number);
+  return number;
+}
+
+// mantissa * 10^exponent where both are exact doubles, so that one operation rounds correctly.
+bool fitsExactly(const Decimal& number) {
+  return number.exact && number.mantissa <= (std::uint64_t{1} << 53) && number.exponent >= -22 &&
+         number.exponent <= 22;
+}
+
+double exactValue(const Decimal& number) {
+  const auto mantissa = static_cast<double>(number.mantissa);
+  const double magnitude = number.exponent < 0
+                               ? mantissa / kPowersOfTen[static_cast<std::size_t>(-number.exponent)]
+                               : mantissa * kPowersOfTen[static_cast<std::size_t>(number.exponent)];
+  return number.negative ? -magnitude : magnitude;
+}
+
+std::optional<std::uint64_t> scaledUp(std::uint64_t mantissa, int power) {
+  for (; power > 0 && mantissa != 0; --power) {
+    if (mantissa > kRoomForOneMore) return std::nullopt;
+    mantissa *= 10;
+  }
+  return mantissa;
+}
+
+std::uint64_t scaledDown(std::uint64_t mantissa, int power) {
+  if (power > 19) return 0;
+  for (; power > 1; --power) mantissa /= 10;  // digits below the first dropped one cannot round up
+  return power == 0 ? mantissa : (mantissa / 10) + (mantissa % 10 >= 5 ? 1 : 0);
+}
+
+}  // namespace
+
+ScannedNumber scanNumber(const char* at, const char* end) {
+  const Decimal number = scanDecimal(at, end);
+  if (number.next != nullptr && fitsExactly(number)) return {exactValue(number), number.next};
+  if (at != end && *at == '+') ++at;
+  ScannedNumber scanned;
+  const auto [stop, error] = std::from_chars(at, end, scanned.value);
+  if (error == std::errc::result_out_of_range) {  // then from_chars leaves the value alone
+    scanned.value = number.exponent > 0 ? std::numeric_limits<double>::infinity() : 0.0;
+  }
+  if (error != std::errc::invalid_argument) scanned.next = stop;
+  return scanned;
+}
+
+std::optional<double> parseNumber(std::string_view text) {
+  const char* const end = text.data() + text.size();
+  const ScannedNumber scanned = scanNumber(text.data(), end);
+  if (text.empty() || scanned.next != end) return std::nullopt;
+  return scanned.value;
+}
+
+std::optional<TimeNs> parseStamp(std::string_view text, int power) {
+  const char* const end = text.data() + text.size();
+  const Decimal number = scanDecimal(text.data(), end);
+  if (text.empty() || number.next != end) return std::nullopt;
+  const int shift = number.exponent + power;
+  const auto magnitude =
+      shift >= 0 ? scaledUp(number.mantissa, shift) : scaledDown(number.mantissa, -shift);
+  if (!magnitude || *magnitude > static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max())) {
+    return std::nullopt;
+  }
+  const auto stamp = static_cast<TimeNs>(*magnitude);
+  return number.negative ? -stamp : stamp;
+}
+
+std::string yamlNumber(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".ni") != std::string::npos) return text;  // has one, or nan, inf
+  return text.insert(std::min(text.find('e'), text.size()), ".0");
+}
+
+std::string yamlList(const Eigen::VectorXd& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + yamlNumber(value);
+  return "[" + text + "]";
+}
+
+}  // namespace plumbline

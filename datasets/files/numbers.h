@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "calibrator/base/time.h"
+
+namespace plumbline {
+
+/// A number and where its text stops; `next` is nullptr where no number begins.
+struct ScannedNumber {
+  double value = 0;
+  const char* next = nullptr;
+};
+
+/// The decimal number (or nan, inf) that begins at `at`, rounded correctly. Numbers whose digits
+/// fit a double exactly take one multiplication or division; others go to std::from_chars.
+ScannedNumber scanNumber(const char* at, const char* end);
+
+/// A whole text as one number; nothing where it is not one.
+std::optional<double> parseNumber(std::string_view text);
+
+/// The decimal text of a time as nanoseconds, without a double in between: the value times
+/// 10^`power` (9 for seconds, 0 for nanoseconds), rounded to the nearest, halves away from zero.
+/// Nothing where the text is no decimal number or the result leaves int64.
+std::optional<TimeNs> parseStamp(std::string_view text, int power);
+
+/// The shortest text that reads back to the same double, with a decimal point even before an
+/// exponent, as YAML 1.1 wants it of a number ("1.0e-05").
+std::string yamlNumber(double value);
+
+/// "[1.0, 2.5]".
+std::string yamlList(const Eigen::VectorXd& values);
+
+}  // namespace plumbline

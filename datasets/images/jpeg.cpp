@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/images/jpeg.h"
+
+#include <cassert>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdio>  // jpeglib.h needs FILE
+#include <cstdlib>
+#include <utility>
+
+#include <jpeglib.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+// libjpeg leaves by longjmp, which runs no destructors: the functions that call it hold only plain
+// values, and the pixels belong to the caller.
+struct ErrorTrap {
+  jpeg_error_mgr manager;
+  std::jmp_buf exit;
+  char message[JMSG_LENGTH_MAX];
+};
+
+void leave(j_common_ptr info) {
+  auto* trap = reinterpret_cast<ErrorTrap*>(info->err);
+  (*info->err->format_message)(info, trap->message);
+  std::longjmp(trap->exit, 1);
+}
+
+// A warning means damaged or missing data, which libjpeg would fill with grey: a fault here.
+void warn(j_common_ptr info, int level) {
+  if (level < 0) leave(info);
+}
+
+struct Decoder {
+  jpeg_decompress_struct info;
+  ErrorTrap trap;
+};
+
+bool start(Decoder& decoder, const unsigned char* bytes, unsigned long size) {
+  decoder.info.err = jpeg_std_error(&decoder.trap.manager);
+  decoder.trap.manager.error_exit = leave;
+  decoder.trap.manager.emit_message = warn;
+  jpeg_create_decompress(&decoder.info);
+  if (setjmp(decoder.trap.exit) != 0) return false;
+  jpeg_mem_src(&decoder.info, bytes, size);
+  jpeg_read_header(&decoder.info, TRUE);
+  decoder.info.out_color_space = JCS_GRAYSCALE;
+  jpeg_start_decompress(&decoder.info);
+  return true;
+}
+
+bool readRows(Decoder& decoder, unsigned char* pixels) {
+  if (setjmp(decoder.trap.exit) != 0) return false;
+  while (decoder.info.output_scanline < decoder.info.output_height) {
+    JSAMPROW row =
+        pixels + static_cast<std::size_t>(decoder.info.output_scanline) * decoder.info.output_width;
+    jpeg_read_scanlines(&decoder.info, &row, 1);
+  }
+  jpeg_finish_decompress(&decoder.info);
+  return true;
+}
+
+// libjpeg leaves by longjmp, which runs no destructors: compress() holds only plain values.
+struct Encoder {
+  jpeg_compress_struct info;
+  jpeg_error_mgr manager;
+  std::jmp_buf exit;
+  char message[JMSG_LENGTH_MAX];
+  unsigned char* bytes;
+  unsigned long size;
+};
+
+void leaveEncoder(j_common_ptr info) {
+  auto* encoder = static_cast<Encoder*>(info->client_data);
+  (*info->err->format_message)(info, encoder->message);
+  std::longjmp(encoder->exit, 1);
+}
+
+bool compress(Encoder& e, const unsigned char* pixels, int width, int height, int quality) {
+  e.info.err = jpeg_std_error(&e.manager);
+  e.manager.error_exit = leaveEncoder;
+  jpeg_create_compress(&e.info);
+  e.info.client_data = &e;
+  if (setjmp(e.exit) != 0) return false;
+  jpeg_mem_dest(&e.info, &e.bytes, &e.size);
+  e.info.image_width = static_cast<JDIMENSION>(width);
+  e.info.image_height = static_cast<JDIMENSION>(height);
+  e.info.input_components = 1;
+  e.info.in_color_space = JCS_GRAYSCALE;
+  jpeg_set_defaults(&e.info);
+  jpeg_set_quality(&e.info, quality, TRUE);
+  e.info.optimize_coding = TRUE;
+  jpeg_start_compress(&e.info, TRUE);
+  while (e.info.next_scanline < e.info.image_height) {
+    auto* row = const_cast<JSAMPROW>(pixels + static_cast<std::size_t>(e.info.next_scanline) *
+                                                  static_cast<std::size_t>(width));
+    jpeg_write_scanlines(&e.info, &row, 1);
+  }
+  jpeg_finish_compress(&e.info);
+  return true;
+}
+
+}  // namespace
+
+GrayImage decodeJpeg(std::string_view bytes) {
+  Decoder decoder{};
+  struct Cleanup {
+    jpeg_decompress_struct* info;
+    ~Cleanup() { jpeg_destroy_decompress(info); }
+  };
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const bool started = start(decoder, data, bytes.size());
+  const Cleanup cleanup{&decoder.info};
+  if (!started) throw DecodeError{decoder.trap.message};
+  GrayImage image(static_cast<int>(decoder.info.output_width),
+                  static_cast<int>(decoder.info.output_height));
+  if (!readRows(decoder, image.data())) throw DecodeError{decoder.trap.message};
+  return image;
+}
+
+std::string encodeJpeg(const GrayImage& image, int quality) {
+  assert(!image.empty() && quality >= 1 && quality <= 100);
+  Encoder encoder{};
+  const bool done = compress(encoder, image.data(), image.width(), image.height(), quality);
+  std::string jpeg;
+  if (done) jpeg.assign(reinterpret_cast<const char*>(encoder.bytes), encoder.size);
+  jpeg_destroy_compress(&encoder.info);
+  std::free(encoder.bytes);
+  if (!done)
+    throw InputError(std::string("an image cannot be written as JPEG: ") + encoder.message);
+  return jpeg;
+}
+
+}  // namespace plumbline

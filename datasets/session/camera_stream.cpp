@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/camera_stream.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/calibration.h"
+#include "datasets/calibration/supported_models.h"
+#include "datasets/files/csv_table.h"
+#include "datasets/files/yaml_map.h"
+#include "datasets/session/stamps.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kSensorKeys = "resolution: [width, height], camera_model, distortion_model";
+
+Resolution resolutionOf(const YamlMap& file) {
+  const std::string expected = "resolution: [width, height] in pixels, e.g. [752, 480]";
+  const std::vector<double> size = file.numbers("resolution", expected);
+  const auto pixels = [](double v) { return v >= 1 && v <= 100000 && v == std::floor(v); };
+  if (size.size() != 2 || !pixels(size[0]) || !pixels(size[1])) {
+    throw file.fault("resolution", {"the resolution is not two positive integers", expected,
+                                    "correct the value"});
+  }
+  return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
+std::string cameraModel(const YamlMap& file) {
+  const std::string word = file.textOr("camera_model", "");
+  if (word.empty()) return "";
+  const auto model = projectionModelFrom(word);
+  if (model) return toString(*model);
+  throw file.fault("camera_model", {"the camera model '" + word + "' is not known",
+                                    "camera_model: pinhole", "correct the value or delete it"});
+}
+
+std::string distortionModel(const YamlMap& file) {
+  const std::string word = file.textOr("distortion_model", "");
+  if (word.empty()) return "";
+  const auto model = distortionModelFrom(word);
+  if (model) return toString(*model);
+  throw file.fault("distortion_model",
+                   {"the distortion model '" + word + "' is not known",
+                    "distortion_model: radtan (radial-tangential) or equidistant",
+                    "correct the value or delete it"});
+}
+
+void refuseUnsupported(const YamlMap& file, const CameraDescription& camera) {
+  if (camera.camera_model.empty() || camera.distortion_model.empty()) return;
+  const auto projection = *projectionModelFrom(camera.camera_model);
+  const auto distortion = *distortionModelFrom(camera.distortion_model);
+  if (isSupportedModel(projection, distortion)) return;
+  throw InputError(file.path(), file.lineOf("camera_model"),
+                   unsupportedModelText(camera.camera_model, camera.distortion_model));
+}
+
+namespace fs = std::filesystem;
+
+void checkAscending(const CsvTable& table, TimeNs t, const std::vector<ImageFile>& before) {
+  if (before.empty() || t > before.back().t) return;
+  if (table.truncatedHere()) {
+    throw table.fault({fmt::format("the last line, '{}', is cut", t), "a whole last line",
+                       "the file is truncated: copy it again or delete this line"});
+  }
+  const bool twice = t == before.back().t;
+  throw table.fault({twice ? fmt::format("the stamp {} is given twice", t)
+                           : fmt::format("the stamp {} is earlier than that of the row above", t),
+                     "stamps that ascend strictly", twice ? duplicateCure(t) : "sort the rows"});
+}
+
+void checkUnit(const std::string& path, const std::vector<ImageFile>& images) {
+  std::vector<TimeNs> stamps;
+  for (const ImageFile& image : images) stamps.push_back(image.t);
+  checkStampUnit(path, stamps, kShortestFrameInterval, "frames");
+}
+
+bool isImageName(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
+// The stamp of a file named <ns>.png; a name of another kind is a fault.
+TimeNs stampOfName(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  TimeNs t = 0;
+  const auto [stop, error] = std::from_chars(stem.data(), stem.data() + stem.size(), t);
+  if (error == std::errc() && stop == stem.data() + stem.size() && t >= 0) return t;
+  throw badInput(path.string(), 0,
+                 {"the name is not a stamp", "<nanoseconds>.png (or .jpg)",
+                  "rename it, or list the images in data.csv beside the folder"});
+}
+
+void checkExists(const CsvTable& table, const std::string& path) {
+  if (fs::is_regular_file(path)) return;
+  throw table.fault({"the image " + path + " does not exist", "the file of each row in data/",
+                     "copy the images again or delete the row"});
+}
+
+std::vector<ImageFile> imagesByName(const fs::path& data) {
+  std::vector<ImageFile> images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(data)) {
+    if (!entry.is_regular_file() || !isImageName(entry.path())) continue;
+    images.push_back({stampOfName(entry.path()), entry.path().string()});
+  }
+  std::sort(images.begin(), images.end(), [](const ImageFile& a, const ImageFile& b) {
+    return a.t != b.t ? a.t < b.t : a.path < b.path;
+  });
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    if (images[i].t != images[i - 1].t) continue;
+    throw badInput(images[i].path, 0,
+                   {"has the same stamp as " + images[i - 1].path, "one image for each stamp",
+                    "delete one of them"});
+  }
+  return images;
+}
+
+}  // namespace
+
+CameraDescription readCameraDescription(const std::string& path, bool supported_models_only) {
+  const YamlMap file = YamlMap::load(path, kSensorKeys);
+  if (file.numberOr("line_delay", 0) != 0) {
+    throw file.fault("line_delay",
+                     {"rolling shutter (line_delay other than 0) is not supported yet",
+                      "a global shutter, line_delay: 0", "record with a global-shutter camera"});
+  }
+  CameraDescription camera;
+  if (file.has("resolution")) camera.resolution = resolutionOf(file);
+  camera.camera_model = cameraModel(file);
+  camera.distortion_model = distortionModel(file);
+  camera.rostopic = file.textOr("rostopic", "");
+  if (supported_models_only) refuseUnsupported(file, camera);
+  return camera;
+}
+
+std::vector<ImageFile> readFrameList(const std::string& folder) {
+  CsvTable table(folder + "/data.csv", "timestamp [ns], filename");
+  std::vector<ImageFile> frames;
+  while (table.next()) {
+    const TimeNs t = table.stamp();
+    checkAscending(table, t, frames);
+    const bool named = table.moreFields();
+    const std::string name = named ? std::string(table.word("filename")) : "";
+    table.endRow();
+    frames.push_back({t, name.empty() ? "" : folder + "/data/" + name});
+  }
+  checkUnit(table.path(), frames);
+  return frames;
+}
+
+std::vector<ImageFile> listImages(const std::string& folder) {
+  const fs::path list = fs::path(folder) / "data.csv";
+  if (fs::exists(list)) {
+    if (!fs::is_directory(fs::path(folder) / "data")) {
+      throw badInput(folder, 0,
+                     {"holds neither corners.csv nor the images (data/) that its data.csv lists",
+                      "corners.csv, or data/<ns>.png", "copy the recording again"});
+    }
+    CsvTable table(list.string(), "timestamp [ns], filename");
+    std::vector<ImageFile> images;
+    while (table.next()) {
+      const TimeNs t = table.stamp();
+      checkAscending(table, t, images);
+      images.push_back({t, folder + "/data/" + std::string(table.word("filename"))});
+      table.endRow();
+      checkExists(table, images.back().path);
+    }
+    checkUnit(list.string(), images);
+    return images;
+  }
+  std::vector<ImageFile> images = imagesByName(fs::path(folder) / "data");
+  if (images.empty()) {
+    throw badInput(folder + "/data", 0,
+                   {"holds no image", "<nanoseconds>.png or .jpg",
+                    "copy the images there, or give corners.csv beside it"});
+  }
+  checkUnit(folder + "/data", images);
+  return images;
+}
+
+}  // namespace plumbline

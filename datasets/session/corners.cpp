@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "datasets/files/csv_table.h"
+#include "datasets/session/camera_stream.h"
+#include "datasets/session/stamps.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kLayout = "timestamp [ns], corner_id, u [px], v [px]";
+
+// Turns rows into views; a view's corners gather in one buffer, so that each is allocated once.
+class ViewBuilder {
+ public:
+  ViewBuilder(CsvTable& table, const CornerLimits& limits)
+      : table_(table),
+        limits_(limits),
+        last_seen_(static_cast<std::size_t>(limits.corner_count), -1) {}
+
+  void addRow() {
+    const TimeNs t = table_.stamp();
+    if (t != t_ || views_seen_ == 0) startView(t);
+    Corner corner;
+    corner.id = table_.integer("corner_id");
+    checkId(corner.id);
+    corner.uv.x() = table_.number("u [px]");
+    corner.uv.y() = table_.number("v [px]");
+    table_.endRow();
+    checkInside(corner.uv);
+    sorted_ = sorted_ && (corners_.empty() || corners_.back().id < corner.id);
+    corners_.push_back(corner);
+  }
+
+  std::vector<ImageView> finish() {
+    closeView();
+    return std::move(views_);
+  }
+
+ private:
+  void startView(TimeNs t) {
+    if (views_seen_ > 0 && t < t_) {
+      throw table_.fault({fmt::format("the stamp {} is earlier than {} above it", t, t_),
+                          "frames that ascend in time, the rows of a frame together",
+                          "sort the rows by time (sort -t, -k1,1n -k2,2n)"});
+    }
+    closeView();
+    t_ = t;
+    ++views_seen_;
+  }
+
+  void closeView() {
+    if (views_seen_ == 0) return;
+    if (!sorted_) {
+      std::sort(corners_.begin(), corners_.end(),
+                [](const Corner& a, const Corner& b) { return a.id < b.id; });
+    }
+    views_.push_back({t_, corners_});
+    corners_.clear();
+    sorted_ = true;
+  }
+
+  void checkId(int id) {
+    if (id < 0 || id >= limits_.corner_count) {
+      throw table_.fault({fmt::format("corner_id {} is not on the target", id),
+                          fmt::format("4 * tag + corner, from 0 to {}", limits_.corner_count - 1),
+                          "is target.yaml that of this recording (tagRows, tagCols)?"});
+    }
+    int& seen = last_seen_[static_cast<std::size_t>(id)];
+    if (seen == views_seen_) {
+      throw table_.fault({fmt::format("corner_id {} is given twice for the stamp {}", id, t_),
+                          "each corner once in a frame", duplicateCure(t_)});
+    }
+    seen = views_seen_;
+  }
+
+  void checkInside(const Eigen::Vector2d& uv) const {
+    const Resolution& size = limits_.resolution;
+    // Pixels reach half a pixel around their centres, the first centre being (0, 0).
+    if (uv.x() >= -0.5 && uv.y() >= -0.5 && uv.x() <= size.width - 0.5 &&
+        uv.y() <= size.height - 0.5) {
+      return;
+    }
+    throw table_.fault(
+        {fmt::format("the corner ({:g}, {:g}) lies outside the image", uv.x(), uv.y()),
+         fmt::format("a position within {} x {} pixels", size.width, size.height),
+         "is the resolution in sensor.yaml (or by option) that of this camera?"});
+  }
+
+  CsvTable& table_;
+  const CornerLimits& limits_;
+  std::vector<int> last_seen_;  // of each id: the view in which it came last
+  std::vector<ImageView> views_;
+  std::vector<Corner> corners_;
+  TimeNs t_ = 0;
+  int views_seen_ = 0;
+  bool sorted_ = true;
+};
+
+}  // namespace
+
+std::vector<ImageView> readCorners(const std::string& path, const CornerLimits& limits) {
+  using NoRows = CsvTable::NoRows;
+  CsvTable table(path, kLayout, limits.may_be_empty ? NoRows::kAccept : NoRows::kRefuse);
+  ViewBuilder builder(table, limits);
+  while (table.next()) builder.addRow();
+  std::vector<ImageView> views = builder.finish();
+  std::vector<TimeNs> stamps;
+  for (const ImageView& view : views) stamps.push_back(view.t);
+  checkStampUnit(path, stamps, kShortestFrameInterval, "frames");
+  return views;
+}
+
+}  // namespace plumbline

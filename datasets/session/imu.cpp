@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/imu.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/files/csv_table.h"
+#include "datasets/files/yaml_map.h"
+#include "datasets/session/stamps.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kImuKeys =
+    "update_rate [Hz] and accelerometer_noise_density, accelerometer_random_walk, "
+    "gyroscope_noise_density, gyroscope_random_walk (continuous-time densities), flat or below "
+    "imu0:";
+constexpr const char* kRefusedModel =
+    "IMU scale and misalignment are not supported yet (they would be ignored silently)";
+
+double positive(const YamlMap& imu, const std::string& key, const std::string& unit) {
+  const double value = imu.number(key, "a positive number [" + unit + "]");
+  if (value > 0) return value;
+  throw imu.fault(key, {fmt::format("{} is {:g}", key, value), "a positive number [" + unit + "]",
+                        "take it from the data sheet or an Allan deviation; it weighs the IMU"});
+}
+
+bool isIdentity(const std::vector<std::vector<double>>& rows) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      if (std::abs(rows[r][c] - (r == c ? 1.0 : 0.0)) > 1e-9) return false;
+    }
+  }
+  return true;
+}
+
+void refuseMatrix(const YamlMap& imu, const std::string& sensor, const std::string& key) {
+  if (!imu.has(sensor)) return;
+  const YamlMap map = imu.map(sensor, "a mapping");
+  if (map.has(key) && !isIdentity(map.rows(key, "a 3x3 matrix, as rows"))) {
+    throw map.fault(key, {sensor + "." + key + " is not the identity", "model: calibrated",
+                          std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+  }
+}
+
+void refuseModels(const YamlMap& imu) {
+  const std::string model = imu.textOr("model", "calibrated");
+  if (model != "calibrated") {
+    throw imu.fault("model", {"the IMU model is '" + model + "'", "model: calibrated",
+                              std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+  }
+  refuseMatrix(imu, "accelerometers", "M");
+  refuseMatrix(imu, "gyroscopes", "M");
+}
+
+YamlMap unwrapped(const YamlMap& file) {
+  for (const std::string& key : file.keys()) {
+    if (key.rfind("imu", 0) == 0 && key != "imu0" && file.node(key).IsMap()) {
+      throw file.fault(key, {"the file describes a second IMU ('" + key + "')", "one IMU, imu0",
+                             "delete the other IMUs"});
+    }
+  }
+  return file.has("imu0") ? file.map("imu0", kImuKeys) : file;
+}
+
+constexpr const char* kLayout = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2]";
+
+std::string lowered(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool startsWith(const std::string& text, std::initializer_list<const char*> prefixes) {
+  return std::any_of(prefixes.begin(), prefixes.end(),
+                     [&](const char* prefix) { return text.rfind(prefix, 0) == 0; });
+}
+
+bool namesGyro(const std::string& name) { return startsWith(name, {"w", "gyr", "omega", "ang"}); }
+bool namesAccel(const std::string& name) {
+  return startsWith(name, {"a_", "ax", "ay", "az", "acc", "lin", "f_"});
+}
+
+void refuseUnits(const CsvTable& table, const std::string& name) {
+  const bool degrees = name.find("deg") != std::string::npos;
+  const bool gravities = name.find("[g]") != std::string::npos;
+  if (!degrees && !gravities) return;
+  throw badInput(table.path(), 1,
+                 {"the header states '" + name + "'", "rad/s and m/s^2",
+                  degrees ? "multiply the rates by pi / 180" : "multiply by 9.80665"});
+}
+
+// Whether the header puts the accelerations before the rates.
+bool accelerationFirst(const CsvTable& table) {
+  if (table.header().size() != 7) return false;
+  std::vector<std::string> names;
+  for (const std::string& name : table.header()) names.push_back(lowered(name));
+  for (std::size_t i = 1; i < 7; ++i) refuseUnits(table, names[i]);
+  const auto all = [&](std::size_t first, bool (*is)(const std::string&)) {
+    return is(names[first]) && is(names[first + 1]) && is(names[first + 2]);
+  };
+  return all(1, namesAccel) && all(4, namesGyro);
+}
+
+void checkOrder(const CsvTable& table, TimeNs t, TimeNs before) {
+  if (t > before) return;
+  const bool twice = t == before;
+  throw table.fault({twice ? fmt::format("the stamp {} is given twice", t)
+                           : fmt::format("the stamp {} is earlier than that of the row above", t),
+                     "stamps that ascend strictly",
+                     twice ? duplicateCure(t) : "sort the rows by time; was the clock set back?"});
+}
+
+}  // namespace
+
+ImuDescription readImuDescription(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kImuKeys);
+  const YamlMap imu = unwrapped(file);
+  refuseModels(imu);
+  ImuDescription description;
+  ImuNoise& noise = description.noise;
+  noise.accel_density = positive(imu, "accelerometer_noise_density", "m/s^2/sqrt(Hz)");
+  noise.accel_random_walk = positive(imu, "accelerometer_random_walk", "m/s^3/sqrt(Hz)");
+  noise.gyro_density = positive(imu, "gyroscope_noise_density", "rad/s/sqrt(Hz)");
+  noise.gyro_random_walk = positive(imu, "gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
+  const bool euroc = imu.has("rate_hz") && !imu.has("update_rate");
+  noise.rate_hz = positive(imu, euroc ? "rate_hz" : "update_rate", "Hz");
+  description.rostopic = imu.textOr("rostopic", "");
+  return description;
+}
+
+std::vector<ImuSample> readImuSamples(const std::string& path) {
+  CsvTable table(path, kLayout);
+  const bool accel_first = accelerationFirst(table);
+  std::vector<ImuSample> samples;
+  std::vector<TimeNs> stamps;
+  while (table.next()) {
+    ImuSample sample;
+    sample.t = table.stamp();
+    if (!samples.empty()) checkOrder(table, sample.t, samples.back().t);
+    Eigen::Vector3d& first = accel_first ? sample.accel : sample.gyro;
+    Eigen::Vector3d& second = accel_first ? sample.gyro : sample.accel;
+    for (int i = 0; i < 3; ++i) first[i] = table.number(accel_first ? "a" : "w");
+    for (int i = 0; i < 3; ++i) second[i] = table.number(accel_first ? "w" : "a");
+    table.endRow();
+    samples.push_back(sample);
+    stamps.push_back(sample.t);
+  }
+  checkStampUnit(path, stamps, kShortestImuInterval, "samples");
+  return samples;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "datasets/files/yaml_map.h"
+#include "datasets/session/session_reader.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kTargetKeys =
+    "target_type: aprilgrid with tagRows, tagCols, tagSize [m] and tagSpacing [ratio of tagSize]";
+constexpr int kFamilySize = 587;     // tags of the family tag36h11
+constexpr double kLargestTag = 5.0;  // [m]; above it the size is in another unit
+constexpr double kLargestSpacing = 3.0;
+constexpr double kSmallestSpacing = 0.1;  // Kalibr's black squares need room; below: metres
+
+void checkType(const YamlMap& file) {
+  const std::string type = file.text("target_type", kTargetKeys);
+  if (type == "aprilgrid") return;
+  if (type == "checkerboard" || type == "circlegrid") {
+    throw file.fault("target_type", {"targets of type '" + type + "' are not supported yet",
+                                     "target_type: aprilgrid",
+                                     "record with an AprilGrid (Kalibr's aprilgrid target)"});
+  }
+  throw file.fault("target_type", {"the target type '" + type + "' is not known",
+                                   "target_type: aprilgrid", "correct the value"});
+}
+
+int tagCount(const YamlMap& file, const std::string& key) {
+  const int count = file.integer(key, "the number of tags, a positive integer");
+  if (count < 1 || count > kFamilySize) {
+    throw file.fault(key, {fmt::format("{} is {}", key, count),
+                           "a number of tags from 1 to " + std::to_string(kFamilySize),
+                           "count the tags of your target"});
+  }
+  return count;
+}
+
+double tagSize(const YamlMap& file) {
+  const double size = file.number("tagSize", "the edge of a tag in metres");
+  if (size > 0 && size <= kLargestTag) return size;
+  const std::string cure =
+      size > kLargestTag
+          ? fmt::format("it looks like millimetres: write tagSize: {:g}", size / 1000)
+          : "measure the edge of a tag's black square";
+  throw file.fault("tagSize", {fmt::format("tagSize is {:g}", size),
+                               "the edge of a tag in metres, above 0 and below 5", cure});
+}
+
+double tagSpacing(const YamlMap& file, double size) {
+  const double spacing = file.number("tagSpacing", "the gap between tags as a ratio of tagSize");
+  if (spacing >= kSmallestSpacing && spacing <= kLargestSpacing) return spacing;
+  const bool metres = spacing > 0 && spacing < kSmallestSpacing;
+  throw file.fault(
+      "tagSpacing",
+      {fmt::format("tagSpacing is {:g}", spacing),
+       fmt::format("the gap between tags as a ratio of tagSize, from {:g} to {:g} (Kalibr's own "
+                   "targets: 0.3)",
+                   kSmallestSpacing, kLargestSpacing),
+       metres ? fmt::format("if it was meant in metres, write tagSpacing: {:.4g}", spacing / size)
+              : "measure the gap and divide it by tagSize"});
+}
+
+}  // namespace
+
+AprilGrid readTarget(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kTargetKeys);
+  checkType(file);
+  AprilGrid grid;
+  grid.rows = tagCount(file, "tagRows");
+  grid.cols = tagCount(file, "tagCols");
+  grid.tag_size = tagSize(file);
+  grid.spacing = tagSpacing(file, grid.tag_size);
+  if (grid.tagCount() > kFamilySize) {
+    throw file.fault("tagRows",
+                     {fmt::format("the grid has {} tags", grid.tagCount()),
+                      fmt::format("at most {}, the size of the family tag36h11", kFamilySize),
+                      "correct tagRows and tagCols"});
+  }
+  return grid;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/trajectory/formats.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kEarliest = 6.3e8;                  // 1990 in seconds since 1970
+constexpr double kLatest = 4.2e9;                    // 2103
+constexpr TimeNs kShortestInterval = 200'000;        // 5000 poses a second
+constexpr TimeNs kLongestInterval = 20'000'000'000;  // 20 s
+
+const char* unitName(int power) {
+  if (power == 0) return "nanoseconds";
+  if (power == 3) return "microseconds";
+  return power == 6 ? "milliseconds" : "seconds";
+}
+
+const char* unitSign(int power) {
+  if (power == 0) return "ns";
+  if (power == 3) return "us";
+  return power == 6 ? "ms" : "s";
+}
+
+// The unit in which a stamp lies in our century.
+std::optional<int> powerOfEpoch(double stamp) {
+  for (const int power : {9, 6, 3, 0}) {
+    const double seconds = stamp * std::pow(10.0, power - 9);
+    if (seconds > kEarliest && seconds < kLatest) return power;
+  }
+  return std::nullopt;
+}
+
+std::string headerCure(int power) {
+  return fmt::format(
+      "convert them, or state the unit in a first line '# timestamp [{}] tx ty tz "
+      "qx qy qz qw'",
+      unitSign(power));
+}
+
+// Coarser units make a short interval longer: the first that is a rate of poses.
+int powerForShort(TimeNs interval, int power) {
+  while (power < 9 && interval < kShortestInterval) {
+    interval *= 1000;
+    power += 3;
+  }
+  return power;
+}
+
+// Finer units make a long interval shorter: the first in which poses come at 0.5 Hz or more.
+int powerForLong(TimeNs interval, int power) {
+  while (power > 0 && interval > kLongestInterval / 10) {
+    interval /= 1000;
+    power -= 3;
+  }
+  return power;
+}
+
+}  // namespace
+
+StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& evidence) {
+  const int power = evidence.stated.value_or(evidence.usual);
+  const std::optional<int> epoch = powerOfEpoch(evidence.first);
+  if (!epoch || *epoch == power) return {power, {}};
+  const std::string what =
+      fmt::format("the stamp {:.17g} is no time of our century in {}: it looks like {} since 1970",
+                  evidence.first, unitName(power), unitName(*epoch));
+  if (evidence.stated) {
+    throw source.fault(evidence.line,
+                       {what, fmt::format("{}, as the header states", unitName(power)),
+                        "correct the header's unit or convert the stamps"});
+  }
+  if (*epoch == 3 || *epoch == 6) {
+    throw source.fault(evidence.line, {what, unitName(power), headerCure(*epoch)});
+  }
+  return {*epoch, fmt::format("stamps are read as {} where the format has {}", unitName(*epoch),
+                              unitName(power))};
+}
+
+void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
+                        int power, int line) {
+  if (poses.size() < 3) return;
+  const TimeNs interval = medianInterval(poses);
+  if (interval >= kShortestInterval && interval <= kLongestInterval) return;
+  if (interval == 0 && power == 9) {
+    throw source.fault(line, {"most stamps are equal to the one before",
+                              "stamps with at least six decimals of a second",
+                              "the stamps lost their digits when they were written: export them "
+                              "again with more"});
+  }
+  const bool too_short = interval < kShortestInterval;
+  if (too_short && power == 9) {
+    throw source.fault(
+        line, {fmt::format("the poses are {:.3g} s apart", static_cast<double>(interval) * 1e-9),
+               "at least 0.2 ms between poses", "check the unit of the stamps"});
+  }
+  const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
+  throw source.fault(
+      line, {fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",
+                         unitName(power), static_cast<double>(interval) * 1e-9, unitName(likely)),
+             fmt::format("stamps in {}", unitName(power)), headerCure(likely)});
+}
+
+}  // namespace plumbline

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kalibr's files, written and read back.
+#include <functional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/lie.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr_writer.h"
+#include "datasets/files/file_io.h"
+#include "datasets/session/imu.h"
+#include "datasets/session/session_reader.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+Calibration threeCameraRig() {
+  Calibration rig;
+  for (int i = 0; i < 3; ++i) {
+    CameraCalibration camera;
+    camera.name = "cam" + std::to_string(i);
+    camera.intrinsics.resolution = {752, 480};
+    camera.intrinsics.projection = Eigen::Vector4d(458.654 + i, 457.296, 367.215, 248.375);
+    camera.intrinsics.distortion = Eigen::Vector4d(-0.283, 0.074, 1e-5, 1.0 / 3);
+    if (i == 1) camera.intrinsics.distortion_model = DistortionModel::kEquidistant;
+    camera.T_C0Ci = Transform(expSO3({0.01 * i, -0.02 * i, 0.03 * i}),
+                              Eigen::Vector3d(0.11 * i, -0.002 * i, 0.003 * i));
+    rig.cameras.push_back(camera);
+  }
+  rig.imu.emplace();
+  rig.imu->T_SC0 = Transform(expSO3({0.1, 0.2, 1.5}), Eigen::Vector3d(-0.02, -0.06, 0.01));
+  rig.imu->time_offset_s = -1e-5;
+  return rig;
+}
+
+TEST(KalibrFiles, CamchainComesBack) {
+  const TemporaryFolder folder;
+  const Calibration rig = threeCameraRig();
+  const Calibration again =
+      readCalibration(folder.write("camchain-imucam.yaml", kalibrCamchainText(rig)));
+  ASSERT_EQ(again.cameras.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const CameraCalibration& a = again.cameras[i];
+    const CameraCalibration& b = rig.cameras[i];
+    EXPECT_EQ(a.intrinsics.stacked(), b.intrinsics.stacked());  // to the last bit
+    EXPECT_EQ(a.intrinsics.distortion_model, b.intrinsics.distortion_model);
+    EXPECT_EQ(a.intrinsics.resolution, b.intrinsics.resolution);
+    EXPECT_LT(boxminus(a.T_C0Ci, b.T_C0Ci).norm(), 1e-14);  // products of three transforms
+  }
+  ASSERT_TRUE(again.imu);
+  EXPECT_EQ(again.imu->time_offset_s, -1e-5);
+  EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
+}
+
+TEST(KalibrFiles, TransformsHaveKalibrsDirections) {
+  // A camera 10 cm to the right of camera 0, the IMU 5 cm behind camera 0, no rotations.
+  Calibration rig = threeCameraRig();
+  rig.cameras.resize(2);
+  rig.cameras[1].T_C0Ci = Transform(Eigen::Matrix3d::Identity(), {0.1, 0, 0});
+  rig.imu->T_SC0 = Transform(Eigen::Matrix3d::Identity(), {0, 0, 0.05});
+  const std::string text = kalibrCamchainText(rig);
+  // Camera 0's origin lies at x = -0.1 in camera 1; the IMU at z = -0.05 in both.
+  EXPECT_THAT(text, HasSubstr("T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.1]"));
+  EXPECT_THAT(text, HasSubstr("  - [0.0, 0.0, 1.0, -0.05]"));
+}
+
+TEST(KalibrFiles, NumbersHaveADecimalPointBeforeTheExponent) {
+  // YAML 1.1, which Kalibr's reader follows, takes 1e-05 for a word.
+  const std::string text = kalibrCamchainText(threeCameraRig());
+  EXPECT_THAT(text, HasSubstr("timeshift_cam_imu: -1.0e-05"));
+  EXPECT_THAT(text, Not(HasSubstr(" 1e-05")));
+}
+
+TEST(KalibrFiles, EachCameraHasItsOwnTimeShift) {
+  Calibration rig = threeCameraRig();
+  rig.imu->camera_time_offsets_s = {0.25, 0.5, 0.75};
+  const std::string text = kalibrCamchainText(rig);
+  for (const char* shift : {"0.25", "0.5", "0.75"}) {
+    EXPECT_THAT(text, HasSubstr(std::string("timeshift_cam_imu: ") + shift + "\n"));
+  }
+}
+
+TEST(KalibrFiles, ImuAndTargetComeBack) {
+  const TemporaryFolder folder;
+  const ImuNoise noise{1.1e-4, 2.2e-5, 3.3e-3, 4.4e-3, 400};
+  const ImuDescription imu =
+      readImuDescription(folder.write("imu.yaml", kalibrImuText(noise, "/imu7")));
+  EXPECT_EQ(imu.noise.gyro_density, 1.1e-4);
+  EXPECT_EQ(imu.noise.gyro_random_walk, 2.2e-5);
+  EXPECT_EQ(imu.noise.accel_density, 3.3e-3);
+  EXPECT_EQ(imu.noise.accel_random_walk, 4.4e-3);
+  EXPECT_EQ(imu.noise.rate_hz, 400);
+  EXPECT_EQ(imu.rostopic, "/imu7");
+  const AprilGrid grid{7, 5, 0.046, 0.25};
+  const AprilGrid again = readTarget(folder.write("target.yaml", kalibrTargetText(grid)));
+  EXPECT_EQ(again.rows, 7);
+  EXPECT_EQ(again.cols, 5);
+  EXPECT_EQ(again.tag_size, 0.046);
+  EXPECT_EQ(again.spacing, 0.25);
+}
+
+TEST(KalibrFiles, SampleConfigurationsAreReadable) {
+  const std::string folder = std::string(PLUMBLINE_SOURCE_DIR) + "/third_party_configs/";
+  EXPECT_EQ(readTarget(folder + "targets/target_6x6.yaml").tag_size, 0.088);
+  EXPECT_EQ(readImuDescription(folder + "imu/imu_adis16448.yaml").noise.gyro_density, 1.6968e-4);
+  EXPECT_EQ(readImuDescription(folder + "imu/imu_d435i.yaml").noise.accel_density, 2.52e-2);
+}
+
+// The text with its first `from` replaced, read as a camchain: what the reader says of it.
+std::string complaint(std::string text, const std::string& from, const std::string& to) {
+  const TemporaryFolder folder;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  try {
+    (void)readCalibration(folder.write("camchain.yaml", text));
+    return "was accepted";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(KalibrFiles, FaultsOfACamchainAreNamed) {
+  const std::string good = kalibrCamchainText(threeCameraRig());
+  EXPECT_THAT(complaint(good, "timeshift_cam_imu:", "line_delay:"), HasSubstr("rolling shutter"));
+  EXPECT_THAT(complaint(good, "resolution: [752, 480]", "resolution: [752]"),
+              HasSubstr("resolution"));
+  EXPECT_THAT(complaint(good, "camera_model: pinhole", "camera_model: fisheye"),
+              HasSubstr("fisheye"));
+  EXPECT_THAT(complaint(good, "camera_model: pinhole", "camera_model: omni"),
+              HasSubstr("intrinsics has 4 numbers"));
+  EXPECT_THAT(complaint(good, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]"),
+              HasSubstr("not a rigid transform"));
+  EXPECT_THAT(complaint(good, "cam0:", "camA:"), HasSubstr("calibration"));
+}
+
+TEST(KalibrFiles, AnInvertedTransformContradictsTheChain) {
+  const Calibration rig = threeCameraRig();
+  Calibration inverted = rig;
+  inverted.cameras[1].T_C0Ci = rig.cameras[1].T_C0Ci.inverse();
+  const std::string good = kalibrCamchainText(rig);
+  const std::string bad = kalibrCamchainText(inverted);
+  const auto chainOf = [](const std::string& text) {
+    const std::size_t at = text.find("  T_cn_cnm1:");
+    return text.substr(at, text.find("  cam_overlaps", at) - at);
+  };
+  EXPECT_THAT(complaint(good, chainOf(good), chainOf(bad)), HasSubstr("contradict"));
+}
+
+TEST(AtomicFile, LeavesNothingBehindWhereItFails) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(writeFileAtomically(folder.path("none/file"), "text"), InputError);
+  std::filesystem::create_directories(folder.path("taken/inside"));
+  EXPECT_THROW(writeFileAtomically(folder.path("taken"), "text"), InputError);
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+    files += entry.is_regular_file() ? 1 : 0;
+  }
+  EXPECT_EQ(files, 0U);
+}
+
+}  // namespace
+}  // namespace plumbline

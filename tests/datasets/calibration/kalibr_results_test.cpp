@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kalibr's results in words, of both tools.
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "datasets/calibration/kalibr/run.h"
+#include "tests/datasets/calibration/kalibr_texts.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+std::string complaintOfText(std::string text, const std::string& from, const std::string& to) {
+  const TemporaryFolder folder;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  const std::string path = folder.write("results.txt", text);
+  return complaint([&] { (void)readKalibrResults(path); });
+}
+
+TEST(KalibrResultsText, CameraToolsErrorsPerAxisGiveTheRms) {
+  const TemporaryFolder folder;
+  const KalibrResults text = readKalibrResults(folder.write("anything", kCamText));
+  EXPECT_EQ(text.tool, KalibrResults::Tool::kCameras);
+  ASSERT_EQ(text.cameras.size(), 2U);
+  EXPECT_EQ(text.cameras[0].rostopic, "/left");
+  ASSERT_EQ(text.cameras[0].projection.size(), 6);  // over two lines
+  EXPECT_EQ(text.cameras[0].projection(5), 240);
+  EXPECT_EQ(text.cameras[0].projection_std(5), 0.4);
+  EXPECT_EQ(text.cameras[0].distortion.size(), 0);
+  EXPECT_DOUBLE_EQ(*text.cameras[0].rmsPx(), 1.3);  // sqrt(.09 + .16 + 1.44 + 0)
+  EXPECT_DOUBLE_EQ(*text.cameras[1].rmsPx(), 0.5);
+  EXPECT_FALSE(text.noise);
+}
+
+TEST(KalibrResultsText, ABaselinesQuaternionIsScalarLastAndConjugate) {
+  const TemporaryFolder folder;
+  const KalibrResults text = readKalibrResults(folder.write("anything", kCamText));
+  ASSERT_TRUE(text.cameras[1].T_cn_cnm1);
+  const Transform expected(expSO3({0, 0, std::acos(0.0)}), {-0.1, 0, 0.02});
+  EXPECT_LT(boxminus(*text.cameras[1].T_cn_cnm1, expected).norm(), 1e-7);
+}
+
+TEST(KalibrResultsText, ImuToolsErrorsTransformsAndNoise) {
+  const TemporaryFolder folder;
+  const KalibrResults text = readKalibrResults(folder.write("anything", kImuText));
+  EXPECT_EQ(text.tool, KalibrResults::Tool::kCameraImu);
+  ASSERT_EQ(text.cameras.size(), 1U);
+  EXPECT_DOUBLE_EQ(*text.cameras[0].rmsPx(), 0.5);
+  EXPECT_DOUBLE_EQ(text.gyro_normalised->rms(), 5);
+  EXPECT_DOUBLE_EQ(text.gyro_rad_s->rms(), 0.005);
+  EXPECT_DOUBLE_EQ(text.accel_normalised->rms(), 1);
+  EXPECT_DOUBLE_EQ(text.accel_m_s2->rms(), 0.1);
+  EXPECT_EQ(text.accel_m_s2->median, 0.05);
+  EXPECT_EQ(text.cameras[0].T_cam_imu->t, Eigen::Vector3d(0.05, 0.06, 0.07));
+  EXPECT_EQ(text.cameras[0].timeshift_cam_imu, -0.0125);
+  EXPECT_EQ(*text.gravity_F, Eigen::Vector3d(0.6, -9.7, 0.8));
+  EXPECT_EQ(text.noise->rate_hz, 200);
+  EXPECT_EQ(text.noise->accel_density, 0.002);
+  EXPECT_EQ(text.noise->accel_random_walk, 0.003);
+  EXPECT_EQ(text.noise->gyro_density, 0.00017);
+  EXPECT_EQ(text.noise->gyro_random_walk, 2e-5);
+  EXPECT_EQ(text.imu_model, "calibrated");
+}
+
+TEST(KalibrResultsText, OldVersionsPrintSquares) {
+  std::string text = kImuText;
+  const std::size_t from = text.find("Normalized");
+  text.replace(from, text.find("Transformation") - from,
+               "Reprojection error squarred (cam0):  mean 0.25, median 0.1, std: 0.5\n"
+               "Gyro error squarred (imu0):          mean 1.69, median 0.9, std: 2.0\n"
+               "Accelerometer error squarred (imu0): mean 0.04, median 0.02, std: 0.1\n\n");
+  const TemporaryFolder folder;
+  const KalibrResults old = readKalibrResults(folder.write("anything", text));
+  EXPECT_DOUBLE_EQ(old.cameras[0].normalised_error->rms(), 0.5);
+  EXPECT_DOUBLE_EQ(old.gyro_normalised->rms(), 1.3);
+  EXPECT_DOUBLE_EQ(old.accel_normalised->rms(), 0.2);
+  EXPECT_FALSE(old.cameras[0].rmsPx());  // pixels are not printed
+}
+
+TEST(KalibrResultsText, DivergedResultsAreRefusedByLine) {
+  EXPECT_THAT(complaintOfText(kCamText, "[0.3, -0.4]", "[nan, nan]"),
+              AllOf(HasSubstr("results.txt:10:"), HasSubstr("diverged")));
+  EXPECT_THAT(complaintOfText(kImuText, "mean 3.0", "mean nan"), HasSubstr("diverged"));
+  EXPECT_THAT(complaintOfText(kImuText, "[ 0.  1.  0.  0.05]", "[ nan nan nan nan]"),
+              HasSubstr("diverged"));
+}
+
+TEST(KalibrResultsText, TextsThatEndEarlyAreRefused) {
+  const auto cut = [](const std::string& text, const std::string& at) {
+    return complaintOfText(text, text.substr(text.find(at)), "");
+  };
+  EXPECT_THAT(cut(kCamText, "\t reprojection error: [0.0"), HasSubstr("cam1's reprojection error"));
+  EXPECT_THAT(cut(kCamText, " 0.4]"), HasSubstr("ends before the end of a list"));
+  EXPECT_THAT(cut(kCamText, "Target conf"), HasSubstr("ends before 'Target configuration'"));
+  EXPECT_THAT(cut(kImuText, "T_ci"), HasSubstr("cam0's T_ci"));
+  EXPECT_THAT(cut(kImuText, "Gravity"), HasSubstr("ends before the gravity"));
+  EXPECT_THAT(cut(kImuText, "    Random walk: 2e-05"), HasSubstr("ends before the noise"));
+  EXPECT_THAT(complaintOfText(kCamText, "Calibration results", "Results"), HasSubstr("no results"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kalibr's poses, IMUs and time shifts, which of a folder's files belong together, and yac's
+// results.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/time_offsets.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/calibration/kalibr/run.h"
+#include "datasets/session/imu.h"
+#include "tests/datasets/calibration/kalibr_texts.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+// ---- poses
+
+// A camera on a curve in front of the target that looks at its middle, rolled a little.
+Transform lookingPose(int i) {
+  const Eigen::Vector3d p(0.3 + 0.4 * std::sin(i), 0.3 + 0.3 * std::cos(1.7 * i), 0.8);
+  const Eigen::Vector3d z = (Eigen::Vector3d(0.3, 0.3, 0) - p).normalized();
+  const Eigen::Vector3d x = Eigen::Vector3d(1, 0.02 * i, 0).cross(z).cross(z).normalized() * -1;
+  Eigen::Matrix3d R;
+  R << x, z.cross(x), z;
+  return {R, p};
+}
+
+// As Kalibr writes it: x, y, z, w of the conjugate.
+std::string posesText(bool as_the_header_says) {
+  std::string text =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z []\n";
+  for (int i = 0; i < 5; ++i) {
+    const Transform T = lookingPose(i);
+    const Eigen::Quaterniond q = T.quaternion();
+    const Eigen::Vector4d v = as_the_header_says ? Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())
+                                                 : Eigen::Vector4d(-q.x(), -q.y(), -q.z(), q.w());
+    text += std::to_string(1404733405832800000 + i * 50'000'000LL);
+    for (const double p : T.t) text += "," + std::to_string(p);
+    for (const double c : v) text += "," + std::to_string(c);
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(KalibrPoses, TheHeaderIsWrongAboutItsQuaternions) {
+  const TemporaryFolder folder;
+  const Trajectory poses = readKalibrPoses(folder.write("poses.csv", posesText(false)));
+  ASSERT_EQ(poses.poses.size(), 5U);
+  EXPECT_EQ(poses.poses[1].t, 1404733405882800000);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LT(boxminus(poses.poses[i].transform(), lookingPose(i)).norm(), 1e-5);
+  }
+}
+
+TEST(KalibrPoses, AFileThatKeepsItsHeadersPromiseIsNotKalibrs) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("poses.csv", posesText(true));
+  EXPECT_THAT(complaint([&] { (void)readKalibrPoses(path); }), HasSubstr("as the header says"));
+  EXPECT_EQ(kalibrFileKind(path), KalibrFileKind::kPoses);  // the header is Kalibr's
+}
+
+TEST(KalibrPoses, FaultsAreNamedByLine) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    const std::string path = folder.write("poses.csv", text);
+    return complaint([&] { (void)readKalibrPoses(path); });
+  };
+  const std::string good = "1,0,0,1,1,0,0,0\n";
+  EXPECT_THAT(read(good + "2,0,0,1,1,0,0\n"), HasSubstr(":2: 7 columns"));
+  EXPECT_THAT(read(good + "2,0,0,1,nan,0,0,0\n"), HasSubstr(":2: 'nan'"));
+  EXPECT_THAT(read(good + "2,0,0,1,2,0,0,0\n"), HasSubstr("length is 2"));
+  EXPECT_THAT(read(good + good), HasSubstr("ascend"));
+  EXPECT_THAT(read("# nothing\n"), HasSubstr("no poses"));
+}
+
+// ---- IMUs
+
+TEST(KalibrImus, ScaleAndMisalignmentAreReadForComparingOnly) {
+  const std::string text = std::string(kImuYaml).replace(std::string(kImuYaml).find("calibrated"),
+                                                         10, "scale-misalignment") +
+                           "  gyroscopes:\n    M:\n    - [1.01, 0.0, 0.0]\n    - [0.0, 1.0, 0.0]\n"
+                           "    - [0.0, 0.0, 0.99]\n";
+  const TemporaryFolder folder;
+  const std::string path = folder.write("imu.yaml", text);
+  const KalibrImuFile file = readKalibrImus(path);
+  EXPECT_TRUE(file.wrapped);
+  EXPECT_EQ(file.imus[0].model, "scale-misalignment");
+  EXPECT_EQ((*file.imus[0].gyro_M)(0, 0), 1.01);
+  EXPECT_FALSE(file.imus[0].accel_M);
+  EXPECT_THAT(complaint([&] { (void)readImuDescription(path); }), HasSubstr("not supported"));
+}
+
+// ---- folders
+
+TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
+  const TemporaryFolder folder;
+  using Kind = KalibrFileKind;
+  EXPECT_EQ(kalibrFileKind(folder.write("1", kCamchainImuYaml)), Kind::kCamchainImu);
+  EXPECT_EQ(kalibrFileKind(folder.write("2", kImuYaml)), Kind::kImu);
+  EXPECT_EQ(kalibrFileKind(folder.write("3", kCamText)), Kind::kResultsCameras);
+  EXPECT_EQ(kalibrFileKind(folder.write("4", kImuText)), Kind::kResultsImu);
+  EXPECT_EQ(kalibrFileKind(folder.write("5", posesText(false))), Kind::kPoses);
+  EXPECT_EQ(kalibrFileKind(folder.write("6", "target_type: aprilgrid\n")), std::nullopt);
+  EXPECT_EQ(kalibrFileKind(folder.write("7", "%YAML:1.0\n---\nimu: 1\n")), std::nullopt);
+  EXPECT_EQ(kalibrFileKind(folder.path("missing")), std::nullopt);
+}
+
+TEST(KalibrRuns, WhatBelongsTogetherIsGathered) {
+  const TemporaryFolder folder;
+  const std::string chain = folder.write("a", kCamchainImuYaml);
+  const std::string text = folder.write("b", kImuText);
+  folder.write("c", kImuYaml);
+  // An IMU of another recording, and the text of another run.
+  folder.write("d",
+               std::string(kImuYaml).replace(std::string(kImuYaml).find("0.00017"), 7, "0.00099"));
+  folder.write("e", std::string(kImuText).replace(std::string(kImuText).find("0.05]"), 5, "0.09]"));
+  for (const std::string& path : {folder.path(), chain, text}) {
+    const KalibrRun run = readKalibrRun(path);
+    const Calibration calibration = run.calibration();
+    EXPECT_EQ(calibration.imu->noise.gyro_density, 0.00017);
+    EXPECT_EQ(calibration.imu->rostopic, "/imu0");
+    EXPECT_DOUBLE_EQ(calibration.imu->gravity_m_s2, Eigen::Vector3d(0.6, -9.7, 0.8).norm());
+    ASSERT_TRUE(run.results());
+    EXPECT_EQ(run.results()->path, text);
+    ASSERT_EQ(run.remarks.size(), 1U);
+    EXPECT_THAT(run.remarks[0], HasSubstr("does not have the values"));
+  }
+}
+
+TEST(KalibrRuns, SeveralRunsInAFolderMustBeNamed) {
+  const TemporaryFolder folder;
+  const std::string first = folder.write("run1.yaml", kCamchainImuYaml);
+  folder.write("run2.yaml", std::string(kCamchainImuYaml)
+                                .replace(std::string(kCamchainImuYaml).find("400.0"), 5, "401.0"));
+  EXPECT_THAT(
+      complaint([&] { (void)readKalibrRun(folder.path()); }),
+      AllOf(HasSubstr("run1.yaml"), HasSubstr("run2.yaml"), HasSubstr("name the camchain")));
+  EXPECT_EQ(readKalibrRun(first).calibration().cameras[0].intrinsics.projection(0), 400);
+}
+
+TEST(KalibrRuns, FoldersWithoutACamchainAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("imu.yaml", kImuYaml);
+  EXPECT_THAT(complaint([&] { (void)readKalibrRun(folder.path()); }), HasSubstr("no camchain"));
+  const std::string other = folder.write("target.yaml", "target_type: aprilgrid\n");
+  EXPECT_THAT(complaint([&] { (void)readKalibrRun(other); }), HasSubstr("no output of Kalibr"));
+}
+
+// ---- time shifts
+
+std::string withSecondCamera(const std::string& shift) {
+  std::string second = kCamchainImuYaml;
+  second.replace(second.find("cam0"), 4, "cam1");
+  second.replace(second.find("-0.0125"), 7, shift);
+  return kCamchainImuYaml + second;
+}
+
+TEST(KalibrTimeShifts, EachIsKeptAndTheMeanIsThere) {
+  const TemporaryFolder folder;
+  const auto imu = *readCalibration(folder.write("chain", withSecondCamera("-0.0135"))).imu;
+  EXPECT_EQ(imu.time_offset_s, -0.0125);  // camera 0's
+  EXPECT_EQ(imu.camera_time_offsets_s, (std::vector<double>{-0.0125, -0.0135}));
+  EXPECT_DOUBLE_EQ(meanTimeOffset(imu), -0.013);
+  EXPECT_EQ(cameraTimeOffset(imu, 1), -0.0135);
+}
+
+TEST(KalibrTimeShifts, EqualOnesAreOneOffset) {
+  const TemporaryFolder folder;
+  const auto imu = *readCalibration(folder.write("chain", withSecondCamera("-0.0125"))).imu;
+  EXPECT_TRUE(imu.camera_time_offsets_s.empty());
+  EXPECT_EQ(meanTimeOffset(imu), -0.0125);
+}
+
+// ---- yac
+
+TEST(YacResults, AreCalibrations) {
+  const TemporaryFolder folder;
+  const std::string text = R"(imu0:
+  rate: 200.0
+  sigma_a_c: 2.0e-03
+  sigma_g_c: 1.7e-04
+  sigma_aw_c: 3.0e-03
+  sigma_gw_c: 2.0e-05
+  g: 9.81
+  ba: [-0.002198, 0.024434, 0.076713]
+time_delay: 0.0015  # imu_timestamp = camera_timestamp + time_delay
+cam0:
+  resolution: [752, 480]
+  proj_model: "pinhole"
+  dist_model: "radtan4"
+  proj_params: [458.0, 457.0, 367.0, 248.0]
+  dist_params: [-0.28, 0.07, 0.0002, 1.0e-05]
+cam1:
+  resolution: [752, 480]
+  proj_model: "pinhole"
+  dist_model: "equi4"
+  proj_params: [458.0, 457.0, 367.0, 248.0]
+  dist_params: [-0.28, 0.07, 0.0002, 1.0e-05]
+T_cam0_cam1:
+  rows: 4
+  cols: 4
+  data: [1, 0, 0, 0.11,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1]
+T_imu0_cam0:
+  rows: 4
+  cols: 4
+  data: [0, -1, 0, -0.02,  1, 0, 0, -0.06,  0, 0, 1, 0.01,  0, 0, 0, 1]
+)";
+  const Calibration c = readCalibration(folder.write("result.yaml", text));
+  ASSERT_EQ(c.cameras.size(), 2U);
+  EXPECT_EQ(c.cameras[1].intrinsics.distortion_model, DistortionModel::kEquidistant);
+  EXPECT_EQ(c.cameras[1].T_C0Ci.t, Eigen::Vector3d(0.11, 0, 0));  // camera 1 to the right
+  EXPECT_EQ(c.imu->T_SC0.t, Eigen::Vector3d(-0.02, -0.06, 0.01));
+  EXPECT_EQ(c.imu->T_SC0.R(0, 1), -1);
+  EXPECT_EQ(c.imu->time_offset_s, 0.0015);
+  EXPECT_EQ(c.imu->noise.gyro_density, 1.7e-4);
+  EXPECT_EQ(c.imu->noise.accel_random_walk, 3e-3);
+  EXPECT_EQ(c.imu->gravity_m_s2, 9.81);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Image files, their hashes, and the cache of corners.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <jpeglib.h>
+#include <unistd.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/images/image_io.h"
+#include "datasets/session/corner_cache.h"
+#include "datasets/session/session_folder.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class Images : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() / ("plumbline_images_" + std::to_string(getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  static std::string read(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static void write(const std::string& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+  }
+  static std::string complaint(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no complaint";
+  }
+  static GrayImage gradient() {
+    GrayImage image(64, 48);
+    for (int y = 0; y < 48; ++y) {
+      for (int x = 0; x < 64; ++x) image.at(x, y) = static_cast<std::uint8_t>(3 * x + y);
+    }
+    return image;
+  }
+
+  fs::path folder_;
+};
+
+void writeJpeg(const std::string& file, const GrayImage& image) {
+  std::FILE* out = std::fopen(file.c_str(), "wb");
+  ASSERT_NE(out, nullptr);
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  jpeg_stdio_dest(&info, out);
+  info.image_width = static_cast<JDIMENSION>(image.width());
+  info.image_height = static_cast<JDIMENSION>(image.height());
+  info.input_components = 1;
+  info.in_color_space = JCS_GRAYSCALE;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, 95, TRUE);
+  jpeg_start_compress(&info, TRUE);
+  while (info.next_scanline < info.image_height) {
+    auto* row = const_cast<JSAMPROW>(image.row(static_cast<int>(info.next_scanline)));
+    jpeg_write_scanlines(&info, &row, 1);
+  }
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::fclose(out);
+}
+
+TEST_F(Images, PngComesBackBitForBit) {
+  const GrayImage image = gradient();
+  writePng(path("a.png"), image);
+  const GrayImage again = readGrayImage(path("a.png"));
+  ASSERT_EQ(again.width(), 64);
+  ASSERT_EQ(again.height(), 48);
+  EXPECT_TRUE(std::equal(image.data(), image.data() + 64 * 48, again.data()));
+}
+
+TEST_F(Images, JpegComesBackNearly) {
+  const GrayImage image = gradient();
+  writeJpeg(path("a.jpg"), image);
+  const GrayImage again = readGrayImage(path("a.jpg"));
+  ASSERT_EQ(again.width(), 64);
+  for (int i = 0; i < 64 * 48; ++i) ASSERT_NEAR(again.data()[i], image.data()[i], 6) << i;
+}
+
+TEST_F(Images, KindIsToldByContentNotByName) {
+  writePng(path("a.png"), gradient());
+  fs::rename(path("a.png"), path("a.jpg"));
+  EXPECT_EQ(readGrayImage(path("a.jpg")).width(), 64);
+}
+
+TEST_F(Images, DamagedFilesAreNamed) {
+  writePng(path("a.png"), gradient());
+  writeJpeg(path("a.jpg"), gradient());
+  for (const char* name : {"a.png", "a.jpg"}) {
+    const std::string whole = read(path(name));
+    for (double share : {0.02, 0.3, 0.7}) {
+      write(path("cut"), whole.substr(0, static_cast<std::size_t>(share * whole.size())));
+      EXPECT_THAT(complaint([&] { (void)readGrayImage(path("cut")); }), HasSubstr("cut"))
+          << name << " cut at " << share;
+    }
+  }
+  write(path("empty"), "");
+  EXPECT_THAT(complaint([&] { (void)readGrayImage(path("empty")); }), HasSubstr("empty"));
+  write(path("text"), "hello");
+  EXPECT_THAT(complaint([&] { (void)readGrayImage(path("text")); }), HasSubstr("neither PNG"));
+  EXPECT_THAT(complaint([&] { (void)readGrayImage(path("none")); }), HasSubstr("none"));
+}
+
+TEST_F(Images, CacheReturnsWhatItWasGiven) {
+  writePng(path("a.png"), gradient());
+  const CornerCache cache(path("cache"), AprilGrid{}, DetectorOptions{});
+  const std::string key = cache.keyOf(path("a.png"));
+  EXPECT_FALSE(cache.find(key));
+  const std::vector<Corner> corners{{3, {1.0 / 3, 2e-17}}, {143, {-0.5, 479.25}}};
+  cache.store(key, corners);
+  const auto found = cache.find(key);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->size(), 2u);
+  EXPECT_EQ((*found)[0].uv, corners[0].uv);
+  EXPECT_EQ((*found)[1].id, 143);
+}
+
+TEST_F(Images, CacheKeyFollowsImageTargetAndOptions) {
+  writePng(path("a.png"), gradient());
+  writePng(path("b.png"), GrayImage(64, 48, 7));
+  const CornerCache cache(path("cache"), AprilGrid{}, DetectorOptions{});
+  EXPECT_NE(cache.keyOf(path("a.png")), cache.keyOf(path("b.png")));
+  AprilGrid wider;
+  wider.cols = 7;
+  EXPECT_NE(cache.keyOf(path("a.png")),
+            CornerCache(path("cache"), wider, DetectorOptions{}).keyOf(path("a.png")));
+  DetectorOptions options;
+  options.min_edge_px = 9;
+  EXPECT_NE(cache.keyOf(path("a.png")),
+            CornerCache(path("cache"), AprilGrid{}, options).keyOf(path("a.png")));
+}
+
+TEST_F(Images, DamagedCacheEntryCountsAsAbsent) {
+  writePng(path("a.png"), gradient());
+  const CornerCache cache(path("cache"), AprilGrid{}, DetectorOptions{});
+  const std::string key = cache.keyOf(path("a.png"));
+  cache.store(key, {{0, {1, 2}}, {1, {3, 4}}});
+  for (const auto& entry : fs::recursive_directory_iterator(path("cache"))) {
+    if (entry.is_regular_file()) fs::resize_file(entry.path(), entry.file_size() - 5);
+  }
+  EXPECT_FALSE(cache.find(key));
+}
+
+TEST_F(Images, InputHashFollowsContentNotPlace) {
+  for (const char* name : {"one", "two"}) {
+    fs::create_directories(path(name) + "/cam0");
+    write(path(name) + "/cam0/corners.csv", "1,2,3,4\n");
+    write(path(name) + "/target.yaml", "tagSize: 0.088\n");
+  }
+  EXPECT_EQ(inputHash(path("one")), inputHash(path("two")));
+  write(path("two") + "/target.yaml", "tagSize: 0.080\n");
+  EXPECT_NE(inputHash(path("one")), inputHash(path("two")));
+  SessionReadOptions other_target;
+  other_target.target_path = path("two") + "/target.yaml";
+  EXPECT_NE(inputHash(path("one")), inputHash(path("one"), other_target));
+  EXPECT_THAT(inputHash(path("one")), testing::StartsWith("xxh64:"));
+  // A calibration that is given is input too.
+  write(path("cameras.yaml"), "cam0: 1\n");
+  const std::string with = inputHash(path("one"), {}, {path("cameras.yaml")});
+  EXPECT_NE(with, inputHash(path("one")));
+  write(path("cameras.yaml"), "cam0: 2\n");
+  EXPECT_NE(with, inputHash(path("one"), {}, {path("cameras.yaml")}));
+}
+
+}  // namespace
+}  // namespace plumbline
