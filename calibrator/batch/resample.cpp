@@ -7,8 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "calibrator/batch/camera/difference.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
 
 namespace plumbline {
 namespace {
@@ -22,22 +21,22 @@ std::mt19937_64 randomOf(std::uint64_t seed, int draw) {
 
 }  // namespace
 
-std::vector<FrameStretch> drawStretches(int frame_count, const ResampleOptions& options, int draw) {
-  const int segments = std::min(options.segments, frame_count);
-  std::vector<FrameStretch> stretches;
-  if (segments <= 0) return stretches;
-  std::vector<int> drawn(static_cast<std::size_t>(segments), 0);
+std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& options, int draw) {
+  const int count = std::min(options.segments, frame_count);
+  std::vector<FrameSegment> segments;
+  if (count <= 0) return segments;
+  std::vector<int> drawn(static_cast<std::size_t>(count), 0);
   std::mt19937_64 random = randomOf(options.seed, draw);
-  for (int i = 0; i < segments; ++i) ++drawn[random() % drawn.size()];
+  for (int i = 0; i < count; ++i) ++drawn[random() % drawn.size()];
   const auto first = [&](int s) {
-    return static_cast<int>(static_cast<std::int64_t>(frame_count) * s / segments);
+    return static_cast<int>(static_cast<std::int64_t>(frame_count) * s / count);
   };
-  for (int s = 0; s < segments; ++s) {
+  for (int s = 0; s < count; ++s) {
     const int times = drawn[static_cast<std::size_t>(s)];
     if (times == 0) continue;
-    stretches.push_back({first(s), first(s + 1) - first(s), static_cast<double>(times)});
+    segments.push_back({first(s), first(s + 1) - first(s), static_cast<double>(times)});
   }
-  return stretches;
+  return segments;
 }
 
 ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eigen::MatrixXd& draws,
@@ -63,7 +62,7 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
       static_cast<std::size_t>(std::max(0, options.draws)));
   forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {
     solved[static_cast<std::size_t>(chunk.index)] =
-        solve(drawStretches(frame_count, options, chunk.index));
+        solve(drawSegments(frame_count, options, chunk.index));
   });
   Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()),
                         static_cast<Eigen::Index>(solved.size()));
@@ -77,20 +76,6 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
                    "record longer, or leave out --resample"};
   }
   return summariseDraws(parameters, draws.leftCols(count), options.draws - count);
-}
-
-Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
-                                        const ResampleOptions& resample,
-                                        const CameraStageOptions& options) {
-  CameraStageOptions one_thread = options;
-  one_thread.threads = 1;
-  const auto solve = [&](const std::vector<FrameStretch>& stretches) {
-    const auto again = recalibrateCameras(session, earlier, stretches, one_thread);
-    if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
-    return std::optional(cameraDifference(again->cameras, earlier.cameras));
-  };
-  return solveDraws(earlier.summary.covariance, static_cast<int>(earlier.frames.size()), resample,
-                    "camera", solve);
 }
 
 }  // namespace plumbline

@@ -10,10 +10,16 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/results.h"
-#include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/frame_stretch.h"
 
 namespace plumbline {
+
+/// A segment of consecutive frames of an earlier result and how often it counts: the unit of a
+/// bootstrap over time segments.
+struct FrameSegment {
+  int first = 0;
+  int count = 0;
+  double weight = 1;  ///< > 0; residuals of its frames count that often
+};
 
 /// A bootstrap over time: neighbouring frames share their errors, so whole segments are drawn.
 struct ResampleOptions {
@@ -33,16 +39,16 @@ struct ResampleSummary {
 };
 
 /// Draw number `draw`: as many of the segments as there are, with replacement; a segment drawn k
-/// times is one stretch of weight k. Ascending, not overlapping. Each draw has random numbers of
+/// times is one segment of weight k. Ascending, not overlapping. Each draw has random numbers of
 /// its own. The number of segments is reduced to `frame_count` where that is smaller.
-std::vector<FrameStretch> drawStretches(int frame_count, const ResampleOptions& options, int draw);
+std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& options, int draw);
 
 /// Standard deviations over the columns of `draws`; `failed` counts those left out before.
 ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eigen::MatrixXd& draws,
                                int failed);
 
 /// Differences of the parameters of one draw from the full solution's; empty where it has none.
-using DrawSolver = std::function<std::optional<Eigen::VectorXd>(const std::vector<FrameStretch>&)>;
+using DrawSolver = std::function<std::optional<Eigen::VectorXd>(const std::vector<FrameSegment>&)>;
 
 /// Solves every draw of `frame_count` frames, shared out over the options' threads, and summarises
 /// them; the order does not matter. Fails with kTooFewViews if fewer than two have a solution;
@@ -50,11 +56,5 @@ using DrawSolver = std::function<std::optional<Eigen::VectorXd>(const std::vecto
 Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int frame_count,
                                    const ResampleOptions& options, const std::string& stage,
                                    const DrawSolver& solve);
-
-/// Solves the camera batch again on every draw, each started from `earlier`.
-/// Fails with kTooFewViews if fewer than two draws have a solution.
-Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
-                                        const ResampleOptions& resample,
-                                        const CameraStageOptions& options = {});
 
 }  // namespace plumbline

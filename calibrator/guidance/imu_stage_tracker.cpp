@@ -51,13 +51,13 @@ void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recordin
   last_given_ = frame.t;
   const WindowEnd end = window_.add({frame.t, frame.corners, frame.T_FC0, link});
   const std::optional<int> waiting = std::exchange(held_, std::nullopt);
-  if (end == WindowEnd::kHeld) {
+  if (end == WindowEnd::kWaiting) {
     held_ = frame.index;
     note(decision, prefix(frame, decision) + "waits for the next frame to tell its velocity");
   }
   if (end == WindowEnd::kSolved) return;
   if (waiting) leaveOut(*waiting, "the frame after it gave no velocity", recording, decision);
-  if (end == WindowEnd::kHeld) return;
+  if (end == WindowEnd::kWaiting) return;
   last_given_ = window_.lastStamp();
   becauseOf(GuideReason::kNotSolved, frame, decision);
   leaveOut(frame.index, "the window with it has no solution", recording, decision);

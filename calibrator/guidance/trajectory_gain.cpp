@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/residuals/tangent.h"
 #include "calibrator/simulate/simulate_views.h"
@@ -44,7 +44,7 @@ std::optional<Eigen::MatrixXd> carriedInformation(const WindowKnowledge& now,
   return std::move(carried->H);
 }
 
-void addCarried(const Eigen::MatrixXd& carried, BorderedChain& chain) {
+void addCarried(const Eigen::MatrixXd& carried, BlockArrow& chain) {
   chain.diagonal[0].bottomRightCorner<kBiases, kBiases>() +=
       carried.topLeftCorner<kBiases, kBiases>();
   chain.to_border[0].bottomLeftCorner<kBiases, kBorder>() +=
@@ -141,7 +141,7 @@ CameraImuProblem TrajectoryScorer::unseen(const Prepared& prepared,
 }
 
 void TrajectoryScorer::addViews(const Prepared& prepared, const CameraImuEstimate& estimate,
-                                BorderedChain& chain) const {
+                                BlockArrow& chain) const {
   for (std::size_t k = 0; k < prepared.frames.size(); ++k) {
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
       const Matrix6d& H = prepared.views[k][c];

@@ -59,7 +59,7 @@ class TrajectoryScorer {
   Prepared prepare(const LissajousTrajectory& trajectory) const;
   CameraImuProblem unseen(const Prepared& prepared, const WindowKnowledge& now) const;
   void addViews(const Prepared& prepared, const CameraImuEstimate& estimate,
-                BorderedChain& chain) const;
+                BlockArrow& chain) const;
   std::optional<Eigen::MatrixXd> informationWith(const Prepared& prepared,
                                                  const WindowKnowledge& now,
                                                  const Eigen::MatrixXd& carried) const;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "calibrator/linear/symmetric_eigen.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/linear/symmetric_eigen.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

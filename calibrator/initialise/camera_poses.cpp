@@ -101,7 +101,7 @@ PoseGram frameGram(const std::vector<FrameView>& views, const Transform& T_C0F,
   return sum;
 }
 
-double usedCorners(const std::vector<FrameView>& views) {
+double countUsed(const std::vector<FrameView>& views) {
   double count = 0;
   for (const FrameView& v : views) {
     for (int i = 0; i < v.view.count; ++i) count += v.view.w[i] > 0 ? 1 : 0;
@@ -192,7 +192,7 @@ PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& 
                           const PoseRefinementOptions& options) {
   PoseRefinement out;
   out.T_C0F = T_C0F;
-  out.corners = usedCorners(views);
+  out.corners = countUsed(views);
   PoseGram now = frameGram(views, T_C0F, options.gram);
   double damping = 1e-6;
   for (int i = 0; i < options.max_iterations && damping < 1e6; ++i) {

@@ -13,7 +13,7 @@
 #include "calibrator/base/lie.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_rates.h"
-#include "calibrator/linear/symmetric_eigen.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

@@ -14,7 +14,7 @@ namespace plumbline {
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-/// The stretch of the IMU stream between two frames: [from + t_d, to + t_d] in the IMU's clock,
+/// The segment of the IMU stream between two frames: [from + t_d, to + t_d] in the IMU's clock,
 /// with `from` < `to` stamps of the camera's clock.
 struct ImuWindow {
   TimeNs from = 0;

@@ -14,7 +14,7 @@ constexpr int kState = kChainBlock;
 constexpr int kSize = kState + BorderLayout::kFixed;
 
 /// One block of the chain and the border, with what other blocks say of them left out.
-QuadraticCost firstBlock(const BorderedChain& chain) {
+QuadraticCost firstBlock(const BlockArrow& chain) {
   const int m = chain.border();
   QuadraticCost out{Eigen::MatrixXd::Zero(kState + m, kState + m), Eigen::VectorXd(kState + m), 0};
   out.H.topLeftCorner<kState, kState>() = chain.diagonal[0].selfadjointView<Eigen::Upper>();
@@ -26,7 +26,7 @@ QuadraticCost firstBlock(const BorderedChain& chain) {
 }
 
 /// `end` (block i, border) with block i + 1 put between them.
-QuadraticCost joined(const QuadraticCost& end, const BorderedChain& chain, std::size_t i) {
+QuadraticCost joined(const QuadraticCost& end, const BlockArrow& chain, std::size_t i) {
   const int m = chain.border();
   const int size = 2 * kState + m;
   QuadraticCost out{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), end.c};
@@ -76,7 +76,7 @@ CameraImuProblem dropped(const CameraImuProblem& problem, int count) {
 
 }  // namespace
 
-std::optional<QuadraticCost> frontEliminated(const BorderedChain& chain, int count) {
+std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, int count) {
   assert(count >= 0 && count < chain.blocks());
   std::optional<QuadraticCost> end = firstBlock(chain);
   std::vector<int> keep(static_cast<std::size_t>(kState + chain.border()));
@@ -107,7 +107,7 @@ void CameraImuPrior::addTo(const CameraImuEstimate& estimate, CameraImuNormals& 
   const Eigen::MatrixXd J = jacobian(*this, estimate, d);
   const Eigen::MatrixXd H = J.transpose() * cost.H * J;
   const Eigen::VectorXd b = J.transpose() * (cost.b + Hd);
-  BorderedChain& chain = normals.chain;
+  BlockArrow& chain = normals.chain;
   chain.diagonal[0] += H.topLeftCorner<kState, kState>();
   chain.to_border[0].leftCols(m) += H.topRightCorner(kState, m);
   chain.to_border[0].col(m) += b.head<kState>();

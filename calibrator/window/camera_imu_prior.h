@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "calibrator/batch/camera_imu/problem.h"
-#include "calibrator/linear/schur.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 
@@ -13,7 +13,7 @@ namespace plumbline {
 /// eliminated one after the other (marginalised()): a cost of (block `count` (15), border). What
 /// the chain holds after block `count` is left out. Empty where a block eliminated is not
 /// determined.
-std::optional<QuadraticCost> frontEliminated(const BorderedChain& chain, int count);
+std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, int count);
 
 /// What frames that have left a window say of the state that follows them and of the calibration: a
 /// quadratic cost of the displacement (state (15), T_SC0 (6), gravity's direction (2), time offset

@@ -17,7 +17,7 @@ constexpr double kRoundingOfCost = 1e-12;  // relative
 constexpr double kSampleMargin = 0.5;      // [s] of samples kept before the first frame
 
 /// Takes the time offset out of the system: it keeps its value.
-void holdOffset(BorderedChain& chain) {
+void fixOffset(BlockArrow& chain) {
   constexpr int k = BorderLayout::kOffset;
   chain.border_block.row(k).setZero();
   chain.border_block.col(k).setZero();
@@ -26,7 +26,7 @@ void holdOffset(BorderedChain& chain) {
   for (ChainBorderRows& rows : chain.to_border) rows.col(k).setZero();
 }
 
-std::vector<Corner> usedCorners(const PackedView& view) {
+std::vector<Corner> cornersOf(const PackedView& view) {
   std::vector<Corner> corners;
   for (int k = 0; k < view.count; ++k) {
     if (view.w[k] > 0) corners.push_back({view.id[k], {view.u[k], view.v[k]}});
@@ -37,7 +37,7 @@ std::vector<Corner> usedCorners(const PackedView& view) {
 std::vector<std::vector<Corner>> frameCorners(const CameraImuProblem& problem, const Frame& frame) {
   std::vector<std::vector<Corner>> corners(problem.corners.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
-    if (frame.view[c] >= 0) corners[c] = usedCorners(problem.corners[c].view(frame.view[c]));
+    if (frame.view[c] >= 0) corners[c] = cornersOf(problem.corners[c].view(frame.view[c]));
   }
   return corners;
 }
@@ -54,7 +54,7 @@ std::optional<CameraImuWindow> CameraImuWindow::fromBatch(const CameraImuProblem
                                                           const AprilGrid& target,
                                                           const CameraImuWindowOptions& options) {
   assert(options.states >= 2 && problem.frameCount() >= 2);
-  assert(problem.view_stamps.empty() && !problem.free_cameras && !problem.hold_calibration);
+  assert(problem.view_stamps.empty() && !problem.free_cameras && !problem.fixed_calibration);
   CameraImuWindow window;
   window.options_ = options;
   window.target_ = target;
@@ -76,29 +76,29 @@ void CameraImuWindow::addSamples(std::span<const ImuSample> samples) {
 }
 
 WindowEnd CameraImuWindow::add(const WindowFrame& frame) {
-  assert(frame.t > (held_ ? held_->t : lastStamp()));
+  assert(frame.t > (waiting_ ? waiting_->t : lastStamp()));
   assert(frame.link != FrameLink::kBroken);
   if (frame.link == FrameLink::kBiasWalk) {
-    held_ = frame;
-    return WindowEnd::kHeld;
+    waiting_ = frame;
+    return WindowEnd::kWaiting;
   }
   CameraImuWindow before = *this;
   const WindowEnd end = addLinked(frame);
   if (end != WindowEnd::kSolved) {
-    before.held_.reset();
+    before.waiting_.reset();
     *this = std::move(before);
   }
   return end;
 }
 
 WindowEnd CameraImuWindow::addLinked(const WindowFrame& frame) {
-  if (held_) {
+  if (waiting_) {
     ImuState state = estimate_.states.back();
     const Transform T_C0S = estimate_.T_SC0.inverse();
-    state.T_FS = held_->T_FC0 * T_C0S;
-    state.v_F = ((frame.T_FC0 * T_C0S).t - state.T_FS.t) / secondsBetween(held_->t, frame.t);
-    append(*held_, state);
-    held_.reset();
+    state.T_FS = waiting_->T_FC0 * T_C0S;
+    state.v_F = ((frame.T_FC0 * T_C0S).t - state.T_FS.t) / secondsBetween(waiting_->t, frame.t);
+    append(*waiting_, state);
+    waiting_.reset();
   }
   append(frame, predicted(frame));
   packCorners();
@@ -165,7 +165,7 @@ std::optional<CameraImuNormals> CameraImuWindow::system(const CameraImuEstimate&
   auto normals = normalsAt(problem_, estimate, weights_);
   if (!normals) return std::nullopt;
   if (prior_) prior_->addTo(estimate, *normals);
-  holdOffset(normals->chain);
+  fixOffset(normals->chain);
   return normals;
 }
 

@@ -31,7 +31,7 @@ struct WindowFrame {
 
 enum class WindowEnd {
   kSolved,
-  kHeld,       ///< no inertial link reaches the frame: it waits for the next one, which then
+  kWaiting,    ///< no inertial link reaches the frame: it waits for the next one, which then
                ///< brings it along; without such a link it is dropped
   kNotSolved,  ///< the window with the frame has no solution: it is as it was before
 };
@@ -94,7 +94,7 @@ class CameraImuWindow {
   ImuWeights weights_;
   std::optional<CameraImuPrior> prior_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  // per frame and camera
-  std::optional<WindowFrame> held_;
+  std::optional<WindowFrame> waiting_;
   double cost_ = 0;
   double squared_px_ = 0;
 };

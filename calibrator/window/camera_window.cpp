@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/camera/solver.h"
+#include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <utility>
 
-#include "calibrator/linear/schur.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 
 #include <fmt/core.h>
 
-#include "calibrator/batch/camera_imu/resample.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/results/assumptions.h"

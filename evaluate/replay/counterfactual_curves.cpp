@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics.h"
-#include "calibrator/batch/parallel_chunks.h"
 #include "evaluate/replay/view_orders.h"
 
 namespace plumbline {

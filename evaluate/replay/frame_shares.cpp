@@ -2,7 +2,7 @@
 #include "evaluate/replay/frame_shares.h"
 
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/used_corners.h"
+#include "calibrator/batch/corners.h"
 
 namespace plumbline {
 
@@ -11,7 +11,8 @@ Result<FrameShares> frameShares(const Session& session,
                                 const CameraStageOptions& options) {
   const auto scored = scoreCameras(session, cameras, options);
   if (!scored) return scored.failure();
-  const std::vector<PackedCorners> corners = usedCorners(session, *scored);
+  const std::vector<PackedCorners> corners =
+      usedCorners(session, scored->frames, scored->residuals);
   CameraProblem problem;
   problem.corners = corners;
   problem.frames = scored->frames;

@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "calibrator/base/frames.h"
-#include "calibrator/batch/camera/report.h"
-#include "calibrator/batch/camera/solver.h"
-#include "calibrator/batch/camera/view_errors.h"
-#include "calibrator/batch/used_corners.h"
+#include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/camera_poses.h"
 
@@ -110,7 +109,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   const auto all = calibrateCameras(session, pool.options_);
   if (!all) return all.failure();
   pool.options_.threads = 1;  // selections run beside each other
-  pool.corners_ = usedCorners(session, *all);
+  pool.corners_ = usedCorners(session, all->frames, all->residuals);
   pool.frames_ = pairFrames(session.cameras);
   pool.T_C0F_.resize(pool.frames_.size());
   const std::vector<int> usable = positionsOf(all->frames, pool.frames_);

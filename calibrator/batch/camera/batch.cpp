@@ -5,13 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/parallel.h"
 #include "calibrator/base/stopwatch.h"
-#include "calibrator/batch/camera/outliers.h"
-#include "calibrator/batch/camera/report.h"
-#include "calibrator/batch/camera/solver.h"
-#include "calibrator/batch/camera/start.h"
-#include "calibrator/batch/parallel_chunks.h"
-#include "calibrator/batch/used_corners.h"
+#include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/view_selection.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -19,10 +17,21 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinUsedCorners = 4;          // what a frame needs for a pose
-constexpr int kFilterRounds = 3;            // of CornerFilter::kSigma
-constexpr double kWideLoss = 0.01;          // scale over the image's width
-constexpr double kTrustUnconverged = 1e-2;  // of the information: ten times the uncertainty
+/// Camera c's views in the problem's frames, at an estimate.
+std::vector<PosedView> posedViews(const CameraProblem& problem, const CameraEstimate& estimate,
+                                  std::size_t c) {
+  const Transform T_CiC0 = estimate.T_C0Ci[c].inverse();
+  std::vector<PosedView> views;
+  for (std::size_t f = 0; f < problem.frames.size(); ++f) {
+    const int view = problem.frames[f].view[c];
+    if (view >= 0) views.push_back({view, T_CiC0 * estimate.T_C0F[f]});
+  }
+  return views;
+}
+
+constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
+constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
+constexpr double kWideLoss = 0.01;  // scale over the image's width
 constexpr double kPoseTolerance = 1e-7;
 constexpr int kPoseIterations = 50;
 
@@ -41,30 +50,6 @@ void refuseModel(const std::string& camera, const CameraModelPair& model) {
   throw InputError(fmt::format(
       "{}: the model {}-{} cannot be calibrated; choose pinhole-radtan or pinhole-equidistant",
       camera, toString(model.projection), toString(model.distortion)));
-}
-
-void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras) {
-  if (cameras.size() == session.cameras.size()) return;
-  throw InputError(fmt::format("calibrations of {} cameras were given, but the session has {}",
-                               cameras.size(), session.cameras.size()));
-}
-
-CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<Frame> frames,
-                        const CameraStageOptions& options) {
-  CameraProblem problem;
-  problem.corners = corners;
-  problem.frames = std::move(frames);
-  problem.pixel_sigma = options.pixel_sigma;
-  problem.gram.cauchy_px = options.cauchy_px;
-  problem.threads = options.threads;
-  return problem;
-}
-
-CameraSolverOptions solverOptions(const CameraStageOptions& options) {
-  CameraSolverOptions solver;
-  solver.max_iterations = options.max_iterations;
-  solver.tolerance = options.tolerance;
-  return solver;
 }
 
 /// Solves, with a loss so wide that it touches gross errors only first where the loss is robust:
@@ -118,6 +103,30 @@ void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate) {
   if (static_cast<int>(keep.size()) < problem.frameCount()) keepFrames(keep, problem, estimate);
 }
 
+std::size_t rejectAboveSigma(std::vector<PackedCorners>& corners, const CameraProblem& problem,
+                             const CameraEstimate& estimate, double sigmas) {
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    count += rejectAboveSigma(corners[c], estimate.intrinsics[c], posedViews(problem, estimate, c),
+                              sigmas);
+  }
+  return count;
+}
+
+std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraProblem& problem,
+                             const CameraEstimate& estimate) {
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    for (const PosedView& posed : posedViews(problem, estimate, c)) {
+      const auto rejected =
+          kalibrOutliers(estimate.intrinsics[c], corners[c].view(posed.view), posed.T_CF);
+      for (const int k : rejected) corners[c].setWeight(posed.view, k, 0);
+      count += rejected.size();
+    }
+  }
+  return count;
+}
+
 /// The stage's solver with view selection and corner filter around it.
 CameraSolution solveStage(std::vector<PackedCorners>& corners, CameraProblem& problem,
                           const CameraEstimate& start, const CameraStageOptions& options) {
@@ -145,28 +154,6 @@ CameraSolution solveStage(std::vector<PackedCorners>& corners, CameraProblem& pr
   }
   solution.iterations = iterations;
   return solution;
-}
-
-/// Everything that is reported of a solution. A free direction explains a solver that did not
-/// converge better than the solver could, so it is looked for first, and then a weak one will do.
-Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
-                                      const CameraSolution& solution, ResidualList list) {
-  CameraStageResult result = resultFrom(session, problem, solution.estimate);
-  const double trust = solution.converged ? 1 : kTrustUnconverged;
-  const auto failure = addCovariance(trust * reducedInformation(solution.normals), result);
-  if (failure) return *failure;
-  if (!solution.converged) {
-    return Failure{FailureReason::kNotConverged,
-                   fmt::format("the camera calibration did not converge in {} iterations",
-                               solution.iterations),
-                   "check the target's size and layout and the camera models, or reject outliers "
-                   "with --outliers sigma:4"};
-  }
-  result.summary.converged = true;
-  result.summary.iterations = solution.iterations;
-  result.summary.cost = solution.normals.cost;
-  addResiduals(session, problem, solution.estimate, list, result);
-  return result;
 }
 
 /// Minimises every frame's cost over its own pose; the sum of costs in units of pixel_sigma.
@@ -287,25 +274,6 @@ Result<CameraStageResult> scoreCameras(const Session& session,
   result.summary.seconds.solve = watch.lap();
   result.summary.seconds.total = initialise_s + result.summary.seconds.solve;
   return result;
-}
-
-Result<CameraStageResult> recalibrateCameras(const Session& session,
-                                             const CameraStageResult& earlier,
-                                             const std::vector<FrameStretch>& stretches,
-                                             const CameraStageOptions& options) {
-  checkCameras(session, earlier.cameras);
-  const std::vector<PackedCorners> corners = usedCorners(session, earlier);
-  CameraProblem problem = problemOf(corners, {}, options);
-  CameraEstimate estimate = estimateOf(earlier.cameras);
-  for (const FrameStretch& stretch : stretches) {
-    for (int f = stretch.first; f < stretch.first + stretch.count; ++f) {
-      problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
-      problem.weights.push_back(stretch.weight);
-      estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
-    }
-  }
-  const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
-  return stageResult(session, problem, solution, ResidualList::kDrop);
 }
 
 }  // namespace plumbline

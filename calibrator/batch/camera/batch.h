@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -10,8 +11,8 @@
 #include "calibrator/base/frames.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/corner_filter.h"
-#include "calibrator/batch/frame_stretch.h"
+#include "calibrator/batch/corners.h"
+#include "calibrator/batch/resample.h"
 
 namespace plumbline {
 
@@ -80,12 +81,24 @@ Result<CameraStageResult> scoreCameras(const Session& session,
                                        const std::vector<CameraCalibration>& cameras,
                                        const CameraStageOptions& options = {});
 
-/// Solves again, from an earlier result of the same session, with only the given stretches of its
+/// Solves again, from an earlier result of the same session, with only the given segments of its
 /// frames (ascending, not overlapping): one draw of a bootstrap over time segments. Corners that
 /// the earlier result rejected stay out; no corner residuals are listed in the result.
 Result<CameraStageResult> recalibrateCameras(const Session& session,
                                              const CameraStageResult& earlier,
-                                             const std::vector<FrameStretch>& stretches,
+                                             const std::vector<FrameSegment>& segments,
                                              const CameraStageOptions& options = {});
+
+/// Solves the camera batch again on every draw, each started from `earlier`.
+/// Fails with kTooFewViews if fewer than two draws have a solution.
+Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
+                                        const ResampleOptions& resample,
+                                        const CameraStageOptions& options = {});
+
+/// Parameters of `to` minus those of `from` (the same cameras and models), in the order of the
+/// camera stage's covariance: the stacked intrinsics of all cameras, then boxminus(to.T_C0Ci,
+/// from.T_C0Ci) of all but the first [m, rad].
+Eigen::VectorXd cameraDifference(const std::vector<CameraCalibration>& to,
+                                 const std::vector<CameraCalibration>& from);
 
 }  // namespace plumbline

@@ -3,34 +3,20 @@
 
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "calibrator/base/lie.h"
 #include "calibrator/base/parameter_names.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/used_corners.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 
 namespace plumbline {
 namespace {
 
-/// Names and units in the layout's order, for every model; cameras by their place.
-ParameterCovariance parametersOf(const std::vector<CameraCalibration>& cameras) {
-  ParameterCovariance list;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const Intrinsics& k = cameras[c].intrinsics;
-    for (const auto& [name, unit] : intrinsicParameters(k.projection_model, k.distortion_model)) {
-      list.names.push_back(fmt::format("cam{}.{}", c, name));
-      list.units.push_back(unit);
-    }
-  }
-  for (std::size_t c = 1; c < cameras.size(); ++c) {
-    for (const char* part : {"tx", "ty", "tz", "rx", "ry", "rz"}) {
-      list.names.push_back(fmt::format("T_C0C{}.{}", c, part));
-      list.units.emplace_back(part[0] == 't' ? "m" : "rad");
-    }
-  }
-  return list;
+/// The layout's parameters, cameras by their place whatever they are called, so that two
+/// calibrations of one rig have the same list.
+std::vector<ParameterName> parametersOf(std::vector<CameraCalibration> cameras) {
+  for (CameraCalibration& camera : cameras) camera.name.clear();
+  return cameraParameters(cameras);
 }
 
 /// x = (twist in camera c's frame, dk) as a function of (noise of tau, g).
@@ -55,7 +41,7 @@ Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& esti
 
 Result<CameraInformation> cameraInformation(const Session& session, const CameraStageResult& at,
                                             const CameraInformationOptions& options) {
-  const std::vector<PackedCorners> corners = usedCorners(session, at);
+  const std::vector<PackedCorners> corners = usedCorners(session, at.frames, at.residuals);
   CameraProblem problem;
   problem.corners = corners;
   problem.frames = at.frames;
@@ -74,8 +60,7 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
                    "use a recording with the target tilted, rolled, and all over the image"};
   }
   CameraInformation out;
-  out.covariance = parametersOf(at.cameras);
-  out.covariance.matrix = *covariance;
+  out.covariance = parameterCovariance(parametersOf(at.cameras), *covariance);
   out.entropy_nats = *entropy;
   const auto shift = impliedShift(normals.H, normals.P, options.alignment);
   if (!shift) {

@@ -6,7 +6,7 @@
 #include <cassert>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
 
 namespace plumbline {
 namespace {
@@ -196,30 +196,6 @@ CameraLayout::CameraLayout(const std::vector<Intrinsics>& cameras) {
     T_C0Ci.push_back(c == 0 ? -1 : size);
     if (c > 0) size += 6;
   }
-}
-
-ParameterCovariance cameraParameters(const std::vector<CameraCalibration>& cameras) {
-  ParameterCovariance list;
-  const auto add = [&list](const std::string& name, const char* unit) {
-    list.names.push_back(name);
-    list.units.emplace_back(unit);
-  };
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const std::string& name_of = cameras[c].name;
-    const std::string camera = (name_of.empty() ? "cam" + std::to_string(c) : name_of) + ".";
-    for (const char* name : {"fu", "fv", "pu", "pv"}) add(camera + name, "px");
-    const bool radtan = cameras[c].intrinsics.distortion_model == DistortionModel::kRadtan;
-    const std::vector<const char*> coefficients =
-        radtan ? std::vector<const char*>{"k1", "k2", "p1", "p2"}
-               : std::vector<const char*>{"k1", "k2", "k3", "k4"};
-    for (const char* name : coefficients) add(camera + name, "-");
-  }
-  for (std::size_t c = 1; c < cameras.size(); ++c) {
-    const std::string transform = "T_C0C" + std::to_string(c) + ".";
-    for (const char* name : {"tx", "ty", "tz"}) add(transform + name, "m");
-    for (const char* name : {"rx", "ry", "rz"}) add(transform + name, "rad");
-  }
-  return list;
 }
 
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate) {

@@ -10,7 +10,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/linear/schur.h"
+#include "calibrator/linear/dense.h"
 #include "calibrator/residuals/packed_corners.h"
 #include "calibrator/residuals/view_gram.h"
 
@@ -58,9 +58,6 @@ struct CameraLayout {
   explicit CameraLayout(const std::vector<Intrinsics>& cameras);
 };
 
-/// "cam0.fu", "cam0.k1", ..., "T_C0C1.tx", ... and their units, in the layout's order.
-ParameterCovariance cameraParameters(const std::vector<CameraCalibration>& cameras);
-
 /// Normal equations at an estimate, in units of pixel_sigma: with d_f the left twist (rho, phi) of
 /// T_C0F in frame f and g the cameras' parameters (tangents of Transform),
 ///   [H_f  P_f; P_f^T  G] [d_f; g] = -[b_f; b].
@@ -85,5 +82,30 @@ Eigen::MatrixXd reducedInformation(const CameraNormals& normals);
 /// The share of every frame in it, which add up to S less the prior.
 std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
                                               const CameraEstimate& estimate);
+
+struct CameraSolverOptions {
+  int max_iterations = 100;
+  /// Converged where the step that remains is shorter than this, in standard deviations of all
+  /// parameters together: sqrt(b^T H^-1 b).
+  double tolerance = 1e-7;
+  /// The cost may also settle: converged where a full step promises less than this share of it,
+  /// which is as far as rounding lets it be compared.
+  double cost_tolerance = 1e-15;
+};
+
+struct CameraSolution {
+  CameraEstimate estimate;
+  CameraNormals normals;  ///< at the estimate, weighted as problem.gram says
+  bool converged = false;
+  int iterations = 0;  ///< steps tried
+};
+
+/// Levenberg-Marquardt on the structured normal equations: every frame's pose is eliminated where
+/// the frame stands, and the cameras' parameters are a small dense system.
+///
+/// With a loss the first steps re-weight (GramOptions::triggs_clamp as given); near the minimum the
+/// loss' whole second derivative takes part, without which convergence is slow.
+CameraSolution solveCameraProblem(const CameraProblem& problem, const CameraEstimate& start,
+                                  const CameraSolverOptions& options = {});
 
 }  // namespace plumbline

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/report.h"
-
 #include <cassert>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrator/batch/camera/view_errors.h"
+#include "calibrator/base/parameter_names.h"
+#include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 
 namespace plumbline {
 namespace {
 
+constexpr double kTrustUnconverged = 1e-2;   // of the information: ten times the uncertainty
 constexpr double kWorthlessFocal = 0.2;      // share of the focal length
 constexpr double kWorthlessPrincipal = 0.2;  // share of the image's width
 constexpr double kWorthlessDistortion = 10;
@@ -113,7 +114,7 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   for (const CameraCalibration& camera : result.cameras) intrinsics.push_back(camera.intrinsics);
   const CameraLayout layout(intrinsics);
   ParameterCovariance& out = result.summary.covariance;
-  out = cameraParameters(result.cameras);
+  out = parameterCovariance(cameraParameters(result.cameras));
   if (!information.allFinite()) {
     return Failure{
         FailureReason::kNotObservable, "the information of the cameras is not finite",
@@ -180,6 +181,26 @@ void addResiduals(const Session& session, const CameraProblem& problem,
   }
   summary.corners_used = all.size();
   summary.reprojection = summariseErrors(all);
+}
+
+Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
+                                      const CameraSolution& solution, ResidualList list) {
+  CameraStageResult result = resultFrom(session, problem, solution.estimate);
+  const double trust = solution.converged ? 1 : kTrustUnconverged;
+  const auto failure = addCovariance(trust * reducedInformation(solution.normals), result);
+  if (failure) return *failure;
+  if (!solution.converged) {
+    return Failure{FailureReason::kNotConverged,
+                   fmt::format("the camera calibration did not converge in {} iterations",
+                               solution.iterations),
+                   "check the target's size and layout and the camera models, or reject outliers "
+                   "with --outliers sigma:4"};
+  }
+  result.summary.converged = true;
+  result.summary.iterations = solution.iterations;
+  result.summary.cost = solution.normals.cost;
+  addResiduals(session, problem, solution.estimate, list, result);
+  return result;
 }
 
 }  // namespace plumbline

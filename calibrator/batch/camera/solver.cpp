@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/solver.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -8,7 +6,8 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
 namespace {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/start.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "calibrator/batch/camera/solver.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera/stage.h"
 #include "calibrator/initialise/camera_focal.h"
 #include "calibrator/initialise/camera_graph.h"
 #include "calibrator/initialise/camera_poses.h"

@@ -5,13 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/parallel.h"
 #include "calibrator/base/stopwatch.h"
 #include "calibrator/base/time_offsets.h"
-#include "calibrator/batch/camera_imu/noise.h"
-#include "calibrator/batch/camera_imu/outliers.h"
-#include "calibrator/batch/camera_imu/report.h"
+#include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/batch/camera_imu/start.h"
+#include "calibrator/batch/corners.h"
+#include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
 namespace {
@@ -97,6 +98,46 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
   return out;
 }
 
+std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners,
+                             const std::vector<CameraCalibration>& cameras,
+                             const std::vector<Frame>& frames, int threads) {
+  std::size_t count = 0;
+  const int n = static_cast<int>(frames.size());
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    std::vector<std::vector<int>> rejected(frames.size());
+    forChunks(n, 16, threads, [&](const Chunk& chunk) {
+      for (int i = chunk.begin; i < chunk.end; ++i) {
+        const int view = frames[static_cast<std::size_t>(i)].view[c];
+        if (view < 0) continue;
+        const PackedView packed = corners[c].view(view);
+        const auto start = homographyPose(cameras[c].intrinsics, packed);
+        if (!start) continue;
+        rejected[static_cast<std::size_t>(i)] =
+            kalibrOutliers(cameras[c].intrinsics, packed, *start);
+      }
+    });
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      for (const int k : rejected[i]) corners[c].setWeight(frames[i].view[c], k, 0);
+      count += rejected[i].size();
+    }
+  }
+  return count;
+}
+
+std::size_t rejectAboveSigma(CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                             double sigmas) {
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    std::vector<PosedView> views;
+    for (std::size_t i = 0; i < problem.frames.size(); ++i) {
+      const int view = problem.frames[i].view[c];
+      if (view >= 0) views.push_back({view, targetInCamera(problem, estimate, i, c)});
+    }
+    count += rejectAboveSigma(problem.corners[c], estimate.cameras[c].intrinsics, views, sigmas);
+  }
+  return count;
+}
+
 /// Rounds of rejection above sigma and renewed solution.
 void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
                     const CameraImuOptions& options) {
@@ -111,7 +152,7 @@ void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
 /// What the session tells of the calibration that was held.
 void addInformation(CameraImuProblem problem, const CameraImuSolution& solution, double cauchy_px,
                     StageSummary& summary) {
-  auto covariance = heldCovariance(std::move(problem), solution, cauchy_px);
+  auto covariance = fixedCovariance(std::move(problem), solution, cauchy_px);
   if (!covariance) return;
   summary.entropy_nats = gaussianEntropy(covariance->matrix);
   summary.covariance = std::move(*covariance);
@@ -138,7 +179,7 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   Stopwatch watch;
   CameraImuProblem problem = makeProblem(session, options);
   problem.free_cameras = false;
-  problem.hold_calibration = true;
+  problem.fixed_calibration = true;
   PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
   posed.own_offsets = givenDifferences(imu, cameras.size());

@@ -7,8 +7,8 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
-#include "calibrator/batch/corner_filter.h"
-#include "calibrator/batch/frame_stretch.h"
+#include "calibrator/batch/corners.h"
+#include "calibrator/batch/resample.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
 
@@ -85,13 +85,23 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
                                             const ImuCalibration& imu,
                                             const CameraImuOptions& options = {});
 
-/// Solves again, from an earlier result, with only the given stretches of its frames (ascending,
+/// Solves again, from an earlier result, with only the given segments of its frames (ascending,
 /// not overlapping), each cut loose from its neighbours: one draw of a bootstrap over time
 /// segments. No corner residuals are listed in the result. Corners that the earlier result rejected
 /// stay out.
 Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
                                                   const CameraImuStageResult& earlier,
-                                                  const std::vector<FrameStretch>& stretches,
+                                                  const std::vector<FrameSegment>& segments,
                                                   const CameraImuOptions& options = {});
+
+/// Solves the camera-IMU batch again on every draw of a bootstrap over time segments, each started
+/// from `earlier` under the options that gave it. Draws are shared out over resample.threads; the
+/// result does not depend on their number. Rows as in the covariance of `earlier` (tangent of
+/// T_SC0, time offset, freed cameras). Fails with kTooFewViews if fewer than two draws have a
+/// solution.
+Result<ResampleSummary> resampleCameraImu(const Session& session,
+                                          const CameraImuStageResult& earlier,
+                                          const ResampleOptions& resample,
+                                          const CameraImuOptions& options = {});
 
 }  // namespace plumbline

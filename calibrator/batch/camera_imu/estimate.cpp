@@ -1,8 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The unknowns of the camera-IMU batch: where they stand, and how a step moves them.
+#include <algorithm>
+
+#include "calibrator/base/lie.h"
 #include "calibrator/batch/camera_imu/problem.h"
+#include "calibrator/residuals/imu_residual.h"
+#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
+namespace {
+
+/// Interpolated sample and its slope at an instant; those of the nearest interval beyond the ends.
+struct Reading {
+  Eigen::Vector3d gyro, accel;
+  Eigen::Vector3d gyro_slope, accel_slope;  // per second
+};
+
+Reading readingAt(const std::vector<ImuSample>& samples, TimeNs frame, double after_frame_s) {
+  const TimeNs t = frame + toNanoseconds(after_frame_s);
+  auto next = std::upper_bound(samples.begin(), samples.end(), t,
+                               [](TimeNs at, const ImuSample& s) { return at < s.t; });
+  next = std::clamp(next, samples.begin() + 1, samples.end() - 1);
+  const ImuSample& a = *(next - 1);
+  const double interval = secondsBetween(a.t, next->t);
+  const double s = secondsBetween(a.t, frame) + after_frame_s;
+  Reading r;
+  r.gyro_slope = (next->gyro - a.gyro) / interval;
+  r.accel_slope = (next->accel - a.accel) / interval;
+  r.gyro = a.gyro + s * r.gyro_slope;
+  r.accel = a.accel + s * r.accel_slope;
+  return r;
+}
+
+}  // namespace
 
 BorderLayout::BorderLayout(const CameraImuEstimate& estimate, bool free_cameras) {
   const std::size_t count = estimate.cameras.size();
@@ -45,6 +75,94 @@ CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& 
         boxplus(estimate.cameras[c].T_C0Ci, Vector6d(border.segment<6>(layout.T_C0Ci[c])));
   }
   return out;
+}
+
+double exposureDelay(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                     std::size_t i, std::size_t c) {
+  double delay = 0;
+  if (!problem.view_stamps.empty()) {
+    const Frame& frame = problem.frames[i];
+    const auto view = static_cast<std::size_t>(frame.view[c]);
+    delay = secondsBetween(frame.t, problem.view_stamps[c][view]);
+  }
+  if (estimate.hasOwnOffset(c)) delay += *estimate.offset_differences_s[c];
+  return delay;
+}
+
+ExposurePose exposurePose(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                          std::size_t i, double delay_s) {
+  const ImuState& state = estimate.states[i];
+  const double d = delay_s;
+  const Reading m =
+      readingAt(problem.samples, problem.frames[i].t, estimate.time_offset_s + 0.5 * d);
+  const Eigen::Matrix3d& R = state.T_FS.R;
+  const Eigen::Vector3d w = m.gyro - state.gyro_bias;
+  const Eigen::Vector3d force_F = R * (m.accel - state.accel_bias);
+  const Eigen::Vector3d a = force_F + problem.gravity_m_s2 * estimate.gravity_direction;
+  const Eigen::Matrix3d turn = R * leftJacobianSO3(w * d);  // of w d, on the left in F
+  const double half = 0.5 * d * d;
+
+  ExposurePose out;
+  out.T_FS = {R * expSO3(w * d), state.T_FS.t + d * state.v_F + half * a};
+  out.by_state.setZero();
+  out.by_state.leftCols<6>().setIdentity();
+  out.by_state.block<3, 3>(0, 3) = -half * skew(force_F);
+  out.by_state.block<3, 3>(0, 6) = d * Eigen::Matrix3d::Identity();
+  out.by_state.block<3, 3>(3, 9) = -d * turn;
+  out.by_state.block<3, 3>(0, 12) = -half * R;
+  out.by_calibration.setZero();
+  out.by_calibration.block<3, 2>(0, BorderLayout::kGravity) =
+      half * problem.gravity_m_s2 * tangentBasis(estimate.gravity_direction);
+  out.by_calibration.col(BorderLayout::kOffset) << half * (R * m.accel_slope),
+      d * (turn * m.gyro_slope);
+  out.by_delay << state.v_F + d * a + 0.5 * half * (R * m.accel_slope),
+      turn * (w + 0.5 * d * m.gyro_slope);
+  return out;
+}
+
+MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                    const GramOptions& gram, const ViewIndex& index) {
+  const auto [i, c] = index;
+  const CameraCalibration& camera = estimate.cameras[c];
+  const ExposurePose pose =
+      exposurePose(problem, estimate, i, exposureDelay(problem, estimate, i, c));
+  const CameraImuChain chain = cameraImuChain(pose.T_FS, estimate.T_SC0, camera.T_C0Ci);
+  Eigen::Matrix<double, 6, MovedView::kIntrinsics> A;
+  A << chain.A_FS * pose.by_state, chain.A_FS * pose.by_calibration, chain.A_FS * pose.by_delay,
+      chain.A_C0Ci;
+  A.middleCols<6>(MovedView::kFixed) += chain.A_SC0;
+
+  const PackedView view = problem.corners[c].view(problem.frames[i].view[c]);
+  ViewGram g;
+  if (problem.free_cameras) {
+    g = viewGram(camera.intrinsics, chain.T_CiF, view, gram);
+  } else {
+    static_cast<PoseGram&>(g) = poseGram(camera.intrinsics, chain.T_CiF, view, gram);
+  }
+  constexpr int n = MovedView::kIntrinsics;
+  const Eigen::Index k = g.b_k.size();
+  MovedView out;
+  out.H = Eigen::MatrixXd::Zero(n + k, n + k);
+  out.H.topLeftCorner(n, n) = A.transpose() * g.H * A;
+  if (k > 0) {
+    out.H.topRightCorner(n, k) = A.transpose() * g.H_pose_k;
+    out.H.bottomLeftCorner(k, n) = out.H.topRightCorner(n, k).transpose();
+    out.H.bottomRightCorner(k, k) = g.H_k;
+  }
+  out.b.resize(n + k);
+  out.b.head(n) = A.transpose() * g.b;
+  if (k > 0) out.b.tail(k) = g.b_k;
+  out.cost = g.cost;
+  out.squared_error = g.squared_error;
+  return out;
+}
+
+Transform targetInCamera(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                         std::size_t i, std::size_t c) {
+  const double delay = exposureDelay(problem, estimate, i, c);
+  const Transform T_FS =
+      delay == 0 ? estimate.states[i].T_FS : exposurePose(problem, estimate, i, delay).T_FS;
+  return (T_FS * estimate.T_SC0 * estimate.cameras[c].T_C0Ci).inverse();
 }
 
 }  // namespace plumbline

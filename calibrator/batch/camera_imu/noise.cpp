@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/noise.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -8,13 +6,14 @@
 #include <optional>
 #include <utility>
 
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera_imu/stage.h"
 
 namespace plumbline {
 namespace {
 
 constexpr int kChunk = 64;     // intervals
-constexpr int kStretch = 100;  // frames
+constexpr int kSegment = 100;  // frames
 constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 1e3;
@@ -79,7 +78,7 @@ Vector6d walkRows(const Groups& groups) {
 }
 
 /// Adds a link, each group of its rows times its factor on the information.
-void addLink(const Link& link, const Groups& information, BorderedChain& chain) {
+void addLink(const Link& link, const Groups& information, BlockArrow& chain) {
   const auto at = static_cast<std::size_t>(link.at);
   const int last = chain.border();
   const Vector6d weight = walkRows(information).cwiseProduct(link.walk_weight);
@@ -104,9 +103,9 @@ void addLink(const Link& link, const Groups& information, BorderedChain& chain) 
   chain.border_gradient.segment<3>(kGravity) += G.block<3, 1>(24, kResidual);
 }
 
-BorderedChain combined(const BorderedChain& cameras, const std::vector<Link>& links,
-                       const Factors& factors) {
-  BorderedChain chain = cameras;
+BlockArrow combined(const BlockArrow& cameras, const std::vector<Link>& links,
+                    const Factors& factors) {
+  BlockArrow chain = cameras;
   const double scale = 1 / (factors.pixel * factors.pixel);
   for (ChainMatrix& D : chain.diagonal) D *= scale;
   for (ChainBorderRows& C : chain.to_border) C *= scale;
@@ -169,7 +168,7 @@ void addRows(const Link& link, const Groups& information, const ChainInverse& in
 
 /// Squared distance of every frame's pose from the one that its corners alone would choose, in the
 /// metric of the corners' information: sum of e' H e, e = x + H^-1 (b + C y).
-double poseSquares(const BorderedChain& cameras, const ChainSolution& step) {
+double poseSquares(const BlockArrow& cameras, const ChainSolution& step) {
   const int m = cameras.border();
   double sum = 0;
   for (std::size_t i = 0; i < cameras.diagonal.size(); ++i) {
@@ -184,7 +183,7 @@ double poseSquares(const BorderedChain& cameras, const ChainSolution& step) {
 
 class VarianceComponents {
  public:
-  VarianceComponents(BorderedChain cameras, std::vector<Link> links, int threads)
+  VarianceComponents(BlockArrow cameras, std::vector<Link> links, int threads)
       : cameras_(std::move(cameras)), links_(std::move(links)), threads_(threads) {}
 
   std::optional<Evaluation> at(const Factors& factors) const {
@@ -218,7 +217,7 @@ class VarianceComponents {
   }
 
  private:
-  BorderedChain cameras_;
+  BlockArrow cameras_;
   std::vector<Link> links_;
   int threads_;
 };
@@ -239,17 +238,17 @@ ImuNoiseCheck checkOf(int group, const Evaluation& assumed, const Evaluation& en
   return check;
 }
 
-/// All of n frames, or `most` of them in evenly spread stretches.
+/// All of n frames, or `most` of them in evenly spread segments.
 std::vector<int> spreadFrames(int n, int most) {
   std::vector<int> frames;
-  const int stretches = std::max(2, most / kStretch);
-  if (n <= std::max(most, stretches * kStretch)) {
+  const int segments = std::max(2, most / kSegment);
+  if (n <= std::max(most, segments * kSegment)) {
     for (int f = 0; f < n; ++f) frames.push_back(f);
     return frames;
   }
-  for (int s = 0; s < stretches; ++s) {
-    const int first = s * (n - kStretch) / (stretches - 1);
-    for (int f = 0; f < kStretch; ++f) frames.push_back(first + f);
+  for (int s = 0; s < segments; ++s) {
+    const int first = s * (n - kSegment) / (segments - 1);
+    for (int f = 0; f < kSegment; ++f) frames.push_back(first + f);
   }
   return frames;
 }

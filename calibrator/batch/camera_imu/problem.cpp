@@ -3,8 +3,7 @@
 
 #include <atomic>
 
-#include "calibrator/batch/camera_imu/exposure.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/linear/row_kernels.h"
 #include "calibrator/residuals/tangent.h"
 
@@ -44,7 +43,7 @@ class Linearisation {
         layout_(estimate, problem.free_cameras),
         gravity_{estimate.gravity_direction, problem.gravity_m_s2} {
     if (purpose != Purpose::kStep) gram_.triggs_clamp = 0;
-    normals_.chain = BorderedChain(problem.frameCount(), layout_.size);
+    normals_.chain = BlockArrow(problem.frameCount(), layout_.size);
   }
 
   std::optional<CameraImuNormals> run() {
@@ -61,7 +60,7 @@ class Linearisation {
     });
     if (!covered) return std::nullopt;
     collect(partials);
-    if (problem_.hold_calibration) holdCalibration();
+    if (problem_.fixed_calibration) fixCalibration();
     return std::move(normals_);
   }
 
@@ -69,7 +68,7 @@ class Linearisation {
   void collect(const std::vector<Partial>& partials) {
     double cost = 0;
     double inertial = 0;
-    BorderedChain& chain = normals_.chain;
+    BlockArrow& chain = normals_.chain;
     for (std::size_t k = 0; k < partials.size(); ++k) {
       const Partial& p = partials[k];
       chain.border_block += p.block;
@@ -88,8 +87,8 @@ class Linearisation {
   }
 
   /// Takes every border column but gravity's out of the system.
-  void holdCalibration() {
-    BorderedChain& chain = normals_.chain;
+  void fixCalibration() {
+    BlockArrow& chain = normals_.chain;
     for (int j = 0; j < layout_.size; ++j) {
       if (j >= BorderLayout::kGravity && j < BorderLayout::kOffset) continue;
       chain.border_block.row(j).setZero();
@@ -233,7 +232,7 @@ class Linearisation {
         Eigen::Vector3d::Constant(weight.accel_walk * weight.accel_walk);
     information *= problem_.weights[at];
     const Vector6d b = information.cwiseProduct(r);
-    BorderedChain& chain = normals_.chain;
+    BlockArrow& chain = normals_.chain;
     chain.diagonal[at].diagonal().tail<6>() += information;
     chain.next[at].diagonal().tail<6>() -= information;
     D.diagonal().tail<6>() += information;
@@ -277,7 +276,7 @@ class Linearisation {
     RowMatrix G = RowMatrix::Zero(28, 28);
     addGram(product(weights_[at].sqrt_information, J), 0, G);
     G.triangularView<Eigen::StrictlyLower>() = G.transpose();
-    BorderedChain& chain = normals_.chain;
+    BlockArrow& chain = normals_.chain;
     constexpr int kGravity = BorderLayout::kGravity;
     chain.diagonal[at] += G.topLeftCorner<15, 15>();
     chain.next[at].leftCols<9>() += G.block<15, 9>(0, 15);

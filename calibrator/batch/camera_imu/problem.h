@@ -2,13 +2,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/results.h"
-#include "calibrator/linear/bordered_chain.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/linear/block_arrow.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "calibrator/residuals/packed_corners.h"
 #include "calibrator/residuals/view_gram.h"
@@ -17,7 +19,7 @@ namespace plumbline {
 
 /// What joins a frame to the next one.
 enum class FrameLink {
-  kBroken,    ///< nothing: stretches cut loose from each other
+  kBroken,    ///< nothing: segments cut loose from each other
   kBiasWalk,  ///< the biases' walk alone: IMU samples are missing in between
   kInertial,  ///< pre-integrated motion and the biases' walk
 };
@@ -38,7 +40,7 @@ struct CameraImuProblem {
   bool free_cameras = false;
   /// T_SC0 and all time offsets stay as they are: only states and gravity's direction move. Then
   /// the border has information 1 and no gradient there.
-  bool hold_calibration = false;
+  bool fixed_calibration = false;
   int threads = 1;
 
   int frameCount() const { return static_cast<int>(frames.size()); }
@@ -82,7 +84,7 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
 
 /// Normal equations and cost at an estimate.
 struct CameraImuNormals {
-  BorderedChain chain;
+  BlockArrow chain;
   double cost = 0;      ///< 0.5 * (robust reprojection + inertial), normalised
   double inertial = 0;  ///< the inertial part of it
   /// informationAt() only: variance that the noise of single samples at the windows' ends adds to
@@ -107,5 +109,80 @@ CameraImuNormals cameraInformationAt(const CameraImuProblem& problem,
 /// The estimate after a step of the chain's solution (tangents as in boxplus()).
 CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& step,
                         bool free_cameras);
+
+/// Seconds from frame i's instant to the exposure of camera c's view in it (which must exist): the
+/// difference of their stamps plus what the camera's own offset differs from camera 0's. 0 for
+/// cameras that are synchronised.
+double exposureDelay(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                     std::size_t i, std::size_t c);
+
+/// The sensor's pose at an exposure some milliseconds d after (or before) a frame's instant:
+///   R' = R Exp(w d),   t' = t + v d + a d^2 / 2,
+/// with rate w and acceleration a of the IMU half-way between the two. Error O(d^3). Derivatives in
+/// the tangent of T_FS, exact for linearly interpolated samples.
+struct ExposurePose {
+  Transform T_FS;
+  Eigen::Matrix<double, 6, 15> by_state;                          ///< of the frame, as boxplus()
+  Eigen::Matrix<double, 6, BorderLayout::kFixed> by_calibration;  ///< T_SC0 (zero), gravity, t_d
+  Vector6d by_delay;
+};
+ExposurePose exposurePose(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                          std::size_t i, double delay_s);
+
+/// Which view: of a frame, by a camera.
+struct ViewIndex {
+  std::size_t frame = 0;
+  std::size_t camera = 0;
+};
+
+/// Gauss-Newton terms of a view at its exposure (as in PoseGram), unscaled, in the columns: state
+/// of the frame (15), T_SC0, gravity and t_d, delay, T_C0Ci, intrinsics (if cameras are free).
+struct MovedView {
+  static constexpr int kFixed = 15;
+  static constexpr int kDelay = kFixed + BorderLayout::kFixed;
+  static constexpr int kT_C0Ci = kDelay + 1;
+  static constexpr int kIntrinsics = kT_C0Ci + 6;
+  Eigen::MatrixXd H;
+  Eigen::VectorXd b;
+  double cost = 0;
+  double squared_error = 0;
+};
+MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                    const GramOptions& gram, const ViewIndex& index);
+
+/// Camera c's view of the target in frame i, at its exposure.
+Transform targetInCamera(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
+                         std::size_t i, std::size_t c);
+
+enum class SolverEnd {
+  kConverged,
+  kOutOfIterations,
+  kSingular,     ///< no damping made the normal equations positive definite
+  kLeftSamples,  ///< the time offset moved frames off the IMU samples
+};
+
+struct SolverOptions {
+  int max_iterations = 50;
+  double tolerance = 1e-4;  ///< length of the last step in standard deviations of all parameters
+};
+
+struct CameraImuSolution {
+  CameraImuEstimate estimate;
+  ImuWeights weights;
+  CameraImuNormals normals;  ///< at the estimate
+  SolverEnd end = SolverEnd::kOutOfIterations;
+  int iterations = 0;
+};
+
+/// Levenberg-Marquardt on the structured normal equations. The inertial weights are renewed after
+/// the second step and whenever the time offset has moved by more than 0.2 ms since; a step with
+/// new weights never counts as the last one, and it is judged by the old ones where the new raise
+/// the cost.
+CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
+                                 const SolverOptions& options = {});
+
+/// The same with the inertial weights held as they are.
+CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
+                                 const ImuWeights& weights, const SolverOptions& options = {});
 
 }  // namespace plumbline

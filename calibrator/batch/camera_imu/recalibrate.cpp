@@ -1,55 +1,69 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cassert>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "calibrator/base/time_offsets.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/batch/corners.h"
 
 namespace plumbline {
 namespace {
 
-/// Rejects the corners that an earlier result did not use. Residuals of a view ascend in corner_id
-/// as its corners do.
-void rejectUnused(const CameraImuStageResult& earlier, CameraImuProblem& problem) {
-  for (const CornerResidual& r : earlier.residuals) {
-    if (r.used) continue;
-    const auto c = static_cast<std::size_t>(r.camera);
-    const int index = earlier.frames[static_cast<std::size_t>(r.frame)].view[c];
-    const PackedView view = problem.corners[c].view(index);
-    for (int k = 0; k < view.count; ++k) {
-      if (view.id[k] == r.corner_id) problem.corners[c].setWeight(index, k, 0);
-    }
-  }
-}
-
-/// Appends a stretch: its frames that the IMU links, cut loose from what stands before.
-void append(const FrameStretch& stretch, const CameraImuStageResult& earlier,
+/// Appends a segment: its frames that the IMU links, cut loose from what stands before.
+void append(const FrameSegment& segment, const CameraImuStageResult& earlier,
             std::span<const ImuGap> gaps, const FrameSelectionOptions& choice,
             CameraImuProblem& problem, CameraImuEstimate& estimate) {
   std::vector<TimeNs> stamps;
-  for (int k = 0; k < stretch.count; ++k) {
-    stamps.push_back(earlier.frames[static_cast<std::size_t>(stretch.first + k)].t);
+  for (int k = 0; k < segment.count; ++k) {
+    stamps.push_back(earlier.frames[static_cast<std::size_t>(segment.first + k)].t);
   }
   const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
   if (selection.chosen.empty()) return;
   if (!problem.frames.empty()) problem.links.push_back(FrameLink::kBroken);
   problem.links.insert(problem.links.end(), selection.links.begin(), selection.links.end());
   for (const int k : selection.chosen) {
-    const auto at = static_cast<std::size_t>(stretch.first + k);
+    const auto at = static_cast<std::size_t>(segment.first + k);
     problem.frames.push_back(earlier.frames[at]);
-    problem.weights.push_back(stretch.weight);
+    problem.weights.push_back(segment.weight);
     estimate.states.push_back(earlier.states[at]);
   }
+}
+
+constexpr std::string_view kOwnOffset = "time_offset.cam";
+
+void append(std::vector<double>& to, const Eigen::VectorXd& values) {
+  to.insert(to.end(), values.begin(), values.end());
+}
+
+/// Parameters of `to` minus those of `from`, in the order of the stage's covariance.
+Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageResult& from,
+                           bool free_cameras) {
+  std::vector<double> d;
+  append(d, boxminus(to.imu.T_SC0, from.imu.T_SC0));
+  d.push_back(to.imu.time_offset_s - from.imu.time_offset_s);
+  if (free_cameras) append(d, cameraDifference(to.cameras, from.cameras));
+  for (const std::string& name : from.summary.covariance.names) {
+    if (name.rfind(kOwnOffset, 0) != 0) continue;
+    const auto c = static_cast<std::size_t>(std::stoi(name.substr(kOwnOffset.size())));
+    d.push_back(cameraTimeOffset(to.imu, c) - cameraTimeOffset(from.imu, c));
+  }
+  return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
 }
 
 }  // namespace
 
 Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
                                                   const CameraImuStageResult& earlier,
-                                                  const std::vector<FrameStretch>& stretches,
+                                                  const std::vector<FrameSegment>& segments,
                                                   const CameraImuOptions& options) {
   assert(session.imu);
   CameraImuProblem problem = makeProblem(session, options);
-  rejectUnused(earlier, problem);
+  problem.corners = usedCorners(session, earlier.frames, earlier.residuals);
   CameraImuEstimate estimate;
   estimate.T_SC0 = earlier.imu.T_SC0;
   estimate.gravity_direction = earlier.gravity_F.normalized();
@@ -62,17 +76,32 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
   }
   const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
   const FrameSelectionOptions choice = selectionOptions(options, estimate.time_offset_s);
-  for (const FrameStretch& stretch : stretches) {
-    assert(stretch.first >= 0 && stretch.weight > 0);
-    assert(stretch.first + stretch.count <= static_cast<int>(earlier.frames.size()));
-    append(stretch, earlier, gaps, choice, problem, estimate);
+  for (const FrameSegment& segment : segments) {
+    assert(segment.first >= 0 && segment.weight > 0);
+    assert(segment.first + segment.count <= static_cast<int>(earlier.frames.size()));
+    append(segment, earlier, gaps, choice, problem, estimate);
   }
   if (problem.frames.size() < 2) {
-    return Failure{FailureReason::kTooFewViews, "the stretches hold fewer than two linked frames",
-                   "use longer stretches"};
+    return Failure{FailureReason::kTooFewViews, "the segments hold fewer than two linked frames",
+                   "use longer segments"};
   }
   const CameraImuSolution solution = solveFromSolution(problem, estimate, options);
   return stageResult(problem, solution, session, options);
+}
+
+Result<ResampleSummary> resampleCameraImu(const Session& session,
+                                          const CameraImuStageResult& earlier,
+                                          const ResampleOptions& resample,
+                                          const CameraImuOptions& options) {
+  CameraImuOptions one_thread = options;
+  one_thread.threads = 1;
+  const auto solve = [&](const std::vector<FrameSegment>& segments) {
+    const auto again = recalibrateCameraImu(session, earlier, segments, one_thread);
+    if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
+    return std::optional(difference(*again, earlier, options.free_cameras));
+  };
+  return solveDraws(earlier.summary.covariance, static_cast<int>(earlier.frames.size()), resample,
+                    "camera-IMU", solve);
 }
 
 }  // namespace plumbline

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/report.h"
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -8,8 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/batch/camera_imu/exposure.h"
-#include "calibrator/batch/parallel_chunks.h"
+#include "calibrator/base/parallel.h"
+#include "calibrator/base/parameter_names.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/residuals/tangent.h"
@@ -52,54 +51,24 @@ void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& es
 /// Rows of the border that are calibration parameters, with their names and units.
 struct ParameterList {
   std::vector<int> rows;
-  std::vector<std::string> names;
-  std::vector<std::string> units;
+  std::vector<ParameterName> parameters;
   /// Those from here on are camera 0's offset plus their row.
   std::size_t own_offsets = 0;
 
-  void add(int row, std::string name, std::string unit) {
-    rows.push_back(row);
-    names.push_back(std::move(name));
-    units.push_back(std::move(unit));
-  }
-  void addTransform(int row, const std::string& name) {
-    const char* parts[] = {"tx", "ty", "tz", "rx", "ry", "rz"};
-    for (int k = 0; k < 6; ++k) add(row + k, name + "." + parts[k], k < 3 ? "m" : "rad");
+  void add(int first_row, const std::vector<ParameterName>& more) {
+    for (const ParameterName& p : more) {
+      rows.push_back(first_row++);
+      parameters.push_back(p);
+    }
   }
 };
 
-std::vector<std::string> distortionNames(DistortionModel model, int count) {
-  std::vector<std::string> names = {"k1", "k2", "k3", "k4"};
-  if (model == DistortionModel::kRadtan) names = {"k1", "k2", "p1", "p2"};
-  names.resize(static_cast<std::size_t>(count));
-  return names;
-}
-
-void addIntrinsics(ParameterList& list, const CameraCalibration& camera, std::size_t index,
-                   const BorderLayout& layout) {
-  const std::string name = camera.name.empty() ? fmt::format("cam{}", index) : camera.name;
-  int row = layout.intrinsics[index];
-  for (const char* parameter : {"fu", "fv", "pu", "pv"}) {
-    list.add(row++, name + "." + parameter, "px");
-  }
-  const auto count = static_cast<int>(camera.intrinsics.distortion.size());
-  for (const std::string& parameter : distortionNames(camera.intrinsics.distortion_model, count)) {
-    list.add(row++, name + "." + parameter, "-");
-  }
-}
-
 ParameterList parameterList(const CameraImuEstimate& estimate, bool free_cameras) {
-  const std::vector<CameraCalibration>& cameras = estimate.cameras;
   ParameterList list;
-  list.addTransform(BorderLayout::kExtrinsics, "T_SC0");
-  list.add(BorderLayout::kOffset, "time_offset", "s");
-  list.own_offsets = list.rows.size();
-  if (!free_cameras) return list;
-  const BorderLayout layout(estimate, true);
-  for (std::size_t c = 0; c < cameras.size(); ++c) addIntrinsics(list, cameras[c], c, layout);
-  for (std::size_t c = 1; c < cameras.size(); ++c) {
-    list.addTransform(layout.T_C0Ci[c], fmt::format("T_C0C{}", c));
-  }
+  list.add(BorderLayout::kExtrinsics, transformParameters("T_SC0"));
+  list.add(BorderLayout::kOffset, {{"time_offset", "s"}});
+  // The border lists the cameras' parameters as their own stage does.
+  if (free_cameras) list.add(BorderLayout::kFixed, cameraParameters(estimate.cameras));
   list.own_offsets = list.rows.size();
   return list;
 }
@@ -110,7 +79,7 @@ ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estima
   const BorderLayout layout(estimate, free_cameras);
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     if (layout.own_offset[c] < 0) continue;
-    list.add(layout.own_offset[c], fmt::format("time_offset.cam{}", c), "s");
+    list.add(layout.own_offset[c], {{fmt::format("time_offset.cam{}", c), "s"}});
   }
   return list;
 }
@@ -263,15 +232,15 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   // Sandwich: the gradient by t_d varies by more than the information says.
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
-  ParameterCovariance out{list.names, list.units, listedCovariance(list, full)};
+  ParameterCovariance out = parameterCovariance(list.parameters, listedCovariance(list, full));
   if (const auto failure = unobservable(out.matrix, options)) return *failure;
   return out;
 }
 
-std::optional<ParameterCovariance> heldCovariance(CameraImuProblem problem,
-                                                  const CameraImuSolution& solution,
-                                                  double cauchy_px) {
-  problem.hold_calibration = false;
+std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
+                                                   const CameraImuSolution& solution,
+                                                   double cauchy_px) {
+  problem.fixed_calibration = false;
   problem.free_cameras = false;
   problem.gram.cauchy_px = cauchy_px;
   const auto normals = informationAt(problem, solution.estimate, solution.weights);
@@ -283,7 +252,7 @@ std::optional<ParameterCovariance> heldCovariance(CameraImuProblem problem,
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
   const ParameterList list = parameterList(solution.estimate, false);
-  ParameterCovariance out{list.names, list.units, full(list.rows, list.rows)};
+  ParameterCovariance out = parameterCovariance(list.parameters, full(list.rows, list.rows));
   if (!out.matrix.allFinite() || Eigen::LLT<Eigen::MatrixXd>(out.matrix).info() != Eigen::Success) {
     return std::nullopt;
   }

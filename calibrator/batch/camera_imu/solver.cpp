@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/solver.h"
-
 #include <cmath>
 #include <utility>
+
+#include "calibrator/batch/camera_imu/problem.h"
 
 namespace plumbline {
 namespace {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "calibrator/batch/camera_imu/report.h"
-
 namespace plumbline {
 namespace {
 
@@ -118,9 +116,8 @@ SolverOptions solverOptions(const CameraImuOptions& options) {
 
 CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& options) {
   CameraImuProblem problem;
-  problem.corners.reserve(session.cameras.size());
+  problem.corners = packCorners(session);
   for (const CameraStream& camera : session.cameras) {
-    problem.corners.emplace_back(session.target, camera.views);
     auto& stamps = problem.view_stamps.emplace_back();
     for (const ImageView& view : camera.views) stamps.push_back(view.t);
   }

@@ -2,7 +2,7 @@
 // Differences of cameras stand in the order of the camera stage's covariance.
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera/difference.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/rig.h"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 // central differences in the tangent space.
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu/exposure.h"
+#include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 

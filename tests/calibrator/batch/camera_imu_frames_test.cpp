@@ -2,7 +2,7 @@
 // Which frames take part, and how the IMU joins them.
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu/frames.h"
+#include "calibrator/batch/camera_imu/start.h"
 
 namespace plumbline {
 namespace {

@@ -3,7 +3,7 @@
 // assumes: then both must tell the same.
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu/resample.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {

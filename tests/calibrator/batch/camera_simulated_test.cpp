@@ -166,17 +166,17 @@ TEST(CameraBatch, FrontoParallelViewsLeaveTheFocalLengthFree) {
 
 TEST(DrawStretches, CoverTheFramesOnAverageAndRepeatWithTheSeed) {
   const ResampleOptions options{.draws = 2, .segments = 7, .seed = 3};
-  const auto a = drawStretches(100, options, 0);
+  const auto a = drawSegments(100, options, 0);
   double drawn = 0;
   int last = 0;
-  for (const FrameStretch& s : a) {
+  for (const FrameSegment& s : a) {
     EXPECT_GE(s.first, last);
     last = s.first + s.count;
     drawn += s.weight;
   }
   EXPECT_LE(last, 100);
   EXPECT_EQ(drawn, 7);
-  const auto b = drawStretches(100, options, 0);
+  const auto b = drawSegments(100, options, 0);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].first, b[i].first);
 }

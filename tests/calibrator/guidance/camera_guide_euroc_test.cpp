@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera/difference.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 #include "tests/calibrator/window/stereo_frames.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera/difference.h"
+#include "calibrator/batch/camera/batch.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 #include "tests/calibrator/window/stereo_frames.h"
 

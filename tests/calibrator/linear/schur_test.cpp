@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The Schur complement against the full inverse with rows dropped, which shares nothing with it.
-#include "calibrator/linear/schur.h"
-
 #include <Eigen/LU>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

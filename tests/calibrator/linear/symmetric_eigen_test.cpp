@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/linear/symmetric_eigen.h"
-
 #include <gtest/gtest.h>
+
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

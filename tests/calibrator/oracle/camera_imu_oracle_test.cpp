@@ -8,7 +8,7 @@
 #include <ceres/sphere_manifold.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu/solver.h"
+#include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/oracle/imu_cost.h"
 

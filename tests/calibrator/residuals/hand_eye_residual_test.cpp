@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The hand-eye residual: a hand value, automatic differentiation, central differences.
-#include "calibrator/residuals/hand_eye_residual.h"
-
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/batch/hand_eye.h"
 #include "tests/calibrator/residuals/imu_oracle.h"
 
 namespace plumbline {

@@ -41,7 +41,7 @@ Solved solvedFrames(int count) {
 }
 
 /// Dense normal equations of a chain, all blocks and the border.
-Eigen::MatrixXd dense(const BorderedChain& chain) {
+Eigen::MatrixXd dense(const BlockArrow& chain) {
   const int n = kChainBlock * chain.blocks();
   const int m = chain.border();
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + m, n + m);
@@ -57,7 +57,7 @@ Eigen::MatrixXd dense(const BorderedChain& chain) {
 
 TEST(CameraImuPrior, FrontEliminatedIsTheInverseOfTheFullInversesBlock) {
   const Solved s = solvedFrames(40);
-  const BorderedChain chain = informationAt(s.problem, s.estimate, s.weights)->chain;
+  const BlockArrow chain = informationAt(s.problem, s.estimate, s.weights)->chain;
   const auto end = frontEliminated(chain, 39);
   ASSERT_TRUE(end);
   const Eigen::MatrixXd H = dense(chain);
@@ -120,7 +120,7 @@ TEST(CameraImuPrior, GradientFollowsTheEstimate) {
   off.states = {boxplus(s.estimate.states[5], Vector15d::Constant(0.02))};
   off.T_SC0 = boxplus(off.T_SC0, Vector6d::Constant(0.03));
   off.gravity_direction = boxplusDirection(off.gravity_direction, {0.02, -0.01});
-  CameraImuNormals normals{BorderedChain(1, BorderLayout::kFixed)};
+  CameraImuNormals normals{BlockArrow(1, BorderLayout::kFixed)};
   prior->addTo(off, normals);
   EXPECT_NEAR(normals.cost, prior->costAt(off), 1e-9 * normals.cost);
   const auto costAlong = [&](int k, double h) {
@@ -199,7 +199,7 @@ TEST(CameraImuWindow, GoesOnAcrossAGapByTheBiasesWalk) {
       *entropyNats(*calibrationInformation(window->knowledge()->information, false));
   WindowFrame loose = testing::windowFrame(r, 40);
   loose.link = FrameLink::kBiasWalk;
-  EXPECT_EQ(window->add(loose), WindowEnd::kHeld);
+  EXPECT_EQ(window->add(loose), WindowEnd::kWaiting);
   EXPECT_EQ(window->lastStamp(), r.problem.frames[29].t);
   EXPECT_EQ(window->add(testing::windowFrame(r, 41)), WindowEnd::kSolved);
   EXPECT_EQ(window->problem().frames[1].t, r.problem.frames[40].t);

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera/difference.h"
 #include "calibrator/window/camera_window.h"
 #include "tests/calibrator/window/stereo_frames.h"
 

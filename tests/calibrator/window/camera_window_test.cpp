@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera/difference.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "tests/calibrator/window/stereo_frames.h"

@@ -72,7 +72,7 @@ inline CameraImuEstimate solvedWithOffsetHeld(const CameraImuProblem& problem,
   const auto weights = imuWeights(problem, estimate);
   for (int k = 0; k < 20; ++k) {
     auto normals = normalsAt(problem, estimate, *weights);
-    BorderedChain& chain = normals->chain;
+    BlockArrow& chain = normals->chain;
     constexpr int at = BorderLayout::kOffset;
     chain.border_block.row(at).setZero();
     chain.border_block.col(at).setZero();

@@ -24,8 +24,8 @@ using ChainBorderRows = Eigen::Matrix<double, kChainBlock, Eigen::Dynamic, Eigen
 ///
 /// Units are the caller's; the upper triangles of D and B are enough, H must be positive definite.
 /// A zero N_i breaks the chain there.
-struct BorderedChain {
-  explicit BorderedChain(int blocks = 0, int border = 0);
+struct BlockArrow {
+  explicit BlockArrow(int blocks = 0, int border = 0);
 
   int blocks() const { return static_cast<int>(diagonal.size()); }
   int border() const { return static_cast<int>(border_gradient.size()); }
@@ -55,8 +55,7 @@ struct ChainSolution {
 
 /// Solves by a block Cholesky factorisation that starts at both ends and meets in the middle
 /// (n (15^3 + 15^2 m) operations). Empty where a pivot is not positive.
-std::optional<ChainSolution> solveChain(const BorderedChain& system,
-                                        const ChainOptions& options = {});
+std::optional<ChainSolution> solveChain(const BlockArrow& system, const ChainOptions& options = {});
 
 /// The blocks of H^-1 where H has blocks: the covariance of each state, of each state with the next
 /// one, and of each with the border.
@@ -79,7 +78,6 @@ struct ChainInverse {
 ///   S_i,jB = -K S_jB,   S_ii = (L L')^-1 + K S_jB K'
 /// (Takahashi et al. 1973, by blocks); n (15^3 + 15 (15 + m)^2) operations. Empty where
 /// solveChain() is.
-std::optional<ChainInverse> invertChain(const BorderedChain& system,
-                                        const ChainOptions& options = {});
+std::optional<ChainInverse> invertChain(const BlockArrow& system, const ChainOptions& options = {});
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/linear/bordered_chain.h"
+#include "calibrator/linear/block_arrow.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -32,7 +32,7 @@ struct Carry {
 
 class Elimination {
  public:
-  Elimination(const BorderedChain& system, const ChainOptions& options)
+  Elimination(const BlockArrow& system, const ChainOptions& options)
       : system_(system),
         options_(options),
         columns_(kBorder + filledUp(system.border() + 1)),
@@ -198,7 +198,7 @@ class Elimination {
     if (direction < 0) out.next[at - 1] = -KS.leftCols<kB>().transpose();
   }
 
-  const BorderedChain& system_;
+  const BlockArrow& system_;
   const ChainOptions& options_;
   const int columns_;  // of the rows of a block
   const int middle_;
@@ -209,14 +209,14 @@ class Elimination {
 
 }  // namespace
 
-BorderedChain::BorderedChain(int blocks, int border)
+BlockArrow::BlockArrow(int blocks, int border)
     : diagonal(static_cast<std::size_t>(blocks), ChainMatrix::Zero()),
       next(static_cast<std::size_t>(blocks), ChainMatrix::Zero()),
       to_border(static_cast<std::size_t>(blocks), ChainBorderRows::Zero(kB, border + 1)),
       border_block(Eigen::MatrixXd::Zero(border, border)),
       border_gradient(Eigen::VectorXd::Zero(border)) {}
 
-void BorderedChain::setZero() {
+void BlockArrow::setZero() {
   for (ChainMatrix& D : diagonal) D.setZero();
   for (ChainMatrix& N : next) N.setZero();
   for (ChainBorderRows& C : to_border) C.setZero();
@@ -224,11 +224,11 @@ void BorderedChain::setZero() {
   border_gradient.setZero();
 }
 
-std::optional<ChainSolution> solveChain(const BorderedChain& system, const ChainOptions& options) {
+std::optional<ChainSolution> solveChain(const BlockArrow& system, const ChainOptions& options) {
   return Elimination(system, options).run();
 }
 
-std::optional<ChainInverse> invertChain(const BorderedChain& system, const ChainOptions& options) {
+std::optional<ChainInverse> invertChain(const BlockArrow& system, const ChainOptions& options) {
   Elimination elimination(system, options);
   auto solution = elimination.run();
   if (!solution) return std::nullopt;

@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// A stretch [begin, end) of a range that is cut into chunks of fixed size.
+/// A segment [begin, end) of a range that is cut into chunks of fixed size.
 struct Chunk {
   int index = 0;
   int begin = 0;

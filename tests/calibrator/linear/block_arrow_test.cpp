@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bordered chain against a dense Cholesky of the same matrix, assembled independently.
-#include "calibrator/linear/bordered_chain.h"
+// The block-arrow system against a dense Cholesky of the same matrix, assembled independently.
+#include "calibrator/linear/block_arrow.h"
 
 #include <Eigen/Cholesky>
 #include <limits>
@@ -14,10 +14,10 @@ namespace {
 constexpr int kB = kChainBlock;
 
 /// A random positive definite chain: sums of Gram matrices of factors between (i, i + 1, border).
-BorderedChain randomChain(int blocks, int border, unsigned seed, int broken_after = -1) {
+BlockArrow randomChain(int blocks, int border, unsigned seed, int broken_after = -1) {
   std::mt19937 engine(seed);
   std::normal_distribution<double> normal;
-  BorderedChain chain(blocks, border);
+  BlockArrow chain(blocks, border);
   for (int i = 0; i < blocks; ++i) {
     const bool joined = i + 1 < blocks && i != broken_after;
     const int columns = kB + (joined ? kB : 0) + border;
@@ -44,7 +44,7 @@ struct Dense {
   Eigen::VectorXd b;
 };
 
-Dense dense(const BorderedChain& c, double damping) {
+Dense dense(const BlockArrow& c, double damping) {
   const int n = c.blocks();
   const int m = c.border();
   Dense d{Eigen::MatrixXd::Zero(n * kB + m, n * kB + m), Eigen::VectorXd::Zero(n * kB + m)};
@@ -67,16 +67,16 @@ struct Size {
   int border;
   int broken_after;
 };
-class BorderedChainSolve : public ::testing::TestWithParam<Size> {};
-INSTANTIATE_TEST_SUITE_P(Sizes, BorderedChainSolve,
+class BlockArrowSolve : public ::testing::TestWithParam<Size> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, BlockArrowSolve,
                          ::testing::Values(Size{1, 9, -1}, Size{2, 9, -1}, Size{3, 1, -1},
                                            Size{8, 9, -1}, Size{9, 31, -1}, Size{9, 9, 3},
                                            Size{10, 9, 4}, Size{10, 9, 5}, Size{4, 0, -1}));
 
-TEST_P(BorderedChainSolve, EqualsADenseCholesky) {
+TEST_P(BlockArrowSolve, EqualsADenseCholesky) {
   const auto [blocks, border, broken] = GetParam();
   for (const double damping : {0.0, 0.3}) {
-    const BorderedChain chain = randomChain(blocks, border, 11, broken);
+    const BlockArrow chain = randomChain(blocks, border, 11, broken);
     const Dense oracle = dense(chain, damping);
     const Eigen::LLT<Eigen::MatrixXd> llt(oracle.H);
     const Eigen::VectorXd x = -llt.solve(oracle.b);
@@ -95,9 +95,9 @@ TEST_P(BorderedChainSolve, EqualsADenseCholesky) {
   }
 }
 
-TEST_P(BorderedChainSolve, SelectedInverseEqualsADenseInverse) {
+TEST_P(BlockArrowSolve, SelectedInverseEqualsADenseInverse) {
   const auto [blocks, border, broken] = GetParam();
-  const BorderedChain chain = randomChain(blocks, border, 17, broken);
+  const BlockArrow chain = randomChain(blocks, border, 17, broken);
   const Eigen::MatrixXd H = dense(chain, 0).H;
   const Eigen::MatrixXd S = H.llt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   const double tolerance = 1e-11 * S.norm();
@@ -114,8 +114,8 @@ TEST_P(BorderedChainSolve, SelectedInverseEqualsADenseInverse) {
   }
 }
 
-TEST(BorderedChainInverse, SolvesAsWithoutItAndOnAnyNumberOfThreads) {
-  const BorderedChain chain = randomChain(11, 9, 3);
+TEST(BlockArrowInverse, SolvesAsWithoutItAndOnAnyNumberOfThreads) {
+  const BlockArrow chain = randomChain(11, 9, 3);
   const auto solution = solveChain(chain);
   const auto one = invertChain(chain);
   const auto two = invertChain(chain, {0, 2});
@@ -128,9 +128,9 @@ TEST(BorderedChainInverse, SolvesAsWithoutItAndOnAnyNumberOfThreads) {
   }
 }
 
-TEST_P(BorderedChainSolve, GivesTheMarginalInformationOfTheBorder) {
+TEST_P(BlockArrowSolve, GivesTheMarginalInformationOfTheBorder) {
   const auto [blocks, border, broken] = GetParam();
-  const BorderedChain chain = randomChain(blocks, border, 5, broken);
+  const BlockArrow chain = randomChain(blocks, border, 5, broken);
   const Eigen::MatrixXd H = dense(chain, 0).H;
   const Eigen::MatrixXd covariance = H.llt()
                                          .solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()))
@@ -142,8 +142,8 @@ TEST_P(BorderedChainSolve, GivesTheMarginalInformationOfTheBorder) {
             1e-9);
 }
 
-TEST(BorderedChain, DoesNotDependOnTheNumberOfThreads) {
-  const BorderedChain chain = randomChain(31, 9, 3);
+TEST(BlockArrow, DoesNotDependOnTheNumberOfThreads) {
+  const BlockArrow chain = randomChain(31, 9, 3);
   const auto one = solveChain(chain, {0.1, 1});
   const auto four = solveChain(chain, {0.1, 4});
   ASSERT_TRUE(one && four);
@@ -153,8 +153,8 @@ TEST(BorderedChain, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one->decrement, four->decrement);
 }
 
-TEST(BorderedChain, ReadsUpperTrianglesOnly) {
-  BorderedChain chain = randomChain(5, 9, 3);
+TEST(BlockArrow, ReadsUpperTrianglesOnly) {
+  BlockArrow chain = randomChain(5, 9, 3);
   const auto before = solveChain(chain);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (ChainMatrix& D : chain.diagonal) D.triangularView<Eigen::StrictlyLower>().setConstant(nan);
@@ -164,8 +164,8 @@ TEST(BorderedChain, ReadsUpperTrianglesOnly) {
   EXPECT_EQ(before->border_step, after->border_step);
 }
 
-TEST(BorderedChain, ReportsAPivotThatIsNotPositive) {
-  BorderedChain chain = randomChain(5, 9, 3);
+TEST(BlockArrow, ReportsAPivotThatIsNotPositive) {
+  BlockArrow chain = randomChain(5, 9, 3);
   chain.diagonal[3](7, 7) = -1;
   EXPECT_FALSE(solveChain(chain));
   chain = randomChain(5, 9, 3);

@@ -1,15 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/corner_outliers.h"
+#include "calibrator/batch/corners.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "calibrator/base/statistics.h"
-#include "calibrator/batch/camera/view_errors.h"
+#include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
 namespace {
+
+constexpr double kFarOff = 1e5;  // [px]
+
+template <CameraModel Model>
+std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const Transform& T_CF,
+                                          const PackedView& view) {
+  std::vector<Eigen::Vector2d> errors(static_cast<std::size_t>(view.count));
+  const CameraValues lens(camera);
+  const double* k = lens.k.data();
+  for (int i = 0; i < view.count; ++i) {
+    const Eigen::Vector3d p = T_CF.R.col(0) * view.x[i] + T_CF.R.col(1) * view.y[i] + T_CF.t;
+    Eigen::Vector2d& e = errors[static_cast<std::size_t>(i)];
+    if (!Model::isProjectable(k, p.x(), p.y(), p.z())) {
+      e << kFarOff, 0;
+      continue;
+    }
+    const auto m = Model::image(k, p.x(), p.y(), p.z());
+    e << view.u[i] - (lens.fu * m.x + lens.pu), view.v[i] - (lens.fv * m.y + lens.pv);
+  }
+  return errors;
+}
 
 constexpr double kKalibrSigmas = 2;
 constexpr double kKalibrLeast = 0.2;                    // [px]
@@ -53,6 +74,35 @@ double kalibrLimit(const std::vector<double>& used) {
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector2d> viewErrors(const Intrinsics& camera, const Transform& T_CF,
+                                        const PackedView& view) {
+  return std::visit([&](auto model) { return viewErrorsAs(model, camera, T_CF, view); },
+                    cameraModelOf(camera));
+}
+
+std::vector<PackedCorners> packCorners(const Session& session) {
+  std::vector<PackedCorners> corners;
+  corners.reserve(session.cameras.size());
+  for (const CameraStream& stream : session.cameras) {
+    corners.emplace_back(session.target, stream.views);
+  }
+  return corners;
+}
+
+std::vector<PackedCorners> usedCorners(const Session& session, const std::vector<Frame>& frames,
+                                       const std::vector<CornerResidual>& residuals) {
+  std::vector<PackedCorners> corners = packCorners(session);
+  for (const CornerResidual& r : residuals) {
+    if (r.used) continue;
+    const auto c = static_cast<std::size_t>(r.camera);
+    const int index = frames[static_cast<std::size_t>(r.frame)].view[c];
+    const PackedView view = corners[c].view(index);
+    const int* found = std::lower_bound(view.id, view.id + view.count, r.corner_id);
+    corners[c].setWeight(index, static_cast<int>(found - view.id), 0);
+  }
+  return corners;
+}
 
 std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
                              const std::vector<PosedView>& views, double sigmas) {

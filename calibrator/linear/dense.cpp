@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/linear/schur.h"
+#include "calibrator/linear/dense.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cassert>
 
 namespace plumbline {
@@ -46,6 +47,20 @@ std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::
   out.b -= W.transpose() * y;
   out.c -= 0.5 * y.squaredNorm();
   return out;
+}
+
+SymmetricEigen symmetricEigen(const Eigen::MatrixXd& A) {
+  assert(A.rows() == A.cols());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance) {
+  const SymmetricEigen eigen = symmetricEigen(A);
+  const double least = tolerance * eigen.values.maxCoeff();
+  const Eigen::VectorXd inverse =
+      eigen.values.unaryExpr([least](double value) { return value > least ? 1 / value : 0.0; });
+  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace plumbline

@@ -1,14 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/residuals/packed_corners.h"
 
 namespace plumbline {
+
+/// Which corners a batch leaves out.
+enum class CornerFilter {
+  kNone,
+  /// After a first solution: |e| above `sigmas` times the camera's standard deviation per axis,
+  /// which is taken robustly, from the median of |e|; then solved again. The same in both stages.
+  kSigma,
+  /// As Kalibr does: |e| above mean + 2 std of its view, with only that view's pose free, and above
+  /// 0.2 px.
+  kKalibr,
+};
+
+/// e = measured - projected [px] of every corner of a view, rejected ones too, by the same function
+/// that the Gram kernels charge. A corner that is not in front of the camera gets (1e5, 0).
+std::vector<Eigen::Vector2d> viewErrors(const Intrinsics& camera, const Transform& T_CF,
+                                        const PackedView& view);
+
+/// All corners of a session, one block per camera.
+std::vector<PackedCorners> packCorners(const Session& session);
+
+/// The same without those that an earlier result of the session rejected (their weight is 0): its
+/// frames, and the residuals that it lists.
+std::vector<PackedCorners> usedCorners(const Session& session, const std::vector<Frame>& frames,
+                                       const std::vector<CornerResidual>& residuals);
 
 /// One view of a camera (index into its PackedCorners) and the pose of the target in it.
 struct PosedView {

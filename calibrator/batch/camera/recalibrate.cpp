@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
+
+namespace plumbline {
+
+void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras) {
+  if (cameras.size() == session.cameras.size()) return;
+  throw InputError(fmt::format("calibrations of {} cameras were given, but the session has {}",
+                               cameras.size(), session.cameras.size()));
+}
+
+CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<Frame> frames,
+                        const CameraStageOptions& options) {
+  CameraProblem problem;
+  problem.corners = corners;
+  problem.frames = std::move(frames);
+  problem.pixel_sigma = options.pixel_sigma;
+  problem.gram.cauchy_px = options.cauchy_px;
+  problem.threads = options.threads;
+  return problem;
+}
+
+CameraSolverOptions solverOptions(const CameraStageOptions& options) {
+  CameraSolverOptions solver;
+  solver.max_iterations = options.max_iterations;
+  solver.tolerance = options.tolerance;
+  return solver;
+}
+
+Eigen::VectorXd cameraDifference(const std::vector<CameraCalibration>& to,
+                                 const std::vector<CameraCalibration>& from) {
+  std::vector<double> d;
+  for (std::size_t c = 0; c < to.size(); ++c) {
+    const Eigen::VectorXd k = to[c].intrinsics.stacked() - from[c].intrinsics.stacked();
+    d.insert(d.end(), k.begin(), k.end());
+  }
+  for (std::size_t c = 1; c < to.size(); ++c) {
+    const Vector6d x = boxminus(to[c].T_C0Ci, from[c].T_C0Ci);
+    d.insert(d.end(), x.begin(), x.end());
+  }
+  return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
+}
+
+Result<CameraStageResult> recalibrateCameras(const Session& session,
+                                             const CameraStageResult& earlier,
+                                             const std::vector<FrameSegment>& segments,
+                                             const CameraStageOptions& options) {
+  checkCameras(session, earlier.cameras);
+  const std::vector<PackedCorners> corners =
+      usedCorners(session, earlier.frames, earlier.residuals);
+  CameraProblem problem = problemOf(corners, {}, options);
+  CameraEstimate estimate = estimateOf(earlier.cameras);
+  for (const FrameSegment& segment : segments) {
+    for (int f = segment.first; f < segment.first + segment.count; ++f) {
+      problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
+      problem.weights.push_back(segment.weight);
+      estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
+    }
+  }
+  const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
+  return stageResult(session, problem, solution, ResidualList::kDrop);
+}
+
+Result<ResampleSummary> resampleCameras(const Session& session, const CameraStageResult& earlier,
+                                        const ResampleOptions& resample,
+                                        const CameraStageOptions& options) {
+  CameraStageOptions one_thread = options;
+  one_thread.threads = 1;
+  const auto solve = [&](const std::vector<FrameSegment>& segments) {
+    const auto again = recalibrateCameras(session, earlier, segments, one_thread);
+    if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
+    return std::optional(cameraDifference(again->cameras, earlier.cameras));
+  };
+  return solveDraws(earlier.summary.covariance, static_cast<int>(earlier.frames.size()), resample,
+                    "camera", solve);
+}
+
+}  // namespace plumbline

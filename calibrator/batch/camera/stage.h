@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/problem.h"
+
+namespace plumbline {
+
+/// Throws InputError unless there is one calibration for each camera of the session.
+void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras);
+
+/// Measurements and solver under the stage's options.
+CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<Frame> frames,
+                        const CameraStageOptions& options);
+CameraSolverOptions solverOptions(const CameraStageOptions& options);
+
+/// Frames that have a pose, and the estimate to start the batch from.
+struct CameraStart {
+  std::vector<Frame> frames;
+  CameraEstimate estimate;
+};
+
+/// From the views alone: each camera's focal length, a first solution of each camera on some of its
+/// views, a pose of every view, extrinsics over the graph of cameras that share frames, and one
+/// pose for every frame. Frames without a plausible pose are left out.
+/// Fails with kTooFewViews or kNoOverlap.
+Result<CameraStart> startFromViews(const Session& session, std::span<const PackedCorners> corners,
+                                   const std::vector<Frame>& frames,
+                                   const std::vector<CameraModelPair>& models,
+                                   const CameraStageOptions& options);
+
+/// The same with known cameras: only poses are looked for. Fails with kTooFewViews.
+Result<CameraStart> startFromCameras(const std::vector<CameraCalibration>& cameras,
+                                     std::span<const PackedCorners> corners,
+                                     const std::vector<Frame>& frames,
+                                     const CameraStageOptions& options);
+
+/// Fills covariance, its entropy, and the cameras' standard deviations from the reduced information
+/// `information` (in units of pixel_sigma). Fails with kNotObservable where a direction of the
+/// parameters is free, naming it: one whose standard deviation makes its parameters worthless
+/// (focal length 20 %, principal point 20 % of the width, distortion 10, translation 1 m,
+/// rotation 1 rad).
+std::optional<Failure> addCovariance(const Eigen::MatrixXd& information, CameraStageResult& result);
+
+/// Cameras, frames and poses T_FC0 of an estimate, under the session's names.
+CameraStageResult resultFrom(const Session& session, const CameraProblem& problem,
+                             const CameraEstimate& estimate);
+
+/// Lists every corner of the problem's frames with its residual (rejected ones marked), and fills
+/// the statistics, counts and what was offered. Without a list, only statistics and counts.
+enum class ResidualList { kKeep, kDrop };
+void addResiduals(const Session& session, const CameraProblem& problem,
+                  const CameraEstimate& estimate, ResidualList list, CameraStageResult& result);
+
+/// Everything that is reported of a solution. A free direction explains a solver that did not
+/// converge better than the solver could, so it is looked for first, and then a weak one will do.
+Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
+                                      const CameraSolution& solution, ResidualList list);
+
+}  // namespace plumbline
