@@ -21,6 +21,7 @@ enum class RandomPurpose : std::uint64_t {
   kAccelWalk,
   kImageNoise,
   kDroppedSamples,
+  kFault,
 };
 
 /// Reproducible random numbers: std::mt19937_64 (its sequence is fixed by the standard) with

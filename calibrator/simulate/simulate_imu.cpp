@@ -89,6 +89,7 @@ SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibrat
        imu.noise.accel_random_walk * step, o.initial_accel_bias},
       o.seed, range);
 
+  const ImuFaults faults(o.faults);
   SimulatedImu out;
   out.samples.resize(range.count());
   out.biases.resize(range.count());
@@ -97,11 +98,13 @@ SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibrat
         static_cast<double>(static_cast<std::int64_t>(i) - range.before) / imu.noise.rate_hz;
     ImuSample& sample = out.samples[i];
     sample.t = o.start_ns + toNanoseconds(nominal_s);
-    const MotionState m = trajectory.at(secondsBetween(o.start_ns, sample.t));
-    sample.gyro = m.omega_B + gyro.bias[i] + gyro.white[i];
-    sample.accel = m.T_FB.R.transpose() * (m.a_F - gravity_F) + accel.bias[i] + accel.white[i];
+    const ImuReading exact =
+        faults.read(trajectory, gravity_F, secondsBetween(o.start_ns, sample.t));
+    sample.gyro = exact.gyro + gyro.bias[i] + gyro.white[i];
+    sample.accel = exact.accel + accel.bias[i] + accel.white[i];
     out.biases[i] = {gyro.bias[i], accel.bias[i]};
   }
+  out.fault_stamps = disturbSamples(out, o.faults, {o.start_ns, imu.noise.rate_hz, o.seed});
   return out;
 }
 

@@ -3,14 +3,14 @@
 
 #include <vector>
 
+#include "calibrator/simulate/faults/imu_faults.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 
 /// IMU samples with the biases that are in them.
-struct SimulatedImu {
-  std::vector<ImuSample> samples;
-  std::vector<ImuBias> biases;
+struct SimulatedImu : ImuRecording {
+  std::vector<std::vector<TimeNs>> fault_stamps;  ///< see disturbSamples()
 };
 
 /// Samples of an IMU on `trajectory`, see simulateSession(). `imu` states the true offset and

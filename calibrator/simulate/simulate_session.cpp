@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calibrator/base/error.h"
+#include "calibrator/simulate/faults/view_faults.h"
 #include "calibrator/simulate/simulate_imu.h"
 #include "calibrator/simulate/simulate_views.h"
 
@@ -33,7 +34,8 @@ std::vector<TimeNs> nominalStamps(double rate_hz, const SimulationOptions& o) {
   return stamps;
 }
 
-CameraStream simulateCamera(const SimulatedSession& s, int index, const SimulationOptions& o) {
+/// Adds the stream of camera `index`, the poses behind its views and what faults struck of it.
+void simulateCamera(SimulatedSession& s, int index, const SimulationOptions& o) {
   const CameraCalibration& camera = s.truth.cameras[static_cast<std::size_t>(index)];
   CameraStream stream;
   stream.name = camera.name;
@@ -41,12 +43,18 @@ CameraStream simulateCamera(const SimulatedSession& s, int index, const Simulati
   stream.resolution = camera.intrinsics.resolution;
   stream.camera_model = toString(camera.intrinsics.projection_model);
   stream.distortion_model = toString(camera.intrinsics.distortion_model);
-  for (const FrameStamp& stamp : simulateStamps(s.frame_stamps, index, o)) {
-    ImageView view{stamp.t, visibleCorners(camera.intrinsics, s.cameraPose(index, stamp.t), o)};
-    disturbCorners(view.corners, camera.intrinsics.resolution, index, stamp.frame, o);
+  const ViewFaults faulty(s, index, o);
+  std::vector<Transform> poses;
+  const auto frames = faultyFrames(s, index, o);
+  for (const FaultyFrame& frame : frames) {
+    poses.push_back(faulty.cameraPose(frame.t_s));
+    ImageView view{frame.stamp, faulty.corners(frame)};
+    disturbCorners(view.corners, camera.intrinsics.resolution, index, frame.number, o);
     stream.views.push_back(std::move(view));
   }
-  return stream;
+  disturbViews(stream, frames, index, o, s.faults);
+  s.session.cameras.push_back(std::move(stream));
+  s.view_poses.push_back(std::move(poses));
 }
 
 }  // namespace
@@ -97,6 +105,7 @@ Transform SimulatedSession::T_WF() const {
 SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& o) {
   check(o);
   Calibration truth = trueCalibration(rig, o);
+  check(o.faults, {o.duration_s, static_cast<int>(truth.cameras.size())});
   const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();
   const double camera_rate_hz = o.camera_rate_hz.value_or(rig.camera_rate_hz);
   SimulatedSession s{.session = {},
@@ -107,15 +116,20 @@ SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOption
                      .biases = {},
                      .camera_rate_hz = camera_rate_hz,
                      .frame_stamps = nominalStamps(camera_rate_hz, o),
-                     .states = {}};
+                     .states = {},
+                     .faults = {},
+                     .view_poses = {}};
   s.session.name = "simulated-" + rig.name;
-  s.session.target = o.target;
+  s.session.target = statedTarget(o);
 
   SimulatedImu imu = simulateImu(s.trajectory, *s.truth.imu, gravity_F, o);
   s.session.imu = ImuStream{s.truth.imu->rostopic, s.truth.imu->noise, std::move(imu.samples)};
   s.biases = std::move(imu.biases);
+  for (std::size_t i = 0; i < o.faults.size(); ++i) {
+    s.faults.push_back({o.faults[i], std::move(imu.fault_stamps[i])});
+  }
   for (int i = 0; i < static_cast<int>(s.truth.cameras.size()); ++i) {
-    s.session.cameras.push_back(simulateCamera(s, i, o));
+    simulateCamera(s, i, o);
   }
   for (const TimeNs t : s.frame_stamps) s.states.push_back(s.stateAt(t));
   return s;

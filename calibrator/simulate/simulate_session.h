@@ -23,8 +23,12 @@ struct SimulatedSession {
   Eigen::Vector3d gravity_F;    ///< [m/s^2], pointing down
   std::vector<ImuBias> biases;  ///< one per session.imu->samples
   double camera_rate_hz = 0;
-  std::vector<TimeNs> frame_stamps;  ///< nominal stamps, camera clock, dropped frames included
-  std::vector<ImuState> states;      ///< the truth at frame_stamps
+  std::vector<TimeNs> frame_stamps;   ///< nominal stamps, camera clock, dropped frames included
+  std::vector<ImuState> states;       ///< the truth at frame_stamps
+  std::vector<InjectedFault> faults;  ///< those of the options, with what they struck
+  /// Per camera and view: the camera in the target's frame, both as they really stood when the
+  /// image was exposed. Without faults cameraPose().
+  std::vector<std::vector<Transform>> view_poses;
 
   /// Motion of S at an instant of the IMU's clock.
   MotionState motionAtImuTime(TimeNs t_imu) const;
@@ -47,8 +51,9 @@ struct SimulatedSession {
 /// n white with density * sqrt(rate), b a walk with steps random_walk / sqrt(rate) through the
 /// initial bias at start_ns (backwards in time as well).
 /// Same arguments, same values; every sensor and effect has random numbers of its own, so that no
-/// option shifts another's noise. Throws InputError for options out of range or a rig without
-/// cameras or IMU.
+/// option shifts another's noise. Faults change what is recorded, not the truth; motionAt...(),
+/// cameraPose() and states are without faults. Throws InputError for options out of range or a rig
+/// without cameras or IMU.
 SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& options = {});
 
 }  // namespace plumbline

@@ -21,13 +21,12 @@ bool isInside(const Eigen::Vector2d& uv, const Resolution& size, double border) 
 }
 
 /// The four corners of a tag in the image; empty where a detector would not see the tag.
-std::optional<TagCorners> projectTag(const Intrinsics& camera, const Transform& T_CF, int tag,
-                                     const SimulationOptions& o) {
+std::optional<TagCorners> projectTag(const Resolution& resolution, const CornerProjection& project,
+                                     int tag, const SimulationOptions& o) {
   TagCorners corners;
   for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector2d p = o.target.corner(4 * tag + k);
-    const auto uv = project(camera, T_CF * Eigen::Vector3d(p.x(), p.y(), 0));
-    if (!uv || !isInside(*uv, camera.resolution, o.border_px)) return std::nullopt;
+    const auto uv = project(4 * tag + k);
+    if (!uv || !isInside(*uv, resolution, o.border_px)) return std::nullopt;
     corners[static_cast<std::size_t>(k)] = *uv;
   }
   for (std::size_t k = 0; k < 4; ++k) {
@@ -38,19 +37,28 @@ std::optional<TagCorners> projectTag(const Intrinsics& camera, const Transform& 
 
 }  // namespace
 
-std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerProjection& project,
                                    const SimulationOptions& o) {
   std::vector<Corner> corners;
-  if (T_FC.t.z() <= 0) return corners;
-  const Transform T_CF = T_FC.inverse();
   for (int tag = 0; tag < o.target.tagCount(); ++tag) {
-    const auto seen = projectTag(camera, T_CF, tag, o);
+    const auto seen = projectTag(resolution, project, tag, o);
     if (!seen) continue;
     for (int k = 0; k < 4; ++k) {
       corners.push_back({4 * tag + k, (*seen)[static_cast<std::size_t>(k)]});
     }
   }
   return corners;
+}
+
+std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+                                   const SimulationOptions& o) {
+  if (T_FC.t.z() <= 0) return {};
+  const Transform T_CF = T_FC.inverse();
+  const auto projection = [&](int corner_id) {
+    const Eigen::Vector2d p = o.target.corner(corner_id);
+    return project(camera, T_CF * Eigen::Vector3d(p.x(), p.y(), 0));
+  };
+  return visibleCorners(camera.resolution, projection, o);
 }
 
 std::vector<FrameStamp> simulateStamps(const std::vector<TimeNs>& nominal, int index,

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "calibrator/simulate/simulate_session.h"
@@ -10,6 +13,13 @@ namespace plumbline {
 /// Corners of the tags that a camera at T_FC sees, exact, ids ascending; which tags those are says
 /// simulateSession(). Empty where the camera is behind the target.
 std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+                                   const SimulationOptions& options);
+
+/// Where a camera sees a corner of the target [px]; empty where it cannot.
+using CornerProjection = std::function<std::optional<Eigen::Vector2d>(int corner_id)>;
+
+/// The same for any way of seeing corners.
+std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerProjection& project,
                                    const SimulationOptions& options);
 
 /// Stamps that camera `index` gives its frames: the nominal ones with jitter, less those dropped.

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/time.h"
+#include "calibrator/simulate/faults/fault.h"
 #include "calibrator/simulate/trajectory.h"
 
 namespace plumbline {
@@ -38,6 +40,8 @@ struct SimulationOptions {
   Eigen::Vector3d initial_accel_bias{0.05, -0.03, 0.08};    ///< at start_ns [m/s^2]
   Eigen::Vector3d down_F{0.03, -1.0,
                          -0.05};  ///< direction of gravity in F, any length; not along x
+
+  std::vector<Fault> faults;  ///< what is wrong with the recording; checked by simulateSession()
 };
 
 /// Throws InputError, naming the option, where a value is out of its range.

@@ -104,15 +104,15 @@ struct ImageJob {
   std::size_t view = 0;
 };
 
-void writeImages(const SimulatedSession& simulated, const PendingFolder& folder,
-                 const SimulatedSessionFormat& format) {
+/// `target` is the real one, which the session may state wrongly.
+void writeImages(const SimulatedSession& simulated, const AprilGrid& target,
+                 const PendingFolder& folder, const SimulatedSessionFormat& format) {
   std::vector<TargetRenderer> renderers;
   std::vector<fs::path> folders;
   std::vector<ImageJob> jobs;
   for (std::size_t i = 0; i < simulated.session.cameras.size(); ++i) {
     const CameraStream& camera = simulated.session.cameras[i];
-    renderers.emplace_back(simulated.truth.cameras[i].intrinsics, simulated.session.target,
-                           format.render);
+    renderers.emplace_back(simulated.truth.cameras[i].intrinsics, target, format.render);
     folders.push_back(folder.path() / "mav0" / camera.name / "data");
     folder.create(folders.back());
     for (std::size_t k = 0; k < camera.views.size(); ++k) {
@@ -126,7 +126,7 @@ void writeImages(const SimulatedSession& simulated, const PendingFolder& folder,
     const auto i = static_cast<std::size_t>(camera);
     const TimeNs t = simulated.session.cameras[i].views[view].t;
     const std::uint64_t number = (static_cast<std::uint64_t>(i) << 32U) + view;
-    const GrayImage image = renderers[i].render(simulated.cameraPose(camera, t), number);
+    const GrayImage image = renderers[i].render(simulated.view_poses[i][view], number);
     writePng(folders[i] / fmt::format("{}.png", t), image);
     const std::lock_guard lock(mutex);
     ++done;
@@ -166,6 +166,7 @@ std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz
 
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const fs::path& folder, const SimulatedSessionFormat& format) {
+  if (format.views == ViewFormat::kImages) checkRendered(options.faults);
   PendingFolder pending(folder);
   for (const TextFile& file :
        sessionFiles(simulated.session, simulated.camera_rate_hz, format.views)) {
@@ -174,7 +175,7 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
   writeText(pending, {"truth/camchain-imucam.yaml", kalibrCamchainText(simulated.truth)});
   writeText(pending, {"truth/trajectory.csv", trajectoryCsv(simulated)});
   writeText(pending, {"truth/truth.json", truthJson(simulated, options)});
-  if (format.views == ViewFormat::kImages) writeImages(simulated, pending, format);
+  if (format.views == ViewFormat::kImages) writeImages(simulated, options.target, pending, format);
   pending.commit();
 }
 

@@ -91,6 +91,22 @@ Json jsonOf(const SimulationOptions& o) {
           {"down_F", jsonOf(Eigen::VectorXd(o.down_F))}};
 }
 
+Json jsonOf(const InjectedFault& injected) {
+  const Fault& fault = injected.fault;
+  const FaultDescription& d = describe(fault.kind);
+  Json json{{"name", d.name}, {"value", fault.value}, {"unit", unitOf(d.value.quantity)}};
+  if (!fault.spec.empty()) json["spec"] = fault.spec;
+  if (d.extent.quantity != Quantity::kNone) {
+    json["extent"] = fault.extent;
+    json["extent_unit"] = unitOf(d.extent.quantity);
+  }
+  if (d.instant == TakesInstant::kYes) json["at_s"] = fault.at_s;
+  if (fault.axis) json["axis"] = std::string(1, "xyz"[*fault.axis]);
+  if (fault.camera) json["camera"] = *fault.camera;
+  if (!injected.stamps.empty()) json["stamps_ns"] = injected.stamps;
+  return json;
+}
+
 void appendVector(std::string& text, const Eigen::Vector3d& v) {
   for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.12g}", value);
 }
@@ -102,6 +118,8 @@ std::string truthJson(const SimulatedSession& simulated, const SimulationOptions
   for (const CameraCalibration& camera : simulated.truth.cameras) {
     cameras.push_back(jsonOf(camera));
   }
+  Json faults = Json::array();
+  for (const InjectedFault& fault : simulated.faults) faults.push_back(jsonOf(fault));
   const Json truth{{"schema", 1},
                    {"session", simulated.session.name},
                    {"options", jsonOf(options)},
@@ -109,7 +127,8 @@ std::string truthJson(const SimulatedSession& simulated, const SimulationOptions
                    {"cameras", cameras},
                    {"imu", jsonOf(*simulated.truth.imu)},
                    {"gravity_F", jsonOf(Eigen::VectorXd(simulated.gravity_F))},
-                   {"T_WF", jsonOf(simulated.T_WF())}};
+                   {"T_WF", jsonOf(simulated.T_WF())},
+                   {"faults", faults}};
   return truth.dump(2) + "\n";
 }
 

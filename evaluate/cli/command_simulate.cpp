@@ -3,14 +3,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "datasets/session/session_writer.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/fault_words.h"
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"
 
@@ -24,12 +27,14 @@ struct SimulateOptions {
   bool images = false;
   int threads = 0;
   std::optional<double> time_offset_ms;
+  std::vector<std::string> faults;
   SimulationOptions simulation;
 };
 
 void declareSimulate(CLI::App& app, SimulateOptions& o) {
   auto& s = o.simulation;
-  app.add_option("--out", o.out, "Folder to write; must not exist, or be empty")->required();
+  app.add_option("--out", o.out,
+                 "Folder to write; must not exist, or be empty (required but for --fault list)");
   app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
       ->capture_default_str();
   app.add_option("--motion", o.motion,
@@ -50,12 +55,25 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
       ->capture_default_str();
   app.add_option("--outliers", s.outlier_fraction, "Share of grossly wrong corners")
       ->capture_default_str();
+  app.add_option("--fault", o.faults,
+                 "What is wrong with the recording, e.g. gyro-delay=5ms; may be repeated; list: "
+                 "prints them all")
+      ->allow_extra_args(false);
   app.add_option("--threads", o.threads, "Threads that render (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
 
 int simulate(SimulateOptions o) {
+  for (const std::string& spec : o.faults) {
+    if (spec == "list") {
+      fmt::print("{}", faultList());
+      return kDone;
+    }
+    o.simulation.faults.push_back(faultFrom(spec));
+  }
+  if (o.out.empty()) throw InputError("--out is required; name the folder to write");
+  if (o.images) checkRendered(o.simulation.faults);
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);
   if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
