@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program as a user runs it: exit codes, messages, files left behind.
-#include "tests/evaluate/command_line.h"
-
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "tests/evaluate/command_line.h"
 
 namespace plumbline {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The columns of the scores' table are cameras, whatever order a recording has them in.
-#include "report/html/calibration/held_scores.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "report/html/calibration/held_scores.h"
 #include "tests/report/calibration_scores.h"
 
 namespace plumbline::html_internal {

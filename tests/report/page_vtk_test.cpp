@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The calibration page: complete, self-contained, the same for the same record, and able to be made
 // again from the store.
-#include "report/html/calibration/page.h"
-
 #include <filesystem>
 #include <set>
 
@@ -10,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "report/html/calibration/imu_figures.h"
+#include "report/html/calibration/page.h"
 #include "report/html/page_parts.h"
 #include "report/html/text.h"
 #include "report/store/store.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Thirty simulated recordings: how many views chosen by mutual information are worth 80 random
 // ones?
-#include "tests/evaluate/replay/simulated_pools.h"
-
 #include <algorithm>
 #include <cstdio>
 
@@ -10,6 +8,7 @@
 
 #include "calibrator/base/statistics.h"
 #include "evaluate/replay/counterfactual_curves.h"
+#include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {
 namespace {
