@@ -1,107 +1,107 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fails where an include points up through the layers, or a heavy library leaks out of its place.
+"""Fails where an include breaks the table of rooms in docs/architecture.md, or a heavy library leaks out
+of its room.
 
-The order is that of docs/conventions.md. A folder may include itself and the folders listed for it.
+That table is the one list of rooms. Its third column names what a room may include besides itself: rooms of
+the same top-level folder by their last name, others in full, or whole top-level folders; the fourth names
+the libraries that are its own.
 """
 import re
 import subprocess
 import sys
 
-# What each room may include, besides itself and what stands below it in the same room. A room of
-# several folders is named by their common parent.
-BASE = ["calibrator/base"]
-CORE = BASE + ["calibrator/camera", "calibrator/residuals", "calibrator/linear",
-               "calibrator/information", "calibrator/initialise"]
-CALIBRATOR = CORE + ["calibrator/target", "calibrator/batch", "calibrator/window",
-                     "calibrator/simulate", "calibrator/guidance"]
-DATASETS = ["datasets/files", "datasets/images", "datasets/calibration", "datasets/session",
-            "datasets/trajectory"]
-SHARED = CALIBRATOR + DATASETS + ["report/records", "report/store", "report/html",
-                                  "evaluate/results", "evaluate/session", "evaluate/metrics"]
-JOBS = ["evaluate/calibration", "evaluate/trajectory", "evaluate/compare", "evaluate/replay",
-        "evaluate/studies"]
-
-MAY_USE = {
-    "calibrator/base": [],
-    "calibrator/camera": BASE,
-    "calibrator/target": BASE,
-    "calibrator/residuals": BASE + ["calibrator/camera"],
-    "calibrator/linear": BASE,
-    "calibrator/information": BASE + ["calibrator/camera", "calibrator/linear"],
-    "calibrator/initialise": BASE + ["calibrator/camera", "calibrator/residuals",
-                                     "calibrator/linear"],
-    "calibrator/batch": CORE,
-    "calibrator/window": CORE + ["calibrator/batch"],
-    "calibrator/simulate": BASE + ["calibrator/camera", "calibrator/target"],
-    "calibrator/guidance": CORE + ["calibrator/batch", "calibrator/window", "calibrator/simulate"],
-    "datasets/files": BASE,
-    "datasets/images": BASE + ["datasets/files"],
-    "datasets/calibration": BASE + ["calibrator/camera", "datasets/files"],
-    "datasets/session": BASE + ["calibrator/camera", "calibrator/target", "calibrator/simulate",
-                                "datasets/files", "datasets/images", "datasets/calibration"],
-    "datasets/trajectory": BASE + ["datasets/files"],
-    "report/records": BASE,
-    "report/store": BASE + ["report/records"],
-    "report/plots": BASE,
-    "report/html": BASE + ["report/records", "report/plots"],
-    "evaluate/results": BASE + DATASETS + ["report/records", "report/store", "report/html"],
-    "evaluate/metrics": CORE + ["calibrator/batch", "report/records"],
-    "evaluate/session": CALIBRATOR + DATASETS + ["report/records", "evaluate/results",
-                                                 "evaluate/metrics"],
-    **{job: SHARED for job in JOBS},
-    "evaluate/cli": SHARED + JOBS,
+TABLE = "docs/architecture.md"
+HEAVY = {
+    "Ceres": r"ceres/",
+    "VTK": r"vtk\w+\.h",
+    "SQLite": r"SQLiteCpp/|sqlite3\.h",
+    "bag reader": r"rosbag|ros/",
+    "OpenCV": r"opencv2/",
+    "CLI11": r"CLI/",
 }
-
-# Third-party headers and where they may appear.
-HEAVY = [
-    (r"ceres/", "Ceres", ["calibrator/"]),
-    (r"vtk\w+\.h", "VTK", ["report/"]),
-    (r"(SQLiteCpp/|sqlite3\.h)", "SQLite", ["report/store/"]),
-    (r"(rosbag|ros/)", "bag reader", ["datasets/"]),
-    (r"opencv2/", "OpenCV", ["calibrator/target/", "calibrator/initialise/", "datasets/",
-                             "evaluate/replay/"]),
-]
-
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
-def folder_of(path):
-    matches = [f for f in MAY_USE if path.startswith(f + "/")]
-    return max(matches, key=len) if matches else None
+class Rooms:
+    """The table: for every room, which it may include and which heavy libraries are its own."""
+
+    def __init__(self, text):
+        self.includes = {}
+        self.libraries = {}
+        rows = []
+        for line in text.splitlines():
+            cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+            if len(cells) == 4 and re.fullmatch(r"`\w+(/\w+)+`", cells[0]):
+                rows.append((cells[0].strip("`"), re.findall(r"`([\w/]+)`", cells[2]), cells[3]))
+        tops = {room.split("/")[0] for room, _, _ in rows}
+        for room, names, libraries in rows:
+            top = room.split("/")[0]
+            self.includes[room] = [name if "/" in name or name in tops else f"{top}/{name}"
+                                   for name in names]
+            self.libraries[room] = [name for name in HEAVY if name in libraries]
+
+    def of(self, path):
+        """The room of a file; rooms in rooms are told apart by the longer name."""
+        matches = [room for room in self.includes if path.startswith(room + "/")]
+        return max(matches, key=len) if matches else None
+
+    def may_include(self, home, there):
+        return home == there or any((there + "/").startswith(name + "/") for name in self.includes[home])
+
+    def faults_of_table(self):
+        """Rooms that include each other, however far around, and names of no room."""
+        faults = []
+        below = {room: {other for other in self.includes if other != room and self.may_include(room, other)}
+                 for room in self.includes}
+        for room, names in self.includes.items():
+            faults += [f"{TABLE}: {room} names {name}, which is no room" for name in names
+                       if not any((other + "/").startswith(name + "/") for other in self.includes)]
+        while below:
+            floor = [room for room, others in below.items() if not others & below.keys()]
+            if not floor:
+                return faults + [f"{TABLE}: in a circle: {', '.join(sorted(below))}"]
+            for room in floor:
+                del below[room]
+        return faults
 
 
-def check(path, faults):
-    home = folder_of(path)
+def faults_of(rooms, path, text):
+    """What is wrong with the includes of a file."""
+    home = rooms.of(path)
+    if home is None:
+        return [f"{path}: in no room of {TABLE}"]
+    faults = []
+    for number, line in enumerate(text.splitlines(), 1):
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        kind, target = match.groups()
+        for name, pattern in HEAVY.items():
+            if re.match(pattern, target) and name not in rooms.libraries[home]:
+                faults.append(f"{path}:{number}: {home} may not use {name}")
+        there = rooms.of(target)
+        if kind == '"' and there is None and not target.startswith("generated/"):
+            faults.append(f'{path}:{number}: "{target}" does not start at the root of the repository')
+        elif kind == '"' and there and not rooms.may_include(home, there):
+            faults.append(f"{path}:{number}: {home} may not include {there}")
+    return faults
+
+
+def read(path):
     with open(path, encoding="utf-8") as file:
-        for number, line in enumerate(file, 1):
-            match = INCLUDE.match(line)
-            if not match:
-                continue
-            kind, target = match.groups()
-            for pattern, name, places in HEAVY:
-                if re.match(pattern, target) and not any(path.startswith(p) for p in places):
-                    faults.append(f"{path}:{number}: {name} may be included only in "
-                                  f"{', '.join(places)}")
-            if kind != '"':
-                continue
-            there = folder_of(target)
-            if there is None:
-                if not target.startswith("generated/"):
-                    faults.append(f"{path}:{number}: \"{target}\" does not start at the root of the "
-                                  "repository")
-            elif there != home and there not in MAY_USE[home]:
-                faults.append(f"{path}:{number}: {home} may not include {there}")
+        return file.read()
 
 
 def main():
+    rooms = Rooms(read(TABLE))
     files = subprocess.run(["git", "ls-files", "--", "*.h", "*.cpp"], check=True, text=True,
                            capture_output=True).stdout.split()
-    faults = []
+    files = [path for path in files if not path.startswith("tests/")]
+    faults = rooms.faults_of_table()
     for path in files:
-        if not path.startswith("tests/") and folder_of(path):
-            check(path, faults)
-    print("\n".join(faults) if faults else f"layers: {len(files)} files in order")
+        faults += faults_of(rooms, path, read(path))
+    print("\n".join(faults) if faults else f"layers: {len(files)} files in {len(rooms.includes)} rooms")
     return 1 if faults else 0
 
 
