@@ -67,6 +67,13 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
   expectRefusal(calibrate(session(), "--seed -1"), 2, HasSubstr("--seed"));
   expectRefusal(plumbline("simulate --seed -1 --out " + (scratch() / "out").string()), 2,
                 HasSubstr("--seed"));
+  const std::string faulty = "simulate --out " + (scratch() / "out").string() + " --fault ";
+  expectRefusal(plumbline(faulty + "gyro-lag=5ms"), 2,
+                AllOf(HasSubstr("gyro-lag=5ms"), HasSubstr("gyro-delay")));
+  expectRefusal(plumbline(faulty + "gyro-delay=5"), 2, HasSubstr("gyro-delay=TIME"));
+  expectRefusal(plumbline(faulty + "slip=1deg@99s"), 2, HasSubstr("slip=1deg@99s"));
+  expectRefusal(plumbline(faulty + "bow=1mm --images"), 2, HasSubstr("bow=1mm"));
+  expectRefusal(plumbline("simulate"), 2, HasSubstr("--out"));
   expectRefusal(calibrate("/nowhere"), 2, HasSubstr("/nowhere"));
 }
 
@@ -77,6 +84,18 @@ TEST_F(CommandLine, EveryCommandExitsWithTwoOnBadInput) {
                                    "report /nowhere" + out, "report " + session().string() + out}) {
     expectRefusal(plumbline(words), 2, testing::Not(IsEmpty()));
   }
+}
+
+TEST_F(CommandLine, FaultsAreListedAndMayBeRepeated) {
+  const Outcome list = plumbline("simulate --fault list");
+  EXPECT_EQ(list.exit_code, 0);
+  EXPECT_THAT(list.text, AllOf(HasSubstr("gyro-delay=TIME"), HasSubstr("swapped-ids=SHARE")));
+  const Outcome outcome =
+      plumbline("simulate --duration 5 --fault gyro-delay=5ms --fault burst --out " +
+                (scratch() / "out").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(read(scratch() / "out/truth/truth.json"),
+              AllOf(HasSubstr("\"gyro-delay=5ms\""), HasSubstr("\"burst\"")));
 }
 
 // ---- options that choose data
