@@ -8,9 +8,8 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration/calibration_reader.h"
-#include "evaluate/results/assumptions.h"
-#include "evaluate/session/check_target.h"
-#include "evaluate/session/locate_failure.h"
+#include "evaluate/session/check_session.h"
+#include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
@@ -134,7 +133,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   }
   if (!request.cameras_file || request.free_cameras) {
     if (auto failure = cameraStage(request, loaded, progress, record)) {
-      return locate(*failure, request, loaded);
+      return locate(*failure, loaded, request.load.session, request.cameras_file);
     }
     cameras = record.camera->cameras;
   }
@@ -142,7 +141,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
     if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) {
-      return locate(*failure, request, loaded);
+      return locate(*failure, loaded, request.load.session, request.cameras_file);
     }
   }
   record.verdict = judge(record, request.thresholds);

@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 
 #include "datasets/calibration/calibration_reader.h"
-#include "evaluate/results/assumptions.h"
-#include "evaluate/session/check_target.h"
+#include "evaluate/session/check_session.h"
+#include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
@@ -44,9 +44,12 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   LoadRequest load = asked.load;
   load.others.push_back(asked.calibration);
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
-  const ScoredCalibration scored{label, asked.calibration, readCalibration(asked.calibration)};
+  const Calibration calibration = readCalibration(asked.calibration);
+  const auto scoredOn = [&](const Session& session) {
+    return ScoredCalibration{label, matchCalibration(calibration, asked.calibration, session)};
+  };
   const LoadedSession loaded = loadSession(load, progress);
-  matchCalibration(scored.calibration, scored.path, loaded.session);
+  const ScoredCalibration scored = scoredOn(loaded.session);
   checkTargetLayout(loaded, {});
   SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
   const CalibrationScore& whole = on_session.scores.front();
@@ -62,7 +65,8 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   for (const std::string& folder : asked.held_out) {
     const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);
     progress("scoring " + other.session.name, -1);
-    record.held->scores.push_back(scoreHeldOut(scored, other.session, asked.score));
+    record.held->scores.push_back(
+        scoreHeldOut(scoredOn(other.session), other.session, asked.score));
   }
   return record;
 }

@@ -8,7 +8,6 @@
 #include "calibrator/base/error.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
-#include "datasets/files/file_io.h"
 #include "datasets/session/imu.h"
 #include "evaluate/results/result_folder.h"
 #include "generated/version.h"
@@ -69,13 +68,9 @@ ExportOutcome exportCalibrationFile(const ExportRequest& request) {
       exportCalibration(requestedCalibration(request), request.tool, options);
   const fs::path out(request.out);
   refuseForeignFiles(out, exported.files);
-  std::vector<std::string> names;
-  for (const ExportFile& file : exported.files) names.push_back(file.name);
-  writeResultFolder(request.out, names, [&](const fs::path& folder) {
-    for (const ExportFile& file : exported.files) {
-      writeFileAtomically((folder / file.name).string(), file.text);
-    }
-  });
+  std::vector<ResultFile> files;
+  for (const ExportFile& file : exported.files) files.push_back({file.name, file.text});
+  writeResultFiles(request.out, files);
   ExportOutcome outcome{{}, exported.warnings};
   for (const ExportFile& file : exported.files) outcome.paths.push_back((out / file.name).string());
   return outcome;

@@ -10,16 +10,14 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/calibrate_session.h"
-#include "evaluate/calibration/write_results.h"
-#include "evaluate/cli/calibration_summary.h"
+#include "evaluate/calibration/calibration_files.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/estimation_options.h"
-#include "evaluate/cli/failure.h"
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
+#include "report/html/calibration/page.h"
 
 namespace plumbline {
 namespace {
@@ -105,7 +103,8 @@ int calibrate(const CalibrateOptions& o, const CLI::App& app) {
   bar.clear();
   if (!record) return tellFailure(record.failure());
   bar.update("writing", -1);
-  writeCalibrationResults(*record, o.out, {!o.no_report, o.residuals});
+  writeResults(o.out, *record, calibrationFiles(*record, o.residuals),
+               pageUnless(o.no_report, [&] { return renderCalibrationPage(*record); }));
   bar.clear();
   fmt::print("{}", calibrationSummary(*record));
   const std::string page = o.out + (o.no_report ? "/calibration.json" : "/report.html");

@@ -12,18 +12,17 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/estimation_options.h"
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/compare/comparison_document.h"
-#include "evaluate/compare/write_comparison.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
+#include "report/html/comparison/page.h"
 
 namespace plumbline {
 namespace {
@@ -189,7 +188,10 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   ComparisonRecord record = compareCalibrations(compareRequest(o, app), bar.sink());
   record.runs = std::move(runs);
   bar.clear();
-  writeComparison(record, o.out, !o.no_report);
+  writeResults(o.out, record,
+               {{"comparison.json", comparisonDocument(record)},
+                {"comparison.csv", comparisonTable(record)}},
+               pageUnless(o.no_report, [&] { return renderComparisonPage(record); }));
   fmt::print("{}", comparisonSummary(record));
   fmt::print("\nReport: {}/{}\n", o.out, o.no_report ? "comparison.json" : "report.html");
   return kDone;

@@ -11,9 +11,9 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
-#include "evaluate/session/check_target.h"
+#include "evaluate/session/check_session.h"
+#include "evaluate/session/detect_corners.h"
 #include "evaluate/session/load_session.h"
-#include "evaluate/session/write_session.h"
 #include "generated/version.h"
 
 namespace plumbline {

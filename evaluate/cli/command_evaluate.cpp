@@ -1,19 +1,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `plumbline evaluate WHAT`: a table of what can be evaluated, each a command of its own.
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
+#include "calibrator/base/error.h"
+#include "evaluate/calibration/evaluate_calibration.h"
+#include "evaluate/calibration/evaluation_document.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/progress_bar.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
+#include "report/html/calibration/page.h"
+
+// `plumbline evaluate WHAT`: a table of what can be evaluated, each a command of its own.
 
 namespace plumbline {
 namespace {
 
 std::vector<Command> evaluations() {
   return {evaluateTrajectoryCommand(), evaluateTrajectoriesCommand(), evaluateCalibrationCommand()};
+}
+
+constexpr int kMostFolds = 100;
+
+struct EvaluateCalibrationOptions {
+  std::string calibration;
+  SessionOptions session;
+  EstimationOptions estimation;
+  std::vector<std::string> held_out;
+  std::string out;
+  int folds = 0;
+};
+
+void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
+  app.add_option("calibration", o.calibration,
+                 "Calibration to score: ours, Kalibr's camchain*.yaml, or yac's")
+      ->required();
+  o.session.declare(app);
+  o.estimation.declare(app);
+  // A calibration is given, and its own models are those to calibrate with.
+  app.remove_option(app.get_option("--models"));
+  app.remove_option(app.get_option("--cameras"));
+  app.get_option("--no-imu")->description("Score the cameras only");
+  app.add_option("--held-out", o.held_out,
+                 "Folders of further sessions, which the calibration has not seen")
+      ->delimiter(',');
+  app.add_option("--folds", o.folds,
+                 "K: calibrate anew K times without a K-th of the session, with the calibration's "
+                 "models, and score that part")
+      ->check(CLI::Range(2, kMostFolds));
+  app.add_option("--out", o.out, "Folder for the results")->required();
+}
+
+EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
+                                                      const CLI::App& app) {
+  EvaluateCalibrationRequest request;
+  request.calibration = o.calibration;
+  request.load = o.session.request();
+  request.load.read.read_imu = !o.estimation.no_imu;
+  request.load.read.supported_models_only = false;
+  request.held_out = o.held_out;
+  request.score.camera = o.estimation.cameraStage(request.load);
+  request.score.camera_imu = o.estimation.cameraImuStage(request.score.camera);
+  request.score.use_imu = !o.estimation.no_imu;
+  request.score.folds = o.folds;
+  auto given = givenOptions(app);
+  std::erase_if(given, [](const auto& option) { return option.first == "calibration"; });
+  request.provenance = makeProvenance("evaluate calibration", std::move(given));
+  return request;
+}
+
+int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App& app) {
+  ProgressBar bar;
+  refuseUnwritable(o.out);
+  refuseInside(o.out, o.session.session, "--out");
+  const auto result = evaluateCalibration(evaluateCalibrationRequest(o, app), bar.sink());
+  bar.clear();
+  if (!result) {
+    fmt::print(stderr, "plumbline: {}; {}\n", result.failure().message, result.failure().cure);
+    return kFailed;
+  }
+  writeResults(o.out, *result, {{"evaluation.json", evaluationDocument(*result)}},
+               renderCalibrationPage(*result));
+  fmt::print("{}\nReport: {}/report.html\n", evaluationSummary(*result), o.out);
+  return kDone;
 }
 
 }  // namespace
@@ -31,6 +108,17 @@ Command evaluateCommand() {
             return std::function<int()>([handlers, &app] {
               return handlers.at(app.get_subcommands().front()->get_name())();
             });
+          }};
+}
+
+Command evaluateCalibrationCommand() {
+  return {"calibration", "Scores of a calibration on sessions: only poses move",
+          "plumbline evaluate calibration camchain-imucam.yaml session --folds 5 --out scores",
+          [](CLI::App& app) {
+            auto options = std::make_shared<EvaluateCalibrationOptions>();
+            declareEvaluateCalibration(app, *options);
+            return std::function<int()>(
+                [options, &app] { return evaluateCalibrationFile(*options, app); });
           }};
 }
 

@@ -10,17 +10,15 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/session/study_reader.h"
-#include "evaluate/cli/amount_list.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/estimation_options.h"
-#include "evaluate/cli/failure.h"
+#include "evaluate/cli/option_values.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
-#include "evaluate/studies/perturb_session.h"
 #include "evaluate/studies/perturbation_document.h"
-#include "evaluate/studies/write_perturbation.h"
+#include "evaluate/studies/perturbation_study.h"
+#include "report/html/perturbation/page.h"
 
 namespace plumbline {
 namespace {
@@ -131,7 +129,10 @@ int perturb(const PerturbOptions& o, const CLI::App& app) {
   const auto record = perturbSession(perturbRequest(o, app), bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
-  writePerturbation(*record, o.out, !o.no_report);
+  writeResults(o.out, *record,
+               {{"perturbation.json", perturbationDocument(*record)},
+                {"perturbation.csv", perturbationTable(*record)}},
+               pageUnless(o.no_report, [&] { return renderPerturbationPage(*record); }));
   fmt::print("{}", perturbationSummary(*record));
   fmt::print("\nResult: {}/{}\n", o.out, o.no_report ? "perturbation.json" : "report.html");
   return kDone;

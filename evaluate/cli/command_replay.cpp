@@ -1,25 +1,181 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include <CLI/App.hpp>
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/estimation_options.h"
-#include "evaluate/cli/guide_option_set.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/replay/decision_log.h"
 #include "evaluate/replay/replay_document.h"
 #include "evaluate/replay/replay_session.h"
-#include "evaluate/replay/write_replay.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
+#include "report/html/replay/page.h"
 
 namespace plumbline {
 namespace {
+
+/// The guide's options on the command line.
+struct GuideOptionSet {
+  GuideOptions guide;
+  double threshold_bits = 0.2;
+  double max_rate_deg_s = 180;
+  double max_acceleration_g = 1;
+  std::vector<std::string> latencies;  ///< "camera-frame=5"
+  double arrival_ms = 50;
+
+  void declare(CLI::App& app);
+  /// Checks the values; noise, loss and gravity are the batches'. InputError for values out of
+  /// range.
+  GuideOptions options(const CameraStageOptions& camera, double gravity_m_s2) const;
+};
+
+constexpr double kStandardGravity = 9.80665;  // [m/s^2]
+constexpr double kLongest_ms = 60'000;        // of a latency
+
+struct LatencyName {
+  const char* name;
+  double GuideLatency::*seconds;
+};
+
+constexpr LatencyName kLatencies[] = {{"camera-start", &GuideLatency::camera_start_s},
+                                      {"camera-frame", &GuideLatency::camera_frame_s},
+                                      {"next-view", &GuideLatency::next_view_s},
+                                      {"camera-batch", &GuideLatency::camera_batch_s},
+                                      {"imu-start", &GuideLatency::imu_start_s},
+                                      {"imu-frame", &GuideLatency::imu_frame_s},
+                                      {"trajectories", &GuideLatency::trajectories_s},
+                                      {"imu-batch", &GuideLatency::imu_batch_s}};
+
+void readLatency(const std::string& text, GuideLatency& latency) {
+  const auto equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  for (const LatencyName& known : kLatencies) {
+    if (equals == std::string::npos || name != known.name) continue;
+    const std::string number = text.substr(equals + 1);
+    char* end = nullptr;
+    const double ms = std::strtod(number.c_str(), &end);
+    if (number.empty() || *end != '\0' || !std::isfinite(ms) || ms < 0 || ms > kLongest_ms) break;
+    latency.*known.seconds = ms / 1e3;
+    return;
+  }
+  std::string names;
+  for (const LatencyName& known : kLatencies) {
+    names += (names.empty() ? "" : ", ") + std::string(known.name);
+  }
+  throw InputError(
+      fmt::format("--latency-ms {}: expected STEP=MILLISECONDS with a step among {}", text, names));
+}
+
+void requireWhole(const char* option, int value, int least) {
+  if (value >= least) return;
+  throw InputError(fmt::format("{} {}: expected {} or more", option, value, least));
+}
+
+void declareViews(CLI::App& app, ViewGuideOptions& o) {
+  app.add_option("--start-frames", o.start_frames, "Frames that start the camera stage")
+      ->capture_default_str();
+  app.add_option("--start-move-px", o.start_move_px,
+                 "Corners must have moved so far between two of them [px]")
+      ->capture_default_str();
+  app.add_option("--start-anew-after", o.start_anew_after,
+                 "Frames in a row without plausible pose after which a start was wrong")
+      ->capture_default_str();
+  app.add_option("--window", o.window, "Views in the camera stage's window")->capture_default_str();
+  app.add_option("--patience", o.patience,
+                 "Frames with a pose that tell too little, until a next best view is looked for")
+      ->capture_default_str();
+  app.add_option("--reached-px", o.reached_px, "A view is reached within this distance [px] ...")
+      ->capture_default_str();
+  app.add_option("--reached-s", o.reached_s, "... held for so long [s]")->capture_default_str();
+  app.add_option("--min-views", o.min_views, "Never finish the camera stage with fewer views")
+      ->capture_default_str();
+}
+
+void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
+  app.add_option("--imu-start-frames", o.start_frames, "Frames that start the camera-IMU stage")
+      ->capture_default_str();
+  app.add_option("--imu-window", o.window, "States in the camera-IMU stage's window")
+      ->capture_default_str();
+  app.add_option("--evaluate-every-s", o.evaluate_every_s,
+                 "Trajectories are scored again after so long [s]")
+      ->capture_default_str();
+  app.add_option("--trajectory-s", o.duration_s, "Duration of a trajectory [s]")
+      ->capture_default_str();
+  app.add_option("--trajectory-amplitude", o.amplitude, "Multiplies the trajectories' size")
+      ->capture_default_str();
+  app.add_option("--max-speed", o.max_speed_m_s, "Limit of a trajectory [m/s]")
+      ->capture_default_str();
+  app.add_flag("--score-offset", o.score_offset, "Trajectories are scored for the offset as well");
+}
+
+void GuideOptionSet::declare(CLI::App& app) {
+  app.add_option("--threshold-bits", threshold_bits, "Least gain of a view or trajectory [bits]")
+      ->capture_default_str();
+  declareViews(app, guide.views);
+  declareTrajectories(app, guide.trajectories);
+  app.add_option("--max-rate", max_rate_deg_s, "Limit of a trajectory [deg/s]")
+      ->capture_default_str();
+  app.add_option("--max-acceleration", max_acceleration_g, "Limit of a trajectory [g]")
+      ->capture_default_str();
+  app.add_option("--expires-s", guide.views.expires_s,
+                 "A suggestion counts as not followed after so long [s]")
+      ->capture_default_str();
+  app.add_option("--latency-ms", latencies,
+                 "What a step costs in the recording's time, e.g. camera-frame=5,next-view=40 [ms]")
+      ->delimiter(',');
+  app.add_option("--arrival-ms", arrival_ms,
+                 "An image is there so long after its stamp, with the IMU samples until then [ms]")
+      ->capture_default_str();
+}
+
+GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gravity_m_s2) const {
+  GuideOptions o = guide;
+  requirePositive("--threshold-bits", threshold_bits);
+  requirePositive("--expires-s", o.views.expires_s);
+  requirePositive("--reached-px", o.views.reached_px);
+  requirePositive("--evaluate-every-s", o.trajectories.evaluate_every_s);
+  requirePositive("--trajectory-s", o.trajectories.duration_s);
+  requirePositive("--trajectory-amplitude", o.trajectories.amplitude);
+  requirePositive("--max-speed", o.trajectories.max_speed_m_s);
+  requirePositive("--max-rate", max_rate_deg_s);
+  requirePositive("--max-acceleration", max_acceleration_g);
+  requireWhole("--start-frames", o.views.start_frames, 2);
+  requireWhole("--start-anew-after", o.views.start_anew_after, 1);
+  requireWhole("--window", o.views.window, 1);
+  requireWhole("--patience", o.views.patience, 1);
+  requireWhole("--min-views", o.views.min_views, 0);
+  requireWhole("--imu-start-frames", o.trajectories.start_frames, 3);
+  requireWhole("--imu-window", o.trajectories.window, 2);
+  if (!(o.views.start_move_px >= 0)) throw InputError("--start-move-px: expected zero or more");
+  if (!(o.views.reached_s >= 0)) throw InputError("--reached-s: expected zero or more");
+  if (!(arrival_ms >= 0 && arrival_ms <= kLongest_ms)) {
+    throw InputError("--arrival-ms: expected 0 to 60000");
+  }
+  for (const std::string& latency : latencies) readLatency(latency, o.latency);
+  o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
+  o.trajectories.expires_s = o.views.expires_s;
+  o.trajectories.max_rate_rad_s = max_rate_deg_s * std::numbers::pi / 180;
+  o.trajectories.max_acceleration_m_s2 = max_acceleration_g * kStandardGravity;
+  o.views.pixel_sigma = o.trajectories.pixel_sigma = camera.pixel_sigma;
+  o.views.cauchy_px = o.trajectories.cauchy_px = camera.cauchy_px;
+  o.trajectories.gravity_m_s2 = gravity_m_s2;
+  o.threads = camera.threads;
+  return o;
+}
 
 struct ReplayOptions {
   SessionOptions session;
@@ -85,7 +241,10 @@ int replay(const ReplayOptions& o, const CLI::App& app) {
   refuseInside(o.out, o.session.session, "--out");
   const ReplayRecord record = replaySession(replayRequest(o, app), bar.sink());
   bar.sink()("writing", -1);
-  writeReplay(record, o.out, !o.no_report);
+  writeResults(
+      o.out, record,
+      {{"decisions.jsonl", decisionLog(record.decisions)}, {"replay.json", replayDocument(record)}},
+      pageUnless(o.no_report, [&] { return renderReplayPage(record); }));
   bar.clear();
   fmt::print("{}", replaySummary(record));
   fmt::print("\nResult: {}/{}\n", o.out, o.no_report ? "replay.json" : "report.html");

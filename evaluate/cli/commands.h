@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <CLI/App.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
 
 namespace plumbline {
 
@@ -14,6 +19,12 @@ enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
 
 /// In place of an output file: standard output.
 inline constexpr const char* kStandardOutput = "-";
+
+/// A page that is only made where it is wanted.
+template <class Render>
+std::optional<std::string> pageUnless(bool left_out, const Render& render) {
+  return left_out ? std::nullopt : std::optional<std::string>(render());
+}
 
 /// One subcommand: `configure` declares its options on the given app and returns what runs when the
 /// command was chosen. The handler returns an ExitCode and throws InputError for bad input.
@@ -38,5 +49,12 @@ Command evaluateCommand();  ///< with subcommands; the table is in command_evalu
 Command evaluateTrajectoryCommand();
 Command evaluateTrajectoriesCommand();
 Command evaluateCalibrationCommand();
+
+/// Prints a failure with its cure in one line and returns the command's exit code: data that
+/// contradict what a file states are bad input.
+inline int tellFailure(const Failure& failure) {
+  fmt::print(stderr, "plumbline: {}; {}\n", failure.message, failure.cure);
+  return failure.reason == FailureReason::kImplausible ? kBadInput : kFailed;
+}
 
 }  // namespace plumbline

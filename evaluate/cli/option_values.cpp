@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/option_values.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <span>
+#include <sstream>
+#include <string_view>
+#include <utility>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
@@ -77,6 +84,82 @@ const ThresholdMembers& thresholdMembers() {
       {"gravity", &VerdictThresholds::gravity},
       {"imu_noise_factor", &VerdictThresholds::imu_noise_factor}};
   return kMembers;
+}
+
+constexpr std::size_t kMostAmounts = 10'000;
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find(separator, from), text.size());
+    parts.push_back(text.substr(from, to - from));
+    from = to + 1;
+  }
+  return parts;
+}
+
+double numberOf(const std::string& option, std::string_view word) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc() && end == word.data() + word.size() && std::isfinite(value)) {
+    return value;
+  }
+  throw InputError(fmt::format(
+      "{}: '{}' is no number; expected numbers and ranges FROM:STEP:TO separated by commas", option,
+      word));
+}
+
+double cleaned(double value) { return std::strtod(fmt::format("{:.12g}", value).c_str(), nullptr); }
+
+void addRange(const std::string& option, const std::vector<std::string_view>& ends,
+              std::vector<double>& amounts) {
+  const double from = numberOf(option, ends[0]);
+  const double step = numberOf(option, ends[1]);
+  const double to = numberOf(option, ends[2]);
+  const double count = std::floor((to - from) / step + 1e-9);
+  if (step == 0 || !(count >= 0) || count > kMostAmounts) {
+    throw InputError(fmt::format(
+        "{} {}:{}:{}: expected a step that leads from the first to the last in at most {} steps",
+        option, from, step, to, kMostAmounts));
+  }
+  for (int k = 0; k <= static_cast<int>(count); ++k) amounts.push_back(cleaned(from + k * step));
+}
+
+[[noreturn]] void refuse(const char* option, const std::string& word, const std::string& expected) {
+  throw InputError(fmt::format("{} {}: expected {}", option, word, expected));
+}
+
+// The value that nameOf() calls `word`.
+template <class Value>
+Value byName(const char* option, const std::string& word, std::span<const Value> values) {
+  std::string names;
+  for (const Value value : values) {
+    if (word == nameOf(value)) return value;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", nameOf(value));
+  }
+  refuse(option, word, "one of " + names);
+}
+
+RelativeDelta relativeDeltaFrom(const std::string& word) {
+  const auto fail = [&] {
+    refuse("--rpe", word, "distances such as 10m, 0.5s or 1frames, separated by commas, or none");
+  };
+  RelativeDelta delta;
+  const char* const end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, delta.delta);
+  if (error != std::errc() || !(delta.delta > 0) || !std::isfinite(delta.delta)) fail();
+  const std::string unit(rest, end);
+  for (const auto candidate : {RelativeDelta::Unit::kFrames, RelativeDelta::Unit::kMetres,
+                               RelativeDelta::Unit::kSeconds}) {
+    if (unit != nameOf(candidate)) continue;
+    delta.unit = candidate;
+    const bool whole = delta.delta == std::floor(delta.delta) && delta.delta < 1e9;
+    if (candidate == RelativeDelta::Unit::kFrames && !whole) fail();
+    return delta;
+  }
+  fail();
+  return delta;
 }
 
 }  // namespace
@@ -171,6 +254,68 @@ TimeNs nanosecondsFromMilliseconds(const std::string& option, double millisecond
     refuse(option, fmt::format("{}", milliseconds), "milliseconds, at most those of a day");
   }
   return static_cast<TimeNs>(std::llround(milliseconds * 1e6));
+}
+
+std::vector<double> amountsFrom(const std::string& option, const std::string& words) {
+  std::vector<double> amounts;
+  for (const std::string_view word : split(words, ',')) {
+    const auto parts = split(word, ':');
+    if (parts.size() == 1) {
+      amounts.push_back(numberOf(option, word));
+    } else if (parts.size() == 3) {
+      addRange(option, parts, amounts);
+    } else {
+      throw InputError(fmt::format("{}: '{}' is no range; expected FROM:STEP:TO", option, word));
+    }
+  }
+  if (amounts.size() > kMostAmounts) {
+    throw InputError(fmt::format("{}: more than {} amounts", option, kMostAmounts));
+  }
+  return amounts;
+}
+
+AlignmentKind alignmentFrom(const std::string& word) {
+  static constexpr std::array kKinds = {AlignmentKind::kSe3,      AlignmentKind::kSim3,
+                                        AlignmentKind::kScale,    AlignmentKind::kYaw,
+                                        AlignmentKind::kOrigin,   AlignmentKind::kSe3First,
+                                        AlignmentKind::kYawFirst, AlignmentKind::kNone};
+  return byName<AlignmentKind>("--align", word, kKinds);
+}
+
+AssociationRule associationFrom(const std::string& word) {
+  static constexpr std::array kRules = {AssociationRule::kOneToOne, AssociationRule::kInterpolate,
+                                        AssociationRule::kEvo, AssociationRule::kRpg,
+                                        AssociationRule::kOvEval};
+  return byName<AssociationRule>("--association", word, kRules);
+}
+
+RelativePairs relativePairsFrom(const std::string& word) {
+  static constexpr std::array kPairs = {RelativePairs::kPlumbline, RelativePairs::kEvo,
+                                        RelativePairs::kEvoAll, RelativePairs::kRpg,
+                                        RelativePairs::kOvEval};
+  return byName<RelativePairs>("--rpe-pairs", word, kPairs);
+}
+
+std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
+  std::vector<RelativeDelta> deltas;
+  if (words == "none") return deltas;
+  std::istringstream list(words);
+  for (std::string word; std::getline(list, word, ',');) deltas.push_back(relativeDeltaFrom(word));
+  if (deltas.empty()) deltas.push_back(relativeDeltaFrom(words));
+  return deltas;
+}
+
+TrajectoryFormat trajectoryFormatFrom(const std::string& word) {
+  static constexpr std::array<std::pair<const char*, TrajectoryFormat>, 5> kFormats = {
+      {{"tum", TrajectoryFormat::kTum},
+       {"euroc", TrajectoryFormat::kEuroc},
+       {"kitti", TrajectoryFormat::kKitti},
+       {"motive", TrajectoryFormat::kMotive},
+       {"vicon", TrajectoryFormat::kVicon}}};
+  for (const auto& [name, format] : kFormats) {
+    if (word == name) return format;
+  }
+  refuse("--format", word, "one of tum, euroc, kitti, motive, vicon");
 }
 
 }  // namespace plumbline

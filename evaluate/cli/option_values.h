@@ -9,6 +9,10 @@
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/trajectory.h"
+#include "datasets/trajectory/trajectory_reader.h"
+#include "evaluate/metrics/trajectory/alignment.h"
+#include "evaluate/metrics/trajectory/association.h"
+#include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline {
@@ -40,5 +44,29 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds);
 /// Milliseconds as written on the command line to nanoseconds, rounded to the nearest. Anything
 /// that is not a number, or longer than a day, is refused in the option's name.
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds);
+
+/// Amounts as a person lists them: numbers and ranges FROM:STEP:TO (both ends included, in either
+/// direction), separated by commas: "100,-3.21,0.5" or "-500:50:500". Signed and fractional. Values
+/// of a range are FROM + k STEP, cleaned to 12 digits so that 0.1:0.1:0.3 ends in 0.3. Throws
+/// InputError naming the option for anything else, or for more than 10,000 amounts.
+std::vector<double> amountsFrom(const std::string& option, const std::string& words);
+
+/// Words of the command line as values; each throws InputError that names the option, the word and
+/// what was expected.
+
+/// --align: "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none".
+AlignmentKind alignmentFrom(const std::string& word);
+
+/// --association: "one-to-one", "interpolate", "evo", "rpg", "ov_eval".
+AssociationRule associationFrom(const std::string& word);
+
+/// --rpe: "1m,10m,1frames,0.5s", or "none".
+std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words);
+
+/// --rpe-pairs: "plumbline", "evo", "evo-all", "rpg", "ov_eval".
+RelativePairs relativePairsFrom(const std::string& word);
+
+/// --format: "tum", "euroc", "kitti", "motive", "vicon".
+TrajectoryFormat trajectoryFormatFrom(const std::string& word);
 
 }  // namespace plumbline

@@ -3,10 +3,13 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/App.hpp>
 
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
@@ -33,5 +36,29 @@ struct SessionOptions {
  private:
   void declareDetails(CLI::App& app);
 };
+
+/// The options of every command that calibrates a recording, as `plumbline calibrate` declares
+/// them.
+struct EstimationOptions {
+  std::optional<std::string> models, cameras;
+  bool no_imu = false;
+  double gravity = 9.80655;
+  std::string loss = "cauchy:1.5";
+  std::string outliers = "none";
+  double pixel_sigma = 1;
+  int min_corners = 4;
+
+  void declare(CLI::App& app);
+  /// Both stages' options; InputError for values out of range.
+  CameraStageOptions cameraStage(const LoadRequest& load) const;
+  CameraImuOptions cameraImuStage(const CameraStageOptions& camera) const;
+};
+
+/// Names and values of the options that were given, in their order, for the provenance; without the
+/// positional `session` and --out.
+std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& app);
+
+/// Throws InputError unless `value` is positive and finite.
+void requirePositive(const char* option, double value);
 
 }  // namespace plumbline

@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/cli/trajectory_options.h"
+#include "evaluate/cli/option_values.h"
 
 namespace plumbline {
 namespace {

@@ -8,11 +8,10 @@
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/information.h"
-#include "evaluate/compare/compared_parameters.h"
 #include "evaluate/compare/lint.h"
-#include "evaluate/compare/paired_prediction.h"
+#include "evaluate/compare/parameters.h"
 #include "evaluate/compare/read_compared.h"
-#include "evaluate/results/assumptions.h"
+#include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
@@ -43,7 +42,7 @@ void addUncertainty(const Session& session, const CompareRequest& request, OnSes
 
 OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
                   const CompareRequest& request, const ProgressSink& progress) {
-  const ScoredCalibration scored{file.compared.label, file.path, file.compared.calibration};
+  const ScoredCalibration scored{file.compared.label, file.compared.calibration};
   ScoreOptions options = request.score;
   options.entropy_under_loss = false;
   SessionScores scored_on = scoreSession(scored, loaded.session, options, progress);

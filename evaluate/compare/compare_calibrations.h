@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "calibrator/information/projection_uncertainty.h"
-#include "evaluate/compare/comparison_findings.h"
-#include "evaluate/compare/comparison_maps.h"
+#include "evaluate/compare/findings.h"
+#include "evaluate/compare/maps.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"

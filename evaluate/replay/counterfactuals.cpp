@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "calibrator/base/error.h"
-#include "evaluate/replay/counterfactual_curves.h"
-#include "evaluate/replay/counterfactual_remarks.h"
+#include "evaluate/replay/curves.h"
 #include "evaluate/replay/view_pool.h"
 
 namespace plumbline {

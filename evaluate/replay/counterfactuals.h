@@ -6,7 +6,7 @@
 
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
-#include "evaluate/replay/frame_split.h"
+#include "evaluate/replay/frames.h"
 #include "report/records/replay_record.h"
 
 namespace plumbline {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/replay/counterfactuals.h"
@@ -12,6 +13,10 @@
 #include "report/records/replay_record.h"
 
 namespace plumbline {
+
+/// What a replay's figures say of the recording and of the guide, stage by stage: whether it could
+/// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
+std::vector<Finding> replayFindings(const ReplayRecord& record);
 
 /// What `plumbline replay` is asked to do.
 struct ReplayRequest {

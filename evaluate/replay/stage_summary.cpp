@@ -2,16 +2,28 @@
 #include "evaluate/replay/stage_summary.h"
 
 #include <algorithm>
+#include <cassert>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "evaluate/replay/frame_shares.h"
-#include "evaluate/replay/view_hindsight.h"
+#include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/corners.h"
+#include "calibrator/information/covariance.h"
 
 namespace plumbline {
 namespace {
+
+Eigen::MatrixXd sumOf(const std::vector<Eigen::MatrixXd>& shares, const std::vector<FrameUse>& uses,
+                      FrameUse use) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(shares.front().rows(), shares.front().cols());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (uses[i] == use) sum += shares[i];
+  }
+  return sum;
+}
 
 /// Why a stage did not get to its start, from its last decision that says so.
 std::string startProblem(const ReplayRun& run, GuideStage stage) {
@@ -106,6 +118,54 @@ void addBatches(const StageBatches<StageResult>& batches, ReplayStageSummary& s)
 }
 
 }  // namespace
+
+Result<FrameShares> frameShares(const Session& session,
+                                const std::vector<CameraCalibration>& cameras,
+                                const CameraStageOptions& options) {
+  const auto scored = scoreCameras(session, cameras, options);
+  if (!scored) return scored.failure();
+  const std::vector<PackedCorners> corners =
+      usedCorners(session, scored->frames, scored->residuals);
+  CameraProblem problem;
+  problem.corners = corners;
+  problem.frames = scored->frames;
+  problem.pixel_sigma = options.pixel_sigma;
+  problem.gram = {options.cauchy_px, 0};
+  problem.threads = options.threads;
+  return FrameShares{scored->frames, frameInformation(problem, estimateOf(cameras, scored->T_FC0))};
+}
+
+ViewHindsight viewHindsight(const std::vector<Eigen::MatrixXd>& shares,
+                            const std::vector<FrameUse>& uses, double threshold_nats) {
+  assert(shares.size() == uses.size());
+  ViewHindsight out;
+  if (shares.empty()) return out;
+  const Eigen::MatrixXd kept = sumOf(shares, uses, FrameUse::kKept);
+  const Eigen::MatrixXd after = sumOf(shares, uses, FrameUse::kAfterFinish);
+  if (!logDeterminant(kept)) {
+    if (logDeterminant(kept + after)) {
+      out.after_finish_nats = std::numeric_limits<double>::infinity();
+    }
+    return out;
+  }
+  out.after_finish_nats = mutualInformationNats(kept, kept + after).value_or(0);
+  Eigen::MatrixXd fewer = kept;
+  Eigen::MatrixXd more = kept;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (uses[i] == FrameUse::kKept) {
+      const auto gain = mutualInformationNats(fewer - shares[i], fewer);
+      if (!gain || *gain >= threshold_nats) continue;
+      ++out.redundant;
+      fewer -= shares[i];
+    } else if (uses[i] == FrameUse::kPassedBy) {
+      const auto gain = mutualInformationNats(more, more + shares[i]);
+      if (!gain || *gain < threshold_nats) continue;
+      ++out.missed;
+      more += shares[i];
+    }
+  }
+  return out;
+}
 
 StageBatches<CameraStageResult> cameraBatches(const ReplayRun& run,
                                               const Result<CameraStageResult>& guides_own) {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/information/covariance.h"
-#include "evaluate/replay/frame_shares.h"
+#include "evaluate/replay/stage_summary.h"
 
 namespace plumbline {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "evaluate/replay/replay_inputs.h"
+#include "evaluate/replay/frames.h"
 #include "report/records/replay_record.h"
 
 namespace plumbline {

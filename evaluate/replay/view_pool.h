@@ -9,7 +9,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
-#include "evaluate/replay/frame_split.h"
+#include "evaluate/replay/frames.h"
 
 namespace plumbline {
 

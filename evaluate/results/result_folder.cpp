@@ -60,15 +60,21 @@ void refuseUnwritable(const std::string& out) {
   }
 }
 
-void writeResultFolder(const std::string& out, const std::vector<std::string>& names,
-                       const std::function<void(const fs::path& folder)>& fill) {
+void writeResultFiles(const std::string& out, const std::vector<ResultFile>& files,
+                      const std::function<void(const fs::path& records)>& save) {
   refuseUnwritable(out);
   const fs::path missing = firstMissing(out);
+  std::vector<std::string> names;
+  if (save) names.emplace_back(kRecordsFile);
+  for (const ResultFile& file : files) names.push_back(file.name);
   try {
     fs::create_directories(out);
     refuseFoldersInTheWay(out, names);
     const PendingFolder pending(fs::path(out) / ".results");  // never committed: its files move
-    fill(pending.path());
+    for (const ResultFile& file : files) {
+      if (file.text) writeFileAtomically((pending.path() / file.name).string(), *file.text);
+    }
+    if (save) save(pending.path() / kRecordsFile);
     moveFiles(pending.path(), out, names);
   } catch (...) {
     std::error_code ignored;

@@ -2,6 +2,7 @@
 #include "evaluate/session/detect_corners.h"
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -11,8 +12,10 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics.h"
+#include "datasets/files/file_io.h"
 #include "datasets/images/image_io.h"
 #include "datasets/session/corner_cache.h"
+#include "datasets/session/session_writer.h"
 #include "evaluate/results/parallel_for.h"
 
 namespace plumbline {
@@ -100,6 +103,17 @@ std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& 
   return quantile(std::move(spacings), 0.5);
 }
 
+// Frames a second of camera 0; 0 where it has fewer than two.
+double frameRate(const Session& session) {
+  if (session.cameras.empty()) return 0;
+  const auto& views = session.cameras.front().views;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    intervals.push_back(secondsBetween(views[i - 1].t, views[i].t));
+  }
+  return intervals.empty() ? 0 : 1 / quantile(intervals, 0.5);
+}
+
 }  // namespace
 
 std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
@@ -123,6 +137,16 @@ std::optional<double> detectCorners(Recording& recording, const DetectRequest& r
     progress("finding corners", static_cast<double>(++done) / static_cast<double>(tasks.size()));
   });
   return medianSpacing(workers);
+}
+
+void writeCornerSession(const Session& session, const std::string& folder) {
+  PendingFolder pending{std::filesystem::path(folder)};
+  for (const TextFile& file : sessionFiles(session, frameRate(session), ViewFormat::kCorners)) {
+    const auto path = pending.path() / file.path;
+    pending.create(path.parent_path());
+    writeFileAtomically(path.string(), file.text);
+  }
+  pending.commit();
 }
 
 }  // namespace plumbline

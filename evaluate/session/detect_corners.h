@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "calibrator/base/session.h"
 #include "calibrator/target/detector.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/results/progress.h"
@@ -25,5 +26,9 @@ struct DetectRequest {
 /// contradict the stated spacing, and then have few corners or none, never enter the cache.
 std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
                                     const ProgressSink& progress);
+
+/// Writes a session with its corners as a EuRoC folder that `plumbline calibrate` reads. The folder
+/// appears complete or not at all; throws InputError where it exists and is not empty.
+void writeCornerSession(const Session& session, const std::string& folder);
 
 }  // namespace plumbline

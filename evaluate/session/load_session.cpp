@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
@@ -99,6 +100,21 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   loaded.target_path = recording.target_path;
   loaded.imu_samples_path = recording.imu_samples_path;
   return loaded;
+}
+
+Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu) {
+  Assumptions assumptions;
+  assumptions.pixel_sigma_px = camera.pixel_sigma;
+  assumptions.gravity_m_s2 = camera_imu.gravity_m_s2;
+  if (camera.cauchy_px > 0) assumptions.loss = fmt::format("cauchy:{}", camera.cauchy_px);
+  return assumptions;
+}
+
+Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu,
+                          const Session& session) {
+  Assumptions assumptions = assumptionsOf(camera, camera_imu);
+  if (session.imu) assumptions.imu_noise = session.imu->noise;
+  return assumptions;
 }
 
 }  // namespace plumbline

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "calibrator/base/session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/target/detector.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/results/progress.h"
@@ -58,5 +60,13 @@ void attribute(Record& record, const Provenance& provenance, const LoadedSession
 /// Where found corners are kept unless the user says otherwise: $XDG_CACHE_HOME/plumbline, or
 /// ~/.cache/plumbline; empty without either.
 std::optional<std::string> defaultCacheFolder();
+
+/// What estimates under these options rest on: noise of the corners and loss as `camera` has them,
+/// gravity as `camera_imu` has it; no IMU noise.
+Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu);
+
+/// The same with the noise densities of the session's IMU, if it has one.
+Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu,
+                          const Session& session);
 
 }  // namespace plumbline

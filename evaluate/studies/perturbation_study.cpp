@@ -9,8 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/results/parallel_for.h"
+#include "evaluate/session/load_session.h"
+#include "evaluate/session/match_cameras.h"
 #include "evaluate/studies/perturbation_findings.h"
 
 namespace plumbline {
@@ -165,6 +168,22 @@ Result<Solution> solveBase(StudyInputs& inputs) {
   return base;
 }
 
+StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
+  StudyInputs inputs;
+  inputs.session = &session;
+  inputs.camera = request.camera;
+  inputs.camera_imu = request.camera_imu;
+  auto& models = inputs.camera.models;
+  if (models.size() == 1) models.resize(session.cameras.size(), models.front());
+  if (request.cameras_file) {
+    const std::string& file = *request.cameras_file;
+    inputs.cameras = matchCameras(readCalibration(file), file, session);
+    refuseUnsupportedModels(inputs.cameras, file);
+    inputs.cameras_fixed = true;
+  }
+  return inputs;
+}
+
 }  // namespace
 
 Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
@@ -185,6 +204,27 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
   });
   record.offset_bound_s = options.thresholds.offset_error_bad_s;
   record.verdict = makeVerdict(perturbationFindings(record, options.thresholds));
+  return record;
+}
+
+Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
+                                          const ProgressSink& progress) {
+  PerturbRequest request = asked;
+  if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
+  const LoadedSession loaded = loadSession(request.load, progress);
+  const StudyInputs inputs = inputsOf(request, loaded.session);
+  PerturbationStudyOptions options;
+  options.threads = threadCount(request.threads);
+  options.thresholds = request.thresholds;
+  options.progress = [&](std::size_t done, std::size_t all) {
+    progress("calibrating perturbed sessions",
+             static_cast<double>(done) / static_cast<double>(all));
+  };
+  progress("calibrating the session as it is", -1);
+  auto record = perturbationStudy(inputs, request.perturbations, options);
+  if (!record) return record;
+  attribute(record.value(), request.provenance, loaded);
+  record.value().assumptions = assumptionsOf(request.camera, request.camera_imu, loaded.session);
   return record;
 }
 

@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/metrics/trajectory/absolute_error.h"
-#include "evaluate/metrics/trajectory/aligned_poses.h"
+#include "evaluate/metrics/trajectory/alignment.h"
+#include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/nees.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
-#include "evaluate/trajectory/trajectory_frames.h"
-#include "evaluate/trajectory/trajectory_remarks.h"
+#include "evaluate/trajectory/frames.h"
+#include "evaluate/trajectory/remarks.h"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/association.h"
-#include "evaluate/metrics/trajectory/relative_error.h"
+#include "evaluate/metrics/trajectory/errors.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {

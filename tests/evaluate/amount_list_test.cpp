@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lists and ranges of amounts on the command line.
-#include "evaluate/cli/amount_list.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/option_values.h"
 
 namespace plumbline {
 namespace {

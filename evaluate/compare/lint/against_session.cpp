@@ -11,7 +11,6 @@
 #include "calibrator/initialise/imu_gravity.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "evaluate/compare/lint/rules.h"
-#include "evaluate/compare/lint/session_poses.h"
 
 namespace plumbline {
 namespace {

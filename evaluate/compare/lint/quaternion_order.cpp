@@ -4,7 +4,6 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "evaluate/compare/lint/rules.h"
-#include "evaluate/compare/lint/session_poses.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/lint/session_poses.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,6 +7,7 @@
 #include "calibrator/base/statistics.h"
 #include "calibrator/batch/camera_imu/start.h"
 #include "calibrator/camera/camera.h"
+#include "evaluate/compare/lint/rules.h"
 
 namespace plumbline::lint {
 namespace {

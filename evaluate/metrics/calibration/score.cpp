@@ -9,7 +9,6 @@
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/metrics/calibration/folds.h"
-#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {
@@ -114,11 +113,11 @@ bool hasCorners(const Session& session) {
   return false;
 }
 
-/// The calibration is in the session's order.
-Scored scoreMatched(const std::string& label, const Calibration& calibration,
-                    const Session& session, const ScoreOptions& options) {
+Scored scoreMatched(const ScoredCalibration& scored, const Session& session,
+                    const ScoreOptions& options) {
+  const Calibration& calibration = scored.calibration;
   Scored out;
-  out.score = emptyScore(label, session);
+  out.score = emptyScore(scored.label, session);
   if (!hasCorners(session)) {
     out.score.problem =
         "the session holds no corner of the target; check its images and target.yaml";
@@ -159,8 +158,9 @@ FoldScores failedFold(FoldScores scores, const std::string& problem) {
   return scores;
 }
 
-FoldScores scoreFold(const ScoredCalibration& scored, const Calibration& calibration,
-                     const Fold& fold, const ScoreOptions& options) {
+FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
+                     const ScoreOptions& options) {
+  const Calibration& calibration = scored.calibration;
   FoldScores out;
   out.in_sample.score = emptyScore(scored.label, fold.training);
   out.held_out.score = emptyScore(scored.label, fold.held_out);
@@ -179,7 +179,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Calibration& calibra
       anew.imu = imu->imu;
     }
   }
-  Scored held_out = scoreMatched(scored.label, anew, fold.held_out, options);
+  Scored held_out = scoreMatched({scored.label, anew}, fold.held_out, options);
   if (held_out.score.problem.empty()) held_out.score.problem = out.held_out.score.problem;
   out.held_out = std::move(held_out);
   return out;
@@ -210,16 +210,16 @@ CalibrationScore pooled(Scored sum, const std::string& part, bool held_out) {
   return std::move(sum.score);
 }
 
-void addFolds(const ScoredCalibration& scored, const Calibration& calibration,
-              const Session& session, const ScoreOptions& options, const ProgressSink& progress,
-              std::vector<CalibrationScore>& scores) {
+void addFolds(const ScoredCalibration& scored, const Session& session, const ScoreOptions& options,
+              const ProgressSink& progress, std::vector<CalibrationScore>& scores) {
+  const Calibration& calibration = scored.calibration;
   FoldScores sum;
   sum.in_sample.score = sum.held_out.score = emptyScore(scored.label, session);
   for (int k = 0; k < options.folds; ++k) {
     progress("validating", static_cast<double>(k) / options.folds);
     const double offset_s = calibration.imu ? calibration.imu->time_offset_s : 0;
     const Fold fold = foldOf(session, options.camera.frames, {k, options.folds, offset_s});
-    FoldScores one = scoreFold(scored, calibration, fold, options);
+    FoldScores one = scoreFold(scored, fold, options);
     one.in_sample.score.part = one.held_out.score.part =
         fmt::format("fold {} of {}", k + 1, options.folds);
     one.held_out.score.held_out = true;
@@ -256,15 +256,14 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
 
 SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
                            const ScoreOptions& options, const ProgressSink& progress) {
-  const Calibration calibration = matchCalibration(scored.calibration, scored.path, session);
   progress("scoring", -1);
-  Scored whole = scoreMatched(scored.label, calibration, session, options);
+  Scored whole = scoreMatched(scored, session, options);
   SessionScores out{{}, std::move(whole.camera_stage), std::move(whole.camera_imu_stage)};
   out.scores.push_back(std::move(whole.score));
   if (options.folds < 2) return out;
-  const std::string why = whyNoFolds(calibration, session, options);
+  const std::string why = whyNoFolds(scored.calibration, session, options);
   if (why.empty()) {
-    addFolds(scored, calibration, session, options, progress, out.scores);
+    addFolds(scored, session, options, progress, out.scores);
   } else {
     CalibrationScore none = emptyScore(scored.label, session);
     none.part = fmt::format("all {} folds", options.folds);
@@ -275,16 +274,9 @@ SessionScores scoreSession(const ScoredCalibration& scored, const Session& sessi
   return out;
 }
 
-std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
-                                               const Session& session, const ScoreOptions& options,
-                                               const ProgressSink& progress) {
-  return scoreSession(scored, session, options, progress).scores;
-}
-
 CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,
                               const ScoreOptions& options) {
-  const Calibration calibration = matchCalibration(scored.calibration, scored.path, session);
-  CalibrationScore score = scoreMatched(scored.label, calibration, session, options).score;
+  CalibrationScore score = scoreMatched(scored, session, options).score;
   score.held_out = true;
   return score;
 }

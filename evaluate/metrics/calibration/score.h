@@ -14,10 +14,10 @@
 
 namespace plumbline {
 
-/// A calibration as it was read, to be scored on any session of its cameras.
+/// A calibration to be scored on a session, its cameras in the session's order and resolution
+/// (matchCalibration()).
 struct ScoredCalibration {
   std::string label;
-  std::string path;  ///< for messages
   Calibration calibration;
 };
 
@@ -49,15 +49,8 @@ struct SessionScores {
 /// for each fold its in-sample score and the score of the run that it did not see, then both pooled
 /// over all folds ("all 5 folds"). What cannot be had (a pose of no frame; a model that can only be
 /// scored) is said in CalibrationScore::problem.
-/// Throws InputError where the session has a camera that the calibration has not, or in another
-/// resolution.
 SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
                            const ScoreOptions& options, const ProgressSink& progress);
-
-/// The scores alone.
-std::vector<CalibrationScore> scoreCalibration(const ScoredCalibration& scored,
-                                               const Session& session, const ScoreOptions& options,
-                                               const ProgressSink& progress);
 
 /// The score of a session that the calibration has not seen: part "all", held out.
 CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,

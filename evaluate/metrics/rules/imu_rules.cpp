@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 
-#include "evaluate/metrics/rules/rule.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {

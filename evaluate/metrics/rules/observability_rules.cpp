@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/core.h>
 
-#include "evaluate/metrics/rules/rule.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {

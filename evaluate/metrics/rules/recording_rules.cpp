@@ -6,7 +6,6 @@
 
 #include "calibrator/base/statistics.h"
 #include "evaluate/metrics/coverage.h"
-#include "evaluate/metrics/rules/rule.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/target_layout.h"
 

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include "evaluate/metrics/coverage.h"
-#include "evaluate/metrics/rules/rule.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {

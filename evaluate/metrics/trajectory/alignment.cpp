@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/metrics/trajectory/alignment.h"
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <string>
 
 #include <fmt/format.h>
-
-#include "evaluate/metrics/trajectory/similarity.h"
 
 namespace plumbline {
 namespace {
@@ -128,6 +129,26 @@ Result<AlignmentRecord> alignUnnamed(const std::vector<PosePair>& pairs,
 
 }  // namespace
 
+Similarity bestSimilarity(const PointMoments& moments) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moments.covariance_yx,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d& U = svd.matrixU();
+  const Eigen::Matrix3d& V = svd.matrixV();
+  const Eigen::Vector3d& d = svd.singularValues();
+  const double handed = U.determinant() * V.determinant() < 0 ? -1 : 1;
+  Similarity best;
+  best.R = U * Eigen::Vector3d(1, 1, handed).asDiagonal() * V.transpose();
+  if (d[0] > 0) best.across = d[1] / d[0];
+  if (moments.variance_x > 0) best.scale = (d[0] + d[1] + handed * d[2]) / moments.variance_x;
+  return best;
+}
+
+BestYaw bestYaw(const Eigen::Matrix3d& C) {
+  const double sine = C(1, 0) - C(0, 1);
+  const double cosine = C(0, 0) + C(1, 1);
+  return {std::atan2(sine, cosine), std::hypot(sine, cosine)};
+}
+
 const char* nameOf(AlignmentKind kind) {
   switch (kind) {
     case AlignmentKind::kSe3:
@@ -157,6 +178,21 @@ Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const Alignmen
   result.value().kind = nameOf(options.kind);
   result.value().first_n = isFit(options.kind) ? options.first_n : 0;
   return result;
+}
+
+AlignedPoses alignedPoses(const std::vector<PosePair>& pairs, const AlignmentRecord& alignment,
+                          QuaternionUse use) {
+  const Transform& T = alignment.T_truth_estimate;
+  const Eigen::Quaterniond q = shepperdQuaternion(T.R);
+  AlignedPoses aligned;
+  aligned.truth.reserve(pairs.size());
+  aligned.estimate.reserve(pairs.size());
+  for (const PosePair& pair : pairs) {
+    const Eigen::Vector3d p = alignment.scale * (T.R * pair.estimate.p) + T.t;
+    aligned.truth.emplace_back(rotationOf(pair.truth.q, use), pair.truth.p);
+    aligned.estimate.emplace_back(rotationOf(q * pair.estimate.q, QuaternionUse::kNormalised), p);
+  }
+  return aligned;
 }
 
 }  // namespace plumbline

@@ -1,14 +1,47 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/association.h"
 #include "evaluate/metrics/trajectory/quaternion_use.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
+
+/// Sums over pairs of points (x, y) that every alignment by positions needs.
+struct PointMoments {
+  Eigen::Vector3d mean_x = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_y = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_yx = Eigen::Matrix3d::Zero();  ///< mean of (y - mean)(x - mean)^T
+  double variance_x = 0;                                    ///< mean of |x - mean|^2
+  double variance_y = 0;
+};
+
+/// The proper rotation R and the factor c that minimise sum |y - (c R x + t)|^2 with
+/// t = mean_y - c R mean_x (Umeyama, PAMI 1991, eqs. 40-42). `across` is the second singular value
+/// of covariance_yx over the first: where it is zero the points of x or y lie on a line and R is
+/// not unique.
+struct Similarity {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  double scale = 1;
+  double across = 0;
+};
+
+Similarity bestSimilarity(const PointMoments& moments);
+
+/// The angle [rad] about z that minimises sum |y - (Rz x + t)|^2: it maximises tr(Rz^T C) for
+/// C = covariance_yx (Zhang and Scaramuzza, IROS 2018, eqs. 17 and 18). `strength` is the maximum
+/// of that trace's horizontal part; zero where no horizontal direction tells the angle.
+struct BestYaw {
+  double yaw = 0;
+  double strength = 0;
+};
+
+BestYaw bestYaw(const Eigen::Matrix3d& C);
 
 /// The family from which p_truth = s R p_estimate + t is taken.
 enum class AlignmentKind {
@@ -39,5 +72,17 @@ struct AlignmentOptions {
 /// 1e-5 of that along it), an estimate that stands still (kScale), no horizontal motion (kYaw), a
 /// first rotation that yaw cannot be read from (kYawFirst), no pair at all. O(n).
 Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const AlignmentOptions& options);
+
+/// Matched poses in the truth's frame, index by index.
+struct AlignedPoses {
+  std::vector<Transform> truth;
+  std::vector<Transform> estimate;
+};
+
+/// The pairs with the estimate brought into the truth's frame: p = s R_a p_e + t, R = R_a R_e. With
+/// kAsRead as ov_eval has it: the truth's quaternions as they are, the estimate's product with
+/// R_a's quaternion normalised.
+AlignedPoses alignedPoses(const std::vector<PosePair>& pairs, const AlignmentRecord& alignment,
+                          QuaternionUse use = QuaternionUse::kNormalised);
 
 }  // namespace plumbline

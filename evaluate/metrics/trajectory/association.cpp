@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "evaluate/metrics/trajectory/interpolation.h"
 #include "evaluate/metrics/trajectory/stamp_matching.h"
 
 namespace plumbline {
@@ -119,6 +118,21 @@ AssociationRecord describe(const Trajectory& estimate, const Trajectory& truth,
 }
 
 }  // namespace
+
+Interpolated poseAt(const std::vector<StampedPose>& poses, TimeNs t, TimeNs max_gap) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), t,
+                       [](const StampedPose& pose, TimeNs at) { return pose.t < at; });
+  if (after == poses.end()) return {};
+  if (after->t == t) return {*after, false};
+  if (after == poses.begin()) return {};
+  const StampedPose& a = *(after - 1);
+  const StampedPose& b = *after;
+  if (b.t - a.t > max_gap) return {std::nullopt, true};
+  const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
+  const Eigen::Vector3d p = (1 - u) * a.p + u * b.p;
+  return {StampedPose{t, p, a.q.normalized().slerp(u, b.q.normalized())}, false};
+}
 
 const char* nameOf(AssociationRule rule) {
   switch (rule) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/transform.h"
-#include "evaluate/metrics/trajectory/aligned_poses.h"
+#include "evaluate/metrics/trajectory/alignment.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {

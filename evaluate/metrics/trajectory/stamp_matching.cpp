@@ -8,8 +8,6 @@
 #include <queue>
 #include <tuple>
 
-#include "evaluate/metrics/trajectory/nearest.h"
-
 namespace plumbline {
 namespace {
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/compared_parameters.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "evaluate/compare/comparison_findings.h"
-#include "evaluate/compare/paired_prediction.h"
+#include "evaluate/compare/findings.h"
+#include "evaluate/compare/parameters.h"
 
 namespace plumbline {
 namespace {

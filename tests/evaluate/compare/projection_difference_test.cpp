@@ -10,7 +10,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
-#include "evaluate/compare/uncertainty_map.h"
+#include "evaluate/compare/maps.h"
 
 namespace plumbline {
 namespace {

@@ -13,6 +13,7 @@
 #include "datasets/session/session_reader.h"
 #include "evaluate/compare/projection_difference.h"
 #include "evaluate/metrics/calibration/score.h"
+#include "evaluate/session/match_cameras.h"
 #include "tests/evaluate/compare/other_solver.h"
 
 namespace plumbline {
@@ -38,8 +39,9 @@ const Session& euroc() {
 }
 
 CalibrationScore scoreOnEuroc(const std::string& file, const ScoreOptions& options) {
-  const ScoredCalibration scored{file, file, readCalibration(kData + "/" + file)};
-  CalibrationScore score = scoreCalibration(scored, euroc(), options, noProgress).front();
+  const ScoredCalibration scored{
+      file, matchCalibration(readCalibration(kData + "/" + file), file, euroc())};
+  CalibrationScore score = scoreSession(scored, euroc(), options, noProgress).scores.front();
   for (std::size_t c = 0; c < score.per_camera.size(); ++c) {
     ::testing::Test::RecordProperty(score.cameras[c] + "_rmse_px",
                                     std::to_string(score.per_camera[c].rmse_px));
@@ -172,8 +174,8 @@ TEST(ScoresOnEuroc, ItsOwnOptimumScoresItself) {
   const ScoreOptions options = squaredError();
   const auto optimum = calibrateCameras(euroc(), options.camera);
   ASSERT_TRUE(optimum);
-  const ScoredCalibration own{"own", "own", {optimum->cameras, {}}};
-  const CalibrationScore s = scoreCalibration(own, euroc(), options, noProgress).front();
+  const ScoredCalibration own{"own", {optimum->cameras, {}}};
+  const CalibrationScore s = scoreSession(own, euroc(), options, noProgress).scores.front();
   const double rmse = optimum->summary.reprojection.rmse_px;
   EXPECT_NEAR(s.reprojection.rmse_px, rmse, 1e-7 * rmse);
 }
@@ -195,14 +197,14 @@ TEST(ScoresOnEuroc, CameraImuCalibrationsOfKalibrAndYacReachTheOptimumUnderPubli
 
 TEST(ScoresOnEuroc, AWrongTimeOffsetAndATurnedImuScoreWorse) {
   const ScoreOptions options = squaredError();
-  ScoredCalibration scored{"kalibr", "kalibr",
-                           readCalibration(kData + "/euroc_imu_april/kalibr_runs/camera_imu/"
-                                                   "euroc-camchain-imucam.yaml")};
-  const auto right = scoreCalibration(scored, euroc(), options, noProgress).front();
+  const std::string file =
+      kData + "/euroc_imu_april/kalibr_runs/camera_imu/euroc-camchain-imucam.yaml";
+  ScoredCalibration scored{"kalibr", matchCalibration(readCalibration(file), file, euroc())};
+  const auto right = scoreSession(scored, euroc(), options, noProgress).scores.front();
   ImuCalibration& imu = *scored.calibration.imu;
   const Transform T_SC0 = imu.T_SC0;
   imu.T_SC0.R = expSO3({0, 0.0174533, 0}) * T_SC0.R;  // one degree
-  const auto turned = scoreCalibration(scored, euroc(), options, noProgress).front();
+  const auto turned = scoreSession(scored, euroc(), options, noProgress).scores.front();
   ASSERT_TRUE(turned.camera_imu);
   RecordProperty("turned_rmse_px", std::to_string(turned.camera_imu->rmse_px));
   EXPECT_GT(*turned.camera_imu_cost, 1.5 * *right.camera_imu_cost);
@@ -210,7 +212,7 @@ TEST(ScoresOnEuroc, AWrongTimeOffsetAndATurnedImuScoreWorse) {
   imu.T_SC0 = T_SC0;
   imu.camera_time_offsets_s.clear();
   imu.time_offset_s += 0.010;
-  const auto late = scoreCalibration(scored, euroc(), options, noProgress).front();
+  const auto late = scoreSession(scored, euroc(), options, noProgress).scores.front();
   ASSERT_TRUE(late.camera_imu);
   RecordProperty("late_rmse_px", std::to_string(late.camera_imu->rmse_px));
   EXPECT_GT(*late.camera_imu_cost, 2 * *right.camera_imu_cost);

@@ -29,7 +29,7 @@ SimulatedSession recording() {
 
 struct Case {
   SimulatedSession simulated = recording();
-  ScoredCalibration scored{"truth", "truth.json", simulated.truth};
+  ScoredCalibration scored{"truth", simulated.truth};
   ScoreOptions options;
 
   Case() {
@@ -39,7 +39,9 @@ struct Case {
   }
 
   std::vector<CalibrationScore> run() const {
-    return scoreCalibration(scored, simulated.session, options, noProgress);
+    const Session& session = simulated.session;
+    const Calibration matched = matchCalibration(scored.calibration, "truth.json", session);
+    return scoreSession({scored.label, matched}, session, options, noProgress).scores;
   }
 };
 

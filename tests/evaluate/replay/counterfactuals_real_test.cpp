@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "datasets/session/session_reader.h"
-#include "evaluate/replay/counterfactual_curves.h"
 #include "evaluate/replay/counterfactuals.h"
+#include "evaluate/replay/curves.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/counterfactual_curves.h"
+#include "evaluate/replay/curves.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {

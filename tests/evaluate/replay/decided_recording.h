@@ -7,8 +7,7 @@
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/guide_frames.h"
-#include "evaluate/replay/replay_inputs.h"
+#include "evaluate/replay/frames.h"
 
 namespace plumbline {
 

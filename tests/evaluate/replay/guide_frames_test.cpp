@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recording in the order in which it would have arrived.
-#include "evaluate/replay/guide_frames.h"
-
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
+#include "evaluate/replay/frames.h"
 
 namespace plumbline {
 namespace {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which images a frame of a replay shows.
-#include "evaluate/replay/replay_images.h"
-
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
 #include "datasets/images/image_io.h"
 #include "datasets/images/jpeg.h"
-#include "evaluate/replay/guide_frames.h"
+#include "evaluate/replay/frames.h"
+#include "evaluate/replay/images.h"
 
 namespace plumbline {
 namespace {

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/statistics.h"
-#include "evaluate/replay/counterfactual_curves.h"
-#include "tests/evaluate/replay/simulated_pools.h"
+#include "evaluate/replay/curves.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/guide_frames.h"
+#include "evaluate/replay/frames.h"
 
 namespace plumbline {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which views were worth it, once all are known: on information matrices whose answer is plain.
-#include "evaluate/replay/view_hindsight.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "evaluate/replay/stage_summary.h"
 
 namespace plumbline {
 namespace {

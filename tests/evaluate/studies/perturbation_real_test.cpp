@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluate/studies/perturb_session.h"
+#include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {
 namespace {

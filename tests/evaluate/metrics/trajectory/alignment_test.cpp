@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "evaluate/metrics/trajectory/absolute_error.h"
+#include "evaluate/metrics/trajectory/errors.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/metrics/trajectory/interpolation.h"
 #include "evaluate/metrics/trajectory/stamp_matching.h"
 
 namespace plumbline {

@@ -14,10 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/trajectory/trajectory_reader.h"
-#include "evaluate/metrics/trajectory/absolute_error.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/association.h"
-#include "evaluate/metrics/trajectory/relative_error.h"
+#include "evaluate/metrics/trajectory/errors.h"
 
 namespace plumbline {
 namespace {

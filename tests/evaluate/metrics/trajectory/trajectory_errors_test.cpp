@@ -7,10 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "evaluate/metrics/trajectory/absolute_error.h"
-#include "evaluate/metrics/trajectory/pose_pairs.h"
+#include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/quaternion_use.h"
-#include "evaluate/metrics/trajectory/relative_error.h"
 
 namespace plumbline {
 namespace {

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/calibration/calibration_files.h"
+
+#include <cctype>
+#include <numbers>
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include "datasets/calibration/kalibr_writer.h"
+#include "evaluate/calibration/calibration_document.h"
+#include "evaluate/results/text.h"
+
+namespace plumbline {
+namespace {
+
+std::string numbers(const Eigen::VectorXd& values) {
+  std::string text;
+  for (double value : values) {
+    text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
+  }
+  return text;
+}
+
+void addErrors(Text& text, const char* name, const StageSummary& s) {
+  add(text, "{}: RMSE {:.4f} px (mean {:.4f}, median {:.4f}), {} of {} corners, {} of {} views\n",
+      name, s.reprojection.rmse_px, s.reprojection.mean_px, s.reprojection.median_px,
+      s.corners_used, s.corners_offered, s.views_used, s.views_offered);
+}
+
+void addCameras(Text& text, const std::vector<CameraCalibration>& cameras) {
+  for (const CameraCalibration& camera : cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    add(text, "  {} {}-{}  [{}]  [{}]\n", camera.name, toString(k.projection_model),
+        toString(k.distortion_model), numbers(k.projection), numbers(k.distortion));
+    if (camera.intrinsics_std) add(text, "       std [{}]\n", numbers(*camera.intrinsics_std));
+  }
+}
+
+// What the camera-IMU stage had to do without; nothing where it used all.
+void addLeftOut(Text& text, const CameraImuStageResult& stage) {
+  if (stage.frames_without_imu + stage.frames_without_pose + stage.imu_gaps == 0) return;
+  add(text,
+      "  {} frames used; left out: {} without IMU samples, {} without a pose; gaps in the IMU: "
+      "{}\n",
+      stage.frames.size(), stage.frames_without_imu, stage.frames_without_pose, stage.imu_gaps);
+}
+
+void addImu(Text& text, const ImuCalibration& imu) {
+  const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
+  add(text, "  T_SC0 translation [{:.2f}, {:.2f}, {:.2f}] mm", mm.x(), mm.y(), mm.z());
+  if (imu.T_SC0_std) {
+    const Vector6d& s = *imu.T_SC0_std;
+    const double degrees = 180 / std::numbers::pi;
+    add(text, ", std [{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
+        1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
+  }
+  add(text, "\n  time offset {:+.4f} ms", 1e3 * imu.time_offset_s);
+  if (imu.time_offset_std_s) add(text, ", std {:.4f} ms", 1e3 * *imu.time_offset_std_s);
+  add(text, " (t_imu = t_cam + offset)\n");
+}
+
+void addVerdict(Text& text, const Verdict& verdict) {
+  std::string word = toString(verdict.level);
+  for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  add(text, "Verdict: {}\n", word);
+  for (const Finding& finding : verdict.findings) {
+    if (finding.level == VerdictLevel::kGood) continue;
+    add(text, "  {} - {}: {}. {}\n", toString(finding.level), finding.rule, finding.evidence,
+        finding.advice);
+  }
+}
+
+Calibration calibrationOf(const CalibrationRecord& record) {
+  Calibration calibration;
+  calibration.cameras = record.cameras();
+  if (record.camera_imu) calibration.imu = record.camera_imu->imu;
+  return calibration;
+}
+
+}  // namespace
+
+std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals) {
+  using Content = std::optional<std::string>;
+  const Calibration calibration = calibrationOf(record);
+  const std::string camchain = kalibrCamchainText(calibration);
+  const auto& imu = calibration.imu;
+  return {{"calibration.json", calibrationDocument(record)},
+          {"camchain-imucam.yaml", imu ? Content(camchain) : Content()},
+          {"camchain.yaml", imu ? Content() : Content(camchain)},
+          {"imu.yaml", imu ? Content(kalibrImuText(imu->noise, imu->rostopic)) : Content()},
+          {"residuals.csv", residuals ? Content(residualsTable(record)) : Content()}};
+}
+
+std::string calibrationSummary(const CalibrationRecord& record) {
+  Text text;
+  if (record.camera) addErrors(text, "Cameras", record.camera->summary);
+  addCameras(text, record.cameras());
+  if (record.camera_imu) {
+    addErrors(text, "Camera-IMU", record.camera_imu->summary);
+    addLeftOut(text, *record.camera_imu);
+    addImu(text, record.camera_imu->imu);
+  } else {
+    add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or --no-imu)\n");
+  }
+  addVerdict(text, record.verdict);
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

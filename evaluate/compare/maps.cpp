@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/maps.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/parameter_names.h"
+
+namespace plumbline {
+namespace {
+
+std::optional<Eigen::MatrixXd> intrinsicsBlock(const ParameterCovariance& covariance,
+                                               const CameraCalibration& camera) {
+  const Intrinsics& k = camera.intrinsics;
+  std::vector<Eigen::Index> rows;
+  for (const auto& [name, unit] : intrinsicParameters(k.projection_model, k.distortion_model)) {
+    const auto found = std::find(covariance.names.begin(), covariance.names.end(),
+                                 fmt::format("{}.{}", camera.name, name));
+    if (found == covariance.names.end()) return std::nullopt;
+    rows.push_back(found - covariance.names.begin());
+  }
+  return Eigen::MatrixXd(covariance.matrix(rows, rows));
+}
+
+ImageMap emptyMap(const CameraCalibration& camera, const std::string& label, double range_m,
+                  const ImageGrid& grid) {
+  ImageMap map;
+  map.camera = camera.name;
+  map.label = label;
+  map.range_m = range_m;
+  map.columns = grid.columns;
+  map.rows = grid.rows;
+  map.width = camera.intrinsics.resolution.width;
+  map.height = camera.intrinsics.resolution.height;
+  return map;
+}
+
+std::optional<ProjectionCovariance> projectionCovariance(const Intrinsics& camera,
+                                                         const CameraUncertainty& uncertainty,
+                                                         std::size_t c, double range_m) {
+  if (c < uncertainty.projection.size()) return uncertainty.projection[c];
+  if (c >= uncertainty.intrinsics.size() || !uncertainty.intrinsics[c]) return std::nullopt;
+  ImageFitOptions options;
+  options.range_m = range_m;
+  return imageFitCovariance(camera, *uncertainty.intrinsics[c], options);
+}
+
+const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label,
+                     const std::string& camera, double range_m) {
+  const auto found = std::find_if(maps.begin(), maps.end(), [&](const ImageMap& m) {
+    return m.label == label && m.camera == camera && m.range_m == range_m;
+  });
+  return found == maps.end() ? nullptr : &*found;
+}
+
+std::optional<ImageMap> differenceMap(const CameraCalibration& a, const CameraCalibration& b,
+                                      const std::string& label, const DifferenceOptions& options) {
+  const auto difference = projectionDifference(a.intrinsics, b.intrinsics, options);
+  if (!difference) return std::nullopt;
+  ImageMap map = emptyMap(a, label, options.range_m, options.grid);
+  map.method =
+      options.weights.empty() ? "fit over the focus region" : "fit weighted by uncertainty";
+  map.implied = difference->T_BA;
+  map.vectors = difference->vectors;
+  for (const Eigen::Vector2d& v : map.vectors) map.values.push_back(v.norm());
+  return map;
+}
+
+}  // namespace
+
+std::vector<double> uncertaintyMap(const Intrinsics& camera, const ProjectionCovariance& covariance,
+                                   double range_m, const ImageGrid& grid) {
+  std::vector<double> map;
+  map.reserve(static_cast<std::size_t>(grid.size()));
+  for (int i = 0; i < grid.size(); ++i) {
+    const auto C = pixelCovariance(camera, covariance, grid.pixel(camera.resolution, i), range_m);
+    map.push_back(C ? worstDirectionStd(*C) : std::nan(""));
+  }
+  return map;
+}
+
+std::vector<double> differenceWeights(const std::vector<double>& std_A,
+                                      const std::vector<double>& std_B) {
+  assert(std_A.size() == std_B.size());
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < std_A.size(); ++i) {
+    const double w = 1 / (std_A[i] * std_B[i]);
+    weights.push_back(w * w);
+  }
+  return weights;
+}
+
+CameraUncertainty uncertaintyFromFile(const ParameterCovariance& covariance,
+                                      const std::vector<CameraCalibration>& cameras) {
+  CameraUncertainty out;
+  out.method = "image fit to the file's covariance";
+  for (const CameraCalibration& camera : cameras) {
+    out.intrinsics.push_back(intrinsicsBlock(covariance, camera));
+  }
+  return out;
+}
+
+std::vector<ImageMap> uncertaintyMaps(const ComparedCalibration& calibration,
+                                      const CameraUncertainty& uncertainty,
+                                      const MapOptions& options) {
+  std::vector<ImageMap> maps;
+  for (std::size_t c = 0; c < calibration.calibration.cameras.size(); ++c) {
+    const CameraCalibration& camera = calibration.calibration.cameras[c];
+    for (const double range : options.ranges_m) {
+      const auto covariance = projectionCovariance(camera.intrinsics, uncertainty, c, range);
+      if (!covariance) continue;
+      ImageMap map = emptyMap(camera, calibration.label, range, options.grid);
+      map.method = uncertainty.method;
+      map.values = uncertaintyMap(camera.intrinsics, *covariance, range, options.grid);
+      maps.push_back(std::move(map));
+    }
+  }
+  return maps;
+}
+
+std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const ComparedCalibration& b,
+                                     const std::vector<ImageMap>& uncertainties,
+                                     const MapOptions& options) {
+  std::vector<ImageMap> maps;
+  const auto& cameras_a = a.calibration.cameras;
+  const auto& cameras_b = b.calibration.cameras;
+  for (std::size_t c = 0; c < std::min(cameras_a.size(), cameras_b.size()); ++c) {
+    if (!(cameras_a[c].intrinsics.resolution == cameras_b[c].intrinsics.resolution)) continue;
+    for (const double range : options.ranges_m) {
+      DifferenceOptions difference{range, options.grid, options.focus_radius_px, {}, options.fit};
+      const ImageMap* std_a = find(uncertainties, a.label, cameras_a[c].name, range);
+      const ImageMap* std_b = find(uncertainties, b.label, cameras_b[c].name, range);
+      const bool weighted = options.focus_radius_px == 0 && std_a && std_b;
+      if (weighted) difference.weights = differenceWeights(std_a->values, std_b->values);
+      const std::string label = fmt::format("{} - {}", b.label, a.label);
+      auto map = differenceMap(cameras_a[c], cameras_b[c], label, difference);
+      if (map) maps.push_back(std::move(*map));
+    }
+  }
+  return maps;
+}
+
+}  // namespace plumbline

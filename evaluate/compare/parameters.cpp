@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/time_offsets.h"
+#include "evaluate/metrics/calibration/parameters.h"
+
+namespace plumbline {
+namespace {
+
+using Calibrations = std::vector<Calibration>;
+
+/// A camera's or the IMU's transform, where the calibration has it.
+using TransformOf = std::function<const Transform*(const Calibration&)>;
+
+const CalibrationParameter* find(const std::vector<CalibrationParameter>& list,
+                                 const std::string& name) {
+  const auto found = std::find_if(list.begin(), list.end(),
+                                  [&](const CalibrationParameter& p) { return p.name == name; });
+  return found == list.end() ? nullptr : &*found;
+}
+
+void addSignificance(ComparedParameter& row) {
+  row.significance.clear();
+  for (std::size_t i = 0; i < row.values.size(); ++i) {
+    std::optional<double> sigmas;
+    if (i > 0 && row.difference[i] && row.std[i] && row.std[0]) {
+      const double std = std::hypot(*row.std[i], *row.std[0]);
+      if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
+    }
+    row.significance.push_back(sigmas);
+  }
+}
+
+/// The rows of calibrationParameters(), those of the first calibration in front.
+std::vector<ComparedParameter> listedRows(const Calibrations& calibrations) {
+  std::vector<std::vector<CalibrationParameter>> lists;
+  for (const Calibration& c : calibrations) lists.push_back(calibrationParameters(c));
+  std::vector<ComparedParameter> rows;
+  for (const auto& list : lists) {
+    for (const CalibrationParameter& p : list) {
+      const bool known = std::any_of(rows.begin(), rows.end(),
+                                     [&](const ComparedParameter& r) { return r.name == p.name; });
+      if (!known) rows.push_back({p.name, p.unit, {}, {}, {}, {}});
+    }
+  }
+  for (ComparedParameter& row : rows) {
+    for (const auto& list : lists) {
+      const CalibrationParameter* p = find(list, row.name);
+      row.values.push_back(p ? std::optional(p->value) : std::nullopt);
+      row.std.push_back(p ? p->std : std::nullopt);
+    }
+    row.difference.assign(lists.size(), std::nullopt);
+  }
+  return rows;
+}
+
+void addChanges(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
+  for (std::size_t i = 1; i < calibrations.size(); ++i) {
+    const Eigen::VectorXd change = calibrationChange(calibrations[i], calibrations[0]);
+    for (Eigen::Index k = 0; k < change.size(); ++k) {
+      if (std::isfinite(change[k])) rows[static_cast<std::size_t>(k)].difference[i] = change[k];
+    }
+  }
+}
+
+/// A row of plain numbers that some calibrations have.
+ComparedParameter numberRow(const std::string& name, const std::string& unit,
+                            const std::vector<std::optional<double>>& values) {
+  ComparedParameter row{name, unit, values, {}, {}, {}};
+  row.std.resize(values.size());
+  row.difference.resize(values.size());
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] && values[0]) row.difference[i] = *values[i] - *values[0];
+  }
+  return row;
+}
+
+void meanOffsets(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [](const ComparedParameter& r) { return r.name == "time_offset"; });
+  if (row == rows.end()) return;
+  std::vector<std::optional<double>> values;
+  for (const Calibration& c : calibrations) {
+    values.push_back(c.imu ? std::optional(meanTimeOffset(*c.imu)) : std::nullopt);
+  }
+  ComparedParameter mean = numberRow(row->name, row->unit, values);
+  mean.std = row->std;
+  *row = mean;
+}
+
+void addNorms(const std::string& name, const TransformOf& transform_of,
+              const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
+  std::vector<std::optional<double>> angles, levers;
+  for (const Calibration& c : calibrations) {
+    const Transform* T = transform_of(c);
+    angles.push_back(T ? std::optional(rotationAngle(T->R)) : std::nullopt);
+    levers.push_back(T ? std::optional(T->t.norm()) : std::nullopt);
+  }
+  ComparedParameter angle = numberRow(name + ".angle", "rad", angles);
+  ComparedParameter lever = numberRow(name + ".lever", "m", levers);
+  const Transform* first = transform_of(calibrations[0]);
+  for (std::size_t i = 1; i < calibrations.size(); ++i) {
+    const Transform* T = transform_of(calibrations[i]);
+    if (!T || !first) continue;
+    // By Log, which is exact near zero, where the angle from the trace is not.
+    const Vector6d d = boxminus(*T, *first);
+    angle.difference[i] = d.tail<3>().norm();
+    lever.difference[i] = d.head<3>().norm();
+  }
+  rows.push_back(angle);
+  rows.push_back(lever);
+}
+
+void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
+  std::size_t cameras = 0;
+  for (const Calibration& c : calibrations) {
+    if (c.imu) cameras = std::max(cameras, c.imu->camera_time_offsets_s.size());
+  }
+  for (std::size_t i = 0; i < cameras; ++i) {
+    std::vector<std::optional<double>> values;
+    for (const Calibration& c : calibrations) {
+      const bool has = c.imu && i < c.cameras.size();
+      values.push_back(has ? std::optional(cameraTimeOffset(*c.imu, i)) : std::nullopt);
+    }
+    rows.push_back(numberRow(fmt::format("time_offset.cam{}", i), "s", values));
+  }
+}
+
+constexpr std::size_t kBlock = 10;  // views
+constexpr std::size_t kFewestBlocks = 5;
+
+struct SquaredErrors {
+  double sum = 0;
+  int corners = 0;
+  double mean() const { return sum / corners; }
+};
+
+/// By camera and index of the view in its stream, which both results share.
+using ViewErrors = std::map<std::pair<int, int>, SquaredErrors>;
+
+ViewErrors viewErrors(const CameraStageResult& result) {
+  ViewErrors views;
+  for (const CornerResidual& r : result.residuals) {
+    if (!r.used) continue;
+    const Frame& frame = result.frames[static_cast<std::size_t>(r.frame)];
+    SquaredErrors& view = views[{r.camera, frame.view[static_cast<std::size_t>(r.camera)]}];
+    view.sum += static_cast<double>(r.error.squaredNorm());
+    ++view.corners;
+  }
+  return views;
+}
+
+double meanOf(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+
+double standardError(const std::vector<double>& values) {
+  const double mean = meanOf(values);
+  double squares = 0;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  const auto n = static_cast<double>(values.size());
+  return std::sqrt(squares / (n - 1) / n);
+}
+
+std::vector<double> blockMeans(const std::vector<double>& values) {
+  std::vector<double> means;
+  for (std::size_t at = 0; at + kBlock <= values.size(); at += kBlock) {
+    means.push_back(meanOf({values.begin() + static_cast<std::ptrdiff_t>(at),
+                            values.begin() + static_cast<std::ptrdiff_t>(at + kBlock)}));
+  }
+  return means;
+}
+
+}  // namespace
+
+std::vector<ComparedParameter> comparedParameters(const Calibrations& calibrations) {
+  if (calibrations.empty()) return {};
+  std::vector<ComparedParameter> rows = listedRows(calibrations);
+  addChanges(calibrations, rows);
+  meanOffsets(calibrations, rows);
+  std::size_t cameras = 0;
+  bool imu = false;
+  for (const Calibration& c : calibrations) {
+    cameras = std::max(cameras, c.cameras.size());
+    imu = imu || c.imu.has_value();
+  }
+  for (std::size_t i = 1; i < cameras; ++i) {
+    const TransformOf of = [i](const Calibration& c) {
+      return i < c.cameras.size() ? &c.cameras[i].T_C0Ci : nullptr;
+    };
+    addNorms(fmt::format("T_C0C{}", i), of, calibrations, rows);
+  }
+  const TransformOf imu_of = [](const Calibration& c) { return c.imu ? &c.imu->T_SC0 : nullptr; };
+  if (imu) addNorms("T_SC0", imu_of, calibrations, rows);
+  addCameraOffsets(calibrations, rows);
+  for (ComparedParameter& row : rows) addSignificance(row);
+  return rows;
+}
+
+OffsetSummary offsetSummary(const std::string& label, const Calibration& calibration) {
+  OffsetSummary summary;
+  summary.label = label;
+  if (!calibration.imu) return summary;
+  summary.time_offset_s = meanTimeOffset(*calibration.imu);
+  summary.std_s = calibration.imu->time_offset_std_s;
+  summary.per_camera_s = calibration.imu->camera_time_offsets_s;
+  return summary;
+}
+
+std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
+                                                const CameraStageResult& other,
+                                                const std::string& label) {
+  const ViewErrors before = viewErrors(first);
+  std::map<int, std::vector<double>> differences;
+  for (const auto& [view, errors] : viewErrors(other)) {
+    const auto found = before.find(view);
+    if (found == before.end()) continue;
+    differences[view.first].push_back(errors.mean() - found->second.mean());
+  }
+  std::vector<PairedPrediction> out;
+  for (const auto& [camera, values] : differences) {
+    if (values.size() < 2) continue;
+    const std::vector<double> blocks = blockMeans(values);
+    PairedPrediction p;
+    p.label = label;
+    p.camera = other.cameras[static_cast<std::size_t>(camera)].name;
+    p.views = static_cast<int>(values.size());
+    p.difference_px2 = meanOf(values);
+    p.std_px2 = standardError(blocks.size() < kFewestBlocks ? values : blocks);
+    out.push_back(std::move(p));
+  }
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/results.h"
+#include "report/records/comparison_record.h"
+
+namespace plumbline {
+
+/// Every parameter under all calibrations, in the order of the first (docs/comparison.md):
+/// the list of calibrationParameters(), where `time_offset` is the mean over cameras, then
+/// - "T_C0Ci.angle", "T_C0Ci.lever" and the same of T_SC0: value |Log(R)| [rad] and |t| [m];
+///   difference the angle of R_i R_0^T and |t_i - t_0|, which have no sign;
+/// - "time_offset.camI" where a calibration has one for each camera.
+/// Differences are to the first calibration (calibrationChange(): tangents for transforms), with
+/// significance where both deviations are known, as if the two estimates were independent. Where a
+/// camera's model differs from the first's, its parameters have values but no difference.
+std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations);
+
+/// The offsets of every calibration in the sign t_imu = t_cam + t_d.
+OffsetSummary offsetSummary(const std::string& label, const Calibration& calibration);
+
+/// Per camera, over the views that both results of the same session used: mean of
+///   d_v = mean |e|^2 under `other` - mean |e|^2 under `first`   [px^2]
+/// and its standard error. Pairing takes out what makes a view hard for both; neighbouring views
+/// are alike, so the error comes from means of blocks of 10 consecutive views (of single views
+/// where there are fewer than 5 blocks). Cameras without two common views are left out.
+std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
+                                                const CameraStageResult& other,
+                                                const std::string& label);
+
+}  // namespace plumbline

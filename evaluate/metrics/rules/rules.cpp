@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/rules/rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+VerdictLevel levelBelow(double value, const Bound& bound) {
+  if (!(value >= bound.bad)) return VerdictLevel::kBad;
+  return value < bound.doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+}
+
+// The bound that decided: the one crossed, or the nearer one if none was.
+double decisive(VerdictLevel level, const Bound& bound) {
+  return level == VerdictLevel::kBad ? bound.bad : bound.doubtful;
+}
+
+}  // namespace
+
+VerdictLevel levelAbove(double value, const Bound& bound) {
+  if (!(value <= bound.bad)) return VerdictLevel::kBad;  // NaN is bad
+  return value > bound.doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+}
+
+Finding finding(const Rule& rule, VerdictLevel level, double value, std::string evidence) {
+  Finding f;
+  f.rule = rule.name;
+  f.level = level;
+  f.evidence = std::move(evidence);
+  if (level != VerdictLevel::kGood) f.advice = rule.advice;
+  f.value = value;
+  f.threshold = decisive(level, rule.bound);
+  f.unit = rule.unit;
+  return f;
+}
+
+Finding above(const Rule& rule, double value, std::string evidence) {
+  return finding(rule, levelAbove(value, rule.bound), value, std::move(evidence));
+}
+
+Finding below(const Rule& rule, double value, std::string evidence) {
+  return finding(rule, levelBelow(value, rule.bound), value, std::move(evidence));
+}
+
+Spread largestSpread(const std::vector<ParameterEstimate>& estimates,
+                     const std::vector<std::string>& suffixes, const std::string& prefix,
+                     bool relative) {
+  Spread worst;
+  for (const ParameterEstimate& estimate : estimates) {
+    const auto dot = estimate.name.find('.');
+    const std::string suffix = dot == std::string::npos ? "" : estimate.name.substr(dot + 1);
+    if (estimate.name.rfind(prefix, 0) != 0) continue;
+    if (std::find(suffixes.begin(), suffixes.end(), suffix) == suffixes.end()) continue;
+    const bool resampled = estimate.resample_std && *estimate.resample_std > estimate.std;
+    const double std = resampled ? *estimate.resample_std : estimate.std;
+    const double value = relative ? std / std::abs(estimate.value) : std;
+    if (worst.name.empty() || !(value <= worst.value)) worst = {value, estimate.name, resampled};
+  }
+  return worst;
+}
+
+std::string kindOf(const Spread& spread) {
+  return spread.resampled ? "spread over resampled segments" : "formal standard deviation";
+}
+
+double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+}  // namespace plumbline

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/trajectory/errors.h"
+
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "evaluate/metrics/trajectory/quaternion_use.h"
+#include "evaluate/metrics/trajectory/stamp_matching.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+double errorOf(const Transform& estimate, const Transform& truth, AbsoluteMeasure measure) {
+  const Eigen::Vector3d d = estimate.t - truth.t;
+  if (measure == AbsoluteMeasure::kTranslation) return d.norm();
+  if (measure == AbsoluteMeasure::kXy) return d.head<2>().norm();
+  const Eigen::Matrix3d E = estimate.R * truth.R.transpose();
+  switch (measure) {
+    case AbsoluteMeasure::kRotationPart:
+      return (E - Eigen::Matrix3d::Identity()).norm();
+    case AbsoluteMeasure::kFullTransformation:
+      return std::hypot((E - Eigen::Matrix3d::Identity()).norm(), d.norm());
+    case AbsoluteMeasure::kYawDeg:
+      return kDegrees * rotationVector(E).z();
+    case AbsoluteMeasure::kHeadingDeg:
+      return kDegrees * std::abs(std::atan2(E(1, 0), E(0, 0)));
+    default:
+      return kDegrees * rotationVector(E).norm();
+  }
+}
+
+constexpr double kTolerance = 0.1;        // of delta; evo's too
+constexpr double kRpgTolerance = 0.2;     // of delta
+constexpr double kOvEvalTolerance = 0.5;  // [m]
+
+struct YawPitchRoll {
+  double yaw = 0, pitch = 0, roll = 0;
+};
+
+// R = Rz(yaw) Ry(pitch) Rx(roll).
+YawPitchRoll anglesOf(const Eigen::Matrix3d& R) {
+  const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
+  return {std::atan2(R(1, 0), R(0, 0)), std::atan2(-R(2, 0), cos_pitch),
+          std::atan2(R(2, 1), R(2, 2))};
+}
+
+double measured(const Transform& E, const Eigen::Matrix3d& R_end, RelativeMeasure measure) {
+  if (measure == RelativeMeasure::kTranslation) return E.t.norm();
+  if (measure == RelativeMeasure::kRotationDeg) return kDegrees * rotationVector(E.R).norm();
+  const YawPitchRoll angles = anglesOf(R_end * E.R * R_end.transpose());
+  if (measure == RelativeMeasure::kHeadingDeg) return kDegrees * std::abs(angles.yaw);
+  return kDegrees * std::hypot(angles.pitch, angles.roll);
+}
+
+SubTrajectoryRule ruleOf(const RelativeDelta& delta) {
+  switch (delta.pairs) {
+    case RelativePairs::kRpg:
+      return {delta.delta, kRpgTolerance * delta.delta, false, true};
+    case RelativePairs::kOvEval:
+      return {delta.delta, kOvEvalTolerance, false, true};
+    default:
+      return {delta.delta, kTolerance * delta.delta};
+  }
+}
+
+std::vector<double> secondsFromStart(const std::vector<TimeNs>& t) {
+  std::vector<double> seconds;
+  seconds.reserve(t.size());
+  for (const TimeNs stamp : t) seconds.push_back(secondsBetween(t.front(), stamp));
+  return seconds;
+}
+
+}  // namespace
+
+std::vector<double> pathLengths(const std::vector<Transform>& poses) {
+  std::vector<double> path(poses.size(), 0.0);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    path[i] = path[i - 1] + (poses[i].t - poses[i - 1].t).norm();
+  }
+  return path;
+}
+
+std::vector<IndexPair> overlappingFrames(std::size_t poses, std::size_t step) {
+  assert(step > 0);
+  std::vector<IndexPair> pairs;
+  for (std::size_t i = 0; i + step < poses; ++i) pairs.push_back({i, i + step});
+  return pairs;
+}
+
+std::vector<IndexPair> consecutiveFrames(std::size_t poses, std::size_t step) {
+  assert(step > 0);
+  std::vector<IndexPair> pairs;
+  for (std::size_t i = 0; i + step < poses; i += step) pairs.push_back({i, i + step});
+  return pairs;
+}
+
+std::vector<IndexPair> subTrajectories(const std::vector<double>& path,
+                                       const SubTrajectoryRule& rule) {
+  std::vector<IndexPair> pairs;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::size_t from = rule.may_stay ? i : i + 1;
+    if (from >= path.size()) break;
+    const std::size_t to = firstNearest(path, path[i] + rule.length, from);
+    const double miss = std::abs(path[to] - (path[i] + rule.length));
+    if (miss < rule.tolerance || (rule.inclusive && miss <= rule.tolerance)) {
+      pairs.push_back({i, to});
+    }
+  }
+  return pairs;
+}
+
+std::vector<IndexPair> consecutiveStretches(const std::vector<Transform>& poses, double length) {
+  std::vector<IndexPair> pairs;
+  std::size_t mark = 0;
+  bool marked = false;
+  double travelled = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    travelled += (poses[i].t - poses[i - 1].t).norm();
+    if (travelled < length) continue;
+    if (marked) pairs.push_back({mark, i});
+    mark = i;
+    marked = true;
+    travelled = 0;
+  }
+  return pairs;
+}
+
+std::vector<double> absoluteErrors(const AlignedPoses& poses, AbsoluteMeasure measure) {
+  std::vector<double> errors;
+  errors.reserve(poses.truth.size());
+  for (std::size_t i = 0; i < poses.truth.size(); ++i) {
+    errors.push_back(errorOf(poses.estimate[i], poses.truth[i], measure));
+  }
+  return errors;
+}
+
+std::vector<double> relativeErrors(const AlignedPoses& poses, const std::vector<IndexPair>& pairs,
+                                   RelativeMeasure measure) {
+  std::vector<double> errors;
+  errors.reserve(pairs.size());
+  for (const auto [i, j] : pairs) {
+    const Transform truth = poses.truth[i].inverse() * poses.truth[j];
+    const Transform estimate = poses.estimate[i].inverse() * poses.estimate[j];
+    errors.push_back(measured(truth.inverse() * estimate, poses.estimate[j].R, measure));
+  }
+  return errors;
+}
+
+const char* nameOf(RelativeDelta::Unit unit) {
+  switch (unit) {
+    case RelativeDelta::Unit::kFrames:
+      return "frames";
+    case RelativeDelta::Unit::kMetres:
+      return "m";
+    case RelativeDelta::Unit::kSeconds:
+      return "s";
+  }
+  return "";
+}
+
+const char* nameOf(RelativePairs pairs) {
+  switch (pairs) {
+    case RelativePairs::kPlumbline:
+      return "plumbline";
+    case RelativePairs::kEvo:
+      return "evo";
+    case RelativePairs::kEvoAll:
+      return "evo-all";
+    case RelativePairs::kRpg:
+      return "rpg";
+    case RelativePairs::kOvEval:
+      return "ov_eval";
+  }
+  return "";
+}
+
+bool hasPairsOver(RelativePairs pairs, RelativeDelta::Unit unit) {
+  if (pairs == RelativePairs::kPlumbline || unit == RelativeDelta::Unit::kMetres) return true;
+  const bool evo = pairs == RelativePairs::kEvo || pairs == RelativePairs::kEvoAll;
+  return evo && unit == RelativeDelta::Unit::kFrames;
+}
+
+std::vector<IndexPair> pairsOver(const RelativeDelta& delta, const AlignedPoses& poses,
+                                 const std::vector<TimeNs>& t) {
+  assert(hasPairsOver(delta.pairs, delta.unit));
+  const bool evo = delta.pairs == RelativePairs::kEvo;
+  if (delta.unit == RelativeDelta::Unit::kFrames) {
+    const auto step = static_cast<std::size_t>(delta.delta);
+    return evo ? consecutiveFrames(poses.truth.size(), step)
+               : overlappingFrames(poses.truth.size(), step);
+  }
+  if (evo) return consecutiveStretches(poses.estimate, delta.delta);
+  const SubTrajectoryRule rule = ruleOf(delta);
+  if (delta.unit == RelativeDelta::Unit::kSeconds)
+    return subTrajectories(secondsFromStart(t), rule);
+  const bool along_estimate = delta.pairs == RelativePairs::kEvoAll;
+  return subTrajectories(pathLengths(along_estimate ? poses.estimate : poses.truth), rule);
+}
+
+RelativeErrorRecord relativeErrorOver(const RelativeDelta& delta, const AlignedPoses& poses,
+                                      const std::vector<TimeNs>& t) {
+  const std::vector<IndexPair> pairs = pairsOver(delta, poses, t);
+  RelativeErrorRecord record;
+  record.delta = delta.delta;
+  record.unit = nameOf(delta.unit);
+  record.pairs = nameOf(delta.pairs);
+  record.translation_m =
+      sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kTranslation));
+  record.rotation_deg =
+      sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kRotationDeg));
+  return record;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/curves.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics.h"
+#include "evaluate/replay/view_orders.h"
+
+namespace plumbline {
+namespace {
+
+/// One point of a curve.
+struct Point {
+  std::optional<double> entropy_nats;
+  std::optional<HeldOutError> held_out;
+};
+
+Point pointAt(const ViewPool& pool, const std::vector<int>& order, int views) {
+  Point point;
+  const bool is_whole = static_cast<std::size_t>(views) == pool.pool().size();
+  const auto solution = is_whole ? std::optional(pool.reference())
+                                 : pool.solve({order.begin(), order.begin() + views});
+  if (!solution) return point;
+  point.entropy_nats = solution->entropy_nats;
+  point.held_out = pool.heldOutError(solution->estimate);
+  return point;
+}
+
+void append(const Point& point, CounterfactualCurve& curve) {
+  curve.entropy_nats.push_back(point.entropy_nats);
+  const auto part = [&](double HeldOutError::*px) {
+    return point.held_out ? std::optional((*point.held_out).*px) : std::nullopt;
+  };
+  curve.held_out_px.push_back(part(&HeldOutError::px));
+  curve.held_out_border_px.push_back(part(&HeldOutError::border_px));
+  curve.held_out_centre_px.push_back(part(&HeldOutError::centre_px));
+  curve.held_out_loss_px.push_back(part(&HeldOutError::loss_px));
+}
+
+/// A number of views in (low, high] that reaches the target with one view less missing it, where
+/// `high` reaches it and `low` does not; found by halving.
+int firstBetween(const ViewPool& pool, const std::vector<int>& order, int low, int high,
+                 double target_px) {
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    const Point point = pointAt(pool, order, middle);
+    (point.held_out && point.held_out->px <= target_px ? high : low) = middle;
+  }
+  return high;
+}
+
+std::optional<int> viewsNeeded(const ViewPool& pool, const CounterfactualCurve& curve,
+                               double target_px) {
+  std::size_t stays = curve.views.size();  // from here on the target is kept
+  while (stays > 0) {
+    const auto& px = curve.held_out_px[stays - 1];
+    if (!px || *px > target_px) break;
+    --stays;
+  }
+  if (stays == curve.views.size()) return std::nullopt;
+  if (stays == 0) return curve.views.front();
+  return firstBetween(pool, curve.order, curve.views[stays - 1], curve.views[stays], target_px);
+}
+
+/// An order of the pool's positions as one of the recording's frames.
+std::vector<int> framesOf(const ViewPool& pool, const std::vector<int>& order) {
+  std::vector<int> frames;
+  for (const int i : order) frames.push_back(pool.pool()[static_cast<std::size_t>(i)]);
+  return frames;
+}
+
+CounterfactualCurve curveOf(const char* strategy, std::vector<int> order, std::uint64_t seed = 0) {
+  CounterfactualCurve curve;
+  curve.strategy = strategy;
+  curve.seed = seed;
+  curve.order = std::move(order);
+  return curve;
+}
+
+/// Those frames of the guide that can be used, each once.
+std::vector<int> guideOrder(const ViewPool& pool, const std::vector<int>& guide_frames) {
+  std::set<int> left(pool.pool().begin(), pool.pool().end());
+  std::vector<int> order;
+  for (const int f : guide_frames) {
+    if (left.erase(f) > 0) order.push_back(f);
+  }
+  return order;
+}
+
+std::optional<Quartiles> neededQuartiles(const std::vector<const CounterfactualCurve*>& curves) {
+  std::vector<double> all;
+  for (const CounterfactualCurve* curve : curves) {
+    if (!curve->views_needed) return std::nullopt;
+    all.push_back(*curve->views_needed);
+  }
+  return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
+}
+
+CounterfactualBand bandOf(const std::vector<const CounterfactualCurve*>& curves) {
+  CounterfactualBand band;
+  band.strategy = curves.front()->strategy;
+  band.seeds = static_cast<int>(curves.size());
+  band.views = curves.front()->views;
+  for (std::size_t i = 0; i < band.views.size(); ++i) {
+    band.entropy_nats.push_back(quartilesAt(curves, &CounterfactualCurve::entropy_nats, i));
+    band.held_out_px.push_back(quartilesAt(curves, &CounterfactualCurve::held_out_px, i));
+  }
+  band.views_needed = neededQuartiles(curves);
+  return band;
+}
+
+/// Least median of all bands at a number of views; infinite where none has one.
+double bestAt(const std::vector<CounterfactualBand>& bands, int views) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const CounterfactualBand& band : bands) {
+    const auto at = std::lower_bound(band.views.begin(), band.views.end(), views);
+    if (at == band.views.end() || *at != views) continue;
+    const auto& px = band.held_out_px[static_cast<std::size_t>(at - band.views.begin())];
+    if (px) best = std::min(best, px->median);
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<Quartiles> quartilesAt(const std::vector<const CounterfactualCurve*>& curves,
+                                     CurveValues values, std::size_t i) {
+  std::vector<double> all;
+  for (const CounterfactualCurve* curve : curves) {
+    const auto& own = curve->*values;
+    if (i >= own.size() || !own[i]) return std::nullopt;
+    all.push_back(*own[i]);
+  }
+  if (all.empty()) return std::nullopt;
+  return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
+}
+
+std::vector<const CounterfactualCurve*> curvesOf(const std::vector<CounterfactualCurve>& curves,
+                                                 const std::string& strategy) {
+  std::vector<const CounterfactualCurve*> own;
+  for (const CounterfactualCurve& curve : curves) {
+    if (curve.strategy == strategy) own.push_back(&curve);
+  }
+  return own;
+}
+
+std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
+                                                const std::vector<int>& guide_frames,
+                                                const CounterfactualOptions& options) {
+  std::vector<Frame> frames;
+  for (const int f : pool.pool()) frames.push_back(pool.frames()[static_cast<std::size_t>(f)]);
+  const int count = static_cast<int>(frames.size());
+  std::vector<CounterfactualCurve> curves = {curveOf("recorded", pool.pool())};
+  for (int i = 0; i < options.random_seeds; ++i) {
+    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
+    curves.push_back(curveOf("random", framesOf(pool, randomOrder(count, seed)), seed));
+  }
+  const auto greedy = greedyInformationOrder(pool.poolInformation());
+  if (!greedy.empty()) curves.push_back(curveOf("greedy-mi", framesOf(pool, greedy)));
+  const auto covering = coverageOrder(cellsSeen(pool.session(), frames));
+  curves.push_back(curveOf("coverage", framesOf(pool, covering)));
+  std::vector<int> guide = guideOrder(pool, guide_frames);
+  if (!guide.empty()) curves.push_back(curveOf("guide", std::move(guide)));
+  return curves;
+}
+
+std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
+                                const std::vector<int>& asked) {
+  std::set<int> views(asked.begin(), asked.end());
+  int longest = 0;
+  for (const CounterfactualCurve& curve : curves) {
+    const int length = static_cast<int>(curve.order.size());
+    longest = std::max(longest, length);
+    views.insert(length);
+  }
+  if (asked.empty()) {
+    views.insert({5, 8, 10, 15, 20, 30, 40});
+    for (int n = 60; n < longest; n *= 2) views.insert({n, 4 * n / 3});
+  }
+  views.erase(views.begin(), views.lower_bound(1));
+  views.erase(views.upper_bound(longest), views.end());
+  return {views.begin(), views.end()};
+}
+
+std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
+                                           std::vector<CounterfactualCurve> curves,
+                                           const std::vector<int>& views, int threads) {
+  struct Task {
+    std::size_t curve;
+    int views;
+  };
+  std::vector<Task> tasks;
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    const int length = static_cast<int>(curves[c].order.size());
+    for (const int n : views) {
+      if (n > length) break;
+      tasks.push_back({c, n});
+      curves[c].views.push_back(n);
+    }
+  }
+  std::vector<Point> points(tasks.size());
+  forChunks(static_cast<int>(tasks.size()), 1, threads, [&](const Chunk& chunk) {
+    const Task& task = tasks[static_cast<std::size_t>(chunk.begin)];
+    points[static_cast<std::size_t>(chunk.begin)] =
+        pointAt(pool, curves[task.curve].order, task.views);
+  });
+  for (std::size_t i = 0; i < tasks.size(); ++i) append(points[i], curves[tasks[i].curve]);
+  return curves;
+}
+
+std::vector<CounterfactualCurve> withViewsNeeded(const ViewPool& pool,
+                                                 std::vector<CounterfactualCurve> curves,
+                                                 double target_px, int threads) {
+  forChunks(static_cast<int>(curves.size()), 1, threads, [&](const Chunk& chunk) {
+    CounterfactualCurve& curve = curves[static_cast<std::size_t>(chunk.begin)];
+    curve.views_needed = viewsNeeded(pool, curve, target_px);
+  });
+  return curves;
+}
+
+std::vector<CounterfactualBand> bandsOf(const std::vector<CounterfactualCurve>& curves) {
+  std::vector<CounterfactualBand> bands;
+  for (const CounterfactualCurve& curve : curves) {
+    if (findBand(bands, curve.strategy) != nullptr) continue;
+    bands.push_back(bandOf(curvesOf(curves, curve.strategy)));
+  }
+  for (CounterfactualBand& band : bands) {
+    for (std::size_t i = 0; i < band.views.size(); ++i) {
+      const auto& px = band.held_out_px[i];
+      band.regret_px.push_back(px ? std::optional(px->median - bestAt(bands, band.views[i]))
+                                  : std::nullopt);
+    }
+  }
+  return bands;
+}
+
+std::vector<CounterfactualCurve> withRegret(std::vector<CounterfactualCurve> curves,
+                                            const std::vector<CounterfactualBand>& bands) {
+  for (CounterfactualCurve& curve : curves) {
+    curve.regret_px.clear();
+    for (std::size_t i = 0; i < curve.views.size(); ++i) {
+      const double best = bestAt(bands, curve.views[i]);
+      const auto& px = curve.held_out_px[i];
+      curve.regret_px.push_back(px && best < std::numeric_limits<double>::infinity()
+                                    ? std::optional(*px - best)
+                                    : std::nullopt);
+    }
+  }
+  return curves;
+}
+
+const CounterfactualBand* findBand(const std::vector<CounterfactualBand>& bands,
+                                   const std::string& strategy) {
+  for (const CounterfactualBand& band : bands) {
+    if (band.strategy == strategy) return &band;
+  }
+  return nullptr;
+}
+
+}  // namespace plumbline

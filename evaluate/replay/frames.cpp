@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/frames.h"
+
+#include <cassert>
+#include <cstddef>
+#include <numeric>
+#include <set>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/frames.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kFirstSamples_s = 1;  // of the IMU before the first frame
+
+std::vector<std::vector<Corner>> cornersOf(const Session& session, const Frame& frame) {
+  std::vector<std::vector<Corner>> corners(session.cameras.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    corners[c] = session.cameras[c].views[static_cast<std::size_t>(frame.view[c])].corners;
+  }
+  return corners;
+}
+
+void addImuSamples(const ImuStream& imu, const GuideFramesOptions& options,
+                   std::vector<GuideFrame>& frames) {
+  const TimeNs arrival = toNanoseconds(options.arrival_s);
+  const TimeNs first = frames.front().t - toNanoseconds(kFirstSamples_s);
+  auto sample = imu.samples.begin();
+  while (sample != imu.samples.end() && sample->t < first) ++sample;
+  for (GuideFrame& frame : frames) {
+    for (; sample != imu.samples.end() && sample->t <= frame.t + arrival; ++sample) {
+      frame.imu.push_back(*sample);
+    }
+  }
+}
+
+/// Blocks of equal length from a first stamp on.
+class Blocks {
+ public:
+  Blocks(TimeNs first, const FrameSplitOptions& options)
+      : first_(first), block_(toNanoseconds(options.block_s)), every_(options.held_out_every) {}
+
+  bool isHeldOut(TimeNs t) const {
+    if (t < first_) return false;
+    return ((t - first_) / block_ + 1) % every_ == 0;
+  }
+  /// A held-out block begins or ends less than `guard` away.
+  bool isNearHeldOut(TimeNs t, TimeNs guard) const {
+    return isHeldOut(t - guard) || isHeldOut(t + guard);
+  }
+
+ private:
+  TimeNs first_;
+  TimeNs block_;
+  int every_;
+};
+
+void check(const FrameSplitOptions& options) {
+  if (!(options.block_s > 1e-3)) throw InputError("frames are parted in blocks of more than 1 ms");
+  if (options.held_out_every < 2) {
+    throw InputError("of every 2 or more blocks one can be held out, not of fewer");
+  }
+  if (!(options.guard_s >= 0 && options.guard_s < options.block_s)) {
+    throw InputError("the guard beside a held-out block must be shorter than a block");
+  }
+}
+
+}  // namespace
+
+std::vector<Frame> pairedFrames(const Session& session, const GuideFramesOptions& options) {
+  FrameOptions pairing;
+  pairing.tolerance = options.tolerance;
+  pairing.min_corners = 0;
+  return pairFrames(session.cameras, pairing);
+}
+
+std::vector<GuideFrame> guideFrames(const Session& session, const GuideFramesOptions& options) {
+  std::vector<GuideFrame> frames;
+  for (const Frame& frame : pairedFrames(session, options)) {
+    const int index = static_cast<int>(frames.size());
+    frames.push_back({index, frame.t, cornersOf(session, frame), {}});
+  }
+  if (session.imu && !frames.empty()) addImuSamples(*session.imu, options, frames);
+  return frames;
+}
+
+GuideRig guideRig(const Session& session, const std::vector<CameraModelPair>& models) {
+  CameraStageOptions asked;
+  asked.models = models;
+  const auto resolved = cameraModels(session, asked);
+  GuideRig rig;
+  rig.target = session.target;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    const CameraStream& camera = session.cameras[c];
+    rig.cameras.push_back({camera.name, camera.resolution, resolved[c]});
+  }
+  if (session.imu) rig.imu = session.imu->noise;
+  return rig;
+}
+
+Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
+                  const std::vector<int>& wanted) {
+  Session out;
+  out.name = session.name;
+  out.target = session.target;
+  out.imu = session.imu;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    const CameraStream& camera = session.cameras[c];
+    CameraStream& stream = out.cameras.emplace_back();
+    stream.name = camera.name;
+    stream.rostopic = camera.rostopic;
+    stream.resolution = camera.resolution;
+    stream.camera_model = camera.camera_model;
+    stream.distortion_model = camera.distortion_model;
+    for (const int index : wanted) {
+      const GuideFrame& frame = frames[static_cast<std::size_t>(index)];
+      if (!frame.corners[c].empty()) stream.views.push_back({frame.t, frame.corners[c]});
+    }
+  }
+  return out;
+}
+
+FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options) {
+  check(options);
+  FrameSplit split;
+  const std::vector<Frame> frames = pairFrames(session.cameras);
+  if (frames.empty()) return split;
+  const Blocks blocks(frames.front().t, options);
+  const TimeNs guard = toNanoseconds(options.guard_s);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (blocks.isHeldOut(frames[f].t)) {
+      split.held_out.push_back(static_cast<int>(f));
+    } else if (!blocks.isNearHeldOut(frames[f].t, guard)) {
+      split.pool.push_back(static_cast<int>(f));
+    }
+  }
+  return split;
+}
+
+std::vector<int> ReplayRun::accepted(GuideStage stage) const {
+  std::set<int> positions;
+  for (const Decision& d : decisions) {
+    if (d.stage == stage && d.accepted) positions.insert(d.frame);
+    for (const int frame : d.withdrawn) positions.erase(frame);
+  }
+  return {positions.begin(), positions.end()};
+}
+
+const Decision* ReplayRun::finish(GuideStage stage) const {
+  for (const Decision& d : decisions) {
+    if (d.stage == stage && d.mode == GuideMode::kFinished && d.reason != GuideReason::kFinished) {
+      return &d;
+    }
+  }
+  return nullptr;
+}
+
+Session ReplayRun::sessionOfFrames(const std::vector<int>& wanted) const {
+  return sessionOf(session, frames, wanted);
+}
+
+Session ReplayRun::sessionFrom(int first) const {
+  std::vector<int> wanted(frames.size() - static_cast<std::size_t>(first));
+  std::iota(wanted.begin(), wanted.end(), first);
+  return sessionOfFrames(wanted);
+}
+
+}  // namespace plumbline

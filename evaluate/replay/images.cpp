@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/images.h"
+
+#include <algorithm>
+#include <cassert>
+#include <mutex>
+
+#include "datasets/images/image_io.h"
+#include "datasets/images/jpeg.h"
+#include "evaluate/results/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kWidest = 400;  // [px]
+constexpr int kQuality = 60;
+
+/// Mean over blocks of `factor` squared pixels; what is left at the right and below is cut off.
+GrayImage shrunk(const GrayImage& image, int factor) {
+  if (factor <= 1) return image;
+  GrayImage out(image.width() / factor, image.height() / factor);
+  const int area = factor * factor;
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      int sum = area / 2;
+      for (int dy = 0; dy < factor; ++dy) {
+        const std::uint8_t* row = image.row(y * factor + dy) + x * factor;
+        for (int dx = 0; dx < factor; ++dx) sum += row[dx];
+      }
+      out.at(x, y) = static_cast<std::uint8_t>(sum / area);
+    }
+  }
+  return out;
+}
+
+std::string smallCopy(const ImageFile& file) {
+  const GrayImage image = readGrayImage(file.path);
+  return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);
+}
+
+}  // namespace
+
+void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
+               std::vector<ReplayFrame>& frames, const ProgressSink& progress) {
+  assert(paired.size() == frames.size());
+  const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
+                               [](const auto& images) { return !images.empty(); });
+  if (!any) return;
+  std::mutex telling;
+  std::size_t done = 0;
+  parallelFor(frames.size(), 0, [&](int, std::size_t i) {
+    ReplayFrame& frame = frames[i];
+    frame.jpeg.resize(loaded.images.size());
+    for (std::size_t c = 0; c < loaded.images.size(); ++c) {
+      const int view = paired[i].view[c];
+      if (view < 0 || loaded.images[c].empty()) continue;
+      frame.jpeg[c] = smallCopy(loaded.images[c][static_cast<std::size_t>(view)]);
+    }
+    const std::lock_guard<std::mutex> lock(telling);
+    progress("copying images", static_cast<double>(++done) / static_cast<double>(frames.size()));
+  });
+}
+
+}  // namespace plumbline

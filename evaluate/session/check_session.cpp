@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/session/check_session.h"
+
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/metrics/target_layout.h"
+
+namespace plumbline {
+namespace {
+
+std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session,
+                    const std::optional<std::string>& cameras_file) {
+  switch (input) {
+    case FaultyInput::kTarget:
+      if (const int line = lineOf("tagSize", loaded.target_path); line > 0) {
+        return fmt::format("{}:{}", loaded.target_path, line);
+      }
+      return loaded.target_path;
+    case FaultyInput::kImuSamples:
+      if (!loaded.imu_samples_path.empty()) return loaded.imu_samples_path;
+      break;
+    case FaultyInput::kCameras:
+      if (cameras_file) return *cameras_file;
+      break;
+    case FaultyInput::kSession:
+      break;
+  }
+  return session;
+}
+
+constexpr int kFewPairs = 20;  // say nothing of tagCols
+constexpr double kRawTolerance = 0.15;
+constexpr double kTolerance = 0.1;
+
+void checkColumns(const TargetLayout& layout, const LoadedSession& loaded) {
+  if (layout.pairs_above < kFewPairs || 2 * layout.pairs_in_line >= layout.pairs_above) return;
+  const std::string& path = loaded.target_path;
+  throw InputError(
+      path, lineOf("tagCols", path),
+      fmt::format("tagCols is {}, but only {} of {} tags stand in line with the one that this puts "
+                  "above them; expected the number of tags in a row; count them",
+                  loaded.session.target.cols, layout.pairs_in_line, layout.pairs_above));
+}
+
+void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
+  const double stated = loaded.session.target.spacing;
+  if (std::abs(shown / stated - 1) <= tolerance) return;
+  const std::string& path = loaded.target_path;
+  throw InputError(
+      path, lineOf("tagSpacing", path),
+      fmt::format("tagSpacing is {:g}, but the corners show gaps of {:.3g} times the tags' size; "
+                  "expected the gap between tags as a ratio of tagSize; measure both on the target",
+                  stated, shown));
+}
+
+}  // namespace
+
+int lineOf(const std::string& key, const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  for (int line = 1; std::getline(file, text); ++line) {
+    if (text.rfind(key, 0) == 0) return line;
+  }
+  return 0;
+}
+
+Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session,
+               const std::optional<std::string>& cameras_file) {
+  failure.message = placeOf(failure.input, loaded, session, cameras_file) + ": " + failure.message;
+  return failure;
+}
+
+void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
+  if (loaded.shown_spacing) checkSpacing(*loaded.shown_spacing, kTolerance, loaded);
+  const TargetLayout layout = shownLayout(loaded.session, cameras);
+  checkColumns(layout, loaded);
+  if (layout.spacing) {
+    checkSpacing(*layout.spacing, cameras.empty() ? kRawTolerance : kTolerance, loaded);
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/trajectory/frames.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/hand_eye.h"
+#include "evaluate/trajectory/remarks.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+Failure unfit(const std::string& message, const std::string& cure) {
+  return {FailureReason::kNotObservable, message, cure, FaultyInput::kSession};
+}
+
+Result<ClockOffsetRecord> clockOffsetOf(const Trajectory& estimate, const Trajectory& truth,
+                                        const TrajectoryMetricOptions& options) {
+  const double first = options.association.time_offset_s;
+  std::vector<StampedPose> poses = estimate.poses;
+  for (StampedPose& pose : poses) pose.t += toNanoseconds(first);
+  const auto clock = estimateClockOffset(poses, truth.poses, *options.clock);
+  if (!clock) return clock.failure();
+  return ClockOffsetRecord{first + clock->offset_s, clock->std_s, clock->correlation,
+                           clock->feature == RateFeature::kMagnitudes};
+}
+
+std::string clockRemark(const ClockOffsetRecord& clock) {
+  std::string remark = fmt::format(
+      "clock offset from angular rates: t_truth = t_estimate {:+.6f} s, std {:.6f} s, correlation "
+      "{:.4f}",
+      clock.offset_s, clock.std_s, clock.correlation);
+  if (clock.magnitudes) {
+    remark +=
+        " of magnitudes; no constant rotation joins the vectors, so one side's quaternions "
+        "are probably inverted or in another order";
+  }
+  return remark;
+}
+
+std::vector<HandEyePair> handEyePairs(const std::vector<PosePair>& pairs) {
+  std::vector<HandEyePair> result;
+  result.reserve(pairs.size());
+  for (const PosePair& pair : pairs) {
+    HandEyePair& out = result.emplace_back();
+    out.T_WS = pair.estimate.transform();
+    out.T_VM = pair.truth.transform();
+  }
+  return result;
+}
+
+HandEyeRecord recordOf(const HandEye& found) {
+  HandEyeRecord record;
+  record.T_SM = found.state.T_SM;
+  record.T_SM_covariance = found.covariance.topLeftCorner<6, 6>();
+  record.T_SM_std = record.T_SM_covariance.diagonal().cwiseSqrt();
+  record.T_VW = found.state.T_VW;
+  record.rms_translation_m = found.rms_translation_m;
+  record.rms_rotation_rad = found.rms_rotation_rad;
+  return record;
+}
+
+Result<HandEyeRecord> handEyeOf(const Trajectory& estimate, const Trajectory& truth,
+                                const TrajectoryMetricOptions& options, double time_offset_s) {
+  AssociationOptions at_stamps = options.association;
+  at_stamps.rule = AssociationRule::kInterpolate;
+  at_stamps.time_offset_s = time_offset_s;
+  const Association association = associate(estimate, truth, at_stamps);
+  if (const auto fault = explainQuaternionOrder(association.pairs)) return *fault;
+  const auto found = estimateHandEye(handEyePairs(association.pairs));
+  if (!found) return found.failure();
+  return recordOf(*found);
+}
+
+std::string handEyeRemark(const HandEyeRecord& r) {
+  const Eigen::Vector3d& t = r.T_SM.t;
+  const Vector6d& s = r.T_SM_std;
+  return fmt::format(
+      "the truth is moved to the estimate's body by hand-eye: marker body at [{:.4f}, {:.4f}, "
+      "{:.4f}] m, std [{:.4f}, {:.4f}, {:.4f}] m, turned {:.2f} deg, std {:.3f} deg; {:.4f} m and "
+      "{:.3f} deg (RMS) are left. The std takes errors as white; drift makes it too small",
+      t.x(), t.y(), t.z(), s[0], s[1], s[2], kDegrees * rotationAngle(r.T_SM.R),
+      kDegrees * s.tail<3>().norm(), r.rms_translation_m, kDegrees * r.rms_rotation_rad);
+}
+
+Trajectory movedToS(Trajectory truth, const Transform& T_SM) {
+  const Transform T_MS = T_SM.inverse();
+  for (StampedPose& pose : truth.poses) {
+    const Transform T_VS = pose.transform() * T_MS;
+    pose.p = T_VS.t;
+    pose.q = T_VS.quaternion();
+  }
+  return truth;
+}
+
+bool scaleIsUnknown(AlignmentKind kind) {
+  return kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
+}
+
+}  // namespace
+
+Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& truth,
+                                  const TrajectoryMetricOptions& options) {
+  CommonFrames frames;
+  frames.time_offset_s = options.association.time_offset_s;
+  if (!options.clock && !options.hand_eye) return frames;
+  if (!estimate.has_orientation || !truth.has_orientation) {
+    return unfit("clock offset and hand-eye need orientations, and there are none",
+                 "leave out --clock-offset auto and --hand-eye auto");
+  }
+  if (options.clock) {
+    const auto clock = clockOffsetOf(estimate, truth, options);
+    if (!clock) return clock.failure();
+    frames.clock_offset = *clock;
+    frames.time_offset_s = clock->offset_s;
+    frames.remarks.push_back(clockRemark(*clock));
+  }
+  if (!options.hand_eye) return frames;
+  if (scaleIsUnknown(options.alignment.kind)) {
+    return unfit(fmt::format("hand-eye needs an estimate in metres, and alignment {} takes its "
+                             "scale as unknown",
+                             nameOf(options.alignment.kind)),
+                 "align with se3, or leave out --hand-eye");
+  }
+  const auto hand_eye = handEyeOf(estimate, truth, options, frames.time_offset_s);
+  if (!hand_eye) return hand_eye.failure();
+  frames.hand_eye = *hand_eye;
+  frames.truth_S = movedToS(truth, hand_eye->T_SM);
+  frames.remarks.push_back(handEyeRemark(*hand_eye));
+  return frames;
+}
+
+}  // namespace plumbline

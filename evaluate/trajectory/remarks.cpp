@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/trajectory/remarks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/trajectory/errors.h"
+#include "evaluate/metrics/trajectory/quaternion_order.h"
+
+namespace plumbline {
+namespace {
+
+struct Span {
+  double from = 0, to = 0;  // [s]
+};
+
+Span spanOf(const Trajectory& trajectory, double offset_s) {
+  return {static_cast<double>(trajectory.poses.front().t) * 1e-9 + offset_s,
+          static_cast<double>(trajectory.poses.back().t) * 1e-9 + offset_s};
+}
+
+constexpr double kEpochStarts = 3e8;  // [s]; no recording was stamped with a calendar before 1979
+
+// A cure for spans that do not meet, from how they lie to each other.
+std::string likelyCause(const Span& estimate, const Span& truth) {
+  for (const double factor : {1e3, 1e6, 1e9}) {
+    for (const double ratio : {estimate.from / truth.from, truth.from / estimate.from}) {
+      if (std::abs(ratio / factor - 1) < 0.1) {
+        return fmt::format(
+            "likely the unit of time: one file's stamps are {:.0e} times the other's", factor);
+      }
+    }
+  }
+  const double offset = truth.from - estimate.from;
+  if ((estimate.from < kEpochStarts) != (truth.from < kEpochStarts)) {
+    return fmt::format(
+        "likely the epoch: one clock counts from its start, the other from 1970; "
+        "with equal starts --time-offset {:.3f}",
+        offset);
+  }
+  const double hours = std::round(offset / 3600);
+  if (hours != 0 && std::abs(hours) < 24 && std::abs(offset - 3600 * hours) < 600) {
+    return fmt::format("likely the time zone: about {:.0f} h; try --time-offset {:.0f}", hours,
+                       3600 * hours);
+  }
+  if (std::abs(offset) > 86400) return "likely another recording, or a clock that was never set";
+  return fmt::format(
+      "likely clocks that are not synchronised; with equal starts --time-offset {:.3f}", offset);
+}
+
+double nearestDt(const Trajectory& estimate, const Trajectory& truth, double offset_s) {
+  AssociationOptions wide;
+  wide.rule = AssociationRule::kEvo;
+  wide.max_dt_s = 1e9;
+  wide.time_offset_s = offset_s;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const PosePair& pair : associate(estimate, truth, wide).pairs) {
+    const double dt = secondsBetween(pair.truth.t, pair.estimate.t);
+    if (std::abs(dt) < std::abs(nearest)) nearest = dt;
+  }
+  return nearest;
+}
+
+std::size_t usedTwice(const std::vector<PosePair>& pairs) {
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const bool truth = pairs[i].truth.t == pairs[i - 1].truth.t;
+    const bool estimate = pairs[i].estimate.t == pairs[i - 1].estimate.t;
+    if (truth || estimate) ++count;
+  }
+  return count;
+}
+
+constexpr double kNoticeableOffset = 1e-3;  // [s]
+constexpr double kManyWithout = 0.05;       // of the estimate's poses
+constexpr double kOtherBodyDeg = 15;        // after alignment, more than an estimator errs
+constexpr double kRigidDeg = 5;             // spread about a body rotation that is believed
+
+}  // namespace
+
+Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
+                           const Association& association, const AssociationOptions& options) {
+  const Span a = spanOf(estimate, options.time_offset_s);
+  const Span b = spanOf(truth, 0);
+  if (a.to < b.from || b.to < a.from) {
+    return {FailureReason::kNoOverlap,
+            fmt::format("no overlap in time: the estimate runs from {:.3f} to {:.3f} s, the truth "
+                        "from {:.3f} to {:.3f} s",
+                        a.from, a.to, b.from, b.to),
+            likelyCause(a, b), FaultyInput::kSession};
+  }
+  const std::string found = fmt::format(
+      "{} of {} estimated poses {} a partner among {} true ones", association.pairs.size(),
+      estimate.poses.size(), association.pairs.size() == 1 ? "has" : "have", truth.poses.size());
+  if (options.rule == AssociationRule::kInterpolate) {
+    return {FailureReason::kNotObservable,
+            fmt::format("{}, three are needed; {} stamps lie in gaps of the truth wider than {} s",
+                        found, association.record.stamps_in_gaps, options.max_gap_s),
+            "bridge wider gaps with --max-gap, or give a longer estimate", FaultyInput::kSession};
+  }
+  return {FailureReason::kNotObservable,
+          fmt::format("{} within {} s, three are needed; the nearest stamps are {:.6f} s apart",
+                      found, options.max_dt_s, nearestDt(estimate, truth, options.time_offset_s)),
+          "allow more with --max-dt, shift the estimate with --time-offset, or use --association "
+          "interpolate",
+          FaultyInput::kSession};
+}
+
+std::vector<std::string> remarksOn(const Association& association) {
+  const AssociationRecord& r = association.record;
+  std::vector<std::string> remarks;
+  if (std::abs(r.median_dt_s) > kNoticeableOffset) {
+    remarks.push_back(fmt::format(
+        "the paired stamps differ by {:+.3f} ms in the median (estimate - truth): perhaps a clock "
+        "offset; compare --association interpolate",
+        1e3 * r.median_dt_s));
+  }
+  if (r.stamps_in_gaps > 0) {
+    remarks.push_back(fmt::format("{} estimated poses lie in gaps of the truth and are left out",
+                                  r.stamps_in_gaps));
+  }
+  const std::size_t without = r.estimate_poses - std::min(r.matches, r.estimate_poses);
+  if (static_cast<double>(without) > kManyWithout * static_cast<double>(r.estimate_poses) &&
+      r.estimate_poses <= r.truth_poses) {
+    remarks.push_back(fmt::format("{} of {} estimated poses have no partner and are not judged",
+                                  without, r.estimate_poses));
+  }
+  if (r.rule == nameOf(AssociationRule::kEvo)) {
+    const std::size_t twice = usedTwice(association.pairs);
+    if (twice > 0) {
+      remarks.push_back(
+          fmt::format("evo's rule used {} poses twice: their errors count twice; "
+                      "one-to-one does not",
+                      twice));
+    }
+  }
+  return remarks;
+}
+
+std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment) {
+  const double median =
+      sampleStatistics(absoluteErrors(poses, AbsoluteMeasure::kRotationDeg)).median;
+  if (poses.truth.empty() || median < kOtherBodyDeg) return {};
+  const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
+  std::string remark = fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
+  const BodyRotation as_read = bodyRotation(poses, R, false, false);
+  const BodyRotation truth_inverted = bodyRotation(poses, R, true, false);
+  const BodyRotation estimate_inverted = bodyRotation(poses, R, false, true);
+  if (as_read.spread_deg < kRigidDeg) {
+    remark += fmt::format("as body frames turned by {:.1f} deg would (a camera against an IMU?)",
+                          as_read.angle_deg);
+  } else if (std::min(truth_inverted.spread_deg, estimate_inverted.spread_deg) < kRigidDeg) {
+    // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
+    const bool truth = truth_inverted.spread_deg < kRigidDeg;
+    const bool estimate = estimate_inverted.spread_deg < kRigidDeg;
+    remark += fmt::format(
+        "but by {:.1f} deg were the quaternions of the {} inverted: they probably map the world "
+        "into "
+        "the body, whatever the header says",
+        std::min(truth_inverted.spread_deg, estimate_inverted.spread_deg),
+        truth && estimate ? "truth or of the estimate" : (truth ? "truth" : "estimate"));
+  } else {
+    remark += "and no constant turn of the body explains it";
+  }
+  return remark + "; positions are judged rightly, rotation and relative errors are not";
+}
+
+std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {
+  const auto fault = quaternionOrderFault(pairs);
+  if (!fault) return std::nullopt;
+  const char* side = fault->estimate && fault->truth ? "truth or of the estimate"
+                     : fault->truth                  ? "truth"
+                                                     : "estimate";
+  const char* cure = fault->truth && !fault->estimate ? "--truth-w-first" : "--estimate-w-first";
+  return Failure{
+      FailureReason::kImplausible,
+      fmt::format("the quaternions of the {} are w-first where w-last was expected: read as they "
+                  "stand, the body turns by {:.1f} deg (median) against the truth's, in the other "
+                  "order by {:.1f} deg",
+                  side, fault->as_read_deg, fault->reordered_deg),
+      fmt::format("read them by {}, or put w behind z in the file", cure), FaultyInput::kSession};
+}
+
+}  // namespace plumbline

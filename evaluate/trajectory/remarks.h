@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/trajectory.h"
+#include "evaluate/metrics/trajectory/alignment.h"
+#include "evaluate/metrics/trajectory/association.h"
+
+namespace plumbline {
+
+/// Why nothing, or too little, was paired: both spans in seconds and what most likely differs (the
+/// unit, the epoch, the clock), or how far the nearest stamps are apart. Neither trajectory is
+/// empty.
+Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
+                           const Association& association, const AssociationOptions& options);
+
+/// One sentence for each odd thing about the pairs: a clock offset, poses without a partner or in
+/// gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
+std::vector<std::string> remarksOn(const Association& association);
+
+/// Why the rotations of aligned poses disagree widely: another body frame (a camera against an
+/// IMU), or quaternions that one file has inverted; "" where they agree within 15 degrees in the
+/// median.
+std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment);
+
+/// kImplausible with the cure where quaternions were read in the wrong order, see
+/// quaternionOrderFault.
+std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs);
+
+}  // namespace plumbline

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "evaluate/trajectory/evaluate_trajectory.h"
+#include "report/records/trajectory_record.h"
+
+namespace plumbline {
+
+/// What `evaluate trajectory` prints for a person: a table of errors, rmse first, the pairs and the
+/// alignment they stand on, and the remarks.
+std::string trajectorySummary(const TrajectoryEvaluation& evaluation);
+
+/// What `evaluate trajectories` prints for a person: completion and median ATE by sequence and
+/// calibration, paired differences, and why each run that is not complete is so.
+std::string runsSummary(const TrajectoryRecord& record);
+
+}  // namespace plumbline
