@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calibrator/base/image_cells.h"
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {
@@ -29,25 +30,24 @@ RegionalErrors regionalErrors(const std::vector<CornerResidual>& residuals, int 
   struct Errors {
     std::vector<double> u, v;
   };
-  std::vector<Errors> errors(RegionalErrors::kRows * RegionalErrors::kColumns);
+  const ImageCells cells{RegionalErrors::kColumns, RegionalErrors::kRows};
+  std::vector<Errors> errors(static_cast<std::size_t>(cells.size()));
   for (const CornerResidual& residual : residuals) {
-    if (residual.camera != camera || !residual.used) continue;
-    const double x = (residual.uv.x() + 0.5) / resolution.width;
-    const double y = (residual.uv.y() + 0.5) / resolution.height;
-    if (x < 0 || x >= 1 || y < 0 || y >= 1) continue;
-    Errors& region = errors[static_cast<int>(y * RegionalErrors::kRows) * RegionalErrors::kColumns +
-                            static_cast<int>(x * RegionalErrors::kColumns)];
+    const Eigen::Vector2d uv = residual.uv.cast<double>();
+    if (residual.camera != camera || !residual.used || !isInImage(uv, resolution)) continue;
+    Errors& region = errors[static_cast<std::size_t>(cells.cellOf(uv, resolution))];
     region.u.push_back(residual.error.x());
     region.v.push_back(residual.error.y());
   }
   RegionalErrors regions;
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    const int row = static_cast<int>(i) / RegionalErrors::kColumns;
-    const int column = static_cast<int>(i) % RegionalErrors::kColumns;
-    regions.count(row, column) = static_cast<int>(errors[i].u.size());
-    if (errors[i].u.empty()) continue;
+  for (int i = 0; i < cells.size(); ++i) {
+    auto& [u, v] = errors[static_cast<std::size_t>(i)];
+    const int row = i / cells.columns;
+    const int column = i % cells.columns;
+    regions.count(row, column) = static_cast<int>(u.size());
+    if (u.empty()) continue;
     regions.typical_error_px(row, column) =
-        std::hypot(quantile(std::move(errors[i].u), 0.5), quantile(std::move(errors[i].v), 0.5));
+        std::hypot(quantile(std::move(u), 0.5), quantile(std::move(v), 0.5));
   }
   return regions;
 }

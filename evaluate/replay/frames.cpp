@@ -8,6 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
+#include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
 namespace {
@@ -102,21 +103,11 @@ GuideRig guideRig(const Session& session, const std::vector<CameraModelPair>& mo
 
 Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
                   const std::vector<int>& wanted) {
-  Session out;
-  out.name = session.name;
-  out.target = session.target;
-  out.imu = session.imu;
-  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-    const CameraStream& camera = session.cameras[c];
-    CameraStream& stream = out.cameras.emplace_back();
-    stream.name = camera.name;
-    stream.rostopic = camera.rostopic;
-    stream.resolution = camera.resolution;
-    stream.camera_model = camera.camera_model;
-    stream.distortion_model = camera.distortion_model;
-    for (const int index : wanted) {
-      const GuideFrame& frame = frames[static_cast<std::size_t>(index)];
-      if (!frame.corners[c].empty()) stream.views.push_back({frame.t, frame.corners[c]});
+  Session out = withoutViews(session);
+  for (const int index : wanted) {
+    const GuideFrame& frame = frames[static_cast<std::size_t>(index)];
+    for (std::size_t c = 0; c < out.cameras.size(); ++c) {
+      if (!frame.corners[c].empty()) out.cameras[c].views.push_back({frame.t, frame.corners[c]});
     }
   }
   return out;

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "calibrator/base/statistics.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/simulate/simulate_views.h"
 
@@ -75,13 +76,6 @@ ReachRule ruleOf(const ReplayRun& run, GuideStage stage) {
     return {run.guide.views.reached_px, run.guide.views.reached_s, kNever};
   }
   return {run.guide.trajectories.reached_px, run.guide.trajectories.reached_s, kNever};
-}
-
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 /// suggestions.csv does not say for whose image a view was made: the one that shows most of it.
@@ -162,7 +156,7 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
     ++out.reached;
     seconds.push_back(secondsBetween(s.t, out.suggestions.back().ended));
   }
-  out.median_seconds_to_reach = medianOf(std::move(seconds));
+  out.median_seconds_to_reach = seconds.empty() ? 0 : quantile(std::move(seconds), 0.5);
   return out;
 }
 

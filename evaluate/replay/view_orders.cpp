@@ -71,14 +71,6 @@ class GreedyOrder {
   double log_determinant_ = 0;
 };
 
-int cellOf(const Eigen::Vector2d& uv, const Resolution& image, const CoverageGrid& grid) {
-  const auto place = [](double x, int size, int cells) {
-    return std::clamp(static_cast<int>((x + 0.5) * cells / size), 0, cells - 1);
-  };
-  return place(uv.y(), image.height, grid.rows) * grid.columns +
-         place(uv.x(), image.width, grid.columns);
-}
-
 /// Cells that are covered so far.
 class Coverage {
  public:
@@ -122,16 +114,16 @@ std::vector<int> greedyInformationOrder(const std::vector<Eigen::MatrixXd>& shar
 }
 
 std::vector<std::vector<int>> cellsSeen(const Session& session, const std::vector<Frame>& frames,
-                                        const CoverageGrid& grid) {
+                                        const ImageCells& grid) {
   std::vector<std::vector<int>> cells;
   for (const Frame& frame : frames) {
     std::set<int> seen;
     for (std::size_t c = 0; c < frame.view.size(); ++c) {
       if (frame.view[c] < 0) continue;
       const CameraStream& camera = session.cameras[c];
-      const int first = static_cast<int>(c) * grid.columns * grid.rows;
+      const int first = static_cast<int>(c) * grid.size();
       for (const Corner& corner : camera.views[static_cast<std::size_t>(frame.view[c])].corners) {
-        seen.insert(first + cellOf(corner.uv, camera.resolution, grid));
+        seen.insert(first + grid.cellOf(corner.uv, camera.resolution));
       }
     }
     cells.emplace_back(seen.begin(), seen.end());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/frames.h"
+#include "calibrator/base/image_cells.h"
 #include "calibrator/base/session.h"
 
 namespace plumbline {
@@ -26,15 +27,12 @@ std::vector<int> randomOrder(int count, std::uint64_t seed);
 std::vector<int> greedyInformationOrder(const std::vector<Eigen::MatrixXd>& shares);
 
 /// Cells of each camera's image, per frame: those in which it has a corner. Cells are counted over
-/// all cameras; a grid of columns x rows over each image.
-struct CoverageGrid {
-  int columns = 8, rows = 6;
-};
+/// all cameras.
 std::vector<std::vector<int>> cellsSeen(const Session& session, const std::vector<Frame>& frames,
-                                        const CoverageGrid& grid = {});
+                                        const ImageCells& grid = {});
 
 /// Each next view holds the most cells that are not yet covered, the earlier one in a tie. Once
-/// none adds a cell, covering begins anew with the views that are left.
+/// none adds a cell, covering begins again with the views that are left.
 std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells);
 
 }  // namespace plumbline

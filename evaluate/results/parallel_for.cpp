@@ -6,43 +6,58 @@
 #include <exception>
 #include <limits>
 #include <mutex>
-#include <thread>
-#include <vector>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace plumbline {
+namespace {
+
+/// The exception of the lowest index; that index bounds the work that is still worth doing.
+class FirstFailure {
+ public:
+  bool isBefore(std::size_t index) const { return index_ < index; }
+  void note(std::size_t index) {
+    const std::lock_guard lock(mutex_);
+    if (index >= index_) return;
+    index_ = index;
+    error_ = std::current_exception();
+  }
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::atomic<std::size_t> index_{std::numeric_limits<std::size_t>::max()};
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+}  // namespace
 
 int threadCount(int threads) {
-  if (threads > 0) return threads;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
 }
 
 void parallelFor(std::size_t count, int threads,
                  const std::function<void(int, std::size_t)>& body) {
+  const int workers = static_cast<int>(
+      std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(threadCount(threads))));
   std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr error;
-  std::size_t error_index = std::numeric_limits<std::size_t>::max();
-  const auto work = [&](int worker) {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        body(worker, i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (i < error_index) {
-          error_index = i;
-          error = std::current_exception();
+  FirstFailure failure;
+  // One task a worker, each taking the next index: indices begin in order, whatever they cost.
+  tbb::task_arena(workers).execute([&] {
+    tbb::parallel_for(0, workers, [&](int worker) {
+      for (std::size_t i = next++; i < count && !failure.isBefore(i); i = next++) {
+        try {
+          body(worker, i);
+        } catch (...) {
+          failure.note(i);
         }
-        next = count;
       }
-    }
-  };
-  const int workers = static_cast<int>(std::min<std::size_t>(
-      static_cast<std::size_t>(threadCount(threads)), std::max<std::size_t>(count, 1)));
-  std::vector<std::thread> others;
-  for (int worker = 1; worker < workers; ++worker) others.emplace_back(work, worker);
-  work(0);
-  for (std::thread& other : others) other.join();
-  if (error) std::rethrow_exception(error);
+    });
+  });
+  failure.rethrow();
 }
 
 }  // namespace plumbline

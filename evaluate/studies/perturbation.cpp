@@ -8,6 +8,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/simulate/random_stream.h"
+#include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
 namespace {
@@ -52,19 +53,13 @@ std::vector<CameraCalibration> withFocalLengths(std::vector<CameraCalibration> c
 }
 
 Session withoutFrames(const Session& session, const FrameOptions& pairing, const Perturbation& p) {
-  Session kept = session;
-  for (CameraStream& camera : kept.cameras) camera.views.clear();
   const auto frames = pairFrames(session.cameras, pairing);
+  std::vector<int> kept;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     RandomStream random(p.seed, RandomPurpose::kDroppedFrames, {i});
-    if (random.uniform() < p.amount / 100) continue;
-    for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-      const int view = frames[i].view[c];
-      if (view < 0) continue;
-      kept.cameras[c].views.push_back(session.cameras[c].views[static_cast<std::size_t>(view)]);
-    }
+    if (random.uniform() >= p.amount / 100) kept.push_back(static_cast<int>(i));
   }
-  return kept;
+  return withFrames(session, frames, kept);
 }
 
 Session withoutSamples(const Session& session, const Perturbation& p) {

@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include <boost/math/distributions/binomial.hpp>
+
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {
@@ -92,15 +94,10 @@ PairedDifference compare(const std::vector<TrajectoryRun>& runs, const std::stri
 }  // namespace
 
 double signTest(std::size_t successes, std::size_t n) {
-  const std::size_t fewer = std::min(successes, n - successes);
-  const auto total = static_cast<double>(n);
-  double tail = 0;
-  for (std::size_t k = 0; k <= fewer; ++k) {
-    const auto chosen = static_cast<double>(k);
-    tail += std::exp(std::lgamma(total + 1) - std::lgamma(chosen + 1) -
-                     std::lgamma(total - chosen + 1) - total * std::log(2.0));
-  }
-  return std::min(1.0, 2 * tail);
+  if (n == 0) return 1;
+  const boost::math::binomial even(static_cast<double>(n), 0.5);
+  return std::min(
+      1.0, 2 * boost::math::cdf(even, static_cast<double>(std::min(successes, n - successes))));
 }
 
 std::vector<PairedDifference> pairedDifferences(const std::vector<TrajectoryRun>& runs) {

@@ -8,7 +8,7 @@
 
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"
-#include "evaluate/metrics/calibration/folds.h"
+#include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
 namespace {
@@ -247,7 +247,7 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
   if (!canBeCalibrated(calibration)) {
     return "its camera models can be scored, but not calibrated: no K-fold validation";
   }
-  const int frames = frameCount(session, options.camera.frames);
+  const auto frames = static_cast<int>(pairFrames(session.cameras, options.camera.frames).size());
   if (frames >= 2 * options.folds) return {};
   return fmt::format("{} frames with corners are too few for {} folds", frames, options.folds);
 }

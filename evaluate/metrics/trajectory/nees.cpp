@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "evaluate/metrics/trajectory/chi_square.h"
+#include <boost/math/distributions/chi_squared.hpp>
 
 namespace plumbline {
 namespace {
@@ -15,12 +15,13 @@ constexpr double kConfidence = 0.95;
 NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
   const auto n = static_cast<double>(count);
   const double tail = (1 - kConfidence) / 2;
+  const boost::math::chi_squared sum_of_squares(n * dof);
   NeesRecord record;
   record.part = part;
   record.dof = dof;
   record.mean = sum / n;
-  record.lower = chiSquareQuantile(n * dof, tail) / n;
-  record.upper = chiSquareQuantile(n * dof, 1 - tail) / n;
+  record.lower = boost::math::quantile(sum_of_squares, tail) / n;
+  record.upper = boost::math::quantile(boost::math::complement(sum_of_squares, tail)) / n;
   record.confidence = kConfidence;
   return record;
 }

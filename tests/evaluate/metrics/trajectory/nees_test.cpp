@@ -11,25 +11,9 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/simulate/random_stream.h"
-#include "evaluate/metrics/trajectory/chi_square.h"
 
 namespace plumbline {
 namespace {
-
-TEST(ChiSquareQuantile, EqualsTables) {
-  EXPECT_NEAR(chiSquareQuantile(1, 0.95), 3.841458821, 1e-8);
-  EXPECT_NEAR(chiSquareQuantile(3, 0.025), 0.2157952826, 1e-8);
-  EXPECT_NEAR(chiSquareQuantile(6, 0.975), 14.44937534, 1e-7);
-  EXPECT_NEAR(chiSquareQuantile(100, 0.5), 99.33412924, 1e-6);
-  EXPECT_NEAR(chiSquareQuantile(2, 0.5), 2 * std::log(2.0), 1e-9);
-}
-
-TEST(ChiSquareQuantile, IsSmoothWhereTheMethodChanges) {
-  for (const double p : {0.025, 0.5, 0.975}) {
-    const double step = chiSquareQuantile(200.001, p) - chiSquareQuantile(199.999, p);
-    EXPECT_NEAR(step, 0, 0.03);  // 1e-4 of 200, and the two thousandths of a degree
-  }
-}
 
 struct Sample {
   AlignedPoses poses;
@@ -77,6 +61,15 @@ TEST(Nees, ConsistentErrorsAreInsideAsOftenAsStated) {
     EXPECT_GE(count, 178);
     EXPECT_LE(count, 199);
   }
+}
+
+TEST(Nees, BoundsAreChiSquareQuantilesOfTheSum) {
+  const Sample s = sample(1, 1);
+  const Nees nees = neesOf(s.poses, s.covariances);
+  EXPECT_NEAR(200 * nees.parts[0].lower, 534.0185504659326, 1e-9);  // 3 x 200 degrees, 2.5 %
+  EXPECT_NEAR(200 * nees.parts[0].upper, 669.7691522164111, 1e-9);
+  EXPECT_NEAR(200 * nees.parts[2].lower, 1105.889881156058, 1e-9);
+  EXPECT_NEAR(200 * nees.parts[2].upper, 1297.898276336810, 1e-9);
 }
 
 TEST(Nees, MeansAreTheDegreesOfFreedom) {

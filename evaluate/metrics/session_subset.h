@@ -1,10 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "calibrator/base/frames.h"
 #include "calibrator/base/session.h"
 
 namespace plumbline {
+
+/// The session with its target, cameras and IMU samples, but without views.
+Session withoutViews(Session session);
+
+/// The session with the views of some of its frames: `wanted` are ascending positions in `frames`,
+/// which pairFrames() made of it. All IMU samples stay.
+Session withFrames(const Session& session, const std::vector<Frame>& frames,
+                   const std::vector<int>& wanted);
 
 /// A session parted into what is calibrated on and what that is scored on.
 struct Fold {
@@ -26,8 +36,5 @@ struct FoldChoice {
 /// is held out are not for training: its chain of states breaks there. The held-out part keeps all
 /// samples, of which only those between its own frames enter.
 Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice);
-
-/// How many frames the session has.
-int frameCount(const Session& session, const FrameOptions& options);
 
 }  // namespace plumbline

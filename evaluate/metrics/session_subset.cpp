@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/session_subset.h"
+
+#include <cassert>
+#include <cstdint>
+
+namespace plumbline {
+namespace {
+
+/// Removes the IMU samples strictly between two instants of the cameras' clock.
+void cutBetween(TimeNs from, TimeNs to, double time_offset_s, Session& session) {
+  if (!session.imu) return;
+  const TimeNs offset = toNanoseconds(time_offset_s);
+  std::erase_if(session.imu->samples, [&](const ImuSample& sample) {
+    return sample.t > from + offset && sample.t < to + offset;
+  });
+}
+
+}  // namespace
+
+Session withoutViews(Session session) {
+  for (CameraStream& camera : session.cameras) camera.views.clear();
+  return session;
+}
+
+Session withFrames(const Session& session, const std::vector<Frame>& frames,
+                   const std::vector<int>& wanted) {
+  Session out = withoutViews(session);
+  for (const int index : wanted) {
+    const Frame& frame = frames[static_cast<std::size_t>(index)];
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      const auto view = static_cast<std::size_t>(frame.view[c]);
+      out.cameras[c].views.push_back(session.cameras[c].views[view]);
+    }
+  }
+  return out;
+}
+
+Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice) {
+  const int index = choice.index, count = choice.count;
+  assert(count >= 2 && index >= 0 && index < count);
+  const auto frames = pairFrames(session.cameras, options);
+  const auto n = static_cast<std::int64_t>(frames.size());
+  const auto first = static_cast<int>(n * index / count);
+  const auto end = static_cast<int>(n * (index + 1) / count);
+  std::vector<int> training, held_out;
+  for (int f = 0; f < static_cast<int>(n); ++f) {
+    (f >= first && f < end ? held_out : training).push_back(f);
+  }
+  Fold fold{withFrames(session, frames, training), withFrames(session, frames, held_out)};
+  if (end > first) {
+    cutBetween(frames[static_cast<std::size_t>(first)].t,
+               frames[static_cast<std::size_t>(end) - 1].t, choice.time_offset_s, fold.training);
+  }
+  return fold;
+}
+
+}  // namespace plumbline
