@@ -11,49 +11,14 @@ import re
 import subprocess
 import sys
 
-# What each room may include, besides itself and what stands below it in the same room. A room of
-# several folders is named by their common parent.
-BASE = ["calibrator/base"]
-CORE = BASE + ["calibrator/camera", "calibrator/residuals", "calibrator/linear",
-               "calibrator/information", "calibrator/initialise"]
-CALIBRATOR = CORE + ["calibrator/target", "calibrator/batch", "calibrator/window",
-                     "calibrator/simulate", "calibrator/guidance"]
-DATASETS = ["datasets/files", "datasets/images", "datasets/calibration", "datasets/session",
-            "datasets/trajectory"]
-SHARED = CALIBRATOR + DATASETS + ["report/records", "report/store", "report/html",
-                                  "evaluate/results", "evaluate/session", "evaluate/metrics"]
-JOBS = ["evaluate/calibration", "evaluate/trajectory", "evaluate/compare", "evaluate/replay",
-        "evaluate/studies"]
-
-MAY_USE = {
-    "calibrator/base": [],
-    "calibrator/camera": BASE,
-    "calibrator/target": BASE,
-    "calibrator/residuals": BASE + ["calibrator/camera"],
-    "calibrator/linear": BASE,
-    "calibrator/information": BASE + ["calibrator/camera", "calibrator/linear"],
-    "calibrator/initialise": BASE + ["calibrator/camera", "calibrator/residuals",
-                                     "calibrator/linear"],
-    "calibrator/batch": CORE,
-    "calibrator/window": CORE + ["calibrator/batch"],
-    "calibrator/simulate": BASE + ["calibrator/camera", "calibrator/target"],
-    "calibrator/guidance": CORE + ["calibrator/batch", "calibrator/window", "calibrator/simulate"],
-    "datasets/files": BASE,
-    "datasets/images": BASE + ["datasets/files"],
-    "datasets/calibration": BASE + ["calibrator/camera", "datasets/files"],
-    "datasets/session": BASE + ["calibrator/camera", "calibrator/target", "calibrator/simulate",
-                                "datasets/files", "datasets/images", "datasets/calibration"],
-    "datasets/trajectory": BASE + ["datasets/files"],
-    "report/records": BASE,
-    "report/store": BASE + ["report/records"],
-    "report/plots": BASE,
-    "report/html": BASE + ["report/records", "report/plots"],
-    "evaluate/results": BASE + DATASETS + ["report/records", "report/store", "report/html"],
-    "evaluate/metrics": CORE + ["calibrator/batch", "report/records", "evaluate/results"],
-    "evaluate/session": CALIBRATOR + DATASETS + ["report/records", "evaluate/results",
-                                                 "evaluate/metrics"],
-    **{job: SHARED for job in JOBS},
-    "evaluate/cli": SHARED + JOBS,
+TABLE = "docs/architecture.md"
+HEAVY = {
+    "Ceres": r"ceres/",
+    "VTK": r"vtk\w+\.h",
+    "SQLite": r"SQLiteCpp/|sqlite3\.h",
+    "bag reader": r"rosbag|ros/",
+    "OpenCV": r"opencv2/",
+    "CLI11": r"CLI/",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 

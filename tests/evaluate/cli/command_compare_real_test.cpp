@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/evaluate/command_line.h"
+#include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
 namespace {

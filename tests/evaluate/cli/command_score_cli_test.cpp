@@ -2,7 +2,7 @@
 // plumbline evaluate calibration, as a user runs it.
 #include <nlohmann/json.hpp>
 
-#include "tests/evaluate/command_line.h"
+#include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
 namespace {

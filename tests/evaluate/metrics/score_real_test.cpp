@@ -14,7 +14,7 @@
 #include "evaluate/compare/projection_difference.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/session/match_cameras.h"
-#include "tests/evaluate/compare/other_solver.h"
+#include "tests/evaluate/metrics/other_solver.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/evaluate/compare/other_solver.h"
+#include "tests/evaluate/metrics/other_solver.h"
 
 #include <algorithm>
 #include <cstdio>
