@@ -13,7 +13,8 @@ struct ImageCells {
   int columns = 8, rows = 6;
 
   int size() const { return columns * rows; }
-  /// The cell that holds a pixel (the first pixel's centre is (0, 0)); beside the image the nearest.
+  /// The cell that holds a pixel (the first pixel's centre is (0, 0)); beside the image the
+  /// nearest.
   int cellOf(const Eigen::Vector2d& uv, const Resolution& image) const {
     const auto place = [](double x, int pixels, int cells) {
       return std::clamp(static_cast<int>((x + 0.5) * cells / pixels), 0, cells - 1);
