@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/parameters.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +8,6 @@
 
 #include "calibrator/base/lie.h"
 #include "evaluate/compare/findings.h"
-#include "evaluate/compare/parameters.h"
 
 namespace plumbline {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A calibration as a list of parameters, and the change between two.
+#include "evaluate/metrics/calibration/parameters.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
 #include "calibrator/simulate/rig.h"
-#include "evaluate/metrics/calibration/parameters.h"
 
 namespace plumbline {
 namespace {

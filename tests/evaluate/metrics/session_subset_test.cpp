@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/session_subset.h"
+
 #include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
 namespace {

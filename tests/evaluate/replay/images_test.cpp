@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which images a frame of a replay shows.
+#include "evaluate/replay/images.h"
+
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -7,7 +9,6 @@
 #include "datasets/images/image_io.h"
 #include "datasets/images/jpeg.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/images.h"
 
 namespace plumbline {
 namespace {
