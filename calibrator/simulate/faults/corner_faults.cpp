@@ -14,7 +14,7 @@ using enum FaultKind;
 
 /// Numbers are drawn for every corner of the target, seen or not. Corners stay in the image.
 void displaceCorners(ImageView& view, const Resolution& size, const AprilGrid& target,
-                     const Fault& fault, RandomStream random) {
+                     const Fault& fault, RandomStream& random) {
   auto corner = view.corners.begin();
   for (int id = 0; id < target.cornerCount() && corner != view.corners.end(); ++id) {
     const bool is_false = random.uniform() < fault.value;
@@ -31,7 +31,7 @@ void displaceCorners(ImageView& view, const Resolution& size, const AprilGrid& t
 }
 
 /// Returns whether any tag was exchanged.
-bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, RandomStream random) {
+bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, RandomStream& random) {
   std::vector<int> seen;
   for (const Corner& corner : view.corners) {
     if (seen.empty() || seen.back() != corner.id / 4) seen.push_back(corner.id / 4);
@@ -80,9 +80,9 @@ void disturbViews(CameraStream& stream, const std::vector<FaultyFrame>& frames, 
       ImageView& view = stream.views[k];
       RandomStream random = f.random(o.seed, camera, frames[k].number);
       if (f->kind == kFalseCorners) {
-        displaceCorners(view, stream.resolution, o.target, *f.fault, std::move(random));
+        displaceCorners(view, stream.resolution, o.target, *f.fault, random);
       } else if (f->kind == kSwappedIds) {
-        if (swapIds(view, o.target, *f.fault, std::move(random))) stamps.push_back(view.t);
+        if (swapIds(view, o.target, *f.fault, random)) stamps.push_back(view.t);
       } else if (random.uniform() < f->value * period_s && k > 0) {
         view.corners = stream.views[k - 1].corners;
         stamps.push_back(view.t);
