@@ -12,7 +12,7 @@
 namespace plumbline::testing {
 
 /// Exact samples and corners, no bias.
-inline SimulationOptions exactRecording(double duration_s = 4) {
+inline SimulationOptions soundRecording(double duration_s = 4) {
   SimulationOptions o;
   o.duration_s = duration_s;
   o.corner_sigma_px = 0;

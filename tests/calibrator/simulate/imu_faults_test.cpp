@@ -16,15 +16,15 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using testing::exactRecording;
 using testing::forceOf;
+using testing::soundRecording;
 using testing::withFaults;
 using enum FaultKind;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
 const SimulatedSession& clean() {
-  static const SimulatedSession session = withFaults(exactRecording(), {});
+  static const SimulatedSession session = withFaults(soundRecording(), {});
   return session;
 }
 
@@ -34,7 +34,7 @@ const std::vector<ImuSample>& samplesOf(const SimulatedSession& s) {
 
 TEST(ImuFaults, ScalesMultiplyTheirAxisOrAll) {
   const SimulatedSession s = withFaults(
-      exactRecording(),
+      soundRecording(),
       {{.kind = kAccelScale, .value = 1.01, .axis = 2}, {.kind = kGyroScale, .value = 0.98}});
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
     const ImuSample& with = samplesOf(s)[i];
@@ -49,7 +49,7 @@ TEST(ImuFaults, ScalesMultiplyTheirAxisOrAll) {
 // vector across the axis is that of the turn, and its sense is that of a frame turned by +angle.
 TEST(ImuFaults, MisalignmentTurnsOneTriadOnly) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kAccelMisalignment, .value = kDegree, .axis = 2}});
+      withFaults(soundRecording(), {{.kind = kAccelMisalignment, .value = kDegree, .axis = 2}});
   const Matrix3d R_SA = expSO3(Vector3d(0, 0, kDegree));
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
     ASSERT_EQ(samplesOf(s)[i].gyro, samplesOf(clean())[i].gyro);
@@ -58,7 +58,7 @@ TEST(ImuFaults, MisalignmentTurnsOneTriadOnly) {
 }
 
 TEST(ImuFaults, SkewedAxesReadTheCosinesOfTheirAngles) {
-  const SimulatedSession s = withFaults(exactRecording(), {{.kind = kAxes, .value = 3 * kDegree}});
+  const SimulatedSession s = withFaults(soundRecording(), {{.kind = kAxes, .value = 3 * kDegree}});
   const Vector3d x(std::cos(3 * kDegree), std::sin(3 * kDegree), 0);
   const Vector3d y(0, std::cos(3 * kDegree), std::sin(3 * kDegree));
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
@@ -70,7 +70,7 @@ TEST(ImuFaults, SkewedAxesReadTheCosinesOfTheirAngles) {
 }
 
 TEST(ImuFaults, DelayedSamplesShowTheMotionOfBefore) {
-  const SimulatedSession s = withFaults(exactRecording(), {{.kind = kGyroDelay, .value = 0.005},
+  const SimulatedSession s = withFaults(soundRecording(), {{.kind = kGyroDelay, .value = 0.005},
                                                            {.kind = kAccelDelay, .value = -0.002}});
   for (const ImuSample& sample : samplesOf(s)) {
     // motionAtImuTime() of the whole nanosecond is the same instant.
@@ -82,7 +82,7 @@ TEST(ImuFaults, DelayedSamplesShowTheMotionOfBefore) {
 
 TEST(ImuFaults, GSensitivityAndVibrationAddToTheReadings) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kGSensitivity, .value = 0.002},
+      withFaults(soundRecording(), {{.kind = kGSensitivity, .value = 0.002},
                                     {.kind = kVibration, .value = 2, .extent = 40, .axis = 0}});
   double energy = 0;
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
@@ -99,7 +99,7 @@ TEST(ImuFaults, GSensitivityAndVibrationAddToTheReadings) {
 
 TEST(ImuFaults, SlippedImuReadsTheSameVectorsInItsTurnedFrame) {
   const Fault slip{.kind = kSlip, .value = 0.2 * kDegree, .at_s = 2};
-  const SimulatedSession s = withFaults(exactRecording(), {slip});
+  const SimulatedSession s = withFaults(soundRecording(), {slip});
   const Matrix3d R_SSlipped = expSO3(slip.value * Vector3d::Ones().normalized());
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
     const bool after = samplesOf(s)[i].t >= s.start_ns + 2'000'000'000;
@@ -113,7 +113,7 @@ TEST(ImuFaults, SlippedImuReadsTheSameVectorsInItsTurnedFrame) {
 
 TEST(ImuFaults, BiasJumpsAreInSamplesAndBiases) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kBiasJump, .value = 0.05, .at_s = 2, .axis = 1},
+      withFaults(soundRecording(), {{.kind = kBiasJump, .value = 0.05, .at_s = 2, .axis = 1},
                                     {.kind = kAccelBiasJump, .value = 0.5, .at_s = 3}});
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
     const double t_s = secondsBetween(s.start_ns, samplesOf(s)[i].t);
@@ -128,7 +128,7 @@ TEST(ImuFaults, BiasJumpsAreInSamplesAndBiases) {
 
 TEST(ImuFaults, ClippedReadingsStopAtTheLimitAndOthersStay) {
   const SimulatedSession s = withFaults(
-      exactRecording(), {{.kind = kClip, .value = 9}, {.kind = kGyroClip, .value = 0.5}});
+      soundRecording(), {{.kind = kClip, .value = 9}, {.kind = kGyroClip, .value = 0.5}});
   int clipped = 0;
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -142,7 +142,7 @@ TEST(ImuFaults, ClippedReadingsStopAtTheLimitAndOthersStay) {
 }
 
 TEST(ImuFaults, SpikesAreAsManyAndAsLargeAsStatedAndTheirStampsAreTold) {
-  SimulationOptions o = exactRecording(60);
+  SimulationOptions o = soundRecording(60);
   o.camera_rate_hz = 0.1;
   const SimulatedSession without = withFaults(o, {});
   const SimulatedSession s = withFaults(o, {{.kind = kSpike, .value = 1, .extent = 100}});
@@ -162,10 +162,10 @@ TEST(ImuFaults, SpikesAreAsManyAndAsLargeAsStatedAndTheirStampsAreTold) {
 
 TEST(ImuFaults, GapLosesItsSamplesAndBurstsKeepTheirLast) {
   const SimulatedSession gap =
-      withFaults(exactRecording(), {{.kind = kGap, .value = 0.2, .at_s = 2}});
+      withFaults(soundRecording(), {{.kind = kGap, .value = 0.2, .at_s = 2}});
   EXPECT_EQ(samplesOf(gap).size() + 40, samplesOf(clean()).size());
   EXPECT_EQ(gap.biases.size(), samplesOf(gap).size());
-  const SimulatedSession burst = withFaults(exactRecording(), {{.kind = kBurst, .value = 10}});
+  const SimulatedSession burst = withFaults(soundRecording(), {{.kind = kBurst, .value = 10}});
   ASSERT_EQ(samplesOf(burst).size(), samplesOf(clean()).size());
   for (std::size_t i = 0; i < samplesOf(burst).size(); ++i) {
     const TimeNs t = samplesOf(clean())[i].t;
@@ -179,7 +179,7 @@ TEST(ImuFaults, GapLosesItsSamplesAndBurstsKeepTheirLast) {
 
 TEST(ImuFaults, DriftAndStepMoveStampsNotValues) {
   const SimulatedSession s = withFaults(
-      exactRecording(),
+      soundRecording(),
       {{.kind = kClockDrift, .value = 1e-4}, {.kind = kClockStep, .value = 0.005, .at_s = 2}});
   ASSERT_EQ(samplesOf(s).size(), samplesOf(clean()).size());
   for (std::size_t i = 0; i < samplesOf(s).size(); ++i) {
@@ -192,7 +192,7 @@ TEST(ImuFaults, DriftAndStepMoveStampsNotValues) {
 
 TEST(ImuFaults, StampsAscendAfterAStepBack) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kClockStep, .value = -0.02, .at_s = 2}});
+      withFaults(soundRecording(), {{.kind = kClockStep, .value = -0.02, .at_s = 2}});
   const auto& samples = samplesOf(s);
   EXPECT_TRUE(std::is_sorted(samples.begin(), samples.end(),
                              [](const ImuSample& a, const ImuSample& b) { return a.t <= b.t; }));

@@ -20,14 +20,14 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using testing::CornersById;
 using testing::cornersById;
-using testing::exactRecording;
+using testing::soundRecording;
 using testing::withFaults;
 using enum FaultKind;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
 const SimulatedSession& clean() {
-  static const SimulatedSession session = withFaults(exactRecording(), {});
+  static const SimulatedSession session = withFaults(soundRecording(), {});
   return session;
 }
 
@@ -62,7 +62,7 @@ void forEachCorner(const SimulatedSession& s, const Expect& expect) {
 
 TEST(ViewFaults, BumpTurnsOneCameraFromItsInstantOn) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kBump, .value = 0.1 * kDegree, .at_s = 2, .axis = 1}});
+      withFaults(soundRecording(), {{.kind = kBump, .value = 0.1 * kDegree, .at_s = 2, .axis = 1}});
   const Eigen::Matrix3d R_C1Bumped = expSO3(Vector3d(0, 0.1 * kDegree, 0));
   forEachCorner(s, [&](int camera, double t_s, int id, const Vector2d& uv) {
     CameraCalibration c = s.truth.cameras[static_cast<std::size_t>(camera)];
@@ -75,7 +75,7 @@ TEST(ViewFaults, BumpTurnsOneCameraFromItsInstantOn) {
 
 TEST(ViewFaults, ExposureShiftShowsTheMotionOfAfterUnderTheSameStamps) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kExposureShift, .value = 0.0015}});
+      withFaults(soundRecording(), {{.kind = kExposureShift, .value = 0.0015}});
   forEachCorner(s, [&](int camera, double t_s, int id, const Vector2d& uv) {
     const double exposed_s = t_s + (camera == 1 ? 0.0015 : 0);
     ASSERT_LE((projectedAt(s, camera, nominalCorner(s, id), exposed_s) - uv).norm(), 1e-9);
@@ -86,7 +86,7 @@ TEST(ViewFaults, ExposureShiftShowsTheMotionOfAfterUnderTheSameStamps) {
 // The definition: the corner is where its own row's time puts it.
 TEST(ViewFaults, RollingShutterCornersAreProjectionsAtTheirRowsTimes) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kRollingShutter, .value = 0.01}});
+      withFaults(soundRecording(), {{.kind = kRollingShutter, .value = 0.01}});
   double largest = 0;
   forEachCorner(s, [&](int camera, double t_s, int id, const Vector2d& uv) {
     const double row_s = t_s + 0.01 * ((uv.y() + 0.5) / 480 - 0.5);
@@ -99,7 +99,7 @@ TEST(ViewFaults, RollingShutterCornersAreProjectionsAtTheirRowsTimes) {
 // u is uniform: mean 0 and variance 1/12 of the exposure, found as the shift along the motion.
 TEST(ViewFaults, BlurDisplacesCornersAlongTheirMotionOnly) {
   const double exposure = 0.01;
-  const SimulatedSession s = withFaults(exactRecording(), {{.kind = kBlur, .value = exposure}});
+  const SimulatedSession s = withFaults(soundRecording(), {{.kind = kBlur, .value = exposure}});
   double sum = 0;
   double sum2 = 0;
   double count = 0;
@@ -122,7 +122,7 @@ TEST(ViewFaults, BlurDisplacesCornersAlongTheirMotionOnly) {
 
 TEST(ViewFaults, BowAndStretchShapeTheBoardNotTheStatedTarget) {
   const SimulatedSession s = withFaults(
-      exactRecording(), {{.kind = kStretch, .value = 0.003}, {.kind = kBow, .value = 0.001}});
+      soundRecording(), {{.kind = kStretch, .value = 0.003}, {.kind = kBow, .value = 0.001}});
   EXPECT_EQ(s.session.target.tag_size, AprilGrid{}.tag_size);
   const AprilGrid grid;
   const Vector2d centre(grid.width() / 2, grid.height() / 2);
@@ -140,7 +140,7 @@ TEST(ViewFaults, BowAndStretchShapeTheBoardNotTheStatedTarget) {
 
 TEST(ViewFaults, MovedAndSwayingTargetTakeTheirCornersAlong) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kSway, .value = 0.01, .extent = 0.5, .axis = 0},
+      withFaults(soundRecording(), {{.kind = kSway, .value = 0.01, .extent = 0.5, .axis = 0},
                                     {.kind = kMovedTarget, .value = 0.005, .at_s = 2, .axis = 1}});
   forEachCorner(s, [&](int camera, double t_s, int id, const Vector2d& uv) {
     Vector3d p = nominalCorner(s, id);
@@ -151,13 +151,13 @@ TEST(ViewFaults, MovedAndSwayingTargetTakeTheirCornersAlong) {
 }
 
 TEST(ViewFaults, WrongSizeChangesTheStatedTargetOnly) {
-  const SimulatedSession s = withFaults(exactRecording(), {{.kind = kWrongSize, .value = 0.009}});
+  const SimulatedSession s = withFaults(soundRecording(), {{.kind = kWrongSize, .value = 0.009}});
   EXPECT_DOUBLE_EQ(s.session.target.tag_size, 0.088 * 1.009);
   EXPECT_EQ(cornersById(s), cornersById(clean()));
 }
 
 TEST(ViewFaults, JitterMovesTheStampsOfAllCamerasAlike) {
-  SimulationOptions o = exactRecording(40);
+  SimulationOptions o = soundRecording(40);
   o.imu_rate_hz = 50;
   const SimulatedSession without = withFaults(o, {});
   const SimulatedSession s = withFaults(o, {{.kind = kJitter, .value = 0.001}});
@@ -174,7 +174,7 @@ TEST(ViewFaults, JitterMovesTheStampsOfAllCamerasAlike) {
 }
 
 TEST(ViewFaults, RestampedFramesAreEvenlySpacedAndShowOtherTimes) {
-  const SimulatedSession s = withFaults(exactRecording(), {{.kind = kRestamp, .value = 0.1}});
+  const SimulatedSession s = withFaults(soundRecording(), {{.kind = kRestamp, .value = 0.1}});
   const auto& views = s.session.cameras[0].views;
   const auto& before = clean().session.cameras[0].views;
   ASSERT_LT(views.size(), before.size());
@@ -195,7 +195,7 @@ TEST(ViewFaults, RestampedFramesAreEvenlySpacedAndShowOtherTimes) {
 }
 
 TEST(ViewFaults, FrozenFramesRepeatTheFrameBefore) {
-  SimulationOptions o = exactRecording(40);
+  SimulationOptions o = soundRecording(40);
   o.corner_sigma_px = 0.3;
   o.imu_rate_hz = 50;
   const SimulatedSession s = withFaults(o, {{.kind = kFrozen, .value = 0.5, .camera = 1}});
@@ -216,7 +216,7 @@ TEST(ViewFaults, FrozenFramesRepeatTheFrameBefore) {
 }
 
 TEST(ViewFaults, SwappedTagsKeepTheirCornersAndChangeTheirIds) {
-  const SimulatedSession s = withFaults(exactRecording(), {{.kind = kSwappedIds, .value = 0.05}});
+  const SimulatedSession s = withFaults(soundRecording(), {{.kind = kSwappedIds, .value = 0.05}});
   int tags = 0;
   int swapped = 0;
   std::set<TimeNs> struck;
@@ -244,7 +244,7 @@ TEST(ViewFaults, SwappedTagsKeepTheirCornersAndChangeTheirIds) {
 
 TEST(ViewFaults, FalseCornersAreAsManyAndAsFarAsStated) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kFalseCorners, .value = 0.1, .extent = 8}});
+      withFaults(soundRecording(), {{.kind = kFalseCorners, .value = 0.1, .extent = 8}});
   const CornersById exact = cornersById(clean());
   const CornersById disturbed = cornersById(s);
   int wrong = 0;
@@ -260,7 +260,7 @@ TEST(ViewFaults, FalseCornersAreAsManyAndAsFarAsStated) {
 
 TEST(ViewFaults, ViewPosesAreThoseOfTheImages) {
   const SimulatedSession s =
-      withFaults(exactRecording(), {{.kind = kExposureShift, .value = 0.002},
+      withFaults(soundRecording(), {{.kind = kExposureShift, .value = 0.002},
                                     {.kind = kJitter, .value = 0.001},
                                     {.kind = kMovedTarget, .value = 0.005, .at_s = 2}});
   for (std::size_t i = 0; i < 2; ++i) {
