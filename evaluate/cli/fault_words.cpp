@@ -93,13 +93,20 @@ std::string formOf(const FaultDescription& d) {
                                units, d.example));
 }
 
-std::optional<double> valueFrom(std::string_view word, Quantity quantity) {
+/// A number as it was written and the unit it was written in.
+struct Amount {
+  double number = 0;
+  Unit unit;
+  double value() const { return number * unit.size; }
+};
+
+std::optional<Amount> amountFrom(std::string_view word, Quantity quantity) {
   double number = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
   const std::string_view suffix(end, static_cast<std::size_t>(word.data() + word.size() - end));
   for (const Unit& unit : wordsOf(quantity).units) {
-    if (unit.word == suffix) return number * unit.size;
+    if (unit.word == suffix) return Amount{number, unit};
   }
   return std::nullopt;
 }
@@ -166,9 +173,25 @@ double instantFrom(const std::string& spec, const FaultDescription& d, const Wor
     refuse(spec, d, count == 0 ? "it has no instant" : "it needs one instant");
   }
   if (count == 0) return 0;
-  const auto at_s = valueFrom(words.instants.front(), Quantity::kTime);
-  if (!at_s) refuse(spec, d, fmt::format("'{}' is no instant", words.instants.front()));
-  return *at_s;
+  const auto at = amountFrom(words.instants.front(), Quantity::kTime);
+  if (!at) refuse(spec, d, fmt::format("'{}' is no instant", words.instants.front()));
+  return at->value();
+}
+
+/// A value within its range, which a refusal states in the unit that was written.
+double valueFrom(const std::string& spec, const FaultDescription& d, std::string_view word,
+                 const FaultValue& value) {
+  const auto given = amountFrom(word, value.quantity);
+  if (!given) {
+    refuse(spec, d, fmt::format("'{}' is no {}", word, wordsOf(value.quantity).placeholder));
+  }
+  if (given->value() < value.low || given->value() > value.high) {
+    const Unit& unit = given->unit;
+    refuse(spec, d,
+           fmt::format("'{}' is out of range ({:.6g} to {:.6g} {})", word, value.low / unit.size,
+                       value.high / unit.size, unit.word));
+  }
+  return given->value();
 }
 
 /// Takes the numbers in their order; those left out have their usual values.
@@ -186,12 +209,7 @@ void setValues(const std::string& spec, const FaultDescription& d,
       target = *value.usual;
       continue;
     }
-    const auto given = valueFrom(numbers[next], value.quantity);
-    if (!given) {
-      refuse(spec, d,
-             fmt::format("'{}' is no {}", numbers[next], wordsOf(value.quantity).placeholder));
-    }
-    target = *given;
+    target = valueFrom(spec, d, numbers[next], value);
     ++next;
   }
   if (next < numbers.size()) refuse(spec, d, fmt::format("'{}' is too much", numbers[next]));

@@ -88,6 +88,15 @@ TEST(FaultWords, RefusesEverythingElseBySpecAndForm) {
   }
 }
 
+TEST(FaultWords, RangesAreSaidInTheUnitThatWasWritten) {
+  try {
+    (void)faultFrom("slip=400deg@5s");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'400deg' is out of range (-180 to 180 deg)"));
+  }
+}
+
 // The section of docs/faults.md is what `plumbline simulate --fault list` prints.
 TEST(FaultWords, DocumentsListTheSameFaults) {
   std::ifstream in(PLUMBLINE_SOURCE_DIR "/docs/faults.md");
