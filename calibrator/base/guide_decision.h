@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 
@@ -105,6 +106,7 @@ struct Decision {
   double held_s = 0;                    ///< how long the distance has been small enough
   std::optional<Suggestion> opened;     ///< with kOpened
   std::optional<CandidateRound> round;  ///< scores that arrived with this frame
+  std::optional<Failure> failure;       ///< why a start or a batch failed with this frame
   std::string detail;                   ///< what could not be done and why; empty if nothing
 };
 

@@ -11,7 +11,6 @@
 #include <ceres/problem.h>
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
-#include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
 
@@ -194,29 +193,12 @@ std::optional<Failure> unseenDirection(std::span<const HandEyePair> pairs,
   Eigen::Vector3d a = eigen.eigenvectors().col(0);
   Eigen::Index largest = 0;
   a.cwiseAbs().maxCoeff(&largest);
-  a = ((a[largest] < 0 ? -100 : 100) * a).array().round() / 100 + 0.0;  // as printed; no -0.00
-  const std::string which =
-      spread[1] < needed
-          ? std::string(
-                "the marker body's translation and part of its rotation are not "
-                "observable: the estimate's body hardly turns")
-          : fmt::format(
-                "the marker body's translation along [{:.2f}, {:.2f}, {:.2f}] of the "
-                "estimate's body is not observable: it turns about this axis only",
-                a.x(), a.y(), a.z());
-  return Failure{FailureReason::kNotObservable,
-                 fmt::format("{} (rotations spread by {:.4f} rad across it, {:g} are needed)",
-                             which, spread[0], needed),
-                 "record turns about two axes, or leave out --hand-eye", FaultyInput::kSession};
-}
-
-Failure implausible(double rms_rad) {
-  return {FailureReason::kImplausible,
-          fmt::format("no constant transform of the marker body explains the rotations: {:.1f} deg "
-                      "(RMS) are left",
-                      kDegrees * rms_rad),
-          "one side's quaternions may be inverted, w-first for w-last, or of another recording",
-          FaultyInput::kSession};
+  if (a[largest] < 0) a = -a;
+  const bool still = spread[1] < needed;
+  Failure failure{still ? FailureCode::kHandEyeNoRotation : FailureCode::kHandEyeOneAxis,
+                  {{"across", spread[0]}, {"needed", needed}}};
+  if (!still) failure.values.emplace("axis", a);
+  return failure;
 }
 
 // RMS distance of M's origins from their mean.
@@ -226,16 +208,6 @@ double spreadOf(std::span<const HandEyePair> pairs) {
   double sum = 0;
   for (const HandEyePair& p : pairs) sum += (p.T_VM.t - mean).squaredNorm();
   return std::sqrt(sum / static_cast<double>(pairs.size()));
-}
-
-Failure positionsDisagree(double rms_m, double spread_m) {
-  return {FailureReason::kImplausible,
-          fmt::format("no constant transform of the marker body explains rotations and positions "
-                      "together: {:.3f} m (RMS) are left of positions that spread by {:.3f} m",
-                      rms_m, spread_m),
-          "one side's quaternions may be inverted, the clocks apart (--clock-offset auto), or the "
-          "estimate lost",
-          FaultyInput::kSession};
 }
 
 }  // namespace
@@ -261,11 +233,8 @@ HandEyeResidual handEyeResidual(const HandEyePair& pair, const HandEyeState& sta
 
 Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEyeOptions& options) {
   if (pairs.size() < kFewest) {
-    return Failure{FailureReason::kTooFewViews,
-                   fmt::format("{} pairs of poses for the marker body's transform; at least {} are "
-                               "needed",
-                               pairs.size(), kFewest),
-                   "match more poses", FaultyInput::kSession};
+    return Failure{FailureCode::kHandEyeTooFewPairs,
+                   {{"pairs", pairs.size()}, {"needed", kFewest}}};
   }
   if (const auto unseen = unseenDirection(pairs, options)) return *unseen;
   const auto n = static_cast<double>(pairs.size());
@@ -273,14 +242,14 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
   out.state = startOf(pairs);
   Squares squares = squaresOf(pairs, out.state);
   if (std::sqrt(squares.rotation / n) > kImplausibleRms) {
-    return implausible(std::sqrt(squares.rotation / n));
+    return Failure{FailureCode::kHandEyeRotationsDisagree,
+                   {{"rms_deg", kDegrees * std::sqrt(squares.rotation / n)}}};
   }
   for (int round = 0; round < kRounds; ++round) {
     const Noise noise = noiseOf(squares, pairs.size(), options);
     const auto state = refined(pairs, out.state, noise, options.with_offset);
     if (!state) {
-      return Failure{FailureReason::kNotConverged, "the marker body's transform did not converge",
-                     "check the pairing (--max-dt, --clock-offset auto)", FaultyInput::kSession};
+      return Failure{FailureCode::kHandEyeNotConverged};
     }
     out.state = *state;
     squares = squaresOf(pairs, out.state);
@@ -293,7 +262,8 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
   out.rms_rotation_rad = std::sqrt(squares.rotation / n);
   const double spread = spreadOf(pairs);
   if (out.rms_translation_m > kImplausibleShare * spread) {
-    return positionsDisagree(out.rms_translation_m, spread);
+    return Failure{FailureCode::kHandEyePositionsDisagree,
+                   {{"rms_m", out.rms_translation_m}, {"distance_m", spread}}};
   }
   out.pairs = pairs.size();
   return out;

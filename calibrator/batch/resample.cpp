@@ -71,9 +71,7 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
     if (draw) draws.col(count++) = *draw;
   }
   if (count < 2) {
-    return Failure{FailureReason::kTooFewViews,
-                   "fewer than two of the resampled " + stage + " problems have a solution",
-                   "record longer, or leave out --resample"};
+    return Failure{FailureCode::kTooFewDraws, {{"stage", stage}}};
   }
   return summariseDraws(parameters, draws.leftCols(count), options.draws - count);
 }

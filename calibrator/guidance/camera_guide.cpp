@@ -71,8 +71,7 @@ int CameraGuide::nextSuggestion() const { return state_->next_suggestion; }
 Result<CameraStageResult> CameraGuide::batch() const {
   const State& s = *state_;
   if (s.kept.empty()) {
-    return Failure{FailureReason::kTooFewViews, "the camera stage kept no frame of the target",
-                   "record the target in view of every camera"};
+    return Failure{FailureCode::kNoFrameKept};
   }
   return calibrateFrames(s.rig, s.kept, s.options,
                          s.window ? s.window->cameras() : std::vector<CameraCalibration>());
@@ -175,8 +174,9 @@ void CameraGuide::State::tryStart(Decision& d) {
     next_start = kept.size() +
                  std::max(static_cast<std::size_t>(options.views.start_frames), kept.size() / 4);
     d.reason = GuideReason::kInitialiseFailed;
-    note(d, fmt::format("{} frames do not start the estimate: {}; tried again with {}", kept.size(),
-                        start.failure().message, next_start));
+    note(d, fmt::format("{} frames do not start the estimate: tried again with {}", kept.size(),
+                        next_start));
+    d.failure = start.failure();
     return;
   }
   d.reason = GuideReason::kInitialised;

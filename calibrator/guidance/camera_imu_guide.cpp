@@ -175,7 +175,7 @@ void CameraImuGuide::State::tryStart(Decision& d) {
   auto started = startImuWindow(recording, cameras, stage());
   if (!started) {
     d.reason = GuideReason::kInitialiseFailed;
-    note(d, started.failure().message);
+    d.failure = started.failure();
     return;
   }
   d.reason = GuideReason::kInitialised;

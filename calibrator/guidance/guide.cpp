@@ -56,7 +56,8 @@ Decision passedOver(const GuideFrame& frame) {
 void Guide::State::endCameraStage(Decision& last) {
   camera_batch = camera->batch();
   if (!camera_batch->ok()) {
-    note(last, "the batch over the views kept failed: " + camera_batch->failure().message);
+    note(last, "the batch over the views kept failed");
+    last.failure = camera_batch->failure();
   } else if (rig.imu) {
     camera_imu.emplace(rig, camera_batch->value().cameras, options,
                        CameraImuGuide::Begin{camera->nextSuggestion(), camera->busyUntil()});
@@ -86,10 +87,7 @@ bool Guide::finished() const {
 
 namespace {
 
-Failure notRun(const char* stage) {
-  return {FailureReason::kTooFewViews, std::string("the guide never began its ") + stage + " stage",
-          "record longer, or see decisions.jsonl for what it waited for"};
-}
+Failure notRun(const char* stage) { return {FailureCode::kStageNotBegun, {{"stage", stage}}}; }
 
 }  // namespace
 

@@ -6,10 +6,7 @@
 namespace plumbline {
 namespace {
 
-Failure notConverged() {
-  return {FailureReason::kNotConverged, "the batch over the first frames did not converge",
-          "go on: more frames will be tried"};
-}
+Failure notConverged() { return {FailureCode::kFirstFramesNotConverged}; }
 
 CameraImuEstimate estimateOf(const CameraImuStageResult& result) {
   CameraImuEstimate estimate;

@@ -50,16 +50,12 @@ Edge widestEdge(const std::vector<CameraPoses>& poses, const std::vector<bool>& 
 }
 
 Failure noOverlap(const std::vector<std::string>& names, const std::vector<bool>& reached) {
-  std::string together;
-  std::string apart;
+  std::vector<std::string> together;
+  std::vector<std::string> apart;
   for (std::size_t c = 0; c < names.size(); ++c) {
-    std::string& list = reached[c] ? together : apart;
-    list += (list.empty() ? "" : ", ") + names[c];
+    (reached[c] ? together : apart).push_back(names[c]);
   }
-  return {FailureReason::kNoOverlap,
-          fmt::format("{} never saw the target in the same frame as {}", apart, together),
-          "record the target where the cameras' fields of view overlap, check the stamps of the "
-          "cameras, or calibrate these cameras by themselves"};
+  return {FailureCode::kCamerasShareNoFrame, {{"apart", apart}, {"together", together}}};
 }
 
 }  // namespace

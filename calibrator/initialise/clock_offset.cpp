@@ -8,8 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "calibrator/base/lie.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_rates.h"
@@ -184,35 +182,15 @@ Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
 }
 
 Failure still(const char* which, double rms) {
-  return {
-      FailureReason::kNotObservable,
-      fmt::format("the {} does not turn enough to tell the clock offset: its angular rate "
-                  "varies by {:.4f} rad/s (RMS), {} are needed",
-                  which, rms, kStill),
-      "record with brisk turns about several axes, or give the offset by --clock-offset SECONDS",
-      FaultyInput::kSession};
+  return {FailureCode::kClockNoRotation, {{"trajectory", which}, {"rms", rms}, {"needed", kStill}}};
 }
 
-Failure unlike(double correlation, const ClockOffsetOptions& options) {
-  return {FailureReason::kNotObservable,
-          fmt::format("the angular rates of estimate and truth do not correlate under any clock "
-                      "offset within +-{:g} s (at best {:.2f}, {:g} is needed)",
-                      options.max_offset_s, correlation, options.min_correlation),
-          "check that both show the same recording and that it turns briskly, widen --clock-range, "
-          "or give the offset by --clock-offset SECONDS",
-          FaultyInput::kSession};
-}
-
-// A failure of the search in the words of two trajectories.
-Failure reworded(const Failure& failure, std::size_t rates, const ClockOffsetOptions& options) {
-  const std::string why =
-      failure.reason == FailureReason::kTooFewViews
-          ? fmt::format("the estimate has {} angular rates, at least 20 are needed", rates)
-          : fmt::format("estimate and truth share too little time within +-{:g} s",
-                        options.max_offset_s);
-  return {failure.reason, "the clock offset cannot be told: " + why,
-          "give more poses, widen --clock-range, or bring the clocks close by --time-offset",
-          FaultyInput::kSession};
+// A failure of the search, as one of two trajectories.
+Failure ofClock(const Failure& failure, const ClockOffsetOptions& options) {
+  if (failure.code == FailureCode::kTooFewRates) {
+    return {FailureCode::kClockTooFewRates, failure.values};
+  }
+  return {FailureCode::kClockNoOverlap, {{"range_s", options.max_offset_s}}};
 }
 
 }  // namespace
@@ -224,7 +202,7 @@ Result<ClockOffset> estimateClockOffset(std::span<const StampedPose> estimate,
   const auto ours = ratesOf(estimate, options.estimate_interval_s, options.max_gap_s);
   const auto theirs = ratesOf(truth, options.truth_interval_s, options.max_gap_s);
   const Result<ClockOffset> vectors = correlate(ours, theirs, RateFeature::kVectors, options);
-  if (!vectors) return reworded(vectors.failure(), ours.size(), options);
+  if (!vectors) return ofClock(vectors.failure(), options);
   if (rmsAboutMean(ours) < kStill) return still("estimate", rmsAboutMean(ours));
   if (rmsAboutMean(theirs) < kStill) return still("truth", rmsAboutMean(theirs));
   const Result<ClockOffset> magnitudes =
@@ -233,7 +211,10 @@ Result<ClockOffset> estimateClockOffset(std::span<const StampedPose> estimate,
       magnitudes && magnitudes->correlation > vectors->correlation + kFramesDisagree;
   const Result<ClockOffset>& best = frames_disagree ? magnitudes : vectors;
   if (best->correlation >= options.min_correlation) return best;
-  return unlike(best->correlation, options);
+  return Failure{FailureCode::kClockRatesDoNotCorrelate,
+                 {{"correlation", best->correlation},
+                  {"needed", options.min_correlation},
+                  {"range_s", options.max_offset_s}}};
 }
 
 }  // namespace plumbline

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <vector>
 
-#include <fmt/format.h>
-
 namespace plumbline {
 namespace {
 
@@ -128,32 +126,21 @@ Candidate refine(std::span<const CameraRate> camera, const GyroIntegral& gyro, C
   return c;
 }
 
-Failure tooShort(std::size_t rates, int needed) {
-  return {FailureReason::kTooFewViews,
-          fmt::format("{} pairs of neighbouring frames show how the camera turns; {} are needed to "
-                      "find the time offset",
-                      rates, needed),
-          "record longer, or at a higher frame rate, with the target in view"};
-}
-
 Failure notCovered(std::span<const CameraRate> camera, const GyroIntegral& gyro, const Grid& grid,
                    const TimeOffsetOptions& options) {
   const TimeNs start = camera.front().from;
   const auto seconds = [&](TimeNs t) { return secondsBetween(start, t); };
-  std::string span = "no samples";
+  Failure failure{FailureCode::kImuDoesNotCover,
+                  {{"covered", grid.covered},
+                   {"intervals", camera.size()},
+                   {"needed", grid.needed},
+                   {"range_s", options.max_offset_s},
+                   {"frames_to_s", seconds(camera.back().to)}}};
   if (!gyro.samples().empty()) {
-    span = fmt::format("samples from {:.1f} s to {:.1f} s", seconds(gyro.samples().front().t),
-                       seconds(gyro.samples().back().t));
+    failure.values.emplace("samples_from_s", seconds(gyro.samples().front().t));
+    failure.values.emplace("samples_to_s", seconds(gyro.samples().back().t));
   }
-  return {FailureReason::kNoOverlap,
-          fmt::format("the IMU has {} after the first frame, the frames end at {:.1f} s: it covers "
-                      "{} of {} frame intervals at best (time offsets within +-{} s), at least {} "
-                      "are needed",
-                      span, seconds(camera.back().to), grid.covered, camera.size(),
-                      options.max_offset_s, grid.needed),
-          "check that camera and IMU stamps are of one clock and one recording; a known shift can "
-          "be given by --imu-shift-ms",
-          FaultyInput::kImuSamples};
+  return failure;
 }
 
 }  // namespace
@@ -185,7 +172,8 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
                                               const GyroIntegral& gyro,
                                               const TimeOffsetOptions& options) {
   if (camera.size() < static_cast<std::size_t>(options.min_pairs)) {
-    return tooShort(camera.size(), options.min_pairs);
+    return Failure{FailureCode::kTooFewRates,
+                   {{"rates", camera.size()}, {"needed", options.min_pairs}}};
   }
   const Grid grid = coarseGrid(camera, gyro, options);
   Candidate best;

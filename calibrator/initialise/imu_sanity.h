@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/error.h"
@@ -14,7 +13,7 @@
 namespace plumbline {
 
 // Checks of an IMU recording against its stated units, axes and target. Each returns what is wrong
-// with its likely cause and cure, or nothing. They run in this order, each trusting those before.
+// with the figures that show it, or nothing. They run in this order, each trusting those before.
 
 struct SanityOptions {
   double gravity_m_s2 = 9.80655;
@@ -33,7 +32,8 @@ struct SanityOptions {
 std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
                                         const SanityOptions& options = {});
 
-/// Rotation too small or about one axis only: kNotObservable, naming what stays unknown.
+/// Rotation too small or about one axis only: kNotObservable, with the axis that is not turned
+/// about.
 std::optional<Failure> checkExcitation(const RateAlignment& alignment,
                                        const SanityOptions& options = {});
 
@@ -45,8 +45,5 @@ std::optional<Failure> checkRates(const RateAlignment& alignment,
 /// wrong size.
 std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
                                      const SanityOptions& options = {});
-
-/// "x", "y", "z", or the components of an axis that lies along none of them.
-std::string axisName(const Eigen::Vector3d& axis);
 
 }  // namespace plumbline

@@ -33,8 +33,8 @@ ResampleOptions resampleOptions(const CalibrateRequest& request) {
   return options;
 }
 
-// Of a camera stage that failed: the lens may be too wide for the model that was tried.
-Failure withModelCure(Failure failure, const CalibrateRequest& request, const Session& session) {
+// Marks the failure of a camera stage whose lens may be too wide for the model that was tried.
+Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const Session& session) {
   bool radtan = false;
   bool unstated = false;
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
@@ -45,13 +45,11 @@ Failure withModelCure(Failure failure, const CalibrateRequest& request, const Se
                               : word.empty() || word == toString(DistortionModel::kRadtan));
   }
   const bool no_pose =
-      failure.reason == FailureReason::kTooFewViews && failure.input == FaultyInput::kTarget;
-  const bool suspect = no_pose || failure.reason == FailureReason::kNotConverged ||
-                       (failure.reason == FailureReason::kNotObservable && unstated);
+      failure.reason() == FailureReason::kTooFewViews && failure.input() == FaultyInput::kTarget;
+  const bool suspect = no_pose || failure.reason() == FailureReason::kNotConverged ||
+                       (failure.reason() == FailureReason::kNotObservable && unstated);
   if (!radtan || !suspect || !request.camera.start.empty()) return failure;
-  failure.cure +=
-      fmt::format("; {}a wide-angle lens (fisheye) needs --models pinhole-equidistant",
-                  unstated ? "no sensor.yaml states the model, so pinhole-radtan was tried: " : "");
+  failure.values.emplace("radtan_suspect", unstated ? 2 : 1);
   return failure;
 }
 
@@ -60,7 +58,7 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
                                    const ProgressSink& progress, CalibrationRecord& record) {
   progress("calibrating the cameras", -1);
   auto stage = calibrateCameras(loaded.session, request.camera);
-  if (!stage) return withModelCure(stage.failure(), request, loaded.session);
+  if (!stage) return withModelSuspect(stage.failure(), request, loaded.session);
   record.camera = std::move(stage).value();
   addLoading(loaded, record.camera->summary.seconds);
   if (request.resamples > 0) {
@@ -80,11 +78,8 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   auto stage = calibrateCameraImu(loaded.session, cameras, request.camera_imu);
   if (!stage) return stage.failure();
   if (!stage->summary.converged) {
-    return Failure{FailureReason::kNotConverged,
-                   fmt::format("the camera-IMU calibration did not converge in {} iterations",
-                               stage->summary.iterations),
-                   "check imu.yaml's noise densities and the recording's motion, or calibrate the "
-                   "cameras alone with --no-imu"};
+    return Failure{FailureCode::kCameraImuNotConverged,
+                   {{"iterations", stage->summary.iterations}}};
   }
   record.camera_imu = std::move(stage).value();
   addLoading(loaded, record.camera_imu->summary.seconds);
@@ -133,7 +128,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   }
   if (!request.cameras_file || request.free_cameras) {
     if (auto failure = cameraStage(request, loaded, progress, record)) {
-      return locate(*failure, loaded, request.load.session, request.cameras_file);
+      return locate(*failure, loaded, request.load.session);
     }
     cameras = record.camera->cameras;
   }
@@ -141,7 +136,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
     if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) {
-      return locate(*failure, loaded, request.load.session, request.cameras_file);
+      return locate(*failure, loaded, request.load.session);
     }
   }
   record.verdict = judge(record, request.thresholds);

@@ -54,9 +54,9 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
   const CalibrationScore& whole = on_session.scores.front();
   if (whole.reprojection.count == 0) {
-    return Failure{FailureReason::kTooFewViews,
-                   fmt::format("{} gives {} no score: {}", label, whole.session, whole.problem),
-                   "check that the calibration belongs to these cameras"};
+    return Failure{
+        FailureCode::kNoScore,
+        {{"calibration", label}, {"session", whole.session}, {"problem", whole.problem}}};
   }
   CalibrationRecord record = recordOf(loaded, asked);
   record.camera = std::move(on_session.camera);

@@ -84,7 +84,7 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
   const auto result = evaluateCalibration(evaluateCalibrationRequest(o, app), bar.sink());
   bar.clear();
   if (!result) {
-    fmt::print(stderr, "plumbline: {}; {}\n", result.failure().message, result.failure().cure);
+    fmt::print(stderr, "plumbline: {}\n", problemOf(result.failure()));
     return kFailed;
   }
   writeResults(o.out, *result, {{"evaluation.json", evaluationDocument(*result)}},

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 
@@ -53,8 +54,8 @@ Command evaluateCalibrationCommand();
 /// Prints a failure with its cure in one line and returns the command's exit code: data that
 /// contradict what a file states are bad input.
 inline int tellFailure(const Failure& failure) {
-  fmt::print(stderr, "plumbline: {}; {}\n", failure.message, failure.cure);
-  return failure.reason == FailureReason::kImplausible ? kBadInput : kFailed;
+  fmt::print(stderr, "plumbline: {}\n", problemOf(failure));
+  return failure.reason() == FailureReason::kImplausible ? kBadInput : kFailed;
 }
 
 }  // namespace plumbline

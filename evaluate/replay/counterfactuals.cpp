@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "calibrator/base/error.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/replay/curves.h"
 #include "evaluate/replay/view_pool.h"
 
@@ -78,7 +79,7 @@ Counterfactuals counterfactuals(const Session& session, const FrameSplit& split,
   camera.threads = options.threads;
   const auto pool = ViewPool::prepare(session, split, camera, options.max_held_out);
   if (!pool) {
-    out.problem = pool.failure().message + "; " + pool.failure().cure;
+    out.problem = problemOf(pool.failure());
     return out;
   }
   out.pool_frames = static_cast<int>(pool->pool().size());

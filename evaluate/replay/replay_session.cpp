@@ -11,6 +11,7 @@
 #include "calibrator/guidance/guide.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/suggestions_reader.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/replay/frames.h"
 #include "evaluate/replay/images.h"
 #include "evaluate/replay/stage_summary.h"
@@ -106,7 +107,8 @@ std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
   for (const GuideFrame& frame : frames) {
     progress("playing the recording",
              static_cast<double>(decisions.size()) / static_cast<double>(frames.size()));
-    decisions.push_back(guide.step(frame));
+    Decision& decision = decisions.emplace_back(guide.step(frame));
+    if (decision.failure) note(decision, textOf(*decision.failure).message);
   }
   return decisions;
 }

@@ -12,6 +12,7 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
+#include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 namespace {
@@ -101,9 +102,9 @@ template <class StageResult>
 StageBatches<StageResult> batchesOf(Result<StageResult> kept, Result<StageResult> full) {
   StageBatches<StageResult> out;
   if (!kept) {
-    out.problem = "batch over the frames kept: " + kept.failure().message;
+    out.problem = "batch over the frames kept: " + textOf(kept.failure()).message;
   } else if (!full) {
-    out.problem = "batch over all frames: " + full.failure().message;
+    out.problem = "batch over all frames: " + textOf(full.failure()).message;
   }
   if (kept) out.kept = std::move(kept).value();
   if (full) out.full = std::move(full).value();

@@ -84,17 +84,9 @@ HeldOutError summaryOf(const std::vector<ViewPool::ImageError>& errors, double c
           all.count > 0 ? border.count / all.count : 0};
 }
 
-Failure noFrames(const char* part) {
-  return {FailureReason::kTooFewViews,
-          std::string("no frame of the ") + part + " has a plausible pose of the target",
-          "record longer, or part the frames in shorter blocks"};
-}
+Failure noFrames(const char* part) { return {FailureCode::kNoFrameOfPart, {{"part", part}}}; }
 
-Failure poolNotSolved() {
-  return {FailureReason::kNotObservable,
-          "the frames of the pool do not determine the cameras, though all frames do",
-          "record longer, with the target tilted, rolled, and all over the image"};
-}
+Failure poolNotSolved() { return {FailureCode::kPoolUnobservable}; }
 
 }  // namespace
 

@@ -14,8 +14,7 @@
 namespace plumbline {
 namespace {
 
-std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session,
-                    const std::optional<std::string>& cameras_file) {
+std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session) {
   switch (input) {
     case FaultyInput::kTarget:
       if (const int line = lineOf("tagSize", loaded.target_path); line > 0) {
@@ -24,9 +23,6 @@ std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::s
       return loaded.target_path;
     case FaultyInput::kImuSamples:
       if (!loaded.imu_samples_path.empty()) return loaded.imu_samples_path;
-      break;
-    case FaultyInput::kCameras:
-      if (cameras_file) return *cameras_file;
       break;
     case FaultyInput::kSession:
       break;
@@ -70,9 +66,8 @@ int lineOf(const std::string& key, const std::string& path) {
   return 0;
 }
 
-Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session,
-               const std::optional<std::string>& cameras_file) {
-  failure.message = placeOf(failure.input, loaded, session, cameras_file) + ": " + failure.message;
+Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session) {
+  failure.where = placeOf(failure.input(), loaded, session);
   return failure;
 }
 

@@ -11,6 +11,7 @@
 
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -54,15 +55,12 @@ std::vector<TimeNs> stampsOf(const std::vector<Frame>& frames) {
   return stamps;
 }
 
-Failure notConverged(const char* stage, int iterations) {
-  return {FailureReason::kNotConverged,
-          fmt::format("the {} stage did not converge in {} iterations", stage, iterations), ""};
-}
-
 Result<Solution> solveCameras(const Session& session, const CameraStageOptions& options) {
   auto stage = calibrateCameras(session, options);
   if (!stage) return stage.failure();
-  if (!stage->summary.converged) return notConverged("camera", stage->summary.iterations);
+  if (!stage->summary.converged) {
+    return Failure{FailureCode::kCamerasNotConverged, {{"iterations", stage->summary.iterations}}};
+  }
   Solution solution;
   solution.calibration.cameras = std::move(stage.value().cameras);
   solution.summary = std::move(stage.value().summary);
@@ -75,7 +73,10 @@ Result<Solution> solveCameraImu(const Session& session,
                                 const CameraImuOptions& options) {
   auto stage = calibrateCameraImu(session, cameras, options);
   if (!stage) return stage.failure();
-  if (!stage->summary.converged) return notConverged("camera-IMU", stage->summary.iterations);
+  if (!stage->summary.converged) {
+    return Failure{FailureCode::kCameraImuNotConverged,
+                   {{"iterations", stage->summary.iterations}}};
+  }
   Solution solution;
   solution.calibration.cameras = std::move(stage.value().cameras);
   solution.calibration.imu = stage->imu;
@@ -152,8 +153,7 @@ PerturbationCase runCase(const StudyInputs& inputs, const Perturbation& p, const
   if (p.kind == PerturbationKind::kImuShift) changed.camera_imu.frame_stamps = base.frame_stamps;
   const auto solution = solve(inputs, std::move(changed));
   if (!solution) {
-    const Failure& failure = solution.failure();
-    c.problem = failure.cure.empty() ? failure.message : failure.message + "; " + failure.cure;
+    c.problem = problemOf(solution.failure());
     return c;
   }
   fill(*solution, c);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/trajectory/run_pattern.h"
 
@@ -144,7 +145,7 @@ TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
   how.estimate = expected.estimate;
   try {
     auto result = evaluateFiles(readEstimate(how), truth->file, how);
-    if (!result) return failed(expected, result.failure().message + "; " + result.failure().cure);
+    if (!result) return failed(expected, problemOf(result.failure()));
     TrajectoryRun run = std::move(result.value().run);
     run.sequence = expected.sequence;
     run.calibration = expected.calibration;

@@ -90,8 +90,7 @@ TrajectoryRun measured(TrajectoryRun run, const std::vector<PosePair>& pairs,
 }
 
 Failure named(Failure failure, const TrajectoryRequest& request) {
-  failure.message = fmt::format("{} against {}: {}", request.estimate.string(),
-                                request.truth.string(), failure.message);
+  failure.where = fmt::format("{} against {}", request.estimate.string(), request.truth.string());
   return failure;
 }
 
@@ -201,10 +200,8 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
                                                   const TrajectoryMetricOptions& options) {
   const bool with_rotation = estimate.has_orientation && truth.has_orientation;
   if (!with_rotation && standsOnRotation(options.alignment.kind)) {
-    return Failure{FailureReason::kNotObservable,
-                   fmt::format("alignment {} needs orientations, and there are none",
-                               nameOf(options.alignment.kind)),
-                   "align with se3, sim3, yaw or none", FaultyInput::kSession};
+    return Failure{FailureCode::kAlignmentNeedsOrientations,
+                   {{"alignment", nameOf(options.alignment.kind)}}};
   }
   const Result<CommonFrames> frames = commonFrames(estimate, truth, options);
   if (!frames) return frames.failure();

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-Failure unfit(const std::string& message, const std::string& cure) {
-  return {FailureReason::kNotObservable, message, cure, FaultyInput::kSession};
-}
-
 Result<ClockOffsetRecord> clockOffsetOf(const Trajectory& estimate, const Trajectory& truth,
                                         const TrajectoryMetricOptions& options) {
   const double first = options.association.time_offset_s;
@@ -110,8 +106,7 @@ Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& 
   frames.time_offset_s = options.association.time_offset_s;
   if (!options.clock && !options.hand_eye) return frames;
   if (!estimate.has_orientation || !truth.has_orientation) {
-    return unfit("clock offset and hand-eye need orientations, and there are none",
-                 "leave out --clock-offset auto and --hand-eye auto");
+    return Failure{FailureCode::kNoOrientations};
   }
   if (options.clock) {
     const auto clock = clockOffsetOf(estimate, truth, options);
@@ -122,10 +117,7 @@ Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& 
   }
   if (!options.hand_eye) return frames;
   if (scaleIsUnknown(options.alignment.kind)) {
-    return unfit(fmt::format("hand-eye needs an estimate in metres, and alignment {} takes its "
-                             "scale as unknown",
-                             nameOf(options.alignment.kind)),
-                 "align with se3, or leave out --hand-eye");
+    return Failure{FailureCode::kScaleUnknown, {{"alignment", nameOf(options.alignment.kind)}}};
   }
   const auto hand_eye = handEyeOf(estimate, truth, options, frames.time_offset_s);
   if (!hand_eye) return hand_eye.failure();

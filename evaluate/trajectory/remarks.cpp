@@ -22,35 +22,6 @@ Span spanOf(const Trajectory& trajectory, double offset_s) {
           static_cast<double>(trajectory.poses.back().t) * 1e-9 + offset_s};
 }
 
-constexpr double kEpochStarts = 3e8;  // [s]; no recording was stamped with a calendar before 1979
-
-// A cure for spans that do not meet, from how they lie to each other.
-std::string likelyCause(const Span& estimate, const Span& truth) {
-  for (const double factor : {1e3, 1e6, 1e9}) {
-    for (const double ratio : {estimate.from / truth.from, truth.from / estimate.from}) {
-      if (std::abs(ratio / factor - 1) < 0.1) {
-        return fmt::format(
-            "likely the unit of time: one file's stamps are {:.0e} times the other's", factor);
-      }
-    }
-  }
-  const double offset = truth.from - estimate.from;
-  if ((estimate.from < kEpochStarts) != (truth.from < kEpochStarts)) {
-    return fmt::format(
-        "likely the epoch: one clock counts from its start, the other from 1970; "
-        "with equal starts --time-offset {:.3f}",
-        offset);
-  }
-  const double hours = std::round(offset / 3600);
-  if (hours != 0 && std::abs(hours) < 24 && std::abs(offset - 3600 * hours) < 600) {
-    return fmt::format("likely the time zone: about {:.0f} h; try --time-offset {:.0f}", hours,
-                       3600 * hours);
-  }
-  if (std::abs(offset) > 86400) return "likely another recording, or a clock that was never set";
-  return fmt::format(
-      "likely clocks that are not synchronised; with equal starts --time-offset {:.3f}", offset);
-}
-
 double nearestDt(const Trajectory& estimate, const Trajectory& truth, double offset_s) {
   AssociationOptions wide;
   wide.rule = AssociationRule::kEvo;
@@ -86,27 +57,25 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
   const Span a = spanOf(estimate, options.time_offset_s);
   const Span b = spanOf(truth, 0);
   if (a.to < b.from || b.to < a.from) {
-    return {FailureReason::kNoOverlap,
-            fmt::format("no overlap in time: the estimate runs from {:.3f} to {:.3f} s, the truth "
-                        "from {:.3f} to {:.3f} s",
-                        a.from, a.to, b.from, b.to),
-            likelyCause(a, b), FaultyInput::kSession};
+    return {FailureCode::kNoCommonTime,
+            {{"estimate_from_s", a.from},
+             {"estimate_to_s", a.to},
+             {"truth_from_s", b.from},
+             {"truth_to_s", b.to}}};
   }
-  const std::string found = fmt::format(
-      "{} of {} estimated poses {} a partner among {} true ones", association.pairs.size(),
-      estimate.poses.size(), association.pairs.size() == 1 ? "has" : "have", truth.poses.size());
+  Failure failure{FailureCode::kTooFewPartners,
+                  {{"pairs", association.pairs.size()},
+                   {"poses", estimate.poses.size()},
+                   {"truth", truth.poses.size()}}};
   if (options.rule == AssociationRule::kInterpolate) {
-    return {FailureReason::kNotObservable,
-            fmt::format("{}, three are needed; {} stamps lie in gaps of the truth wider than {} s",
-                        found, association.record.stamps_in_gaps, options.max_gap_s),
-            "bridge wider gaps with --max-gap, or give a longer estimate", FaultyInput::kSession};
+    failure.code = FailureCode::kPartnersInGaps;
+    failure.values.emplace("in_gaps", association.record.stamps_in_gaps);
+    failure.values.emplace("max_gap_s", options.max_gap_s);
+    return failure;
   }
-  return {FailureReason::kNotObservable,
-          fmt::format("{} within {} s, three are needed; the nearest stamps are {:.6f} s apart",
-                      found, options.max_dt_s, nearestDt(estimate, truth, options.time_offset_s)),
-          "allow more with --max-dt, shift the estimate with --time-offset, or use --association "
-          "interpolate",
-          FaultyInput::kSession};
+  failure.values.emplace("max_dt_s", options.max_dt_s);
+  failure.values.emplace("nearest_s", nearestDt(estimate, truth, options.time_offset_s));
+  return failure;
 }
 
 std::vector<std::string> remarksOn(const Association& association) {
@@ -174,14 +143,10 @@ std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs
   const char* side = fault->estimate && fault->truth ? "truth or of the estimate"
                      : fault->truth                  ? "truth"
                                                      : "estimate";
-  const char* cure = fault->truth && !fault->estimate ? "--truth-w-first" : "--estimate-w-first";
-  return Failure{
-      FailureReason::kImplausible,
-      fmt::format("the quaternions of the {} are w-first where w-last was expected: read as they "
-                  "stand, the body turns by {:.1f} deg (median) against the truth's, in the other "
-                  "order by {:.1f} deg",
-                  side, fault->as_read_deg, fault->reordered_deg),
-      fmt::format("read them by {}, or put w behind z in the file", cure), FaultyInput::kSession};
+  return Failure{FailureCode::kQuaternionsWFirst,
+                 {{"which", side},
+                  {"as_read_deg", fault->as_read_deg},
+                  {"reordered_deg", fault->reordered_deg}}};
 }
 
 }  // namespace plumbline

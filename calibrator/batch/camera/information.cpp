@@ -55,17 +55,14 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   const auto covariance = covarianceOf(information);
   const auto entropy = entropyNats(information);
   if (!covariance || !entropy) {
-    return Failure{FailureReason::kNotObservable,
-                   "not observable: the information of the cameras on this session has no inverse",
-                   "use a recording with the target tilted, rolled, and all over the image"};
+    return Failure{FailureCode::kSessionInformationSingular};
   }
   CameraInformation out;
   out.covariance = parameterCovariance(parametersOf(at.cameras), *covariance);
   out.entropy_nats = *entropy;
   const auto shift = impliedShift(normals.H, normals.P, options.alignment);
   if (!shift) {
-    return Failure{FailureReason::kNotObservable, "no frame's pose is determined by its corners",
-                   "use a recording in which the target is seen from near"};
+    return Failure{FailureCode::kFramePosesFree};
   }
   const CameraLayout layout(estimate.intrinsics);
   Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6 + layout.size, 6 + layout.size);

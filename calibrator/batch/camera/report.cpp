@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cassert>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "calibrator/base/parameter_names.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
@@ -39,35 +36,11 @@ bool contains(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
-/// What a free direction led by this parameter means, and how to cure it.
-struct Diagnosis {
-  std::string reason;
-  std::string cure;
-};
-Diagnosis diagnose(const std::string& name) {
-  const std::string owner = name.substr(0, name.find('.'));
-  if (contains(name, ".fu") || contains(name, ".fv")) {
-    return {fmt::format("the focal length of {} cannot be told apart from the distance to the "
-                        "target: all views are nearly parallel to it",
-                        owner),
-            "add views with the target tilted by 30 degrees and more, about both of its axes"};
-  }
-  if (contains(name, ".pu") || contains(name, ".pv")) {
-    return {fmt::format("the principal point of {} cannot be told apart from the poses: the views "
-                        "are too much alike",
-                        owner),
-            "add views with the target tilted about both of its axes and the camera rolled"};
-  }
-  if (contains(name, "T_C0C")) {
-    return {fmt::format("the transform {} is not determined by the frames that its camera shares "
-                        "with others",
-                        owner),
-            "add frames in which both cameras see many tags at once, with the target tilted"};
-  }
-  return {fmt::format("the distortion of {} is not determined: too few corners away from the "
-                      "image's centre",
-                      owner),
-          "add views with the target near the edges and corners of the image"};
+/// What a free direction led by this parameter means.
+FailureCode codeOfFree(const std::string& name) {
+  if (contains(name, ".fu") || contains(name, ".fv")) return FailureCode::kFocalLengthFree;
+  if (contains(name, ".pu") || contains(name, ".pv")) return FailureCode::kPrincipalPointFree;
+  return contains(name, "T_C0C") ? FailureCode::kExtrinsicsFree : FailureCode::kDistortionFree;
 }
 
 Failure notObservable(const FreeDirection& direction, const ParameterCovariance& parameters) {
@@ -76,11 +49,8 @@ Failure notObservable(const FreeDirection& direction, const ParameterCovariance&
     names.push_back(parameters.names[static_cast<std::size_t>(i)]);
   }
   assert(!names.empty());
-  const Diagnosis diagnosis = diagnose(names.front());
-  return {FailureReason::kNotObservable,
-          fmt::format("not observable: {} (free direction along {})", diagnosis.reason,
-                      fmt::join(names, ", ")),
-          diagnosis.cure};
+  const std::string camera = names.front().substr(0, names.front().find('.'));
+  return {codeOfFree(names.front()), {{"camera", camera}, {"direction", names}}};
 }
 
 /// Adds the corners of one view to the list and to the errors of used corners.
@@ -116,18 +86,14 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   ParameterCovariance& out = result.summary.covariance;
   out = parameterCovariance(cameraParameters(result.cameras));
   if (!information.allFinite()) {
-    return Failure{
-        FailureReason::kNotObservable, "the information of the cameras is not finite",
-        "check --pixel-sigma and the scale of --loss: one of them is out of all measure"};
+    return Failure{FailureCode::kInformationNotFinite};
   }
   const auto free = freeDirections(information, worthlessErrors(result.cameras, layout));
   if (!free.empty()) return notObservable(free.front(), out);
   const auto covariance = covarianceOf(information);
   const auto entropy = entropyNats(information);
   if (!covariance || !entropy) {
-    return Failure{FailureReason::kNotObservable,
-                   "not observable: the information of the cameras has no inverse",
-                   "add views with the target tilted, rolled, and all over the image"};
+    return Failure{FailureCode::kInformationSingular};
   }
   out.matrix = *covariance;
   result.summary.entropy_nats = *entropy;
@@ -190,11 +156,7 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   const auto failure = addCovariance(trust * reducedInformation(solution.normals), result);
   if (failure) return *failure;
   if (!solution.converged) {
-    return Failure{FailureReason::kNotConverged,
-                   fmt::format("the camera calibration did not converge in {} iterations",
-                               solution.iterations),
-                   "check the target's size and layout and the camera models, or reject outliers "
-                   "with --outliers sigma:4"};
+    return Failure{FailureCode::kCamerasNotConverged, {{"iterations", solution.iterations}}};
   }
   result.summary.converged = true;
   result.summary.iterations = solution.iterations;

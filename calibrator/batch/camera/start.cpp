@@ -201,11 +201,7 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
     start.estimate.T_C0F.push_back(*poses[f]);
   }
   if (start.frames.empty()) {
-    return Failure{
-        FailureReason::kTooFewViews,
-        fmt::format("none of {} frames gives a plausible pose of the target", frames.size()),
-        "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models",
-        FaultyInput::kTarget};
+    return Failure{FailureCode::kNoFramePose, {{"frames", frames.size()}}};
   }
   return start;
 }
@@ -220,26 +216,18 @@ Failure tooFewViews(const CameraStream& stream, std::size_t views,
                     const CameraStageOptions& options) {
   const int asked = options.frames.min_corners;
   const int least = std::max(asked, options.min_start_corners);
-  const std::string what = fmt::format(
-      "{} has {} views with at least {} corners (of {} views, the fullest of which holds {}); {} "
-      "are needed",
-      stream.name, views, least, stream.views.size(), mostCorners(stream), kLeastViews);
-  const std::string record =
-      "record more views of the target, tilted and filling the image, or leave this camera out";
+  Failure failure{FailureCode::kTooFewViews,
+                  {{"camera", stream.name},
+                   {"views", views},
+                   {"least", least},
+                   {"offered", stream.views.size()},
+                   {"fullest", mostCorners(stream)},
+                   {"needed", kLeastViews}}};
   if (asked > options.min_start_corners) {
-    return {FailureReason::kTooFewViews, what,
-            fmt::format("--min-corners {} asks for so many: lower it, or {}", asked, record)};
+    failure.code = FailureCode::kTooFewViewsAsked;
+    failure.values.emplace("asked", asked);
   }
-  return {FailureReason::kTooFewViews, what,
-          record + "; if it does see the target, check tagRows and tagCols in target.yaml"};
-}
-
-Failure noPose(const CameraStream& stream, std::size_t views) {
-  return {FailureReason::kTooFewViews,
-          fmt::format("none of the {} views of {} gives a plausible pose of the target", views,
-                      stream.name),
-          "check tagRows, tagCols and the order of a tag's corners, and the camera's model",
-          FaultyInput::kTarget};
+  return failure;
 }
 
 }  // namespace
@@ -260,7 +248,8 @@ Result<CameraStart> startFromViews(const Session& session, std::span<const Packe
     cameras.intrinsics.push_back(firstIntrinsics(stream, corners[c], views, models[c], options));
     own.push_back(ownPoses(cameras.intrinsics[c], corners[c], frames, c, options));
     if (std::none_of(own.back().begin(), own.back().end(), [](const auto& p) { return bool(p); })) {
-      return noPose(stream, views.size());
+      return Failure{FailureCode::kNoPlausiblePose,
+                     {{"camera", stream.name}, {"views", views.size()}}};
     }
     names.push_back(stream.name);
   }

@@ -24,31 +24,23 @@ constexpr int kFewestFrames = 10;
 std::optional<Failure> checkInputs(const Session& session,
                                    const std::vector<CameraCalibration>& cameras) {
   if (!session.imu || session.imu->samples.empty()) {
-    return Failure{FailureReason::kNoOverlap, "the session has no IMU samples",
-                   "add imu0/data.csv, or calibrate the cameras alone"};
+    return Failure{FailureCode::kNoImu};
   }
   if (cameras.size() != session.cameras.size()) {
-    return Failure{FailureReason::kTooFewViews,
-                   fmt::format("{} cameras are calibrated, the session has {}", cameras.size(),
-                               session.cameras.size()),
-                   "give a calibration of the session's own cameras"};
+    return Failure{FailureCode::kCameraCountDiffers,
+                   {{"calibrated", cameras.size()}, {"session", session.cameras.size()}}};
   }
   return std::nullopt;
 }
 
 Failure tooFewFrames(std::size_t frames) {
-  return {FailureReason::kTooFewViews,
-          fmt::format("{} frames show the target well enough for a pose; at least {} are needed",
-                      frames, kFewestFrames),
-          "keep the target in view, and check that the intrinsics belong to these cameras"};
+  return {FailureCode::kTooFewPosedFrames, {{"frames", frames}, {"needed", kFewestFrames}}};
 }
 
 Failure uncovered(std::size_t frames, std::size_t chosen, double offset_s) {
-  return {FailureReason::kNoOverlap,
-          fmt::format("IMU samples cover {} of {} frames (time offset {:.3f} s); at least {} are "
-                      "needed",
-                      chosen, frames, offset_s, kFewestFrames),
-          "check that camera and IMU stamps are of one clock and one recording"};
+  return {
+      FailureCode::kTooFewCoveredFrames,
+      {{"covered", chosen}, {"frames", frames}, {"offset_s", offset_s}, {"needed", kFewestFrames}}};
 }
 
 struct SelectedSolution {

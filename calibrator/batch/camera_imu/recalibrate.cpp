@@ -82,8 +82,7 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
     append(segment, earlier, gaps, choice, problem, estimate);
   }
   if (problem.frames.size() < 2) {
-    return Failure{FailureReason::kTooFewViews, "the segments hold fewer than two linked frames",
-                   "use longer segments"};
+    return Failure{FailureCode::kTooFewLinkedFrames};
   }
   const CameraImuSolution solution = solveFromSolution(problem, estimate, options);
   return stageResult(problem, solution, session, options);

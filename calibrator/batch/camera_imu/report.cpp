@@ -109,35 +109,34 @@ Eigen::MatrixXd invert(const Eigen::MatrixXd& information) {
   return 0.5 * (out + out.transpose());
 }
 
-/// Names the worst direction of a 3 x 3 covariance if its deviation exceeds the limit.
-std::string looseDirection(const Eigen::Matrix3d& covariance, double limit, const char* what,
-                           const char* unit) {
+/// The worst direction of a 3 x 3 covariance and its deviation, where that exceeds the limit.
+struct Loose {
+  Eigen::Vector3d axis;
+  double deviation = 0;
+};
+std::optional<Loose> looseDirection(const Eigen::Matrix3d& covariance, double limit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
   const double deviation = std::sqrt(std::max(0.0, eigen.eigenvalues()(2)));
-  if (deviation <= limit && covariance.allFinite()) return {};
-  return fmt::format("{} {} of T_SC0 (standard deviation {:.2g} {})", what,
-                     axisName(eigen.eigenvectors().col(2)), deviation, unit);
+  if (deviation <= limit && covariance.allFinite()) return std::nullopt;
+  return Loose{eigen.eigenvectors().col(2), deviation};
 }
 
 std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
                                     const CameraImuOptions& options) {
-  std::vector<std::string> loose;
-  const auto note = [&](std::string text) {
-    if (!text.empty()) loose.push_back(std::move(text));
-  };
-  note(looseDirection(covariance.topLeftCorner<3, 3>(), options.max_translation_std_m,
-                      "translation along", "m"));
-  note(looseDirection(covariance.block<3, 3>(3, 3), options.max_rotation_std_rad, "rotation about",
-                      "rad"));
-  const double offset = std::sqrt(std::max(0.0, covariance(6, 6)));
-  if (!(offset <= options.max_offset_std_s)) {
-    note(fmt::format("the time offset (standard deviation {:.2g} s)", offset));
+  Failure failure{FailureCode::kLooseDirections};
+  if (const auto t =
+          looseDirection(covariance.topLeftCorner<3, 3>(), options.max_translation_std_m)) {
+    failure.values.emplace("translation_axis", t->axis);
+    failure.values.emplace("translation_std_m", t->deviation);
   }
-  if (loose.empty()) return std::nullopt;
-  return Failure{FailureReason::kNotObservable,
-                 fmt::format("not observable from this motion: {}", fmt::join(loose, ", ")),
-                 "turn the sensor briskly about at least two of its axes and move it to and fro "
-                 "while the target stays in view"};
+  if (const auto r = looseDirection(covariance.block<3, 3>(3, 3), options.max_rotation_std_rad)) {
+    failure.values.emplace("rotation_axis", r->axis);
+    failure.values.emplace("rotation_std_rad", r->deviation);
+  }
+  const double offset = std::sqrt(std::max(0.0, covariance(6, 6)));
+  if (!(offset <= options.max_offset_std_s)) failure.values.emplace("offset_std_s", offset);
+  if (failure.values.empty()) return std::nullopt;
+  return failure;
 }
 
 }  // namespace
@@ -224,9 +223,7 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   std::optional<ChainSolution> chain;
   if (normals) chain = solveChain(normals->chain, {0, problem.threads});
   if (!chain) {
-    return Failure{FailureReason::kNotObservable,
-                   "T_SC0 and the time offset are not observable from this motion",
-                   "turn the sensor about all its axes while the target stays in view"};
+    return Failure{FailureCode::kMotionInformationSingular};
   }
   Eigen::MatrixXd full = invert(chain->border_information);
   // Sandwich: the gradient by t_d varies by more than the information says.

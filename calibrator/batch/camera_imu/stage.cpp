@@ -96,18 +96,6 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
   }
 }
 
-Failure leftSamples() {
-  return {FailureReason::kNotConverged,
-          "the time offset ran off the IMU samples during the optimisation",
-          "record the IMU for longer than the cameras, or give frames well inside"};
-}
-
-Failure noStep() {
-  return {FailureReason::kNotConverged,
-          "the camera-IMU optimisation found no step that lowers the cost",
-          "check the target, the intrinsics and the units of the IMU"};
-}
-
 SolverOptions solverOptions(const CameraImuOptions& options) {
   return {options.max_iterations, options.tolerance};
 }
@@ -160,10 +148,10 @@ CameraImuSolution solveFromSolution(const CameraImuProblem& problem, const Camer
 Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution, const Session& session,
                                          const CameraImuOptions& options) {
-  if (solution.end == SolverEnd::kLeftSamples) return leftSamples();
+  if (solution.end == SolverEnd::kLeftSamples) return Failure{FailureCode::kOffsetLeftSamples};
   auto covariance = cameraImuCovariance(problem, solution, options);
   if (!covariance) return covariance.failure();
-  if (solution.end == SolverEnd::kSingular) return noStep();
+  if (solution.end == SolverEnd::kSingular) return Failure{FailureCode::kNoDescent};
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
@@ -176,8 +164,8 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
 Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution,
                                          const Session& session) {
-  if (solution.end == SolverEnd::kLeftSamples) return leftSamples();
-  if (solution.end == SolverEnd::kSingular) return noStep();
+  if (solution.end == SolverEnd::kLeftSamples) return Failure{FailureCode::kOffsetLeftSamples};
+  if (solution.end == SolverEnd::kSingular) return Failure{FailureCode::kNoDescent};
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   result.residuals = cornerResiduals(problem, solution.estimate);

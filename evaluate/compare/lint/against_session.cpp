@@ -11,6 +11,7 @@
 #include "calibrator/initialise/imu_gravity.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "evaluate/compare/lint/rules.h"
+#include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 namespace {
@@ -109,9 +110,10 @@ std::optional<Alignment> alignmentOf(const std::vector<CameraPose>& poses,
 std::vector<Finding> gyroFault(const std::string& name, const RateAlignment& rates) {
   const auto failure = checkRates(rates);
   if (!failure) return {};
-  const bool degrees = std::abs(rates.gyro_to_camera * kDegree - 1) < 0.1;
+  const bool degrees = failure->code == FailureCode::kGyroscopeInDegrees;
+  const FailureText text = textOf(*failure);
   return {bad(degrees ? "Degrees for radians" : "Gyroscope and cameras",
-              fmt::format("{} against the recording: {}", name, failure->message), failure->cure,
+              fmt::format("{} against the recording: {}", name, text.message), text.cure,
               {rates.gyro_to_camera, 1, "-"})};
 }
 
@@ -244,8 +246,9 @@ std::vector<Finding> lintAgainstSession(std::span<const LintedCalibration> calib
   const auto failure =
       session.imu ? checkSampleUnits(session.imu->samples) : std::optional<Failure>();
   if (failure) {
-    found.push_back(bad("Columns and units of the IMU", session.name + ": " + failure->message,
-                        failure->cure, {}));
+    const FailureText text = textOf(*failure);
+    found.push_back(
+        bad("Columns and units of the IMU", session.name + ": " + text.message, text.cure, {}));
   }
   for (const LintedCalibration& linted : calibrations) {
     append(found, faultsOf(linted, session, !failure, options));

@@ -8,6 +8,7 @@
 
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
@@ -44,8 +45,6 @@ void addReprojection(const CameraErrors& errors, CalibrationScore& score) {
   score.per_camera.clear();
   for (const auto& one : errors) score.per_camera.push_back(summariseErrors(one));
 }
-
-std::string problemOf(const Failure& failure) { return failure.message + "; " + failure.cure; }
 
 void addCameraStage(const CameraStageResult& stage, Scored& out) {
   out.camera = errorsOf(stage.residuals, stage.cameras.size());

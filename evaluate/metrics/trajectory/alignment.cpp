@@ -19,10 +19,6 @@ constexpr std::size_t kFewestPairs = 3;
 // Of singular values of a covariance: squares of the spread across a line over that along it.
 constexpr double kLine = 1e-10;
 
-Failure notUnique(const std::string& message, const std::string& cure) {
-  return {FailureReason::kNotObservable, message, cure, FaultyInput::kSession};
-}
-
 bool isFit(AlignmentKind kind) {
   return kind == AlignmentKind::kSe3 || kind == AlignmentKind::kSim3 ||
          kind == AlignmentKind::kScale || kind == AlignmentKind::kYaw;
@@ -66,8 +62,7 @@ bool standsStill(double variance, const Eigen::Vector3d& mean) {
 Result<AlignmentRecord> fitYaw(const PointMoments& m) {
   const BestYaw best = bestYaw(m.covariance_yx);
   if (!(best.strength > kLine * (m.variance_x + m.variance_y))) {
-    return notUnique("the positions do not move horizontally, so yaw is not unique",
-                     "align with se3-first or yaw-first, or give a longer stretch");
+    return Failure{FailureCode::kNoHorizontalMotion};
   }
   return through(m.mean_x, m.mean_y, aboutZ(best.yaw), 1);
 }
@@ -75,8 +70,7 @@ Result<AlignmentRecord> fitYaw(const PointMoments& m) {
 Result<AlignmentRecord> fitRotation(const PointMoments& m, bool with_scale) {
   const Similarity best = bestSimilarity(m);
   if (!(best.across > kLine)) {
-    return notUnique("the matched positions lie on a line, so the rotation about it is not unique",
-                     "align with se3-first, yaw or yaw-first, or give a stretch that turns");
+    return Failure{FailureCode::kPositionsOnALine};
   }
   return through(m.mean_x, m.mean_y, best.R, with_scale ? best.scale : 1);
 }
@@ -91,15 +85,12 @@ Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentO
   const std::size_t count =
       o.first_n > 0 ? std::min(pairs.size(), static_cast<std::size_t>(o.first_n)) : pairs.size();
   if (count < kFewestPairs) {
-    return notUnique(
-        fmt::format("{} of the {} matched poses to align with {}; at least 3 are needed", count,
-                    pairs.size(), nameOf(o.kind)),
-        "match more poses (--max-dt, --align-first) or align with se3-first");
+    return Failure{FailureCode::kTooFewPairs,
+                   {{"aligned", count}, {"pairs", pairs.size()}, {"alignment", nameOf(o.kind)}}};
   }
   const PointMoments m = momentsOf(pairs, count);
   if (standsStill(m.variance_x, m.mean_x) || standsStill(m.variance_y, m.mean_y)) {
-    return notUnique("the matched positions do not move, so the alignment is not unique",
-                     "align with se3-first or none, or give a stretch with motion");
+    return Failure{FailureCode::kPositionsStandStill};
   }
   if (o.kind == AlignmentKind::kYaw) return fitYaw(m);
   if (o.kind == AlignmentKind::kScale) return scaleAlone(m);
@@ -113,8 +104,7 @@ Result<AlignmentRecord> alignFirst(const PosePair& first, const AlignmentOptions
   if (o.kind != AlignmentKind::kYawFirst) return through(first.estimate.p, first.truth.p, R, 1);
   const BestYaw best = bestYaw(R);
   if (!(best.strength > 1e-9)) {
-    return notUnique("the first poses are upside down to each other, so yaw is not unique",
-                     "align with se3-first");
+    return Failure{FailureCode::kUpsideDown};
   }
   return through(first.estimate.p, first.truth.p, aboutZ(best.yaw), 1);
 }
@@ -123,7 +113,7 @@ Result<AlignmentRecord> alignUnnamed(const std::vector<PosePair>& pairs,
                                      const AlignmentOptions& o) {
   if (o.kind == AlignmentKind::kNone) return AlignmentRecord{};
   if (isFit(o.kind)) return fit(pairs, o);
-  if (pairs.empty()) return notUnique("no poses are matched", "match poses (--max-dt)");
+  if (pairs.empty()) return Failure{FailureCode::kNoPairs};
   return alignFirst(pairs.front(), o);
 }
 

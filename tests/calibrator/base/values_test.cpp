@@ -111,10 +111,13 @@ TEST(Result, HoldsAValueOrAFailure) {
   const Result<int> good = 3;
   EXPECT_TRUE(good.ok());
   EXPECT_EQ(*good, 3);
-  const Result<int> bad = Failure{FailureReason::kTooFewViews, "2 views", "record more"};
+  const Result<int> bad = Failure{FailureCode::kTooFewViews, {{"views", 2}, {"camera", "cam1"}}};
   EXPECT_FALSE(bad);
-  EXPECT_EQ(bad.failure().reason, FailureReason::kTooFewViews);
-  EXPECT_EQ(bad.failure().cure, "record more");
+  EXPECT_EQ(bad.failure().code, FailureCode::kTooFewViews);
+  EXPECT_EQ(bad.failure().reason(), FailureReason::kTooFewViews);
+  EXPECT_EQ(bad.failure().number("views"), 2);
+  EXPECT_TRUE(std::isnan(bad.failure().number("camera")));
+  EXPECT_EQ(toString(bad.failure()), "TooFewViews (camera cam1, views 2)");
   EXPECT_THROW((void)bad.value(), std::bad_variant_access);
   EXPECT_THROW((void)good.failure(), std::bad_variant_access);
 }

@@ -67,9 +67,10 @@ TEST(CameraFailures, TwoViewsAreTooFewAndTheNumbersAreTold) {
   for (CameraStream& camera : session.cameras) camera.views.resize(2);
   const auto result = calibrateCameras(session);
   ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.failure().reason, FailureReason::kTooFewViews);
-  EXPECT_THAT(result.failure().message, HasSubstr("cam0 has 2 views"));
-  EXPECT_FALSE(result.failure().cure.empty());
+  const Failure& f = result.failure();
+  EXPECT_EQ(f.code, FailureCode::kTooFewViews);
+  EXPECT_EQ(std::get<std::string>(f.values.at("camera").content()), "cam0");
+  EXPECT_EQ(f.number("views"), 2);
 }
 
 TEST(CameraFailures, AViewFromOnePlaceLeavesTheFocalLengthFreeWhateverTheNoiseAssumed) {
@@ -80,9 +81,8 @@ TEST(CameraFailures, AViewFromOnePlaceLeavesTheFocalLengthFreeWhateverTheNoiseAs
       options.pixel_sigma = sigma_px;
       const auto result = calibrateCameras(s.session, options);
       ASSERT_FALSE(result.ok());
-      EXPECT_EQ(result.failure().reason, FailureReason::kNotObservable);
-      EXPECT_THAT(result.failure().message, HasSubstr("focal length"));
-      EXPECT_THAT(result.failure().cure, HasSubstr("tilted"));
+      EXPECT_EQ(result.failure().code, FailureCode::kFocalLengthFree);
+      EXPECT_EQ(result.failure().reason(), FailureReason::kNotObservable);
     }
   }
 }
@@ -92,7 +92,9 @@ TEST(CameraFailures, ATargetOfAnotherLayoutDoesNotPassAsCalibrated) {
   s.session.target.spacing = 0.6;
   const auto result = calibrateCameras(s.session);
   ASSERT_FALSE(result.ok());
-  EXPECT_THAT(result.failure().cure, HasSubstr("layout"));
+  EXPECT_THAT(result.failure().code, AnyOf(FailureCode::kNoFramePose, FailureCode::kNoPlausiblePose,
+                                           FailureCode::kCamerasNotConverged))
+      << result.failure();
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed) {
   options.noise->gyro_density *= assumed.gyro;
   options.noise->accel_density *= assumed.accel;
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
-  if (!result) throw std::runtime_error(result.failure().message);
+  if (!result) throw std::runtime_error(toString(result.failure()));
   return result->imu_summary;
 }
 

@@ -29,7 +29,7 @@ CameraImuOptions squaredError() {
 
 CameraImuStageResult solved(const CameraImuOptions& options) {
   auto result = calibrateCameraImu(recording().session, recording().published, options);
-  if (!result) throw std::runtime_error(result.failure().message);
+  if (!result) throw std::runtime_error(toString(result.failure()));
   return std::move(result).value();
 }
 

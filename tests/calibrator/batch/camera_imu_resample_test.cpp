@@ -19,7 +19,7 @@ Solved solved(std::uint64_t seed) {
   SimulatedSession s = testing::simulate(testing::noisyRecording(seed, 15));
   const CameraImuOptions options = testing::matchedOptions(s, 0.2);
   auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
-  if (!result) throw std::runtime_error(result.failure().message);
+  if (!result) throw std::runtime_error(toString(result.failure()));
   return {std::move(s), options, std::move(result).value()};
 }
 
@@ -29,7 +29,7 @@ TEST(CameraImuResample, SpreadIsThatOfTheCovarianceWhereTheModelHolds) {
   resample.draws = 20;
   resample.segments = 8;
   const auto summary = resampleCameraImu(s.simulated.session, s.result, resample, s.options);
-  ASSERT_TRUE(summary) << summary.failure().message;
+  ASSERT_TRUE(summary) << summary.failure();
   EXPECT_EQ(summary->failed, 0);
   EXPECT_EQ(summary->names, s.result.summary.covariance.names);
   const Eigen::VectorXd ratio =

@@ -158,7 +158,7 @@ TEST(CameraImuScore, NeedsAnImu) {
   c.simulated.session.imu.reset();
   const auto scored = c.score(*c.simulated.truth.imu);
   ASSERT_FALSE(scored);
-  EXPECT_EQ(scored.failure().reason, FailureReason::kNoOverlap);
+  EXPECT_EQ(scored.failure().reason(), FailureReason::kNoOverlap);
 }
 
 }  // namespace

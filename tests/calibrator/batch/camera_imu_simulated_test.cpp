@@ -17,7 +17,7 @@ using testing::simulate;
 
 CameraImuStageResult solved(const SimulatedSession& s, const CameraImuOptions& options) {
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
-  if (!result) throw std::runtime_error(result.failure().message);
+  if (!result) throw std::runtime_error(toString(result.failure()));
   return *result;
 }
 
@@ -68,7 +68,7 @@ TEST(CameraImuWithoutNoise, FreeCamerasReturnToTheTruth) {
   start[1].intrinsics.distortion(0) += 1e-3;
   start[1].T_C0Ci.t.x() += 1e-3;
   const auto r = calibrateCameraImu(s.session, start, options);
-  ASSERT_TRUE(r) << r.failure().message;
+  ASSERT_TRUE(r) << r.failure();
   for (std::size_t c = 0; c < 2; ++c) {
     const Eigen::VectorXd error =
         r->cameras[c].intrinsics.stacked() - s.truth.cameras[c].intrinsics.stacked();
@@ -259,7 +259,7 @@ TEST(CameraImuAgain, WholeRecordingGivesTheSameSolution) {
   const CameraImuStageResult base = solved(s, options);
   const int n = static_cast<int>(base.frames.size());
   const auto again = recalibrateCameraImu(s.session, base, {{0, n, 1}}, options);
-  ASSERT_TRUE(again) << again.failure().message;
+  ASSERT_TRUE(again) << again.failure();
   EXPECT_NEAR(again->summary.cost, base.summary.cost, 1e-6 * base.summary.cost);
   const Vector6d change = boxminus(again->imu.T_SC0, base.imu.T_SC0);
   EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).norm(), 1e-3);

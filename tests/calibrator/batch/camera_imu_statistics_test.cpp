@@ -49,7 +49,7 @@ TEST_P(CameraImuStatistics, NormalisedErrorsOfEachBlockAreWithinTheirBounds) {
     CameraImuOptions options = testing::matchedOptions(s, simulation.corner_sigma_px);
     options.state_covariances = true;
     const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
-    ASSERT_TRUE(result) << "seed " << seed << ": " << result.failure().message;
+    ASSERT_TRUE(result) << "seed " << seed << ": " << result.failure();
     ASSERT_TRUE(result->summary.converged) << "seed " << seed;
     const Eigen::VectorXd error = testing::calibrationError(s, *result);
     const Eigen::MatrixXd& covariance = result->summary.covariance.matrix;

@@ -58,7 +58,7 @@ CameraStageOptions withoutLoss() {
 double rmseOf(const Session& session) {
   const auto result = calibrateCameras(session, withoutLoss());
   if (!result) {
-    ADD_FAILURE() << result.failure().message;
+    ADD_FAILURE() << result.failure();
     return 0;
   }
   EXPECT_TRUE(result->summary.converged);
@@ -83,7 +83,7 @@ TEST(EurocCameras, StereoOverAllFramesReachesTheKnownOptimum) {
 
 TEST(EurocCameras, TheDefaultLossConvergesAndTellsItsTimes) {
   const auto result = calibrateCameras(euroc());
-  ASSERT_TRUE(result.ok()) << result.failure().message;
+  ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_TRUE(result->summary.converged);
   EXPECT_GT(result->summary.reprojection.rmse_px, 0.5179713);  // the squared loss has the least
   EXPECT_LT(result->summary.reprojection.median_px, 0.5);

@@ -57,7 +57,7 @@ TEST(CameraRigs, OneTwoAndThreeCamerasAreRecoveredWithoutNoise) {
     session.cameras.resize(n);
     truth.resize(n);
     const auto result = calibrateCameras(session);
-    ASSERT_TRUE(result.ok()) << n << " cameras: " << result.failure().message;
+    ASSERT_TRUE(result.ok()) << n << " cameras: " << result.failure();
     const Eigen::VectorXd error = errorOf(*result, truth);
     EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-7) << n << " cameras";  // px, m, rad, 1
     EXPECT_EQ(result->summary.covariance.names.size(), 8 * n + 6 * (n - 1));
@@ -68,7 +68,7 @@ TEST(CameraRigs, OneTwoAndThreeCamerasAreRecoveredWithoutNoise) {
 TEST(CameraRigs, ParametersAreNamedWithTheirUnits) {
   const SimulatedSession s = simulateSession(threeCameras(), shortRecording(0.1));
   const auto result = calibrateCameras(s.session);
-  ASSERT_TRUE(result.ok()) << result.failure().message;
+  ASSERT_TRUE(result.ok()) << result.failure();
   const ParameterCovariance& c = result->summary.covariance;
   EXPECT_EQ(c.names[0], "cam0.fu");
   EXPECT_EQ(c.names[6], "cam0.p1");
@@ -87,7 +87,7 @@ TEST(CameraRigs, StampsNeedNotBeEqual) {
   int k = 0;
   for (ImageView& view : s.session.cameras[1].views) view.t += (k++ % 2 ? 900'000 : -700'000);
   const auto result = calibrateCameras(s.session);
-  ASSERT_TRUE(result.ok()) << result.failure().message;
+  ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_LT(errorOf(*result, s.truth.cameras).cwiseAbs().maxCoeff(), 1e-7);
 }
 
@@ -117,7 +117,7 @@ TEST(CameraRigs, StrayCornersAnywhereInTheImageCostNoFrames) {
       }
     }
     const auto result = calibrateCameras(s.session);
-    ASSERT_TRUE(result.ok()) << rig << ": " << result.failure().message;
+    ASSERT_TRUE(result.ok()) << rig << ": " << result.failure();
     EXPECT_EQ(result->summary.views_used, result->summary.views_offered) << rig;
     EXPECT_LT(largest(errorOf(*result, s.truth.cameras), *result), 2) << rig;  // sigma: 1 px
   }
@@ -194,7 +194,7 @@ TEST(ResampleCameras, IndependentNoiseSpreadsTheDrawsAsTheCovarianceSays) {
   ASSERT_TRUE(all.ok());
   ResampleOptions resample{.draws = 40, .segments = 25, .seed = 5};
   const auto one = resampleCameras(s.session, *all, resample, options);
-  ASSERT_TRUE(one.ok()) << one.failure().message;
+  ASSERT_TRUE(one.ok()) << one.failure();
   EXPECT_EQ(one->failed, 0);
   EXPECT_EQ(one->names, all->summary.covariance.names);
   const Eigen::VectorXd ratio =

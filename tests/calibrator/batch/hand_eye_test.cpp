@@ -135,15 +135,16 @@ TEST(HandEye, ATurnAboutOneAxisNamesTheAxis) {
   const auto found = estimateHandEye(
       pairsOf({.kind = MotionKind::kSingleAxisRotation, .sigma_m = 1e-3, .sigma_rad = 1e-3}));
   ASSERT_FALSE(found.ok());
-  EXPECT_EQ(found.failure().reason, FailureReason::kNotObservable);
-  EXPECT_THAT(found.failure().message, HasSubstr("translation along [0.00, 1.00, 0.00]"));
+  ASSERT_EQ(found.failure().code, FailureCode::kHandEyeOneAxis);
+  const auto axis = std::get<Eigen::Vector3d>(found.failure().values.at("axis").content());
+  EXPECT_LT((axis - Eigen::Vector3d::UnitY()).norm(), 0.01) << axis.transpose();
 }
 
 TEST(HandEye, WithoutTurnsNothingIsClaimed) {
   const auto found = estimateHandEye(pairsOf({.kind = MotionKind::kStatic}));
   ASSERT_FALSE(found.ok());
-  EXPECT_THAT(found.failure().message, HasSubstr("hardly turns"));
-  EXPECT_EQ(estimateHandEye({}).failure().reason, FailureReason::kTooFewViews);
+  EXPECT_EQ(found.failure().code, FailureCode::kHandEyeNoRotation);
+  EXPECT_EQ(estimateHandEye({}).failure().code, FailureCode::kHandEyeTooFewPairs);
 }
 
 TEST(HandEye, PositionsThatDoNotFollowAreImplausible) {
@@ -151,8 +152,7 @@ TEST(HandEye, PositionsThatDoNotFollowAreImplausible) {
   for (HandEyePair& pair : pairs) pair.T_VM.t = Eigen::Vector3d(-1, 1, 1).cwiseProduct(pair.T_VM.t);
   const auto found = estimateHandEye(pairs);
   ASSERT_FALSE(found.ok());
-  EXPECT_EQ(found.failure().reason, FailureReason::kImplausible);
-  EXPECT_THAT(found.failure().message, HasSubstr("rotations and positions"));
+  EXPECT_EQ(found.failure().code, FailureCode::kHandEyePositionsDisagree);
 }
 
 TEST(HandEye, InvertedQuaternionsAreImplausible) {
@@ -160,8 +160,8 @@ TEST(HandEye, InvertedQuaternionsAreImplausible) {
   for (HandEyePair& pair : pairs) pair.T_VM.R.transposeInPlace();
   const auto found = estimateHandEye(pairs);
   ASSERT_FALSE(found.ok());
-  EXPECT_EQ(found.failure().reason, FailureReason::kImplausible);
-  EXPECT_THAT(found.failure().cure, HasSubstr("inverted"));
+  EXPECT_THAT(found.failure().code, AnyOf(FailureCode::kHandEyeRotationsDisagree,
+                                          FailureCode::kHandEyePositionsDisagree));
 }
 
 }  // namespace

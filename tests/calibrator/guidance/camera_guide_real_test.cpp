@@ -50,7 +50,7 @@ TEST(CameraGuideOnEuroc, KeepsAFewViewsThatCalibrateTheWholeRecording) {
   EXPECT_EQ(testing::countOf(decisions, GuideReason::kNotSolved), 0);
   EXPECT_GE(testing::countOf(decisions, SuggestionEvent::kExpired), 1);
   const auto batch = guide.batch();
-  ASSERT_TRUE(batch.ok()) << batch.failure().message;
+  ASSERT_TRUE(batch.ok()) << batch.failure();
   EXPECT_EQ(static_cast<int>(batch->frames.size()), decisions.back().views_kept);
   EXPECT_LT(batch->frames.size(), 300u);
   const auto full = calibrateCameras(session);

@@ -37,7 +37,7 @@ TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
     ASSERT_GE(last.round->best, 0);
     EXPECT_LT(last.round->mi_nats[static_cast<std::size_t>(last.round->best)], last.threshold_nats);
     const auto batch = guide.batch();
-    ASSERT_TRUE(batch.ok()) << batch.failure().message;
+    ASSERT_TRUE(batch.ok()) << batch.failure();
     EXPECT_EQ(static_cast<int>(batch->frames.size()), last.views_kept);
     EXPECT_NEAR(batch->summary.reprojection.rmse_px, kSigma * std::sqrt(2), 0.02);
     // Window and batch agree on what is known.

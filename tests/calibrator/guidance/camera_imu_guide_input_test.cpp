@@ -58,7 +58,7 @@ void expectItWentOn(const Replay& r, std::size_t after) {
   }
   EXPECT_GT(used, static_cast<int>(r.decisions.size() - after) / 2);
   const auto result = r.guide.batch();
-  ASSERT_TRUE(result) << result.failure().message;
+  ASSERT_TRUE(result) << result.failure();
   const Vector6d error = boxminus(recording().truth.imu->T_SC0, result->imu.T_SC0);
   const Eigen::MatrixXd covariance = result->summary.covariance.matrix.topLeftCorner(6, 6);
   EXPECT_LT(error.dot(covariance.llt().solve(error)), 22.46);  // 6 dof, 99.9 %

@@ -68,7 +68,7 @@ TEST(CameraImuGuideEuroc, AtItsThresholdItAsksForMoreThanTheRecordingHas) {
                           [](const Decision& d) { return d.reason == GuideReason::kNotSolved; }),
             0);
   const auto result = r.guide.batch();
-  ASSERT_TRUE(result) << result.failure().message;
+  ASSERT_TRUE(result) << result.failure();
   EXPECT_LT(millimetresApart(result->imu.T_SC0, allFrames().imu.T_SC0), 0.3);
   EXPECT_LT(milliradiansApart(result->imu.T_SC0, allFrames().imu.T_SC0), 0.3);
 }
@@ -81,7 +81,7 @@ TEST(CameraImuGuideEuroc, WithMoreToAskForItFinishesNearTheBatchOverAllFrames) {
   EXPECT_GT(finished_s, 40);
   EXPECT_LT(finished_s, 55);
   const auto result = r.guide.batch();
-  ASSERT_TRUE(result) << result.failure().message;
+  ASSERT_TRUE(result) << result.failure();
   EXPECT_LT(millimetresApart(result->imu.T_SC0, allFrames().imu.T_SC0), 1.5);
   EXPECT_LT(milliradiansApart(result->imu.T_SC0, allFrames().imu.T_SC0), 1);
 }
@@ -102,7 +102,7 @@ TEST(CameraImuGuideEuroc, TheWindowEndsNearTheBatch) {
       tracker->drain(kept, decision);
     } else if (kept.frames().size() == 60) {
       auto window = startImuWindow(kept, recording().published, {});
-      ASSERT_TRUE(window) << window.failure().message;
+      ASSERT_TRUE(window) << window.failure();
       tracker.emplace(std::move(window).value(), GuideOptions().max_frame_gap_s);
     }
   }

@@ -99,7 +99,7 @@ TEST(CameraImuGuide, FinishesWithAnExtrinsicCalibrationWithinItsCovariance) {
   const Replay r = replayed(frames());
   ASSERT_TRUE(r.guide.finished());
   const auto result = r.guide.batch();
-  ASSERT_TRUE(result) << result.failure().message;
+  ASSERT_TRUE(result) << result.failure();
   EXPECT_LT(squaredError(result), kChi2_999);
   EXPECT_LT(std::abs(result->imu.time_offset_s - recording().truth.imu->time_offset_s),
             4 * *result->imu.time_offset_std_s);

@@ -60,7 +60,7 @@ void addPairs(std::uint64_t seed, double seconds, const Weighting& weighting,
   const auto frames = testing::stereoFrames(seed, seconds, 3, 0.3);
   const Session& session = frames.simulated.session;
   const auto before = calibrateCameras(session, stageOptions(weighting));
-  ASSERT_TRUE(before.ok()) << before.failure().message;
+  ASSERT_TRUE(before.ok()) << before.failure();
   CameraEstimate cameras;
   for (const CameraCalibration& camera : before->cameras) {
     cameras.intrinsics.push_back(camera.intrinsics);
@@ -77,7 +77,7 @@ void addPairs(std::uint64_t seed, double seconds, const Weighting& weighting,
     again.start = before->cameras;
     const auto after =
         calibrateCameras(withView(frames.simulated, session, view.T_FC0, 1000 * seed + k), again);
-    ASSERT_TRUE(after.ok()) << after.failure().message;
+    ASSERT_TRUE(after.ok()) << after.failure();
     pairs.push_back({scorer.predictedGain(view.T_FC0),
                      before->summary.entropy_nats - after->summary.entropy_nats});
   }

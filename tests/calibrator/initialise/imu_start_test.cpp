@@ -87,7 +87,7 @@ TEST(TimeOffset, IsFoundOverTheWholeRange) {
     const Recording r = exactRecording(offset);
     const auto rates = cameraRates(r.poses, 0.11);
     const auto found = estimateTimeOffset(rates, GyroIntegral(r.samples()));
-    ASSERT_TRUE(found) << found.failure().message;
+    ASSERT_TRUE(found) << found.failure();
     EXPECT_NEAR(found->offset_s, offset, 1e-3);  // a fiftieth of a frame interval
     EXPECT_LT(rotationAngle(found->alignment.R_SC0.transpose() * r.truth().T_SC0.R), 0.02);
     EXPECT_GT(found->alignment.correlation, 0.999);
@@ -103,7 +103,7 @@ TEST(TimeOffset, FailsWithoutOverlap) {
   }
   const auto found = estimateTimeOffset(rates, GyroIntegral(r.samples()));
   ASSERT_FALSE(found);
-  EXPECT_EQ(found.failure().reason, FailureReason::kNoOverlap);
+  EXPECT_EQ(found.failure().reason(), FailureReason::kNoOverlap);
 }
 
 TEST(InertialAlignment, FindsScaleGravityTranslationAndBias) {

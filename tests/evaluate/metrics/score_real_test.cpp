@@ -55,7 +55,7 @@ TEST(ScoresOfOtherModels, AnotherSolversCalibrationsFitItsOwnCorners) {
   for (const std::string model : {"ds", "eucm", "kb4", "pinhole"}) {
     const auto scored =
         scoreCameras(session, testing::otherSolversCameras(kData, model), squaredError().camera);
-    ASSERT_TRUE(scored) << model << ": " << scored.failure().message;
+    ASSERT_TRUE(scored) << model << ": " << scored.failure();
     EXPECT_TRUE(scored->summary.converged) << model;
     rmse[model] = scored->summary.reprojection.rmse_px;
     RecordProperty(model + "_rmse_px", std::to_string(rmse[model]));

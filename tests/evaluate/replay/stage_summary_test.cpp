@@ -78,8 +78,7 @@ TEST_F(Summary, BothBatchesAreUnderTheRunsOptions) {
 
 TEST_F(Summary, ABatchThatTheGuideCouldNotSolveIsTriedFromTheViewsAlone) {
   const ReplayRun r = run();
-  const auto batches =
-      cameraBatches(r, Failure{FailureReason::kNotConverged, "did not converge", ""});
+  const auto batches = cameraBatches(r, Failure{FailureCode::kCamerasNotConverged});
   EXPECT_TRUE(batches.kept.has_value()) << batches.problem;
 }
 

@@ -164,12 +164,12 @@ TEST(ViewPool, FailsWhereAPartHasNoFrame) {
   split.held_out.clear();
   const auto none = ViewPool::prepare(c.simulated.session, split, c.options, 10);
   ASSERT_FALSE(none);
-  EXPECT_EQ(none.failure().reason, FailureReason::kTooFewViews);
+  EXPECT_EQ(none.failure().reason(), FailureReason::kTooFewViews);
   split = c.simulated.split;
   split.pool.resize(1);
   const auto one = ViewPool::prepare(c.simulated.session, split, c.options, 10);
   ASSERT_FALSE(one);
-  EXPECT_EQ(one.failure().reason, FailureReason::kNotObservable);
+  EXPECT_EQ(one.failure().reason(), FailureReason::kNotObservable);
 }
 
 }  // namespace

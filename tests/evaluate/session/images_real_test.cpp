@@ -23,7 +23,7 @@ TEST(RealImages, FocalLengthsAreEurocsWithinHalfAPercent) {
   request.read.read_imu = false;
   const LoadedSession loaded = loadSession(request, [](const std::string&, double) {});
   const auto result = calibrateCameras(loaded.session);
-  ASSERT_TRUE(result.ok()) << result.failure().message;
+  ASSERT_TRUE(result.ok()) << result.failure();
   ASSERT_EQ(result->cameras.size(), 2u);
   for (int c = 0; c < 2; ++c) {
     for (int axis = 0; axis < 2; ++axis) {

@@ -25,7 +25,7 @@ TEST(PerturbationOfEuroc, OffsetsOfUpToHalfASecondComeBackToATenthOfAMicrosecond
     request.perturbations.push_back({PerturbationKind::kImuShift, ms, 0});
   }
   const auto record = perturbSession(request, [](const std::string&, double) {});
-  ASSERT_TRUE(record) << record.failure().message;
+  ASSERT_TRUE(record) << record.failure();
   EXPECT_EQ(record->base.frames, 1415);
   for (const PerturbationCase& c : record->cases) {
     EXPECT_EQ(c.problem, "") << c.amount;

@@ -46,7 +46,7 @@ PerturbationRecord study(bool cameras_fixed, const std::vector<Perturbation>& ca
   PerturbationStudyOptions options;
   options.threads = threads;
   auto record = perturbationStudy(inputs(cameras_fixed), cases, options);
-  if (!record) throw std::runtime_error(record.failure().message);
+  if (!record) throw std::runtime_error(toString(record.failure()));
   return std::move(record).value();
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/trajectory/trajectory_document.h"
 
 namespace plumbline {
@@ -59,26 +60,28 @@ TEST(EvaluateTrajectories, CoverageLeavesOutHoles) {
 
 TEST(EvaluateTrajectories, NoOverlapNamesBothSpansAndTheCause) {
   const Failure later = refusal(spiral(1000), spiral(1100));
-  EXPECT_EQ(later.reason, FailureReason::kNoOverlap);
-  EXPECT_THAT(later.message, AllOf(HasSubstr("no overlap in time"), HasSubstr("from 1000.000"),
-                                   HasSubstr("to 1019.900"), HasSubstr("from 1100.000")));
-  EXPECT_THAT(later.cure, HasSubstr("--time-offset 100"));
-  EXPECT_THAT(refusal(spiral(1.4e6), spiral(1.4e9)).cure, HasSubstr("unit"));
-  EXPECT_THAT(refusal(spiral(12), spiral(1.4e9)).cure, HasSubstr("epoch"));
-  EXPECT_THAT(refusal(spiral(1.4e9 + 7200), spiral(1.4e9)).cure, HasSubstr("time zone"));
+  EXPECT_EQ(later.code, FailureCode::kNoCommonTime);
+  EXPECT_THAT(textOf(later).message,
+              AllOf(HasSubstr("no overlap in time"), HasSubstr("from 1000.000"),
+                    HasSubstr("to 1019.900"), HasSubstr("from 1100.000")));
+  EXPECT_THAT(textOf(later).cure, HasSubstr("--time-offset 100"));
+  EXPECT_THAT(textOf(refusal(spiral(1.4e6), spiral(1.4e9))).cure, HasSubstr("unit"));
+  EXPECT_THAT(textOf(refusal(spiral(12), spiral(1.4e9))).cure, HasSubstr("epoch"));
+  EXPECT_THAT(textOf(refusal(spiral(1.4e9 + 7200), spiral(1.4e9))).cure, HasSubstr("time zone"));
 }
 
 TEST(EvaluateTrajectories, TooFewPairsSayHowFarTheStampsAreApart) {
   const Failure between = refusal(spiral(0.05), spiral(0));
-  EXPECT_EQ(between.reason, FailureReason::kNotObservable);
-  EXPECT_THAT(between.message, AllOf(HasSubstr("0 of 200"), HasSubstr("0.05")));
-  EXPECT_THAT(between.cure, HasSubstr("interpolate"));
+  EXPECT_EQ(between.code, FailureCode::kTooFewPartners);
+  EXPECT_THAT(textOf(between).message, AllOf(HasSubstr("0 of 200"), HasSubstr("0.05")));
+  EXPECT_NEAR(between.number("nearest_s"), 0.05, 1e-9);
   TrajectoryMetricOptions options;
   options.association.rule = AssociationRule::kInterpolate;
   EXPECT_EQ(evaluateTrajectories(spiral(0.05), spiral(0), options)->run.association.matches, 199U);
   options.association.max_gap_s = 0.05;
-  EXPECT_THAT(evaluateTrajectories(spiral(0.05), spiral(0), options).failure().message,
-              HasSubstr("199 stamps lie in gaps"));
+  const auto gaps = evaluateTrajectories(spiral(0.05), spiral(0), options);
+  EXPECT_EQ(gaps.failure().code, FailureCode::kPartnersInGaps);
+  EXPECT_EQ(gaps.failure().number("in_gaps"), 199);
 }
 
 TEST(EvaluateTrajectories, RemarksNameTheClockOffset) {
@@ -134,8 +137,8 @@ TEST(EvaluateTrajectories, WithoutOrientationsOnlyPositionsAreJudged) {
   EXPECT_THAT(result->run.rpe, IsEmpty());
   EXPECT_THAT(result->remarks, Contains(HasSubstr("no orientations")));
   options.alignment.kind = AlignmentKind::kSe3First;
-  EXPECT_THAT(evaluateTrajectories(spiral(0), truth, options).failure().message,
-              HasSubstr("needs orientations"));
+  EXPECT_EQ(evaluateTrajectories(spiral(0), truth, options).failure().code,
+            FailureCode::kAlignmentNeedsOrientations);
 }
 
 TEST(TrajectoryDocument, HoldsTheFieldsThatScriptsRead) {

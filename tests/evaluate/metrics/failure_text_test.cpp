@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/failure_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// One value for every name that any code states.
+std::map<std::string, FailureValue> everyValue() {
+  std::map<std::string, FailureValue> values;
+  for (const char* number : {"accel",
+                             "gyro",
+                             "gravity",
+                             "rms",
+                             "correlation",
+                             "needed",
+                             "mirrored",
+                             "rotated",
+                             "ratio",
+                             "measured",
+                             "expected",
+                             "scale",
+                             "scale_std",
+                             "tag_size",
+                             "rates",
+                             "covered",
+                             "intervals",
+                             "range_s",
+                             "frames_to_s",
+                             "samples_from_s",
+                             "samples_to_s",
+                             "views",
+                             "least",
+                             "offered",
+                             "fullest",
+                             "asked",
+                             "frames",
+                             "iterations",
+                             "calibrated",
+                             "session",
+                             "offset_s",
+                             "translation_std_m",
+                             "rotation_std_rad",
+                             "offset_std_s",
+                             "pairs",
+                             "across",
+                             "rms_deg",
+                             "rms_m",
+                             "distance_m",
+                             "estimate_from_s",
+                             "estimate_to_s",
+                             "truth_from_s",
+                             "truth_to_s",
+                             "poses",
+                             "truth",
+                             "in_gaps",
+                             "max_gap_s",
+                             "max_dt_s",
+                             "nearest_s",
+                             "as_read_deg",
+                             "reordered_deg",
+                             "aligned"}) {
+    values.emplace(number, 0.5);
+  }
+  for (const char* word :
+       {"trajectory", "camera", "stage", "part", "calibration", "problem", "which", "alignment"}) {
+    values.emplace(word, word);
+  }
+  for (const char* axis : {"axis", "translation_axis", "rotation_axis"}) {
+    values.emplace(axis, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
+  }
+  for (const char* names : {"apart", "together", "direction"}) {
+    values.emplace(names, std::vector<std::string>{"a", "b"});
+  }
+  return values;
+}
+
+TEST(FailureText, EveryCodeHasASentenceAndACureMadeOfItsValues) {
+  for (int i = 0; i <= static_cast<int>(FailureCode::kUpsideDown); ++i) {
+    const Failure failure{static_cast<FailureCode>(i), everyValue()};
+    const FailureText text = textOf(failure);
+    EXPECT_NE(text.message, toString(failure)) << toString(failure.code);
+    EXPECT_GT(text.message.size(), 10U) << toString(failure.code);
+    EXPECT_GT(text.cure.size(), 10U) << toString(failure.code);
+  }
+}
+
+TEST(FailureText, AMissingValueStillNamesTheCode) {
+  EXPECT_EQ(textOf({FailureCode::kTooFewViews, {{"views", 2}}}).message, "TooFewViews (views 2)");
+}
+
+TEST(FailureText, SaysWhereAndWhatToDo) {
+  Failure scale{FailureCode::kScaleDisagrees,
+                {{"scale", 0.5}, {"scale_std", 0.001}, {"tag_size", 0.2}}};
+  scale.where = "target.yaml:4";
+  EXPECT_EQ(problemOf(scale),
+            "target.yaml:4: the target's tagSize (0.2 m) seems to be 2 times too large: the IMU "
+            "says about 0.1 m (+- 0.0002); measure a tag's black square and the gap between tags, "
+            "and correct tagSize or tagSpacing");
+  const Failure one{FailureCode::kRotationAboutOneAxis,
+                    {{"axis", Eigen::Vector3d(Eigen::Vector3d::UnitX())}, {"rms", 0.01}}};
+  EXPECT_THAT(
+      textOf(one).message,
+      HasSubstr("translation along x of T_SC0 is not observable: no rotation about y or z"));
+  const Failure apart{FailureCode::kCamerasShareNoFrame,
+                      {{"apart", std::vector<std::string>{"rear"}},
+                       {"together", std::vector<std::string>{"left", "right"}}}};
+  EXPECT_EQ(textOf(apart).message, "rear never saw the target in the same frame as left, right");
+}
+
+TEST(FailureText, ListsWhatTheMotionLeavesLoose) {
+  const Failure loose{FailureCode::kLooseDirections,
+                      {{"translation_axis", Eigen::Vector3d(0.6, 0.8, 0)},
+                       {"translation_std_m", 0.25},
+                       {"offset_std_s", 0.5}}};
+  EXPECT_EQ(textOf(loose).message,
+            "not observable from this motion: translation along (0.60, 0.80, 0.00) of T_SC0 "
+            "(standard deviation 0.25 m), the time offset (standard deviation 0.5 s)");
+}
+
+TEST(FailureText, NamesTheWideAngleModelWhereTheLensIsSuspected) {
+  const Failure tried{FailureCode::kNoPlausiblePose,
+                      {{"camera", "cam0"}, {"views", 9}, {"radtan_suspect", 2}}};
+  EXPECT_THAT(textOf(tried).cure, HasSubstr("no sensor.yaml states the model"));
+  EXPECT_THAT(textOf(tried).cure, HasSubstr("--models pinhole-equidistant"));
+}
+
+}  // namespace
+}  // namespace plumbline
