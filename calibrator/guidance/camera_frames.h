@@ -8,7 +8,6 @@
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
 
 namespace plumbline {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/camera_guide.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 
 #include "calibrator/guidance/camera_frames.h"
 #include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/guidance/view_gain.h"
 #include "calibrator/information/covariance.h"
@@ -53,9 +52,10 @@ struct CameraGuide::State {
 
 CameraGuide::CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion)
     : state_(std::make_unique<State>()) {
+  options.check();
   state_->rig = rig;
   state_->options = options;
-  state_->next_start = static_cast<std::size_t>(std::max(1, options.views.start_frames));
+  state_->next_start = static_cast<std::size_t>(options.views.start_frames);
   state_->next_suggestion = first_suggestion;
   state_->until_round = options.views.patience;
 }
@@ -226,7 +226,7 @@ void CameraGuide::State::startWasWrong(Decision& d) {
   rmse.reset();
   posed = unposed = frames_without_view = 0;
   until_round = options.views.patience;
-  next_start = static_cast<std::size_t>(std::max(1, options.views.start_frames));
+  next_start = static_cast<std::size_t>(options.views.start_frames);
 }
 
 void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {

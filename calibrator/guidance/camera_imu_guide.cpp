@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/camera_imu_guide.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/guidance/imu_stage_start.h"
+#include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/guidance/open_suggestion.h"
-#include "calibrator/guidance/trajectory_evaluator.h"
+#include "calibrator/guidance/trajectory_gain.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_views.h"
 

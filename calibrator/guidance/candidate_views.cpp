@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {
@@ -109,9 +110,19 @@ class Maker {
 
 }  // namespace
 
+void CandidateViewOptions::check() const {
+  requireOption(grid >= 1, "grid", grid, "1 or more");
+  requireOption(reach > 0, "reach", reach, "a positive factor");
+  requireOption(fill > 0, "fill", fill, "a positive share");
+  requireOption(!depths.empty(), "number of depths", depths.size(), "1 or more");
+  for (const double depth : depths) requireOption(depth > 0, "depth", depth, "a positive factor");
+  for (const double tilt : tilts_deg) requireWithin(0, 90, "tilt [deg]", tilt);
+}
+
 std::vector<CandidateView> candidateViews(const std::vector<CameraCalibration>& cameras,
                                           const AprilGrid& target,
                                           const CandidateViewOptions& options) {
+  options.check();
   std::vector<CandidateView> all;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     std::vector<CandidateView> own = Maker(cameras[c], static_cast<int>(c), target, options).all();

@@ -26,6 +26,9 @@ struct CandidateViewOptions {
   /// The tilted views at the first depth, and the central one at every depth, also turned about the
   /// line of sight.
   std::vector<double> rolls_deg = {45, 90};
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// A view that could be asked for.

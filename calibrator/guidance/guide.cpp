@@ -4,10 +4,65 @@
 #include <cassert>
 #include <utility>
 
-#include "calibrator/guidance/camera_guide.h"
-#include "calibrator/guidance/camera_imu_guide.h"
+#include "calibrator/base/option_check.h"
 
 namespace plumbline {
+
+void ViewGuideOptions::check() const {
+  requireOption(pixel_sigma > 0, "views.pixel_sigma", pixel_sigma, "a positive number of pixels");
+  requireOption(cauchy_px >= 0, "views.cauchy_px", cauchy_px, "0 (squared error) or more");
+  requireOption(start_frames >= 2, "views.start_frames", start_frames, "2 or more");
+  requireOption(start_move_px >= 0, "views.start_move_px", start_move_px, "0 or more");
+  requireOption(start_anew_after >= 1, "views.start_anew_after", start_anew_after, "1 or more");
+  requireOption(window >= 1, "views.window", window, "1 or more");
+  requireOption(min_corners >= 4, "views.min_corners", min_corners, "4 or more");
+  requireOption(threshold_nats >= 0, "views.threshold_nats", threshold_nats, "0 or more");
+  requireOption(patience >= 1, "views.patience", patience, "1 or more");
+  requireOption(reached_px > 0, "views.reached_px", reached_px, "a positive distance");
+  requireOption(reached_s >= 0, "views.reached_s", reached_s, "0 or more");
+  requireOption(expires_s > 0, "views.expires_s", expires_s, "a positive time");
+  requireOption(min_views >= 0, "views.min_views", min_views, "0 or more");
+}
+
+void TrajectoryGuideOptions::check() const {
+  requireOption(pixel_sigma > 0, "trajectories.pixel_sigma", pixel_sigma,
+                "a positive number of pixels");
+  requireOption(cauchy_px >= 0, "trajectories.cauchy_px", cauchy_px, "0 (squared error) or more");
+  requireOption(gravity_m_s2 > 0, "trajectories.gravity_m_s2", gravity_m_s2,
+                "a positive acceleration");
+  requireOption(start_frames >= 3, "trajectories.start_frames", start_frames, "3 or more");
+  requireOption(window >= 2, "trajectories.window", window, "2 or more");
+  requireOption(min_corners >= 4, "trajectories.min_corners", min_corners, "4 or more");
+  requireOption(threshold_nats >= 0, "trajectories.threshold_nats", threshold_nats, "0 or more");
+  requireOption(evaluate_every_s > 0, "trajectories.evaluate_every_s", evaluate_every_s,
+                "a positive time");
+  requireOption(reached_px > 0, "trajectories.reached_px", reached_px, "a positive distance");
+  requireOption(reached_s >= 0, "trajectories.reached_s", reached_s, "0 or more");
+  requireOption(expires_s > 0, "trajectories.expires_s", expires_s, "a positive time");
+  requireOption(amplitude > 0, "trajectories.amplitude", amplitude, "a positive factor");
+  requireOption(duration_s > 0, "trajectories.duration_s", duration_s, "a positive time");
+  requireOption(max_speed_m_s > 0, "trajectories.max_speed_m_s", max_speed_m_s, "a positive speed");
+  requireOption(max_rate_rad_s > 0, "trajectories.max_rate_rad_s", max_rate_rad_s,
+                "a positive rate");
+  requireOption(max_acceleration_m_s2 > 0, "trajectories.max_acceleration_m_s2",
+                max_acceleration_m_s2, "a positive acceleration");
+}
+
+void GuideLatency::check() const {
+  for (const double s : {camera_start_s, camera_frame_s, next_view_s, camera_batch_s, imu_start_s,
+                         imu_frame_s, trajectories_s, imu_batch_s}) {
+    requireWithin(0, 60, "latency of a step [s]", s);
+  }
+}
+
+void GuideOptions::check() const {
+  views.check();
+  trajectories.check();
+  latency.check();
+  requireOption(lost_target_s > 0, "lost_target_s", lost_target_s, "a positive time");
+  requireOption(max_frame_gap_s > 0, "max_frame_gap_s", max_frame_gap_s, "a positive time");
+  requireOption(threads >= 1, "threads", threads, "1 or more");
+}
 
 struct Guide::State {
   GuideRig rig;
@@ -23,6 +78,7 @@ struct Guide::State {
 Guide::Guide(const GuideRig& rig, const GuideOptions& options,
              std::optional<std::vector<CameraCalibration>> cameras)
     : state_(std::make_unique<State>()) {
+  options.check();
   state_->rig = rig;
   state_->options = options;
   if (!cameras) {

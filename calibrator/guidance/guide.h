@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -8,13 +9,9 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/base/results.h"
-#include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
 
 namespace plumbline {
-
-class CameraGuide;
-class CameraImuGuide;
 
 /// The paper's interactive guide as a state machine over frames, driven by whoever has them.
 ///
@@ -40,6 +37,77 @@ class Guide {
   /// the stage finishes: over those kept so far.
   Result<CameraStageResult> cameraBatch() const;
   Result<CameraImuStageResult> cameraImuBatch() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The camera stage of the Guide: next best view (paper, section IV).
+///
+/// Start: a batch over the first frames that moved against each other; where it fails (too few
+/// views, not observable), again with more, and the decision says why it failed. A start under
+/// which the frames that follow have no plausible pose is given up, its frames withdrawn, and the
+/// stage starts anew. From then on each
+/// frame gets a pose from its own corners and the cameras as they are, and is scored against the
+/// information of all views kept (fixed-lag window and its prior, CameraWindow): below the
+/// threshold it is left out before it takes part, otherwise the window is solved with it. After
+/// `patience` frames without a new view candidateViews() are scored: the best is suggested, or the
+/// stage finishes where even that gains less than the threshold. While a suggestion is open
+/// informative frames are taken as before; a new one is looked for once it is reached or has
+/// expired.
+///
+/// Every frame gets a Decision. Those without target, without plausible pose, or with a stamp that
+/// is not after the one before change nothing but the suggestion's clock; pauses and a target that
+/// is long out of view are said in `detail`. Decisions depend on frames and options alone, not on
+/// `threads`. Throws InputError for a model that cannot be calibrated or an image without size.
+class CameraGuide {
+ public:
+  /// Suggestions are numbered from `first_suggestion`.
+  CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion = 0);
+  ~CameraGuide();
+  CameraGuide(CameraGuide&&) noexcept;
+  CameraGuide& operator=(CameraGuide&&) noexcept;
+
+  Decision step(const GuideFrame& frame);
+  bool finished() const;
+  /// Until when the guide is busy with what it was given last, latencies included.
+  TimeNs busyUntil() const;
+  int nextSuggestion() const;
+  /// Batch over the frames kept so far, from the estimate as it stands; from nothing before the
+  /// start stands. Fails as calibrateCameras() does.
+  Result<CameraStageResult> batch() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The camera-IMU stage of the Guide: next best trajectory (paper, section V). The cameras stay as
+/// they are given.
+class CameraImuGuide {
+ public:
+  /// What the stage before leaves.
+  struct Begin {
+    int first_suggestion = 0;  ///< suggestions are numbered from it
+    /// Frames before it are dropped (their IMU samples are not).
+    TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+  };
+  /// Needs rig.imu.
+  CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
+                 const GuideOptions& options, const Begin& begin);
+  CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
+                 const GuideOptions& options);
+  ~CameraImuGuide();
+  CameraImuGuide(CameraImuGuide&&) noexcept;
+  CameraImuGuide& operator=(CameraImuGuide&&) noexcept;
+
+  Decision step(const GuideFrame& frame);
+  bool finished() const;
+  TimeNs busyUntil() const;
+  int nextSuggestion() const;
+  /// Batch over the frames kept so far, time offset included.
+  Result<CameraImuStageResult> batch() const;
 
  private:
   struct State;

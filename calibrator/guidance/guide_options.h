@@ -3,6 +3,13 @@
 
 #include <cmath>
 #include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera/batch.h"
 
 namespace plumbline {
 
@@ -26,6 +33,8 @@ struct ViewGuideOptions {
   double reached_s = 0.5;  ///< ... held for so long [s]
   double expires_s = 10;   ///< a suggestion not reached by then counts as not followed [s]
   int min_views = 0;       ///< never finish with fewer views
+
+  void check() const;
 };
 
 /// Next best trajectory (paper, section V).
@@ -47,6 +56,8 @@ struct TrajectoryGuideOptions {
   double max_speed_m_s = 1.5;
   double max_rate_rad_s = 3.14159265358979;
   double max_acceleration_m_s2 = 9.80665;  ///< without gravity
+
+  void check() const;
 };
 
 /// What a step costs in the recording's time. A frame that comes while the guide is busy is
@@ -60,6 +71,8 @@ struct GuideLatency {
   double imu_frame_s = 0;
   double trajectories_s = 0;
   double imu_batch_s = 0;  ///< once, when the stage finishes
+
+  void check() const;
 };
 
 struct GuideOptions {
@@ -69,6 +82,29 @@ struct GuideOptions {
   double lost_target_s = 2;    ///< without the target for longer: said in the log [s]
   double max_frame_gap_s = 1;  ///< a pause between frames longer than this is a jump [s]
   int threads = 1;             ///< decisions do not depend on it
+
+  /// Throws InputError naming the field that is out of its range; of every part.
+  void check() const;
+};
+
+/// What the guide knows of the sensor before it sees anything.
+struct GuideRig {
+  struct Camera {
+    std::string name;
+    Resolution resolution;
+    CameraModelPair model;
+  };
+  AprilGrid target;
+  std::vector<Camera> cameras;
+  std::optional<ImuNoise> imu;  ///< empty: no IMU, no camera-IMU stage
+};
+
+/// All that arrives up to and with one camera frame.
+struct GuideFrame {
+  int index = 0;                             ///< position in the recording
+  TimeNs t = 0;                              ///< stamp, camera 0's clock
+  std::vector<std::vector<Corner>> corners;  ///< per camera; ids ascending; empty: no view
+  std::vector<ImuSample> imu;  ///< samples since the frame before, ascending; stamps as recorded
 };
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/imu_stage_recording.h"
 #include "calibrator/window/camera_imu_window.h"
@@ -44,5 +45,13 @@ class ImuStageTracker {
   std::optional<int> held_;  // position of the frame that the window holds back
   std::deque<PosedFrame> pending_;
 };
+
+/// The window on the first frames of the camera-IMU stage: their batch (the time offset by
+/// correlation and refined in it, then held), of which all but the last frames become the window's
+/// prior. Frames at the end that IMU samples do not cover yet are left out. Fails where
+/// calibrateCameraImu() does or where it did not converge.
+Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
+                                       const std::vector<CameraCalibration>& cameras,
+                                       const TrajectoryGuideOptions& options);
 
 }  // namespace plumbline

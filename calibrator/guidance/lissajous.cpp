@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "calibrator/base/option_check.h"
+
 namespace plumbline {
 namespace {
 
@@ -85,6 +87,16 @@ std::vector<LissajousShape> lissajousShapes(bool s_curves) {
   return shapes;
 }
 
+void LissajousOptions::check() const {
+  requireOption(amplitude > 0, "amplitude", amplitude, "a positive factor");
+  requireOption(distance_ratio > 0, "distance_ratio", distance_ratio, "a positive factor");
+  requireOption(duration_s > 0, "duration_s", duration_s, "a positive time");
+  requireOption(max_speed_m_s > 0, "max_speed_m_s", max_speed_m_s, "a positive speed");
+  requireOption(max_rate_rad_s > 0, "max_rate_rad_s", max_rate_rad_s, "a positive rate");
+  requireOption(max_acceleration_m_s2 > 0, "max_acceleration_m_s2", max_acceleration_m_s2,
+                "a positive acceleration");
+}
+
 LissajousOptions lissajousOptions(const TrajectoryGuideOptions& options) {
   LissajousOptions out;
   out.amplitude = options.amplitude;
@@ -103,6 +115,7 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
       B_(shape_.b == 0 ? 0 : options.amplitude * shape_.height_ratio * target.height()),
       R_(options.distance_ratio * std::max(target.width(), target.height())),
       duration_s_(options.duration_s) {
+  options.check();
   const double reach = std::hypot(A_, B_);
   const double shrink = reach > kWidest * R_ ? kWidest * R_ / reach : 1;
   A_ *= shrink;

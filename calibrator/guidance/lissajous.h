@@ -34,6 +34,9 @@ struct LissajousOptions {
   double max_speed_m_s = 1.5;
   double max_rate_rad_s = 3.14159265358979;
   double max_acceleration_m_s2 = 9.80665;  ///< without gravity
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 LissajousOptions lissajousOptions(const TrajectoryGuideOptions& options);
 

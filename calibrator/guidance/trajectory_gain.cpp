@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/trajectory_gain.h"
 
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/residuals/tangent.h"
@@ -90,10 +92,22 @@ double instant(std::size_t k, double rate_hz, double before) {
 
 }  // namespace
 
+void TrajectoryRecording::check() const {
+  requireOption(camera_rate_hz > 0, "camera_rate_hz", camera_rate_hz, "a positive rate");
+  requireOption(imu_rate_hz > 0, "imu_rate_hz", imu_rate_hz, "a positive rate");
+  requireOption(gravity_m_s2 > 0, "gravity_m_s2", gravity_m_s2, "a positive acceleration");
+  requireOption(pixel_sigma > 0, "pixel_sigma", pixel_sigma, "a positive number of pixels");
+  requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
+  requireOption(border_px >= 0, "border_px", border_px, "0 or more");
+  requireOption(min_tag_px >= 0, "min_tag_px", min_tag_px, "0 or more");
+  requireOption(pause_s >= 0, "pause_s", pause_s, "0 or more");
+}
+
 TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
                                    std::vector<LissajousTrajectory> trajectories,
                                    const std::vector<CameraCalibration>& cameras)
     : recording_(recording), trajectories_(std::move(trajectories)), cameras_(cameras) {
+  recording.check();
   for (const LissajousTrajectory& trajectory : trajectories_) {
     prepared_.push_back(prepare(trajectory));
   }
@@ -185,6 +199,55 @@ std::vector<double> TrajectoryScorer::gainsNats(const WindowKnowledge& now, int 
     if (gain) gains[i] = *gain;
   });
   return gains;
+}
+
+namespace {
+
+/// Index of the highest score that is one; -1 where none is.
+int bestOf(const std::vector<double>& gains) {
+  int best = -1;
+  for (int i = 0; i < static_cast<int>(gains.size()); ++i) {
+    const double gain = gains[static_cast<std::size_t>(i)];
+    if (std::isnan(gain)) continue;
+    if (best < 0 || gain > gains[static_cast<std::size_t>(best)]) best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+TrajectoryEvaluator::TrajectoryEvaluator(TrajectoryScorer scorer, const EvaluatorTiming& timing)
+    : scorer_(std::make_shared<TrajectoryScorer>(std::move(scorer))), timing_(timing) {}
+
+bool TrajectoryEvaluator::isDue(TimeNs t) const {
+  if (gains_.valid()) return false;
+  return !asked_ || t >= *asked_ + toNanoseconds(timing_.every_s);
+}
+
+void TrajectoryEvaluator::ask(TimeNs t, WindowKnowledge now) {
+  assert(isDue(t));
+  asked_ = t;
+  const bool beside = timing_.threads > 1 && timing_.latency_s > 0;
+  gains_ = std::async(beside ? std::launch::async : std::launch::deferred,
+                      [scorer = scorer_, now = std::move(now), threads = timing_.threads] {
+                        return scorer->gainsNats(now, threads);
+                      });
+}
+
+std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
+  if (!gains_.valid()) return std::nullopt;
+  const TimeNs answered = *asked_ + toNanoseconds(timing_.latency_s);
+  if (t < answered) return std::nullopt;
+  CandidateRound round;
+  round.asked = *asked_;
+  round.answered = answered;
+  for (const LissajousTrajectory& trajectory : trajectories()) {
+    round.names.push_back(trajectory.name());
+    round.T_FC0.push_back(trajectory.cameraAt(0).T_FB);
+  }
+  round.mi_nats = gains_.get();
+  round.best = bestOf(round.mi_nats);
+  return round;
 }
 
 }  // namespace plumbline

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <future>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/lissajous.h"
 #include "calibrator/window/camera_imu_window.h"
 
@@ -23,6 +26,9 @@ struct TrajectoryRecording {
   double min_tag_px = 8;      ///< nor are tags with a side shorter than this
   double pause_s = 2;         ///< from now to the trajectory's first frame
   bool score_offset = false;  ///< the time offset counts beside T_SC0
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// What a trajectory's measurements would add, about T_SC0 (and the time offset), to what is known
@@ -68,6 +74,34 @@ class TrajectoryScorer {
   std::vector<LissajousTrajectory> trajectories_;
   std::vector<CameraCalibration> cameras_;
   std::vector<Prepared> prepared_;
+};
+
+/// When scores are asked for and when they are there, in the recording's time.
+struct EvaluatorTiming {
+  double every_s = 1;    ///< from one start to the next
+  double latency_s = 0;  ///< from the frame whose estimate is scored to the answer
+  int threads = 1;       ///< 2 or more: scores are computed beside the frames that follow
+};
+
+/// Scores all trajectories on snapshots of the estimate. What comes out, and when, depends on the
+/// frames' stamps alone.
+class TrajectoryEvaluator {
+ public:
+  TrajectoryEvaluator(TrajectoryScorer scorer, const EvaluatorTiming& timing);
+
+  const std::vector<LissajousTrajectory>& trajectories() const { return scorer_->trajectories(); }
+  /// Whether a new evaluation should start with the frame at `t`: the last one was answered, and it
+  /// was asked for long enough ago.
+  bool isDue(TimeNs t) const;
+  void ask(TimeNs t, WindowKnowledge now);
+  /// The scores, once, with the first frame at or after their time.
+  std::optional<CandidateRound> answerAt(TimeNs t);
+
+ private:
+  std::shared_ptr<const TrajectoryScorer> scorer_;
+  EvaluatorTiming timing_;
+  std::optional<TimeNs> asked_;  // the last one
+  std::future<std::vector<double>> gains_;
 };
 
 }  // namespace plumbline

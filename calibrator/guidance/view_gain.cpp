@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/residuals/view_gram.h"
 
@@ -86,9 +87,18 @@ class ViewScorer::Sum {
   bool any_ = false;
 };
 
+void ViewGainOptions::check() const {
+  requireOption(pixel_sigma > 0, "pixel_sigma", pixel_sigma, "a positive number of pixels");
+  requireOption(cauchy_px >= 0, "cauchy_px", cauchy_px, "0 (squared error) or more");
+  requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
+  requireOption(border_px >= 0, "border_px", border_px, "0 or more");
+  requireOption(min_tag_px >= 0, "min_tag_px", min_tag_px, "0 or more");
+}
+
 ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
                        const Eigen::MatrixXd& information, const ViewGainOptions& options)
     : target_(target), cameras_(cameras), layout_(cameras.intrinsics), options_(options) {
+  options.check();
   for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
     visible_.emplace_back(cameras.intrinsics[c], target,
                           VisibleTags::Limits{options.border_px, options.min_tag_px});

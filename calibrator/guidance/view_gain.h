@@ -18,6 +18,9 @@ struct ViewGainOptions {
   int min_corners = 16;    ///< of one camera, for its part of a predicted view to count
   double border_px = 5;    ///< tags that come closer to the image's border are not seen
   double min_tag_px = 8;   ///< nor are tags with a side shorter than this
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// Scores views by what they would tell of the cameras: the mutual information with the cameras'

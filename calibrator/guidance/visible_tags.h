@@ -7,7 +7,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera_dispatch.h"
-#include "calibrator/guidance/predicted_corners.h"
 #include "calibrator/guidance/tag_kernel.h"
 #include "calibrator/residuals/instruction_set.h"
 

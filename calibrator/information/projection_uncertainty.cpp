@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/dense.h"
 
@@ -72,9 +73,15 @@ std::optional<ImpliedShift> impliedShift(const std::vector<Matrix6d>& H, const E
   return alignment == FrameAlignment::kMeanFrames ? meanFrames(H, P) : crossReprojection(H, P);
 }
 
+void ImageFitOptions::check() const {
+  requireOption(range_m > 0, "range_m", range_m, "a positive length, or infinity");
+  requireOption(columns >= 1 && rows >= 1, "columns x rows", columns * rows, "1 x 1 or more");
+}
+
 ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
                                         const Eigen::MatrixXd& intrinsics_covariance,
                                         const ImageFitOptions& options) {
+  options.check();
   const Eigen::Index K = intrinsics_covariance.rows();
   const bool finite = std::isfinite(options.range_m);
   Matrix6d H = Matrix6d::Zero();

@@ -57,6 +57,9 @@ using ProjectionCovariance = Eigen::MatrixXd;
 struct ImageFitOptions {
   double range_m = std::numeric_limits<double>::infinity();
   int columns = 31, rows = 21;
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
                                         const Eigen::MatrixXd& intrinsics_covariance,

@@ -3,12 +3,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_rates.h"
 #include "calibrator/linear/dense.h"
@@ -195,10 +195,19 @@ Failure ofClock(const Failure& failure, const ClockOffsetOptions& options) {
 
 }  // namespace
 
+void ClockOffsetOptions::check() const {
+  requireOption(max_offset_s > 0, "max_offset_s", max_offset_s, "a positive time");
+  requireOption(estimate_interval_s > 0, "estimate_interval_s", estimate_interval_s,
+                "a positive time");
+  requireOption(truth_interval_s > 0, "truth_interval_s", truth_interval_s, "a positive time");
+  requireOption(max_gap_s > 0, "max_gap_s", max_gap_s, "a positive time");
+  requireWithin(0, 1, "min_correlation", min_correlation);
+}
+
 Result<ClockOffset> estimateClockOffset(std::span<const StampedPose> estimate,
                                         std::span<const StampedPose> truth,
                                         const ClockOffsetOptions& options) {
-  assert(options.max_offset_s > 0 && options.min_correlation >= 0);
+  options.check();
   const auto ours = ratesOf(estimate, options.estimate_interval_s, options.max_gap_s);
   const auto theirs = ratesOf(truth, options.truth_interval_s, options.max_gap_s);
   const Result<ClockOffset> vectors = correlate(ours, theirs, RateFeature::kVectors, options);

@@ -16,6 +16,9 @@ struct ClockOffsetOptions {
   double truth_interval_s = 0.02;     ///< and the truth's over at least this
   double max_gap_s = 0.5;             ///< no rate is taken across a longer pause
   double min_correlation = 0.6;       ///< below it nothing is claimed
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// What was correlated.

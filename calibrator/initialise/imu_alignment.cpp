@@ -8,6 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "calibrator/base/option_check.h"
+
 namespace plumbline {
 namespace {
 
@@ -168,9 +170,18 @@ RateAlignment alignRates(std::span<const RatePair> pairs) {
   return out;
 }
 
+void TimeOffsetOptions::check() const {
+  requireOption(max_offset_s > 0, "max_offset_s", max_offset_s, "a positive time");
+  requireOption(coarse_step_s > 0 && coarse_step_s <= max_offset_s, "coarse_step_s", coarse_step_s,
+                "a positive time within max_offset_s");
+  requireWithin(0, 1, "min_overlap", min_overlap);
+  requireOption(min_pairs >= 3, "min_pairs", min_pairs, "3 or more");
+}
+
 Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera,
                                               const GyroIntegral& gyro,
                                               const TimeOffsetOptions& options) {
+  options.check();
   if (camera.size() < static_cast<std::size_t>(options.min_pairs)) {
     return Failure{FailureCode::kTooFewRates,
                    {{"rates", camera.size()}, {"needed", options.min_pairs}}};

@@ -35,6 +35,9 @@ struct TimeOffsetOptions {
   double min_overlap = 0.5;     ///< part of what the gyro covers under the best-covered offset
                                 ///< that it must cover under the chosen one [0..1]
   int min_pairs = 20;           ///< rates below which no correlation is attempted
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 struct TimeOffsetEstimate {

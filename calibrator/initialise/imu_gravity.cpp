@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/residuals/preintegration.h"
 
 namespace plumbline {
@@ -129,12 +130,21 @@ InertialAlignment solve(const std::vector<Equation>& equations,
 
 }  // namespace
 
+void InertialAlignmentOptions::check() const {
+  requireOption(span_s > 0, "span_s", span_s, "a positive time");
+  requireOption(max_triples >= 10, "max_triples", max_triples, "10 or more");
+  requireOption(t_SC0_prior_m > 0, "t_SC0_prior_m", t_SC0_prior_m, "a positive length");
+  requireOption(accel_bias_prior > 0, "accel_bias_prior", accel_bias_prior,
+                "a positive acceleration");
+}
+
 std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
                                                  std::span<const ImuSample> samples,
                                                  const Eigen::Matrix3d& R_SC0,
                                                  const Eigen::Vector3d& gyro_bias,
                                                  double time_offset_s,
                                                  const InertialAlignmentOptions& options) {
+  options.check();
   const ImuBias bias{gyro_bias, Eigen::Vector3d::Zero()};
   std::vector<Equation> equations;
   const double longest_s = kGapIntervals * medianSampleInterval(samples);

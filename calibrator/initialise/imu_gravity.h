@@ -26,6 +26,9 @@ struct InertialAlignmentOptions {
   int max_triples = 300;          ///< spread evenly over the recording
   double t_SC0_prior_m = 1.0;     ///< standard deviations of zero-mean priors, so that motion that
   double accel_bias_prior = 0.3;  ///< says nothing of them leaves them at zero
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// Solves for scale s, t_SC0, gravity and accelerometer bias from triples of frames a, b, c: the

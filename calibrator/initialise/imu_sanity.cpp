@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/initialise/imu_sanity.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {
@@ -25,8 +27,22 @@ double medianNorm(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample:
 
 }  // namespace
 
+void SanityOptions::check() const {
+  requireOption(gravity_m_s2 > 0, "gravity_m_s2", gravity_m_s2, "a positive acceleration");
+  requireWithin(0, 1, "min_correlation", min_correlation);
+  requireOption(min_excitation_rad_s >= 0, "min_excitation_rad_s", min_excitation_rad_s,
+                "0 or more");
+  requireOption(rate_tolerance > 0, "rate_tolerance", rate_tolerance, "a positive ratio");
+  requireOption(scale_tolerance > 0, "scale_tolerance", scale_tolerance, "a positive ratio");
+  requireOption(significance > 0, "significance", significance, "a positive factor");
+  requireOption(gravity_tolerance > 0, "gravity_tolerance", gravity_tolerance, "a positive ratio");
+  requireOption(max_residual_m_s2 > 0, "max_residual_m_s2", max_residual_m_s2,
+                "a positive acceleration");
+}
+
 std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
                                         const SanityOptions& options) {
+  options.check();
   if (samples.size() < 2) {
     return Failure{FailureCode::kTooFewSamples};
   }

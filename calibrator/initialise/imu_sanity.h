@@ -25,6 +25,9 @@ struct SanityOptions {
   double significance = 6;             ///< and in standard deviations
   double gravity_tolerance = 0.03;     ///< of |g| as estimated, relative
   double max_residual_m_s2 = 1.5;      ///< RMS of the inertial alignment
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// Swapped gyro and accelerometer columns, accelerometer in g or milli-g or otherwise scaled: by

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/render_sensor.h"
 #include "calibrator/target/tag_family.h"
@@ -35,25 +36,10 @@ std::array<SamplePoint, kSamples> hammersley() {
   return points;
 }
 
-void check(const AprilGrid& target, const RenderOptions& o) {
-  if (target.tagCount() > kFamilySize) {
-    throw InputError(fmt::format("a target of {} x {} tags cannot be rendered; tag36h11 has {}",
-                                 target.rows, target.cols, kFamilySize));
-  }
-  const auto within = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high)) {
-      throw InputError(fmt::format("render option {} is {}; expected a value from {} to {}", name,
-                                   value, low, high));
-    }
-  };
-  within("black_level", o.black_level, 0, 255);
-  within("white_level", o.white_level, 0, 255);
-  within("wall_level", o.wall_level, 0, 255);
-  within("shading", o.shading, 0, 1);
-  within("vignetting", o.vignetting, 0, 1);
-  within("blur_sigma_px", o.blur_sigma_px, 0, 20);
-  within("noise_sigma", o.noise_sigma, 0, 100);
-  within("margin_ratio", o.margin_ratio, 0, 100);
+void checkTarget(const AprilGrid& target) {
+  if (target.tagCount() <= kFamilySize) return;
+  throw InputError(fmt::format("a target of {} x {} tags cannot be rendered; tag36h11 has {}",
+                               target.rows, target.cols, kFamilySize));
 }
 
 std::size_t area(int width, int height) {
@@ -95,12 +81,23 @@ struct TargetRenderer::View {
   Eigen::Vector3f c_F;  // the camera's centre
 };
 
+void RenderOptions::check() const {
+  requireWithin(0, 255, "render.black_level", black_level);
+  requireWithin(0, 255, "render.white_level", white_level);
+  requireWithin(0, 255, "render.wall_level", wall_level);
+  requireWithin(0, 1, "render.shading", shading);
+  requireWithin(0, 1, "render.vignetting", vignetting);
+  requireWithin(0, 20, "render.blur_sigma_px", blur_sigma_px);
+  requireWithin(0, 100, "render.noise_sigma", noise_sigma);
+  requireWithin(0, 100, "render.margin_ratio", margin_ratio);
+}
+
 TargetRenderer::TargetRenderer(const Intrinsics& camera, const AprilGrid& target,
                                const RenderOptions& options)
     : width_(camera.resolution.width),
       height_(camera.resolution.height),
       target_(target),
-      options_((check(target, options), options)),
+      options_((checkTarget(target), options.check(), options)),
       pattern_(target, options.margin_ratio * target.tag_size),
       rays_(cornerRays(camera)),
       gain_(vignettingGain(camera.resolution, options.vignetting)) {}

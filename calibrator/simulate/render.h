@@ -24,6 +24,9 @@ struct RenderOptions {
   double blur_sigma_px = 0.7;  ///< lens blur (Gaussian), besides the area of a pixel; 0: none
   double noise_sigma = 2;      ///< standard deviation of a pixel's noise [grey levels]
   double margin_ratio = 0.3;   ///< paper around the target as a ratio of the tag size
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// Renders an AprilGrid (tag36h11, 2-bit border and corner squares, as Kalibr prints it) as one

@@ -103,7 +103,7 @@ Transform SimulatedSession::T_WF() const {
 }
 
 SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& o) {
-  check(o);
+  o.check();
   Calibration truth = trueCalibration(rig, o);
   check(o.faults, {o.duration_s, static_cast<int>(truth.cameras.size())});
   const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();

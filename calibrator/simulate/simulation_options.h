@@ -42,9 +42,9 @@ struct SimulationOptions {
                          -0.05};  ///< direction of gravity in F, any length; not along x
 
   std::vector<Fault> faults;  ///< what is wrong with the recording; checked by simulateSession()
-};
 
-/// Throws InputError, naming the option, where a value is out of its range.
-void check(const SimulationOptions& options);
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
+};
 
 }  // namespace plumbline

@@ -6,17 +6,13 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/target/grid_search.h"
 #include "calibrator/target/grid_tags.h"
 #include "calibrator/target/quad_finder.h"
 
 namespace plumbline {
 namespace {
-
-void require(bool holds, const char* field, double value, const char* expected) {
-  if (holds) return;
-  throw InputError(fmt::format("detector option {} = {}: expected {}", field, value, expected));
-}
 
 void checkGrid(const AprilGrid& grid) {
   if (grid.rows < 1 || grid.cols < 1 || grid.tagCount() > kFamilySize || !(grid.tag_size > 0) ||
@@ -57,14 +53,19 @@ void append(Detection& detection, const TagImage& tag) {
 }  // namespace
 
 void DetectorOptions::check() const {
-  require(border_bits == 1 || border_bits == 2, "border_bits", border_bits, "1 or 2");
-  require(decimation >= 1 && decimation <= 8, "decimation", decimation, "1 to 8");
-  require(max_hamming >= 0 && max_hamming <= 2, "max_hamming", max_hamming, "0 to 2");
-  require(min_border_distance_px >= 0, "min_border_distance_px", min_border_distance_px, ">= 0");
-  require(min_edge_px >= 4, "min_edge_px", min_edge_px, ">= 4");
-  require(max_grid_error_px > 0, "max_grid_error_px", max_grid_error_px, "> 0");
-  require(min_contrast >= 1 && min_contrast <= 128, "min_contrast", min_contrast, "1 to 128");
-  require(min_tags >= 2, "min_tags", min_tags, ">= 2");
+  requireOption(border_bits == 1 || border_bits == 2, "detector.border_bits", border_bits,
+                "1 or 2");
+  requireOption(decimation >= 1 && decimation <= 8, "detector.decimation", decimation, "1 to 8");
+  requireOption(max_hamming >= 0 && max_hamming <= 2, "detector.max_hamming", max_hamming,
+                "0 to 2");
+  requireOption(min_border_distance_px >= 0, "detector.min_border_distance_px",
+                min_border_distance_px, "0 or more");
+  requireOption(min_edge_px >= 4, "detector.min_edge_px", min_edge_px, "4 or more");
+  requireOption(max_grid_error_px > 0, "detector.max_grid_error_px", max_grid_error_px,
+                "more than 0");
+  requireOption(min_contrast >= 1 && min_contrast <= 128, "detector.min_contrast", min_contrast,
+                "1 to 128");
+  requireOption(min_tags >= 2, "detector.min_tags", min_tags, "2 or more");
 }
 
 struct AprilGridDetector::Parts {

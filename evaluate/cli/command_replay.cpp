@@ -80,11 +80,6 @@ void readLatency(const std::string& text, GuideLatency& latency) {
       fmt::format("--latency-ms {}: expected STEP=MILLISECONDS with a step among {}", text, names));
 }
 
-void requireWhole(const char* option, int value, int least) {
-  if (value >= least) return;
-  throw InputError(fmt::format("{} {}: expected {} or more", option, value, least));
-}
-
 void declareViews(CLI::App& app, ViewGuideOptions& o) {
   app.add_option("--start-frames", o.start_frames, "Frames that start the camera stage")
       ->capture_default_str();
@@ -145,23 +140,8 @@ void GuideOptionSet::declare(CLI::App& app) {
 GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gravity_m_s2) const {
   GuideOptions o = guide;
   requirePositive("--threshold-bits", threshold_bits);
-  requirePositive("--expires-s", o.views.expires_s);
-  requirePositive("--reached-px", o.views.reached_px);
-  requirePositive("--evaluate-every-s", o.trajectories.evaluate_every_s);
-  requirePositive("--trajectory-s", o.trajectories.duration_s);
-  requirePositive("--trajectory-amplitude", o.trajectories.amplitude);
-  requirePositive("--max-speed", o.trajectories.max_speed_m_s);
   requirePositive("--max-rate", max_rate_deg_s);
   requirePositive("--max-acceleration", max_acceleration_g);
-  requireWhole("--start-frames", o.views.start_frames, 2);
-  requireWhole("--start-anew-after", o.views.start_anew_after, 1);
-  requireWhole("--window", o.views.window, 1);
-  requireWhole("--patience", o.views.patience, 1);
-  requireWhole("--min-views", o.views.min_views, 0);
-  requireWhole("--imu-start-frames", o.trajectories.start_frames, 3);
-  requireWhole("--imu-window", o.trajectories.window, 2);
-  if (!(o.views.start_move_px >= 0)) throw InputError("--start-move-px: expected zero or more");
-  if (!(o.views.reached_s >= 0)) throw InputError("--reached-s: expected zero or more");
   if (!(arrival_ms >= 0 && arrival_ms <= kLongest_ms)) {
     throw InputError("--arrival-ms: expected 0 to 60000");
   }
@@ -174,6 +154,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gr
   o.views.cauchy_px = o.trajectories.cauchy_px = camera.cauchy_px;
   o.trajectories.gravity_m_s2 = gravity_m_s2;
   o.threads = camera.threads;
+  o.check();
   return o;
 }
 

@@ -8,7 +8,6 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
-#include "calibrator/guidance/guide_frame.h"
 #include "calibrator/guidance/guide_options.h"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/guidance/camera_guide.h"
+#include "calibrator/guidance/guide.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/guidance/camera_guide.h"
+#include "calibrator/guidance/guide.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "calibrator/simulate/simulate_views.h"
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/camera_guide.h"
-
 #include <Eigen/Cholesky>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/guidance/guide.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 #include "tests/calibrator/window/stereo_frames.h"
 

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/guidance/camera_imu_guide.h"
+#include "calibrator/guidance/guide.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/guidance/imu_stage_start.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"

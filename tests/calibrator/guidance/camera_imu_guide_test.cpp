@@ -2,8 +2,6 @@
 // The camera-IMU stage on simulated recordings: its end, its decisions and its suggestions. Bad
 // input has a file of its own (camera_imu_guide_input_test.cpp). The trajectories' scores and the
 // window have tests of their own.
-#include "calibrator/guidance/camera_imu_guide.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/guidance/guide.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "calibrator/base/frames.h"
-#include "calibrator/guidance/camera_imu_guide.h"
+#include "calibrator/guidance/guide.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline::testing {

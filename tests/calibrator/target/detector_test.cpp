@@ -235,7 +235,7 @@ TEST(Detector, NamesTheOptionThatIsOutOfRange) {
     return std::string("accepted");
   };
   EXPECT_THAT(message({}, {.border_bits = 3}), HasSubstr("border_bits = 3"));
-  EXPECT_THAT(message({}, {.decimation = 0.5}), HasSubstr("decimation = 0.5"));
+  EXPECT_THAT(message({}, {.decimation = 0.5}), HasSubstr("decimation is 0.5"));
   EXPECT_THAT(message({}, {.max_hamming = 3}), HasSubstr("max_hamming = 3"));
   EXPECT_THAT(message({}, {.min_border_distance_px = -1}), HasSubstr("min_border_distance_px"));
   EXPECT_THAT(message({}, {.min_edge_px = 1}), HasSubstr("min_edge_px"));

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+
+/// For the check() of options: throws InputError "FIELD is VALUE; expected RULE" unless `holds`.
+/// Write the condition so that NaN does not fulfil it: value > 0, not !(value <= 0).
+template <class T>
+void requireOption(bool holds, const char* field, const T& value, const char* rule) {
+  if (!holds) throw InputError(fmt::format("{} is {}; expected {}", field, value, rule));
+}
+
+/// The same for a value that must lie in [low, high].
+inline void requireWithin(double low, double high, const char* field, double value) {
+  if (value >= low && value <= high) return;
+  throw InputError(
+      fmt::format("{} is {}; expected a value from {} to {}", field, value, low, high));
+}
+
+}  // namespace plumbline
