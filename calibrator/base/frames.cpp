@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "calibrator/base/statistics.h"
+
 namespace plumbline {
 namespace {
 
@@ -15,12 +17,6 @@ struct Stamp {
   int camera;
   int view;
 };
-
-TimeNs medianOf(std::vector<TimeNs> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Stamp of the reference nearest to each of the camera's stamps, as differences.
 std::vector<TimeNs> nearestDifferences(const std::vector<TimeNs>& stamps,
@@ -41,15 +37,15 @@ TimeNs constantShift(const std::vector<TimeNs>& stamps, const std::vector<TimeNs
                      TimeNs tolerance) {
   if (std::min(stamps.size(), reference.size()) < kFewestForConstant) return 0;
   std::vector<TimeNs> differences = nearestDifferences(stamps, reference);
-  const TimeNs shift = medianOf(differences);
+  const TimeNs shift = middleOf(differences);
   if (std::llabs(shift) <= tolerance) return 0;
   for (TimeNs& d : differences) d = std::llabs(d - shift);
   std::vector<TimeNs> intervals;
   for (std::size_t i = 1; i < reference.size(); ++i) {
     intervals.push_back(reference[i] - reference[i - 1]);
   }
-  const bool is_constant = 2 * medianOf(std::move(differences)) < tolerance &&
-                           4 * std::llabs(shift) <= medianOf(std::move(intervals));
+  const bool is_constant = 2 * middleOf(std::move(differences)) < tolerance &&
+                           4 * std::llabs(shift) <= middleOf(std::move(intervals));
   return is_constant ? shift : 0;
 }
 
@@ -167,7 +163,7 @@ std::vector<TimeNs> stampShifts(const std::vector<CameraStream>& cameras,
       differences.push_back(cameras[c].views[static_cast<std::size_t>(frame.view[c])].t -
                             cameras[0].views[static_cast<std::size_t>(frame.view[0])].t);
     }
-    if (!differences.empty()) shifts[c] = medianOf(std::move(differences));
+    if (!differences.empty()) shifts[c] = middleOf(std::move(differences));
   }
   return shifts;
 }

@@ -5,18 +5,9 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/camera_models.h"
 
 namespace plumbline {
-
-struct ParameterName {
-  std::string name;
-  std::string unit;  ///< "px", "-", "m" or "rad"
-};
-
-/// Names of Intrinsics::stacked(), in its order, as Kalibr's documents call them: xi, alpha, beta
-/// before fu fv pu pv, then k1 ... p2, k1 ... k4, or w.
-std::vector<ParameterName> intrinsicParameters(ProjectionModel projection,
-                                               DistortionModel distortion);
 
 /// Names and units of a rig's cameras: all intrinsics ("cam0.fu", by the camera's name or, without
 /// one, its place), then the tangents of all T_C0Ci but the first ("T_C0C1.tx" .. "T_C0C1.rz").

@@ -6,16 +6,27 @@
 #include <cmath>
 
 namespace plumbline {
+namespace {
+
+/// The q-quantile of ascending values (type 7). A position on a value needs no neighbour, which may
+/// be infinite.
+double quantileOfSorted(const std::vector<double>& sorted, double q) {
+  const double position = q * static_cast<double>(sorted.size() - 1);
+  const auto low = static_cast<std::size_t>(position);
+  const double share = position - static_cast<double>(low);
+  return share == 0 ? sorted[low] : sorted[low] + share * (sorted[low + 1] - sorted[low]);
+}
+
+}  // namespace
 
 double quantile(std::vector<double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
-  const double position = q * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::size_t>(std::floor(position));
-  std::nth_element(values.begin(), values.begin() + low, values.end());
-  const double below = values[low];
-  if (low + 1 >= values.size()) return below;
-  const double above = *std::min_element(values.begin() + low + 1, values.end());
-  return below + (position - static_cast<double>(low)) * (above - below);
+  // Two order statistics, not a sort: medians of all corners' errors are taken often.
+  const auto low = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(low);
+  std::nth_element(values.begin(), at, values.end());
+  if (at + 1 != values.end()) std::iter_swap(at + 1, std::min_element(at + 1, values.end()));
+  return quantileOfSorted(values, q);
 }
 
 ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors) {
@@ -42,6 +53,30 @@ ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors) {
   s.std_px = std::sqrt(variance);
   s.axis_std_px = axis_variance.cwiseSqrt();
   s.median_px = quantile(std::move(norms), 0.5);
+  return s;
+}
+
+SampleStatistics sampleStatistics(std::vector<double> values, int ddof) {
+  assert(ddof == 0 || ddof == 1);
+  SampleStatistics s;
+  s.n = values.size();
+  if (values.empty()) return s;
+  const auto n = static_cast<double>(values.size());
+  for (const double x : values) {
+    s.mean += x / n;
+    s.sse += x * x;
+  }
+  s.rmse = std::sqrt(s.sse / n);
+  double spread = 0;
+  for (const double x : values) spread += (x - s.mean) * (x - s.mean);
+  if (n > ddof) s.std = std::sqrt(spread / (n - ddof));
+  std::sort(values.begin(), values.end());
+  s.min = values.front();
+  s.max = values.back();
+  s.median = quantileOfSorted(values, 0.5);
+  for (std::size_t i = 0; i < kPercents.size(); ++i) {
+    s.percentiles[i] = quantileOfSorted(values, kPercents[i] / 100);
+  }
   return s;
 }
 

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cassert>
 #include <cstddef>
 #include <vector>
 
@@ -25,5 +28,35 @@ ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors);
 /// The q-quantile (0 <= q <= 1) of values by linear interpolation (type 7); values must not be
 /// empty.
 double quantile(std::vector<double> values, double q);
+
+/// The middle of values of any ordered type, the upper one of two: the median where an average of
+/// two values would mean nothing more (stamps, starts of a search). Not empty.
+template <class T>
+T middleOf(std::vector<T> values) {
+  assert(!values.empty());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Percents at which SampleStatistics keeps percentiles.
+inline constexpr std::array<double, 6> kPercents = {1, 5, 25, 75, 95, 99};
+
+/// What is said of a set of scalar errors x_i, i = 1..n, in their own unit.
+struct SampleStatistics {
+  double rmse = 0;    ///< sqrt(sse / n)
+  double mean = 0;    ///< sum x / n
+  double median = 0;  ///< mean of the middle two where n is even
+  double std = 0;     ///< sqrt(sum (x - mean)^2 / (n - ddof))
+  double min = 0;
+  double max = 0;
+  double sse = 0;                                      ///< sum x^2
+  std::array<double, kPercents.size()> percentiles{};  ///< at kPercents, linear interpolation
+  std::size_t n = 0;
+};
+
+/// Statistics of `values`; all zero for none. `ddof` 0 divides the variance by n (evo, rpg), 1 by
+/// n - 1 (ov_eval; 0 there for a single value).
+SampleStatistics sampleStatistics(std::vector<double> values, int ddof = 0);
 
 }  // namespace plumbline

@@ -21,10 +21,6 @@ struct Projection {
   IntrinsicsJacobian J_intrinsics;      ///< d uv / d stacked()
 };
 
-/// Whether this project can calibrate with that pair of models (pinhole with radtan or
-/// equidistant).
-bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion);
-
 /// Projects a point of the camera frame [m] to pixels. Empty where the model does not define it:
 /// behind the camera (wide-angle models: beyond their own limit), or beyond the radius at which the
 /// distortion stops growing (folding back). Every model that Kalibr writes projects; throws

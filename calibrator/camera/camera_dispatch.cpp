@@ -55,11 +55,6 @@ Sizes sizesOf(const AnyCameraModel& model) {
 
 }  // namespace
 
-bool isCalibrationSupported(ProjectionModel projection, DistortionModel distortion) {
-  const auto model = find(projection, distortion);
-  return model && std::visit([]<class Model>(Model) { return kIsCalibrated<Model>; }, *model);
-}
-
 AnyCameraModel cameraModelOf(const Intrinsics& camera) {
   const auto model = find(camera.projection_model, camera.distortion_model);
   if (!model) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <type_traits>
 #include <variant>
 
-#include "calibrator/base/calibration.h"
+#include "calibrator/base/camera_models.h"
 #include "calibrator/camera/double_sphere.h"
 #include "calibrator/camera/equidistant.h"
 #include "calibrator/camera/eucm.h"
@@ -23,8 +22,7 @@ using AnyCameraModel =
 
 /// Those that can also be calibrated: the vectorised Gram kernel is compiled for them.
 template <class Model>
-inline constexpr bool kIsCalibrated =
-    std::is_same_v<Model, PinholeRadtan> || std::is_same_v<Model, PinholeEquidistant>;
+inline constexpr bool kIsCalibrated = canBeCalibrated(Model::kProjection, Model::kDistortion);
 
 /// The model of a camera's intrinsics, to be visited. Throws InputError, naming what is supported,
 /// for a model without implementation or a wrong number of parameters.

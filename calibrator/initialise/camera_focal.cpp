@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrator/base/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
@@ -19,12 +20,6 @@ constexpr double kFlat = 1.02;      // errors closer than this ratio are alike
 constexpr double kLoss = 0.02;      // of the image's width: the scale of the Cauchy loss
 constexpr double kNoiseFloorPx = 1e-3;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Median over views of the error of the view's best pose; a view without pose counts as bad.
 double chargeOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
   PoseRefinementOptions options;
@@ -39,7 +34,7 @@ double chargeOf(const Intrinsics& camera, const std::vector<PackedView>& views) 
     }
     errors.push_back(refinePose({{&camera, view, Transform()}}, *pose, options).errorPx());
   }
-  return median(errors);
+  return middleOf(errors);
 }
 
 std::vector<PackedView> spread(const std::vector<PackedView>& views) {

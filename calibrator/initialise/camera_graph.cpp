@@ -7,15 +7,10 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/statistics.h"
 
 namespace plumbline {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// T_AB of two cameras from every frame in which both have a pose.
 std::vector<Transform> relativePoses(const CameraPoses& a, const CameraPoses& b) {
@@ -70,7 +65,7 @@ Transform medianTransform(const std::vector<Transform>& transforms) {
       for (int k = 0; k < 6; ++k) d[k].push_back(x[k]);
     }
     Vector6d step;
-    for (int k = 0; k < 6; ++k) step[k] = median(d[k]);
+    for (int k = 0; k < 6; ++k) step[k] = middleOf(d[k]);
     middle = boxplus(middle, step);
   }
   return middle;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "calibrator/base/statistics.h"
 #include "calibrator/target/payload.h"
 
 namespace plumbline {
@@ -109,9 +110,7 @@ std::optional<double> apparentSpacing(const AprilGrid& grid, const std::vector<T
     }
   }
   if (gaps.empty()) return std::nullopt;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return middleOf(std::move(gaps));
 }
 
 }  // namespace plumbline

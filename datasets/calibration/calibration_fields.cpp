@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
+
 namespace plumbline {
 namespace {
 
@@ -14,32 +16,6 @@ Model modelOf(const YamlMap& map, const std::string& key, const std::string& wor
               const std::optional<Model>& model, const std::string& known) {
   if (model) return *model;
   throw map.fault(key, {"unknown " + key + " '" + word + "'", "one of " + known, ""});
-}
-
-std::size_t projectionCount(ProjectionModel model) {
-  switch (model) {
-    case ProjectionModel::kPinhole:
-      return 4;
-    case ProjectionModel::kOmni:
-      return 5;
-    case ProjectionModel::kEucm:
-    case ProjectionModel::kDs:
-      return 6;
-  }
-  return 4;
-}
-
-std::size_t distortionCount(DistortionModel model) {
-  switch (model) {
-    case DistortionModel::kNone:
-      return 0;
-    case DistortionModel::kFov:
-      return 1;
-    case DistortionModel::kRadtan:
-    case DistortionModel::kEquidistant:
-      return 4;
-  }
-  return 0;
 }
 
 // Sixteen numbers, row by row; others where the key holds another matrix.
@@ -86,15 +62,14 @@ Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std:
 
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
   Intrinsics k;
-  const std::string projection = map.text(keys.projection_model, "pinhole, omni, eucm or ds");
-  const std::string distortion =
-      map.text(keys.distortion_model, "radtan, equidistant, fov or none");
+  const std::string projection = map.text(keys.projection_model, projectionModelWords());
+  const std::string distortion = map.text(keys.distortion_model, distortionModelWords());
   k.projection_model = modelOf(map, keys.projection_model, projection,
-                               projectionModelFrom(projection), "pinhole, omni, eucm, ds");
+                               projectionModelFrom(projection), projectionModelWords());
   k.distortion_model = modelOf(map, keys.distortion_model, distortion,
-                               distortionModelFrom(distortion), "radtan, equidistant, fov, none");
-  k.projection = parametersField(map, keys.projection, projectionCount(k.projection_model));
-  k.distortion = parametersField(map, keys.distortion, distortionCount(k.distortion_model));
+                               distortionModelFrom(distortion), distortionModelWords());
+  k.projection = parametersField(map, keys.projection, parameterCount(k.projection_model));
+  k.distortion = parametersField(map, keys.distortion, parameterCount(k.distortion_model));
   const auto size = map.numbers("resolution", "[width, height] in pixels");
   if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
     throw map.fault("resolution",

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "datasets/calibration/supported_models.h"
+#include "calibrator/base/camera_models.h"
 #include "datasets/files/csv_table.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/stamps.h"
@@ -54,7 +54,7 @@ void refuseUnsupported(const YamlMap& file, const CameraDescription& camera) {
   if (camera.camera_model.empty() || camera.distortion_model.empty()) return;
   const auto projection = *projectionModelFrom(camera.camera_model);
   const auto distortion = *distortionModelFrom(camera.distortion_model);
-  if (isSupportedModel(projection, distortion)) return;
+  if (canBeCalibrated(projection, distortion)) return;
   throw InputError(file.path(), file.lineOf("camera_model"),
                    unsupportedModelText(camera.camera_model, camera.distortion_model));
 }

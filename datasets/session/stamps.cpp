@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics.h"
 #include "datasets/files/bad_input.h"
 
 namespace plumbline {
@@ -32,12 +33,11 @@ void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, 
   if (stamps.size() < 2) return;
   std::vector<TimeNs> gaps;
   for (std::size_t i = 1; i < stamps.size(); ++i) gaps.push_back(stamps[i] - stamps[i - 1]);
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  if (*middle >= shortest) return;
+  const TimeNs middle = middleOf(std::move(gaps));
+  if (middle >= shortest) return;
   throw badInput(path, 0,
-                 {fmt::format("the {} are {} ns apart, so the stamps look like {}", things, *middle,
-                              likelyUnit(*middle, shortest)),
+                 {fmt::format("the {} are {} ns apart, so the stamps look like {}", things, middle,
+                              likelyUnit(middle, shortest)),
                   "stamps in nanoseconds", "multiply them to nanoseconds"});
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics.h"
 #include "datasets/trajectory/formats.h"
 
 namespace plumbline {
@@ -38,9 +39,7 @@ bool isFinite(const StampedPose& pose) { return pose.p.allFinite() && pose.q.coe
 TimeNs medianInterval(const std::vector<StampedPose>& poses) {
   std::vector<TimeNs> intervals(poses.size() - 1);
   for (std::size_t i = 1; i < poses.size(); ++i) intervals[i - 1] = poses[i].t - poses[i - 1].t;
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return middleOf(std::move(intervals));
 }
 
 TrajectoryBuilder::TrajectoryBuilder(const TrajectorySource& source, TrajectoryFormat format,

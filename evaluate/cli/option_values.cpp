@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
 
@@ -194,10 +195,11 @@ std::vector<CameraModelPair> modelsFrom(const std::string& words) {
     const auto projection = projectionModelFrom(word.substr(0, dash));
     const auto distortion =
         dash == std::string::npos ? std::nullopt : distortionModelFrom(word.substr(dash + 1));
-    if (!projection || !distortion || !isCalibrationSupported(*projection, *distortion)) {
+    if (!projection || !distortion || !canBeCalibrated(*projection, *distortion)) {
       refuse("--models", word,
-             "pinhole-radtan or pinhole-equidistant, the models that can be calibrated; one for "
-             "all cameras, or one for each with commas between them");
+             calibratedModelWords() +
+                 ", the models that can be calibrated; one for all cameras, or "
+                 "one for each with commas between them");
     }
     models.push_back({*projection, *distortion});
   }

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/time_offsets.h"
-#include "datasets/calibration/supported_models.h"
 
 namespace plumbline {
 namespace {
@@ -86,7 +86,7 @@ void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
                              const std::string& path) {
   for (const CameraCalibration& camera : cameras) {
     const Intrinsics& k = camera.intrinsics;
-    if (isSupportedModel(k.projection_model, k.distortion_model)) continue;
+    if (canBeCalibrated(k.projection_model, k.distortion_model)) continue;
     throw InputError(path, 0,
                      fmt::format("{}: {}", camera.name,
                                  unsupportedModelText(toString(k.projection_model),

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/nees.h"
@@ -35,9 +36,7 @@ double coverageOf(const std::vector<StampedPose>& estimate, const Trajectory& tr
   for (std::size_t i = 1; i < estimate.size(); ++i) {
     intervals.push_back(estimate[i].t - estimate[i - 1].t);
   }
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  const TimeNs hole = kGapFactor * *middle;
+  const TimeNs hole = kGapFactor * middleOf(std::move(intervals));
   TimeNs covered = 0;
   for (std::size_t i = 1; i < estimate.size(); ++i) {
     const TimeNs a = std::max(from, estimate[i - 1].t + offset);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "calibrator/base/statistics.h"
 #include "evaluate/results/json_values.h"
 #include "evaluate/results/record_json.h"
 #include "evaluate/trajectory/trajectory_document.h"
@@ -33,8 +34,7 @@ std::vector<std::string> inOrder(const std::vector<TrajectoryRun>& runs,
 std::optional<double> medianOf(std::vector<double> complete, std::size_t expected) {
   complete.resize(expected, std::numeric_limits<double>::infinity());
   if (expected == 0) return std::nullopt;
-  std::sort(complete.begin(), complete.end());
-  const double median = 0.5 * (complete[(expected - 1) / 2] + complete[expected / 2]);
+  const double median = quantile(std::move(complete), 0.5);
   return std::isfinite(median) ? std::optional(median) : std::nullopt;
 }
 

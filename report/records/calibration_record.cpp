@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/lie.h"
 
 namespace plumbline {
@@ -17,31 +18,11 @@ std::optional<double> component(const Transform& T, const std::string& suffix) {
   return std::nullopt;
 }
 
-std::vector<std::string> intrinsicNames(const Intrinsics& intrinsics) {
-  std::vector<std::string> names;
-  if (intrinsics.projection_model == ProjectionModel::kOmni) names = {"xi"};
-  if (intrinsics.projection_model == ProjectionModel::kEucm) names = {"alpha", "beta"};
-  if (intrinsics.projection_model == ProjectionModel::kDs) names = {"xi", "alpha"};
-  names.insert(names.end(), {"fu", "fv", "pu", "pv"});
-  switch (intrinsics.distortion_model) {
-    case DistortionModel::kNone:
-      break;
-    case DistortionModel::kRadtan:
-      names.insert(names.end(), {"k1", "k2", "p1", "p2"});
-      break;
-    case DistortionModel::kEquidistant:
-      names.insert(names.end(), {"k1", "k2", "k3", "k4"});
-      break;
-    case DistortionModel::kFov:
-      names.push_back("w");
-      break;
-  }
-  return names;
-}
-
 std::optional<double> intrinsicValue(const CameraCalibration& camera, const std::string& suffix) {
-  const std::vector<std::string> names = intrinsicNames(camera.intrinsics);
-  const auto found = std::find(names.begin(), names.end(), suffix);
+  const auto names =
+      intrinsicParameters(camera.intrinsics.projection_model, camera.intrinsics.distortion_model);
+  const auto found = std::find_if(names.begin(), names.end(),
+                                  [&](const ParameterName& p) { return p.name == suffix; });
   const Eigen::VectorXd values = camera.intrinsics.stacked();
   const auto index = found - names.begin();
   if (found == names.end() || index >= values.size()) return std::nullopt;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/sample_statistics.h"
+#include "calibrator/base/statistics.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 #include "report/records/calibration_record.h"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/stopwatch.h"
 #include "calibrator/batch/camera/problem.h"
@@ -46,7 +47,7 @@ void checkSession(const Session& session) {
 
 /// Throws InputError for a model that can be scored only.
 void refuseModel(const std::string& camera, const CameraModelPair& model) {
-  if (isCalibrationSupported(model.projection, model.distortion)) return;
+  if (canBeCalibrated(model.projection, model.distortion)) return;
   throw InputError(fmt::format(
       "{}: the model {}-{} cannot be calibrated; choose pinhole-radtan or pinhole-equidistant",
       camera, toString(model.projection), toString(model.distortion)));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/metrics/failure_text.h"
@@ -235,7 +236,7 @@ void addFolds(const ScoredCalibration& scored, const Session& session, const Sco
 bool canBeCalibrated(const Calibration& calibration) {
   for (const CameraCalibration& camera : calibration.cameras) {
     const Intrinsics& k = camera.intrinsics;
-    if (!isCalibrationSupported(k.projection_model, k.distortion_model)) return false;
+    if (!canBeCalibrated(k.projection_model, k.distortion_model)) return false;
   }
   return true;
 }

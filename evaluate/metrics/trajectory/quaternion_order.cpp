@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/sample_statistics.h"
+#include "calibrator/base/statistics.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 
 namespace plumbline {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Statistics of scalar errors, by hand.
-#include "calibrator/base/sample_statistics.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "calibrator/base/statistics.h"
 
 namespace plumbline {
 namespace {

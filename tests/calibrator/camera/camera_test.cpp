@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/error.h"
 #include "calibrator/camera/equidistant.h"
 #include "tests/calibrator/camera/example_cameras.h"
@@ -254,12 +255,12 @@ TEST(Models, RefusalNamesWhatIsSupported) {
 TEST(Models, OnlyPinholesWithRadtanOrEquidistantAreCalibrated) {
   int calibrated = 0;
   for (const Intrinsics& camera : testing::everyModel()) {
-    calibrated += isCalibrationSupported(camera.projection_model, camera.distortion_model) ? 1 : 0;
+    calibrated += canBeCalibrated(camera.projection_model, camera.distortion_model) ? 1 : 0;
   }
   EXPECT_EQ(calibrated, 2);
-  EXPECT_TRUE(isCalibrationSupported(ProjectionModel::kPinhole, DistortionModel::kRadtan));
-  EXPECT_TRUE(isCalibrationSupported(ProjectionModel::kPinhole, DistortionModel::kEquidistant));
-  EXPECT_FALSE(isCalibrationSupported(ProjectionModel::kOmni, DistortionModel::kRadtan));
+  EXPECT_TRUE(canBeCalibrated(ProjectionModel::kPinhole, DistortionModel::kRadtan));
+  EXPECT_TRUE(canBeCalibrated(ProjectionModel::kPinhole, DistortionModel::kEquidistant));
+  EXPECT_FALSE(canBeCalibrated(ProjectionModel::kOmni, DistortionModel::kRadtan));
 }
 
 TEST(Models, RefuseAWrongNumberOfParameters) {
