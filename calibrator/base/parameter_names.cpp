@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace plumbline {
+
 std::vector<ParameterName> transformParameters(const std::string& name) {
   std::vector<ParameterName> names;
   for (const char* part : {".tx", ".ty", ".tz"}) names.push_back({name + part, "m"});
