@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,5 +77,19 @@ struct ParameterCovariance {
 
   Eigen::VectorXd standardDeviations() const { return matrix.diagonal().cwiseSqrt(); }
 };
+
+/// t_d of camera `i`, t_imu = t_cam_i + t_d_i [s].
+inline double cameraTimeOffset(const ImuCalibration& imu, std::size_t i) {
+  return i < imu.camera_time_offsets_s.size() ? imu.camera_time_offsets_s[i] : imu.time_offset_s;
+}
+
+/// Mean of the cameras' time offsets [s]: what a tool with one offset for all compares with
+/// (Kalibr estimates one for each camera; ours is one unless the cameras are not synchronised).
+inline double meanTimeOffset(const ImuCalibration& imu) {
+  if (imu.camera_time_offsets_s.empty()) return imu.time_offset_s;
+  double sum = 0;
+  for (const double offset : imu.camera_time_offsets_s) sum += offset;
+  return sum / static_cast<double>(imu.camera_time_offsets_s.size());
+}
 
 }  // namespace plumbline

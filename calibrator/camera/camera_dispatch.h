@@ -8,8 +8,8 @@
 #include "calibrator/camera/equidistant.h"
 #include "calibrator/camera/eucm.h"
 #include "calibrator/camera/fov.h"
-#include "calibrator/camera/none.h"
 #include "calibrator/camera/omni.h"
+#include "calibrator/camera/pinhole.h"
 #include "calibrator/camera/radtan.h"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include "calibrator/camera/equidistant.h"
 #include "calibrator/camera/fov.h"
 #include "calibrator/camera/lanes.h"
-#include "calibrator/camera/none.h"
+#include "calibrator/camera/pinhole.h"
 #include "calibrator/camera/radtan.h"
 
 namespace plumbline {

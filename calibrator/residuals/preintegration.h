@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 
-#include "calibrator/base/imu_bias.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/parameter_names.h"
+#include "calibrator/base/camera_models.h"
 
 namespace plumbline {
 namespace {

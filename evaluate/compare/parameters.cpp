@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/time_offsets.h"
+#include "calibrator/base/calibration.h"
 #include "evaluate/metrics/calibration/parameters.h"
 
 namespace plumbline {

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/camera_models.h"
 #include "calibrator/base/error.h"
-#include "calibrator/base/time_offsets.h"
 
 namespace plumbline {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/lie.h"
-#include "calibrator/base/parameter_names.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cassert>
 
-#include "calibrator/base/parameter_names.h"
+#include "calibrator/base/camera_models.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"

@@ -8,9 +8,8 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/initialise/camera_focal.h"
-#include "calibrator/initialise/camera_graph.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/initialise/camera_start.h"
 
 namespace plumbline {
 namespace {

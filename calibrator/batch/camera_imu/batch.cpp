@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/stopwatch.h"
-#include "calibrator/base/time_offsets.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/batch/camera_imu/start.h"

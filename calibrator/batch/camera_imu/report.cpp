@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/parameter_names.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_sanity.h"

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "calibrator/base/imu_bias.h"
 #include "calibrator/base/session.h"
 #include "calibrator/simulate/faults/fault.h"
 #include "calibrator/simulate/trajectory.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/time_offsets.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_gravity.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/time_offsets.h"
+#include "calibrator/base/calibration.h"
 #include "evaluate/compare/lint/rules.h"
 
 namespace plumbline::lint {

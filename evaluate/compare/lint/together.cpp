@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics.h"
-#include "calibrator/base/time_offsets.h"
 #include "evaluate/compare/lint/rules.h"
 
 namespace plumbline::lint {

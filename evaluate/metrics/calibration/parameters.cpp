@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/lie.h"
-#include "calibrator/base/parameter_names.h"
 
 namespace plumbline {
 namespace {

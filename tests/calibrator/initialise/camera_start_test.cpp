@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // First guesses of the camera stage: poses from homographies, focal lengths, extrinsics.
+#include "calibrator/initialise/camera_start.h"
+
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/initialise/camera_focal.h"
-#include "calibrator/initialise/camera_graph.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/simulate/simulate_session.h"
 

@@ -2,7 +2,6 @@
 // The parts of the detector that know the grid but no pixels.
 #include <gtest/gtest.h>
 
-#include "calibrator/target/division_distortion.h"
 #include "calibrator/target/grid_tags.h"
 #include "calibrator/target/local_map.h"
 #include "calibrator/target/quad_finder.h"

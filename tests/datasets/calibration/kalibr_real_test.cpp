@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
-#include "calibrator/base/time_offsets.h"
 #include "calibrator/camera/camera.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"

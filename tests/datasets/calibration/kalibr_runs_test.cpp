@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/lie.h"
-#include "calibrator/base/time_offsets.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "datasets/session/imu.h"
