@@ -10,9 +10,12 @@
 namespace plumbline {
 namespace {
 
-constexpr double kRoughLoss = 0.01;   // of a first pose: scale of the loss over the image's width
-constexpr double kGoodPose = 0.005;   // error of a frame's pose over the image's width: settled
-constexpr double kWorstPose = 0.015;  // the same: no plausible pose beyond it
+// Over the image's width, for errors of a young estimate grow with it. A first pose is robust at a
+// scale (kRoughLoss) far above noise, settles where no better start is worth trying (kGoodPose),
+// and is refused where the cameras cannot be blamed for it (kWorstPose: 11 px of 752).
+constexpr double kRoughLoss = 0.01;
+constexpr double kGoodPose = 0.005;
+constexpr double kWorstPose = 0.015;
 
 Session sessionOf(const GuideRig& rig, const std::vector<KeptFrame>& frames) {
   Session session;

@@ -110,12 +110,15 @@ bool CameraGuide::State::arrives(const GuideFrame& frame, Decision& d) {
   }
   if (before && secondsBetween(*before, frame.t) > options.max_frame_gap_s) {
     note(d, fmt::format("no frame for {:.3f} s before it", secondsBetween(*before, frame.t)));
-    if (open) open->update(*before, {});  // what was held is not held over the pause
+    // Nobody saw where the camera was meanwhile: the time near the suggestion starts again.
+    if (open) open->update(*before, {});
   }
   return true;
 }
 
 void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
+  // Latency counts from the frame's stamp, so that decisions depend on the recording alone and not
+  // on the machine that replays it.
   busy_until = frame.t + toNanoseconds(options.latency.camera_frame_s);
   if (!last_target_t) last_target_t = frame.t;
   followSuggestion(frame, d);
@@ -158,6 +161,7 @@ void CameraGuide::State::withoutTarget(Decision& d) {
 
 void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
   d.reason = GuideReason::kInitialising;
+  // Frames of a camera at rest repeat one view: the batch would be as free as with one of them.
   if (!kept.empty() && !hasMoved(kept.back().corners, corners, options.views.start_move_px)) {
     return;
   }
@@ -233,6 +237,8 @@ void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
   d.reason = GuideReason::kNoPose;
   d.T_FC0 = poseOf(rig.target, window->estimate(), corners, options.views.cauchy_px);
   if (!d.T_FC0) {
+    // Runs of frames without pose also occur under a good estimate (blur, glare). Only where fewer
+    // frames had a pose than had none was the start itself wrong.
     if (++unposed >= options.views.start_anew_after && posed < unposed) startWasWrong(d);
     return;
   }
@@ -241,6 +247,8 @@ void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
   const double gain = scorer->seenGain(corners, *d.T_FC0);
   if (std::isnan(gain)) return;  // the corners leave the pose free
   d.mi_nats = gain;
+  // Scored before it takes part: with the window's estimate as it is, a view below the threshold
+  // costs no solve (paper, section IV).
   d.reason = GuideReason::kNotInformative;
   if (*d.mi_nats >= options.views.threshold_nats) d.accepted = accept(corners, d);
   if (d.accepted) {
@@ -269,7 +277,7 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
   return true;
 }
 
-/// The oldest frames leave; what is said of the cameras is taken anew.
+/// The oldest frames leave; entropy, error and scorer follow the window.
 void CameraGuide::State::windowChanged() {
   while (window->frameCount() > options.views.window) window->marginaliseOldest();
   const Eigen::MatrixXd information = window->information();
@@ -282,7 +290,8 @@ void CameraGuide::State::windowChanged() {
   rmse = window->rmsePx();
 }
 
-/// Scores all candidates; suggests the best, or finishes where even that tells too little.
+/// Scores all candidates; suggests the best, or finishes where even its expected information gain
+/// is below the threshold (the stopping rule).
 void CameraGuide::State::findNextView(Decision& d) {
   const std::vector<CandidateView> views = candidateViews(window->cameras(), rig.target);
   CandidateRound round;

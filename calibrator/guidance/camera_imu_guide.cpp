@@ -17,8 +17,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kAttemptGrowth = 1.25;  // of the number of frames, from one start to the next
-constexpr int kPathPoints = 60;          // of a trajectory, for drawing
+// Frames at one attempt to start over those at the attempt before. Geometric, so that all attempts
+// together cost a few times the last batch, however many it takes.
+constexpr double kAttemptGrowth = 1.25;
+constexpr int kPathPoints = 60;  // of a trajectory, for drawing
 
 int cornerCount(const std::vector<std::vector<Corner>>& corners) {
   int count = 0;
@@ -105,7 +107,7 @@ bool CameraImuGuide::State::isInTime(const GuideFrame& frame, Decision& d) {
   } else if (frame.t < busy_until) {
     d.reason = GuideReason::kBusy;
   }
-  // What was held is not held over the pause.
+  // Nobody saw where the camera was meanwhile: the time near the suggestion starts again.
   if (suggestion && pause_s > options.max_frame_gap_s) suggestion->update(before, {});
   return frame.t > before && frame.t >= busy_until;
 }
@@ -135,6 +137,8 @@ bool CameraImuGuide::State::showsTarget(const GuideFrame& frame, Decision& d) {
 /// Whether the frame's corners and samples allow its use; says why not.
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   if (!showsTarget(frame, d)) return false;
+  // A frame later than the samples by more than a pause of theirs: the IMU has stopped, and only
+  // the biases' walk would join the frame to the others.
   const bool none = recording.samples().empty();
   const double since_s = none ? 0 : secondsBetween(recording.samples().back().t, frame.t);
   if (!none && since_s <= recording.longestInterval()) return true;
@@ -223,6 +227,7 @@ void CameraImuGuide::State::report(Decision& d) {
   const auto information = calibrationInformation(known->information, stage().score_offset);
   const auto entropy = information ? entropyNats(*information) : std::nullopt;
   if (!entropy) return;
+  // What the frame gained in fact, not a prediction: the decrease of the entropy.
   if (entropy_nats) d.mi_nats = *entropy_nats - *entropy;
   d.entropy_nats = entropy_nats = entropy;
   if (evaluator->isDue(d.t)) evaluator->ask(d.t, *known);
@@ -282,7 +287,7 @@ void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
   d.event = progress.event;
   if (progress.event == SuggestionEvent::kNone) return;
   if (progress.event == SuggestionEvent::kReached) {
-    // The operator is left in peace until the trajectory could be done.
+    // No new suggestion until the trajectory could be done: the operator is executing this one.
     const auto& all = evaluator->trajectories();
     const auto it = std::find_if(all.begin(), all.end(), [&](const LissajousTrajectory& t) {
       return t.name() == suggestion->suggestion().candidate;
@@ -304,6 +309,8 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
     if (!posed) d.reason = GuideReason::kNoPose;
     if (posed) useFrame(std::move(*posed), d);
   }
+  // In this order: a suggestion that is reached with this frame must be closed before scores that
+  // arrive with it may open the next.
   follow(frame, d);
   if (tracker && d.accepted) report(d);
   if (tracker) evaluate(d);

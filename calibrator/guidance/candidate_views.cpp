@@ -15,6 +15,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
+// Rays further out would put a fisheye's camera so near that the target fills its image only by
+// grazing sight, where tags are not detected.
 constexpr double kWidestRay = 60 * kRadians;
 
 /// Tangent of the angle off the axis at which the camera sees a pixel `share` of half the image's
@@ -22,6 +24,8 @@ constexpr double kWidestRay = 60 * kRadians;
 /// inside that it does.
 double tangentOf(const Intrinsics& camera, double share) {
   const Eigen::Vector2d centre = camera.projection.tail<2>();
+  // Inwards from the share asked for: a distortion that folds back leaves its outermost pixels
+  // without a ray.
   for (; share > 0.05; share *= 0.9) {
     const double u = centre.x() + share * 0.5 * camera.resolution.width;
     const auto ray = unproject(camera, {u, centre.y()});
@@ -55,6 +59,8 @@ class Maker {
   std::vector<CandidateView> all() {
     for (std::size_t i = 0; i < options_.depths.size(); ++i) {
       const double depth = options_.depths[i];
+      // The whole grid at one depth only: about a hundred candidates are scored within a frame's
+      // time.
       frontal(i == 0 ? options_.grid : 3, depth);
       tilted(depth, 0);
       for (const double roll : options_.rolls_deg) {

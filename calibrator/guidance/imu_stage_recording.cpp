@@ -12,7 +12,9 @@
 namespace plumbline {
 namespace {
 
-constexpr double kGoodPose = 3;  // [px] of RMS error with which the first pose is taken
+// RMS error with which findPose() is content [px], above what noise and known cameras leave: then
+// it does not try parts of the view and the mirrored pose.
+constexpr double kGoodPose = 3;
 
 }  // namespace
 
@@ -38,7 +40,9 @@ std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& ta
 
 namespace {
 
-constexpr std::size_t kRateSamples = 400;  // from which the IMU's rate is taken
+// Samples from which the IMU's rate is taken: two seconds at 200 Hz. A fixed start of the
+// recording, so that what counts as a pause does not change while it grows.
+constexpr std::size_t kRateSamples = 400;
 
 }  // namespace
 

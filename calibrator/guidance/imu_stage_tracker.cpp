@@ -25,7 +25,8 @@ ImuStageTracker::ImuStageTracker(CameraImuWindow window, double max_gap_s)
     : window_(std::move(window)), max_gap_s_(max_gap_s), last_given_(window_.lastStamp()) {}
 
 void ImuStageTracker::drain(ImuStageRecording& recording, Decision& decision) {
-  const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s) + 1;  // rounding
+  // Frames wait until the samples reach them on the IMU's clock; 1 ns more for the rounding.
+  const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s) + 1;
   while (!pending_.empty() && recording.covers(pending_.front().t + offset)) {
     const PosedFrame frame = std::move(pending_.front());
     pending_.pop_front();
@@ -36,6 +37,8 @@ void ImuStageTracker::drain(ImuStageRecording& recording, Decision& decision) {
 FrameLink ImuStageTracker::linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
                                   Decision& decision) const {
   const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s);
+  // Pre-integration across a pause of the samples would take the rate between its ends as linear;
+  // across one of the frames its noise would outgrow what it says. The biases walk on either way.
   const auto gap = recording.gapWithin(last_given_ + offset, frame.t + offset);
   const double apart_s = secondsBetween(last_given_, frame.t);
   if (!gap && apart_s <= max_gap_s_) return FrameLink::kInertial;
@@ -91,11 +94,12 @@ Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
                                        const TrajectoryGuideOptions& options) {
   const Session session = recording.session();
   CameraImuOptions batch = recording.batchOptions();
-  batch.noise_check = false;
+  batch.noise_check = false;  // of no use to a start
   const auto result = calibrateCameraImu(session, cameras, batch);
   if (!result) return result.failure();
   if (!result->summary.converged) return notConverged();
   CameraImuProblem problem = makeProblem(session, batch);
+  // Cameras' own stamps are of the batch: the window takes a frame's views as exposed together.
   problem.view_stamps.clear();
   CameraImuEstimate estimate = estimateOf(*result);
   std::vector<TimeNs> stamps;

@@ -47,7 +47,7 @@ class ImuStageTracker {
 };
 
 /// The window on the first frames of the camera-IMU stage: their batch (the time offset by
-/// correlation and refined in it, then held), of which all but the last frames become the window's
+/// correlation and refined in it, then fixed), of which all but the last frames become the window's
 /// prior. Frames at the end that IMU samples do not cover yet are left out. Fails where
 /// calibrateCameraImu() does or where it did not converge.
 Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,

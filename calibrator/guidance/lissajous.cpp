@@ -13,9 +13,12 @@ namespace plumbline {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kWidest = 0.965925826;  // sine of the angle off the target's normal: 75 degrees
-constexpr int kLimitSamples = 720;       // along a trajectory, to find its extremes
-constexpr double kLimitMargin = 1e-3;    // for what lies between them
+// Sine of 75 degrees off the target's normal, the furthest a curve goes: beyond, tags are too
+// foreshortened to be detected, and z = sqrt(R^2 - x^2 - y^2) has no derivative at its rim.
+constexpr double kWidest = 0.965925826;
+// Extremes are searched for at so many instants; the margin covers what lies between two of them.
+constexpr int kLimitSamples = 720;
+constexpr double kLimitMargin = 1e-3;
 
 // A scalar that moves, carried through functions with its first two time derivatives.
 ScalarMotion operator+(const ScalarMotion& f, const ScalarMotion& g) {
@@ -130,6 +133,7 @@ void LissajousTrajectory::slowDown(const Transform& T_C0S, const LissajousOption
     most.include(camera);
     most.include(attached(camera, T_C0S));
   }
+  // A motion slowed by s has rates / s and accelerations / s^2: each limit gives its own s.
   const double slower =
       std::max({most.speed / options.max_speed_m_s, most.rate / options.max_rate_rad_s,
                 std::sqrt(most.acceleration / options.max_acceleration_m_s2)});

@@ -7,7 +7,7 @@ namespace plumbline {
 
 std::optional<double> meanCornerDistance(const std::vector<Corner>& a,
                                          const std::vector<Corner>& b) {
-  constexpr int kLeast = 4;
+  constexpr int kLeast = 4;  // fewer corners in common say nothing of a view
   double sum = 0;
   int common = 0;
   for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
@@ -37,6 +37,7 @@ OpenSuggestion::Progress OpenSuggestion::update(TimeNs t, const std::vector<Corn
     near_since_ = t;
   }
   if (near_since_) now.held_s = secondsBetween(*near_since_, t);
+  // Reached wins over expired: who holds the view when time is up has followed it.
   if (near_since_ && now.held_s >= rule_.hold_s) {
     now.event = SuggestionEvent::kReached;
   } else if (secondsBetween(suggestion_.t, t) > rule_.expires_s) {

@@ -16,13 +16,17 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSampleMargin = 0.1;  // [s] of samples before the first frame and after the last
+// Samples before the first frame and after the last [s]: pre-integration needs one beyond either
+// end, under any time offset within this.
+constexpr double kSampleMargin = 0.1;
 constexpr int kBiases = 6;
 constexpr int kBiasesAt = kChainBlock - kBiases;  // in a state
 constexpr int kBorder = BorderLayout::kFixed;
 
 /// What the present says of the biases at the trajectory's first frame (6) and of the border: the
-/// biases walk over the pause, and the last state is marginalised.
+/// biases walk over the pause, and the last state is marginalised. Joint information of (last
+/// state, new biases, border) is that of the present plus W [I -I; -I I] between old and new
+/// biases.
 std::optional<Eigen::MatrixXd> carriedInformation(const WindowKnowledge& now,
                                                   const TrajectoryRecording& recording) {
   constexpr int kSize = kChainBlock + kBiases + kBorder;
@@ -192,6 +196,7 @@ std::vector<double> TrajectoryScorer::gainsNats(const WindowKnowledge& now, int 
   const auto before = calibrationInformation(now.information, recording_.score_offset);
   const auto carried = carriedInformation(now, recording_);
   if (!before || !carried) return gains;
+  // Each trajectory on a thread of its own, its own chunk: no sum crosses trajectories.
   forChunks(static_cast<int>(gains.size()), 1, threads, [&](const Chunk& chunk) {
     const auto i = static_cast<std::size_t>(chunk.begin);
     const auto after = informationWith(prepared_[i], now, *carried);

@@ -40,7 +40,7 @@ struct TrajectoryRecording {
 /// with every frame), all marginalised. Shared with the present are T_SC0, the time offset, the
 /// direction of gravity, and the biases: those of the trajectory's first frame follow from the
 /// present ones by their walk over `pause_s`. No pose or velocity is carried over. Cameras are
-/// held. Information is that of the batch (informationAt()), without loss, for residuals are zero.
+/// fixed. Information is that of the batch (informationAt()), without loss, for residuals are zero.
 class TrajectoryScorer {
  public:
   /// Prepares what no estimate changes: motions, and what the cameras see along them.

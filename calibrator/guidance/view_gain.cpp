@@ -13,8 +13,11 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 8;              // views
-constexpr double kLeastPivot = 1e-13;  // of I, scaled to a unit diagonal
+constexpr int kChunk = 8;  // views; fixed, so that no result depends on the number of threads
+// Least pivot of I scaled to a unit diagonal. Below it lies rounding alone: the parameters' units
+// (px, m, rad) are gone, so a pivot is the part of a parameter's information that no other
+// explains.
+constexpr double kLeastPivot = 1e-13;
 
 /// x = A d of T_CiF in the left twist of T_C0F.
 Matrix6d adjoint(const Transform& T) {
@@ -42,7 +45,8 @@ class ViewScorer::Sum {
   bool any() const { return any_; }
   PredictedCorners& predicted(std::size_t camera) { return predicted_[camera]; }
 
-  /// One camera's part.
+  /// One camera's part. All cameras of a rig share the pose of camera 0, so their squares add up in
+  /// one pose block; camera i > 0 enters through T_CiF = T_CiC0 T_C0F.
   void add(std::size_t c, const Transform& T_CiF, const PackedView& view, const GramOptions& gram) {
     any_ = true;
     const ViewGram g = viewGram(s_.cameras_.intrinsics[c], T_CiF, view, gram);
@@ -72,6 +76,10 @@ class ViewScorer::Sum {
   }
 
   /// 0.5 log |I + S|; NaN where the pose is not determined. Uses A up.
+  ///
+  /// The pose stands first, so the factor's last n pivots are those of the Schur complement
+  /// I + G - P^T H^-1 P: the pose is marginalised by the order alone. A is sigma^2 times the
+  /// information, hence n log sigma.
   double halfLogDeterminant() {
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(A_);
     if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
@@ -130,6 +138,7 @@ std::vector<Corner> ViewScorer::predictedCorners(int camera, const Transform& T_
 /// NaN where the view says nothing.
 double ViewScorer::gainOf(Sum& sum) const {
   if (!sum.any()) return std::numeric_limits<double>::quiet_NaN();
+  // Before the views kept determine the cameras, any view gains without bound: take it.
   if (!determined_) return std::numeric_limits<double>::infinity();
   return sum.halfLogDeterminant() - half_log_determinant_;
 }
@@ -164,6 +173,7 @@ std::vector<double> ViewScorer::predictedGains(const std::vector<Transform>& T_F
         const Transform T_CiF = T_CiC0_[c] * T_C0F;
         visible_[c].predict(T_CiF, sum.predicted(c));
         const PackedView view = sum.predicted(c).view();
+        // Too few corners are no detection (DetectorOptions::min_tags), whatever they would gain.
         if (view.count >= options_.min_corners) sum.add(c, T_CiF, view, {0, 0});
       }
       gains[i] = gainOf(sum);

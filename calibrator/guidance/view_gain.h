@@ -23,7 +23,7 @@ struct ViewGainOptions {
   void check() const;
 };
 
-/// Scores views by what they would tell of the cameras: the mutual information with the cameras'
+/// Scores views by their expected information gain: the mutual information with the cameras'
 /// parameters g (CameraLayout), given the information I that is there already,
 ///   gain = 0.5 (log |I + S| - log |I|) [nats],   S = G - P^T H^-1 P,
 /// S the information of the view with its own pose marginalised (paper, eq. for MI, and section

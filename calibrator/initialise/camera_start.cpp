@@ -15,6 +15,7 @@ namespace plumbline {
 namespace {
 
 // Of the image's width: 0.15 is a fisheye of 380 degrees over its width, 6 a field of 10 degrees.
+// Rungs of 15 % lie inside the basin of the batch that follows.
 constexpr double kShortest = 0.2;
 constexpr double kLongest = 6;
 constexpr double kRung = 1.15;
@@ -25,9 +26,9 @@ constexpr double kLoss = 0.02;      // of the image's width: the scale of the Ca
 constexpr double kNoiseFloorPx = 1e-3;
 
 /// Median over views of the error of the view's best pose; a view without pose counts as bad.
-double chargeOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
+double costOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
   PoseRefinementOptions options;
-  options.max_iterations = 3;
+  options.max_iterations = 3;  // the order of the rungs shows by then
   options.gram.cauchy_px = kLoss * camera.resolution.width;
   std::vector<double> errors;
   for (const PackedView& view : views) {
@@ -49,27 +50,27 @@ std::vector<PackedView> spread(const std::vector<PackedView>& views) {
 }
 
 struct Rung {
-  double focal, charge;
+  double focal, cost;
 };
 
 /// Of the rungs that are as good as the best one that closest to `likely`; then the other local
 /// minima, the lowest first.
 std::vector<double> bestOf(const std::vector<Rung>& rungs, double likely, int count) {
-  double least = rungs.front().charge;
-  for (const Rung& r : rungs) least = std::min(least, r.charge);
+  double least = rungs.front().cost;
+  for (const Rung& r : rungs) least = std::min(least, r.cost);
   double first = 0;
   for (const Rung& r : rungs) {
     const bool closer = std::abs(std::log(r.focal / likely)) < std::abs(std::log(first / likely));
-    if (r.charge <= kFlat * least && (first == 0 || closer)) first = r.focal;
+    if (r.cost <= kFlat * least && (first == 0 || closer)) first = r.focal;
   }
   std::vector<Rung> minima;
   for (std::size_t i = 0; i < rungs.size(); ++i) {
-    const bool below_left = i == 0 || rungs[i].charge <= rungs[i - 1].charge;
-    const bool below_right = i + 1 == rungs.size() || rungs[i].charge <= rungs[i + 1].charge;
+    const bool below_left = i == 0 || rungs[i].cost <= rungs[i - 1].cost;
+    const bool below_right = i + 1 == rungs.size() || rungs[i].cost <= rungs[i + 1].cost;
     if (below_left && below_right && rungs[i].focal != first) minima.push_back(rungs[i]);
   }
   std::stable_sort(minima.begin(), minima.end(),
-                   [](const Rung& a, const Rung& b) { return a.charge < b.charge; });
+                   [](const Rung& a, const Rung& b) { return a.cost < b.cost; });
   std::vector<double> candidates = {first};
   for (const Rung& m : minima) {
     if (static_cast<int>(candidates.size()) < count) candidates.push_back(m.focal);
@@ -100,7 +101,7 @@ std::vector<double> focalCandidates(DistortionModel distortion, const Resolution
   for (double f = kShortest; f < kLongest; f *= kRung) {
     const double focal = f * resolution.width;
     const Intrinsics camera = plainCamera(ProjectionModel::kPinhole, distortion, resolution, focal);
-    rungs.push_back({focal, chargeOf(camera, some) + kNoiseFloorPx});
+    rungs.push_back({focal, costOf(camera, some) + kNoiseFloorPx});
   }
   return bestOf(rungs, likely, count);
 }

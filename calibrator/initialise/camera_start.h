@@ -18,7 +18,7 @@ Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
 /// Candidates for the focal length [px], the likeliest first (at most `count`).
 ///
 /// Every view is explained by a homography for any focal length, but only the right one makes its
-/// columns orthogonal and equally long. So each of a ladder of focal lengths is charged with the
+/// columns orthogonal and equally long. So the cost of each of a ladder of focal lengths is the
 /// median, over the views, of the reprojection error that the best pose leaves; local minima are
 /// candidates. A plain equidistant camera is a fair model of real fisheyes, as is a plain pinhole
 /// of others. Views of the target seen head-on tell nothing: then a field of view of about 70

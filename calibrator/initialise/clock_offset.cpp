@@ -23,7 +23,10 @@ constexpr double kSlope = 0.05;
 constexpr double kStill = 0.02;  // [rad/s] RMS rate below which nothing moves
 // Magnitudes that correlate so much better than vectors say that no rotation joins the frames.
 constexpr double kFramesDisagree = 0.1;
-constexpr int kStretches = 16;
+// Enough segments for a variance, each still longer than the errors of poses are correlated.
+constexpr int kSegments = 16;
+// Gauss-Newton from the grid's best offset settles in a few; a count fixed in advance needs no
+// threshold for rates of unknown noise.
 constexpr int kIterations = 10;
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
@@ -113,7 +116,7 @@ Matrix37d jacobianOf(const RateTriple& rate, const Model& model) {
   return J;
 }
 
-// A rotation that the rates do not tell (about their one axis) stays where it is.
+// A rotation that the rates leave free (about their one axis) stays where it is.
 Matrix7d pseudoInverse(const Matrix7d& A) { return symmetricPseudoInverse(A, 1e-9); }
 
 Matrix7d normalMatrix(const std::vector<RateTriple>& rates, const Model& model) {
@@ -137,21 +140,21 @@ Model improved(Model model, const std::vector<RateTriple>& rates) {
   return model;
 }
 
-// Standard deviation of the offset from its scores, summed over stretches of time.
+// Standard deviation of the offset from its scores, summed over segments of time.
 double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
   const Matrix7d inverse = pseudoInverse(normalMatrix(rates, model));
   double variance = 0;
-  for (std::size_t k = 0; k < kStretches; ++k) {
+  for (std::size_t k = 0; k < kSegments; ++k) {
     double sum = 0;
-    const std::size_t from = k * rates.size() / kStretches;
-    const std::size_t to = (k + 1) * rates.size() / kStretches;
+    const std::size_t from = k * rates.size() / kSegments;
+    const std::size_t to = (k + 1) * rates.size() / kSegments;
     for (std::size_t i = from; i < to; ++i) {
       const Vector7d score = jacobianOf(rates[i], model).transpose() * residualOf(rates[i], model);
       sum += inverse.row(6).dot(score);
     }
     variance += sum * sum;
   }
-  return std::sqrt(variance * kStretches / (kStretches - 1.0));
+  return std::sqrt(variance * kSegments / (kSegments - 1.0));
 }
 
 Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,

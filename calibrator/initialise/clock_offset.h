@@ -43,8 +43,8 @@ struct ClockOffset {
 /// rotation and a constant then makes it accurate to the noise. Magnitudes stand in where they
 /// correlate better by 0.1, as when a file has its quaternions inverted.
 ///
-/// std_s is that of the least-squares estimate with the scores summed over 16 stretches of time,
-/// whose sums are taken as independent; so rates whose errors correlate within a stretch (pose
+/// std_s is that of the least-squares estimate with the scores summed over 16 segments of time,
+/// whose sums are taken as independent; so rates whose errors correlate within a segment (pose
 /// noise, which makes neighbouring rates err against each other; an estimator's smooth errors) are
 /// accounted for. It stands on 15 degrees of freedom: itself known to a fifth.
 ///

@@ -43,6 +43,9 @@ struct Score {
   std::size_t pairs = 0;  ///< camera rates that the gyro covers
 };
 
+/// Correlation of the centred rates after the best rotation or reflection: the nuclear norm of
+/// their cross moments (orthogonal Procrustes, Schoenemann 1966) over the product of their norms.
+/// It does not depend on the units of either, nor on T_SC0, which is unknown here.
 Score scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, double offset_s,
               std::size_t min_pairs) {
   const auto pairs = pairRates(camera, gyro, offset_s);
@@ -84,6 +87,7 @@ Grid coarseGrid(std::span<const CameraRate> camera, const GyroIntegral& gyro,
     grid.covered = std::max(grid.covered, score.pairs);
     pairs.push_back(score.pairs);
   }
+  // Offsets near the end of the range may leave a handful of rates that correlate by chance.
   const double share = options.min_overlap * static_cast<double>(grid.covered);
   grid.needed = std::max(fewest, static_cast<std::size_t>(share));
   for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -116,6 +120,8 @@ std::vector<Candidate> coarseMaxima(const std::vector<Candidate>& grid, std::siz
 
 Candidate refine(std::span<const CameraRate> camera, const GyroIntegral& gyro, Candidate c,
                  double step_s, std::size_t min_pairs) {
+  // The peak is as wide as the motion is slow, and the last step, 0.03 of the first, is what noise
+  // lets the parabola resolve.
   double h = step_s;
   for (int round = 0; round < 4; ++round, h *= 0.3) {
     const double below = scoreAt(camera, gyro, c.offset_s - h, min_pairs).value;
@@ -156,6 +162,8 @@ RateAlignment alignRates(std::span<const RatePair> pairs) {
   if (!(scale > 0)) return out;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& s = svd.singularValues();
+  // Kabsch: the best rotation has det +1; where the best orthogonal matrix is a reflection, the
+  // axis of the least singular value is turned round, and the sum loses it twice.
   const double hand = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   const double same = s.sum() / scale;
   const double other = (s(0) + s(1) - s(2)) / scale;
@@ -188,6 +196,7 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
   }
   const Grid grid = coarseGrid(camera, gyro, options);
   Candidate best;
+  // A periodic motion correlates at several offsets; on the grid the wrong one may lead.
   for (const Candidate& c : coarseMaxima(grid.candidates, 5)) {
     const Candidate refined = refine(camera, gyro, c, options.coarse_step_s, grid.needed);
     if (refined.score > best.score) best = refined;

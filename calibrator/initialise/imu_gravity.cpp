@@ -69,7 +69,10 @@ bool pausesBetween(TimeNs from, TimeNs to, double offset_s, std::span<const ImuS
   return false;
 }
 
-/// One triple's equation A x = rhs in units of acceleration.
+/// One triple's equation A x = rhs in units of acceleration. With
+/// p_S(b) = p_S(a) + v_a T1 + g T1^2 / 2 + R_a p_ab, the same from b to c, and
+/// v_b = v_a + g T1 + R_a v_ab, the velocities drop out of the difference of the two mean
+/// velocities (three frames, as Mur-Artal and Tardos 2017, section IV).
 std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraPose> poses,
                                    std::span<const ImuSample> samples, const Eigen::Matrix3d& R_SC0,
                                    const ImuBias& bias, double offset_s) {
@@ -115,7 +118,7 @@ InertialAlignment solve(const std::vector<Equation>& equations,
   InertialAlignment out;
   out.equations = static_cast<int>(equations.size());
   out.residual_rms = std::sqrt(squared / (3 * static_cast<double>(equations.size())));
-  out.scale = 1 / x(0);
+  out.scale = 1 / x(0);  // and its deviation to first order, d(1/k) = dk / k^2
   out.scale_std =
       out.residual_rms * std::sqrt(ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
   Unknowns down = Unknowns::Zero();

@@ -41,6 +41,7 @@ GyroIntegral::GyroIntegral(std::span<const ImuSample> samples) : samples_(sample
     integral_.push_back(sum);
     if (k + 1 < samples.size()) {
       const double dt = secondsBetween(samples[k].t, samples[k + 1].t);
+      // Trapezoids: the integral is of the rates as they are joined linearly, exact at any instant.
       sum += 0.5 * dt * (samples[k].gyro + samples[k + 1].gyro);
       if (dt > longest) ++gaps;
     }
@@ -56,6 +57,8 @@ std::size_t GyroIntegral::before(TimeNs t, double offset_s) const {
   constexpr int kSteps = 16;  // how far from the guess a search step by step is worth it
   const auto tau = [&](std::size_t k) { return secondsBetween(samples_[k].t, t) + offset_s; };
   const std::size_t last = samples_.size() - 2;
+  // Samples come at a nearly constant rate, so the guess by it is a step or two off; the search is
+  // the hot loop of the offset's grid, which asks thousands of times.
   auto k = static_cast<std::size_t>(
       std::clamp(tau(0) / mean_interval_s_, 0.0, static_cast<double>(last)));
   int steps = 0;
@@ -84,6 +87,7 @@ std::optional<Eigen::Vector3d> GyroIntegral::meanRate(TimeNs from, TimeNs to,
   if (secondsBetween(to, samples_.back().t) - offset_s < 0) return std::nullopt;
   const std::size_t first = before(from, offset_s);
   const std::size_t last = before(to, offset_s);
+  // A mean across a pause of the samples is no measurement.
   if (gaps_[last] != (first == 0 ? 0 : gaps_[first - 1])) return std::nullopt;
   return (at(last, to, offset_s) - at(first, from, offset_s)) / secondsBetween(from, to);
 }

@@ -58,7 +58,7 @@ class GyroIntegral {
   double mean_interval_s_ = 0;
 };
 
-/// A pair of rates over the same stretch of time.
+/// A pair of rates over the same span of time.
 struct RatePair {
   Eigen::Vector3d gyro_S = Eigen::Vector3d::Zero();
   Eigen::Vector3d camera_C = Eigen::Vector3d::Zero();
