@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Statistics of scalar errors, by hand.
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -37,6 +40,20 @@ TEST(SampleStatistics, OfNothingAreZero) {
   const SampleStatistics s = sampleStatistics({});
   EXPECT_EQ(s.n, 0U);
   EXPECT_EQ(s.max, 0);
+}
+
+TEST(Quantile, InterpolatesBetweenNeighboursAndNeedsNoneOnAValue) {
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.25), 1.75);
+  EXPECT_DOUBLE_EQ(quantile({5}, 0.9), 5);
+  const double never = std::numeric_limits<double>::infinity();
+  EXPECT_DOUBLE_EQ(quantile({never, 1, 2}, 0.5), 2);
+  EXPECT_FALSE(std::isfinite(quantile({never, never, 1}, 0.5)));
+}
+
+TEST(MiddleOf, IsTheUpperOfTwo) {
+  EXPECT_EQ(middleOf(std::vector<std::int64_t>{7, 1, 4}), 4);
+  EXPECT_EQ(middleOf(std::vector<std::int64_t>{7, 1, 4, 2}), 4);
 }
 
 }  // namespace
