@@ -78,10 +78,9 @@ function(plumbline_precompile_test target)
   target_precompile_headers(${target} REUSE_FROM plumbline_test_headers)
 endfunction()
 
-# What is measured and shipped is compiled with -O2; the tests' own code need not be. Inline functions are
-# theirs and the libraries' alike, and the linker keeps the test's: where a test runs a library a hundred
-# times (label statistics), or is itself the one that computes, it is optimised too. At -O1 g++ 12 says of
-# sound copies of strings and matrices that they overlap, overrun or read what was never written.
+# What is measured and shipped is compiled with -O2; the tests' own code need not be, but where it is itself
+# what computes. At -O1 g++ 12 says of sound copies of strings and matrices that they overlap, overrun or read
+# what was never written.
 set(PLUMBLINE_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 set(PLUMBLINE_OPTIMISED_TEST_OPTIONS -O1)
 foreach(warning array-bounds maybe-uninitialized restrict stringop-overflow stringop-overread)

@@ -8,7 +8,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include "calibrator/residuals/reprojection_cost.h"
+#include "tests/calibrator/oracle/reprojection_cost.h"
 #include "tests/calibrator/oracle/tangent_covariance.h"
 
 namespace plumbline::oracle {

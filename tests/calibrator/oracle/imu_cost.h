@@ -11,7 +11,7 @@
 
 #include "calibrator/base/session.h"
 #include "calibrator/residuals/imu_residual.h"
-#include "calibrator/residuals/reprojection_cost.h"
+#include "tests/calibrator/oracle/reprojection_cost.h"
 
 namespace plumbline::oracle {
 

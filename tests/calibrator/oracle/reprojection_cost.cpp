@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/reprojection_cost.h"
+#include "tests/calibrator/oracle/reprojection_cost.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
