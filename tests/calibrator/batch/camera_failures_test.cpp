@@ -92,8 +92,9 @@ TEST(CameraFailures, ATargetOfAnotherLayoutDoesNotPassAsCalibrated) {
   s.session.target.spacing = 0.6;
   const auto result = calibrateCameras(s.session);
   ASSERT_FALSE(result.ok());
-  EXPECT_THAT(result.failure().code, AnyOf(FailureCode::kNoFramePose, FailureCode::kNoPlausiblePose,
-                                           FailureCode::kCamerasNotConverged))
+  EXPECT_THAT(result.failure().code,
+              ::testing::AnyOf(FailureCode::kNoFramePose, FailureCode::kNoPlausiblePose,
+                               FailureCode::kCamerasNotConverged))
       << result.failure();
 }
 

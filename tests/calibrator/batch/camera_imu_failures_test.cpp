@@ -71,7 +71,8 @@ TEST(CameraImuFailures, PermutedGyroscopeAxes) {
 
 TEST(CameraImuFailures, PermutedAccelerometerAxes) {
   const Failure f = withSamples([](ImuSample& s) { std::swap(s.accel.x(), s.accel.y()); });
-  EXPECT_THAT(f.code, AnyOf(FailureCode::kAccelerometerAxes, FailureCode::kGravityDisagrees));
+  EXPECT_THAT(f.code,
+              ::testing::AnyOf(FailureCode::kAccelerometerAxes, FailureCode::kGravityDisagrees));
 }
 
 TEST(CameraImuFailures, WrongTargetSize) {

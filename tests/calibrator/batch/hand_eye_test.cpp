@@ -160,8 +160,8 @@ TEST(HandEye, InvertedQuaternionsAreImplausible) {
   for (HandEyePair& pair : pairs) pair.T_VM.R.transposeInPlace();
   const auto found = estimateHandEye(pairs);
   ASSERT_FALSE(found.ok());
-  EXPECT_THAT(found.failure().code, AnyOf(FailureCode::kHandEyeRotationsDisagree,
-                                          FailureCode::kHandEyePositionsDisagree));
+  EXPECT_THAT(found.failure().code, ::testing::AnyOf(FailureCode::kHandEyeRotationsDisagree,
+                                                     FailureCode::kHandEyePositionsDisagree));
 }
 
 }  // namespace
