@@ -22,6 +22,12 @@ namespace {
 constexpr double kAttemptGrowth = 1.25;
 constexpr int kPathPoints = 60;  // of a trajectory, for drawing
 
+int cornerCount(const std::vector<std::vector<Corner>>& corners) {
+  int count = 0;
+  for (const auto& camera : corners) count += static_cast<int>(camera.size());
+  return count;
+}
+
 }  // namespace
 
 struct CameraImuGuide::State {
@@ -85,7 +91,7 @@ Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
   d.frame = frame.index;
   d.stage = GuideStage::kCameraImu;
   d.threshold_nats = stage().threshold_nats;
-  for (const auto& view : frame.corners) d.corners += static_cast<int>(view.size());
+  d.corners = cornerCount(frame.corners);
   return d;
 }
 
@@ -340,7 +346,9 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
 }
 
 bool CameraImuGuide::finished() const { return state_->finished; }
+
 TimeNs CameraImuGuide::busyUntil() const { return state_->busy_until; }
+
 int CameraImuGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraImuStageResult> CameraImuGuide::batch() const {
