@@ -22,12 +22,6 @@ namespace {
 constexpr double kAttemptGrowth = 1.25;
 constexpr int kPathPoints = 60;  // of a trajectory, for drawing
 
-int cornerCount(const std::vector<std::vector<Corner>>& corners) {
-  int count = 0;
-  for (const auto& camera : corners) count += static_cast<int>(camera.size());
-  return count;
-}
-
 }  // namespace
 
 struct CameraImuGuide::State {
@@ -91,7 +85,7 @@ Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
   d.frame = frame.index;
   d.stage = GuideStage::kCameraImu;
   d.threshold_nats = stage().threshold_nats;
-  d.corners = cornerCount(frame.corners);
+  for (const auto& view : frame.corners) d.corners += static_cast<int>(view.size());
   return d;
 }
 
@@ -346,9 +340,7 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
 }
 
 bool CameraImuGuide::finished() const { return state_->finished; }
-
 TimeNs CameraImuGuide::busyUntil() const { return state_->busy_until; }
-
 int CameraImuGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraImuStageResult> CameraImuGuide::batch() const {
