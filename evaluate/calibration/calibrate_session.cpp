@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration/calibration_reader.h"
@@ -104,8 +105,20 @@ CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSessi
 
 }  // namespace
 
+void CalibrateRequest::check() const {
+  load.check();
+  if (resamples < 0 || resamples == 1) {
+    throw InputError(
+        fmt::format("{} bootstrap solutions: expected 0 (none), or 2 and more", resamples));
+  }
+  if (free_cameras && !cameras_file) {
+    throw InputError("cameras can be freed only where a file gives them");
+  }
+}
+
 Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
                                            const ProgressSink& progress) {
+  asked.check();
   CalibrateRequest request = asked;
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   const LoadedSession loaded = loadSession(request.load, progress);

@@ -29,6 +29,9 @@ struct CalibrateRequest {
   std::uint64_t seed = 1;
   VerdictThresholds thresholds;
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Loads, detects, calibrates the cameras and the camera-IMU, resamples, and judges: everything but

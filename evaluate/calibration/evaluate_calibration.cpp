@@ -39,8 +39,14 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
 
 }  // namespace
 
+void EvaluateCalibrationRequest::check() const {
+  load.check();
+  score.check();
+}
+
 Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& asked,
                                               const ProgressSink& progress) {
+  asked.check();
   LoadRequest load = asked.load;
   load.others.push_back(asked.calibration);
   const std::string label = std::filesystem::path(asked.calibration).filename().string();

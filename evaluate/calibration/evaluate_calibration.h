@@ -20,6 +20,9 @@ struct EvaluateCalibrationRequest {
   std::vector<std::string> held_out;
   ScoreOptions score;
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Reads, detects and scores: a record whose `held` has the scores, the session's first. Fails

@@ -36,13 +36,15 @@ struct CalibrateOptions {
 
 void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   o.estimation.declare(app);
-  app.add_flag("--free-cameras", o.free_cameras, "--cameras is only the start of the camera stage");
+  app.add_flag("--free-cameras", o.free_cameras, "--cameras is only the start of the camera stage")
+      ->needs(app.get_option("--cameras"));
   app.add_flag("--joint", o.joint, "The camera-IMU stage refines the cameras too");
   app.add_option("--imu-shift-ms", o.imu_shift_ms, "Add this to every IMU stamp first [ms]");
   app.add_option("--select-views", o.select_views,
                  "Keep only informative views, e.g. mi:0.2bits as Kalibr (default: all views)");
   app.add_option("--resample", o.resamples,
-                 "Solve again on N draws of time segments and report the spread");
+                 "Solve again on N draws of time segments and report the bootstrap std")
+      ->check(CLI::IsMember({0}) | numberFrom(2));
   app.add_option("--seed", o.seed, "Seed of resampling and view selection")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -73,12 +75,6 @@ CameraImuOptions cameraImuOptions(const CalibrateOptions& o, const CameraStageOp
 }
 
 CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app) {
-  if (o.resamples < 0 || o.resamples == 1) {
-    throw InputError(fmt::format("--resample {}: expected 0 (none), or 2 and more", o.resamples));
-  }
-  if (o.free_cameras && !o.estimation.cameras) {
-    throw InputError("--free-cameras needs --cameras FILE");
-  }
   CalibrateRequest request;
   request.load = o.session.request();
   request.load.read.read_imu = !o.estimation.no_imu;

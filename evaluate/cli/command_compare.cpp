@@ -27,9 +27,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kFewestGridPoints = 3;
-constexpr int kMostGridPoints = 500;
-
 struct CompareOptions {
   std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
   SessionOptions session;
@@ -57,9 +54,11 @@ void declareMaps(CLI::App& app, CompareOptions& o) {
          "--focus-radius", o.focus_radius_px,
          "Align within this radius of the image's centre [px], all alike (0: weighted by the "
          "uncertainties, or a sixth of the image without any)")
+      ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--fit", o.fit, "What the alignment minimises: squares, or fourth-power (mrcal 2)")
-      ->capture_default_str();
+  // As mrcal 2 fits: for benchmarks against it alone, so that no help names it.
+  app.add_option("--fit", o.fit, "What the alignment minimises: squares, or fourth-power")
+      ->group("");
   app.add_option("--uncertainty", o.uncertainty,
                  "How points are fixed to the boards: cross-reprojection or mean-frames")
       ->capture_default_str();
@@ -75,12 +74,16 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
   o.session.declareOptional(app);
   declareMaps(app, o);
   app.add_option("--pixel-sigma", o.pixel_sigma, "Standard deviation of a corner, per axis [px]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--loss", o.loss, "Of the poses on --session: none, or cauchy:SCALE [px]")
       ->capture_default_str();
   app.add_option("--min-corners", o.min_corners, "Leave out views with fewer corners")
+      ->check(numberFrom(1))
       ->capture_default_str();
-  app.add_option("--gravity", o.gravity, "Magnitude of gravity [m/s^2]")->capture_default_str();
+  app.add_option("--gravity", o.gravity, "Magnitude of gravity [m/s^2]")
+      ->check(positiveNumber())
+      ->capture_default_str();
   app.add_option("--runs", o.runs.runs,
                  "Trajectories estimated with these calibrations: a pattern with the fields "
                  "{calibration}, {sequence} and {run}");
@@ -113,12 +116,7 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
 }
 
 ImageGrid gridFrom(const std::string& word) {
-  const Resolution size = resolutionFrom(word);
-  for (const int n : {size.width, size.height}) {
-    if (n >= kFewestGridPoints && n <= kMostGridPoints) continue;
-    throw InputError(fmt::format("--grid {}: expected {} to {} columns and rows", word,
-                                 kFewestGridPoints, kMostGridPoints));
-  }
+  const Resolution size = resolutionFrom(word, "--grid");
   return {size.width, size.height};
 }
 
@@ -134,12 +132,6 @@ Value wordFrom(const char* option, const std::string& word,
 }
 
 CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
-  requirePositive("--pixel-sigma", o.pixel_sigma);
-  requirePositive("--gravity", o.gravity);
-  requirePositive("--min-corners", o.min_corners);
-  if (!(o.focus_radius_px >= 0) || !std::isfinite(o.focus_radius_px)) {
-    throw InputError(fmt::format("--focus-radius {}: expected pixels", o.focus_radius_px));
-  }
   CompareRequest request;
   request.calibrations = o.calibrations;
   request.labels = o.labels;

@@ -53,7 +53,7 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
                  "Folders of further sessions, which the calibration has not seen")
       ->delimiter(',');
   app.add_option("--folds", o.folds,
-                 "K: calibrate anew K times without a K-th of the session, with the calibration's "
+                 "K: recalibrate K times without a K-th of the session, with the calibration's "
                  "models, and score that part")
       ->check(CLI::Range(2, kMostFolds));
   app.add_option("--out", o.out, "Folder for the results")->required();

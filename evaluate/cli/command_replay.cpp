@@ -38,8 +38,7 @@ struct GuideOptionSet {
   double arrival_ms = 50;
 
   void declare(CLI::App& app);
-  /// Checks the values; noise, loss and gravity are the batches'. InputError for values out of
-  /// range.
+  /// Noise, loss and gravity are the batches'.
   GuideOptions options(const CameraStageOptions& camera, double gravity_m_s2) const;
 };
 
@@ -82,69 +81,84 @@ void readLatency(const std::string& text, GuideLatency& latency) {
 
 void declareViews(CLI::App& app, ViewGuideOptions& o) {
   app.add_option("--start-frames", o.start_frames, "Frames that start the camera stage")
+      ->check(numberFrom(2))
       ->capture_default_str();
   app.add_option("--start-move-px", o.start_move_px,
                  "Corners must have moved so far between two of them [px]")
+      ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--start-anew-after", o.start_anew_after,
                  "Frames in a row without plausible pose after which a start was wrong")
+      ->check(numberFrom(1))
       ->capture_default_str();
-  app.add_option("--window", o.window, "Views in the camera stage's window")->capture_default_str();
+  app.add_option("--window", o.window, "Views in the camera stage's window")
+      ->check(numberFrom(1))
+      ->capture_default_str();
   app.add_option("--patience", o.patience,
                  "Frames with a pose that tell too little, until a next best view is looked for")
+      ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--reached-px", o.reached_px, "A view is reached within this distance [px] ...")
+      ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--reached-s", o.reached_s, "... held for so long [s]")->capture_default_str();
+  app.add_option("--reached-s", o.reached_s, "... held for so long [s]")
+      ->check(numberFrom(0))
+      ->capture_default_str();
   app.add_option("--min-views", o.min_views, "Never finish the camera stage with fewer views")
+      ->check(numberFrom(0))
       ->capture_default_str();
 }
 
 void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
   app.add_option("--imu-start-frames", o.start_frames, "Frames that start the camera-IMU stage")
+      ->check(numberFrom(3))
       ->capture_default_str();
   app.add_option("--imu-window", o.window, "States in the camera-IMU stage's window")
+      ->check(numberFrom(2))
       ->capture_default_str();
   app.add_option("--evaluate-every-s", o.evaluate_every_s,
                  "Trajectories are scored again after so long [s]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--trajectory-s", o.duration_s, "Duration of a trajectory [s]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--trajectory-amplitude", o.amplitude, "Multiplies the trajectories' size")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--max-speed", o.max_speed_m_s, "Limit of a trajectory [m/s]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_flag("--score-offset", o.score_offset, "Trajectories are scored for the offset as well");
 }
 
 void GuideOptionSet::declare(CLI::App& app) {
   app.add_option("--threshold-bits", threshold_bits, "Least gain of a view or trajectory [bits]")
+      ->check(positiveNumber())
       ->capture_default_str();
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
   app.add_option("--max-rate", max_rate_deg_s, "Limit of a trajectory [deg/s]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--max-acceleration", max_acceleration_g, "Limit of a trajectory [g]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--expires-s", guide.views.expires_s,
                  "A suggestion counts as not followed after so long [s]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--latency-ms", latencies,
                  "What a step costs in the recording's time, e.g. camera-frame=5,next-view=40 [ms]")
       ->delimiter(',');
   app.add_option("--arrival-ms", arrival_ms,
                  "An image is there so long after its stamp, with the IMU samples until then [ms]")
+      ->check(numberWithin(0, kLongest_ms))
       ->capture_default_str();
 }
 
 GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gravity_m_s2) const {
   GuideOptions o = guide;
-  requirePositive("--threshold-bits", threshold_bits);
-  requirePositive("--max-rate", max_rate_deg_s);
-  requirePositive("--max-acceleration", max_acceleration_g);
-  if (!(arrival_ms >= 0 && arrival_ms <= kLongest_ms)) {
-    throw InputError("--arrival-ms: expected 0 to 60000");
-  }
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
   o.trajectories.expires_s = o.views.expires_s;

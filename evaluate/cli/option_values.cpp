@@ -89,23 +89,8 @@ const ThresholdMembers& thresholdMembers() {
 
 constexpr std::size_t kMostAmounts = 10'000;
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t to = std::min(text.find(separator, from), text.size());
-    parts.push_back(text.substr(from, to - from));
-    from = to + 1;
-  }
-  return parts;
-}
-
-double numberOf(const std::string& option, std::string_view word) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc() && end == word.data() + word.size() && std::isfinite(value)) {
-    return value;
-  }
+double numberOf(const std::string& option, const std::string& word) {
+  if (const auto value = number(word.rfind('+', 0) == 0 ? word.substr(1) : word)) return *value;
   throw InputError(fmt::format(
       "{}: '{}' is no number; expected numbers and ranges FROM:STEP:TO separated by commas", option,
       word));
@@ -113,7 +98,7 @@ double numberOf(const std::string& option, std::string_view word) {
 
 double cleaned(double value) { return std::strtod(fmt::format("{:.12g}", value).c_str(), nullptr); }
 
-void addRange(const std::string& option, const std::vector<std::string_view>& ends,
+void addRange(const std::string& option, const std::vector<std::string>& ends,
               std::vector<double>& amounts) {
   const double from = numberOf(option, ends[0]);
   const double step = numberOf(option, ends[1]);
@@ -125,10 +110,6 @@ void addRange(const std::string& option, const std::vector<std::string_view>& en
         option, from, step, to, kMostAmounts));
   }
   for (int k = 0; k <= static_cast<int>(count); ++k) amounts.push_back(cleaned(from + k * step));
-}
-
-[[noreturn]] void refuse(const char* option, const std::string& word, const std::string& expected) {
-  throw InputError(fmt::format("{} {}: expected {}", option, word, expected));
 }
 
 // The value that nameOf() calls `word`.
@@ -206,7 +187,7 @@ std::vector<CameraModelPair> modelsFrom(const std::string& words) {
   return models;
 }
 
-Resolution resolutionFrom(const std::string& word) {
+Resolution resolutionFrom(const std::string& word, const char* option) {
   const auto parts = split(word, 'x');
   if (parts.size() == 2) {
     const auto width = number(parts[0]);
@@ -215,7 +196,7 @@ Resolution resolutionFrom(const std::string& word) {
       return {static_cast<int>(*width), static_cast<int>(*height)};
     }
   }
-  refuse("--resolution", word, "WIDTHxHEIGHT in pixels, e.g. 752x480");
+  refuse(option, word, "WIDTHxHEIGHT, e.g. 752x480");
 }
 
 MotionKind motionFrom(const std::string& word) {
@@ -260,7 +241,7 @@ TimeNs nanosecondsFromMilliseconds(const std::string& option, double millisecond
 
 std::vector<double> amountsFrom(const std::string& option, const std::string& words) {
   std::vector<double> amounts;
-  for (const std::string_view word : split(words, ',')) {
+  for (const std::string& word : split(words, ',')) {
     const auto parts = split(word, ':');
     if (parts.size() == 1) {
       amounts.push_back(numberOf(option, word));

@@ -32,8 +32,8 @@ double selectionThresholdFrom(const std::string& word);
 /// "pinhole-radtan,pinhole-equidistant" -> one per camera; a single one stands for all cameras.
 std::vector<CameraModelPair> modelsFrom(const std::string& words);
 
-/// "752x480".
-Resolution resolutionFrom(const std::string& word);
+/// "752x480", of the option named.
+Resolution resolutionFrom(const std::string& word, const char* option = "--resolution");
 
 /// "full", "pure-rotation", "single-axis", "planar", "static" or "fronto-parallel".
 MotionKind motionFrom(const std::string& word);

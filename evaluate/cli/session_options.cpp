@@ -2,6 +2,7 @@
 #include "evaluate/cli/session_options.h"
 
 #include <cmath>
+#include <functional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -17,7 +18,31 @@ namespace {
 
 constexpr int kMostThreads = 1024;
 
+CLI::Validator numberThat(const std::string& is, const std::function<bool(double)>& holds) {
+  return CLI::Validator(
+      [is, holds](const std::string& word) {
+        double value = 0;
+        const bool number = CLI::detail::lexical_cast(word, value) && std::isfinite(value);
+        return number && holds(value) ? "" : fmt::format("{}: expected {}", word, is);
+      },
+      "");
+}
+
 }  // namespace
+
+CLI::Validator positiveNumber() {
+  return numberThat("a positive number", [](double value) { return value > 0; });
+}
+
+CLI::Validator numberWithin(double least, double most) {
+  return numberThat(fmt::format("{:g} to {:g}", least, most),
+                    [=](double value) { return value >= least && value <= most; });
+}
+
+CLI::Validator numberFrom(double least) {
+  return numberThat(fmt::format("{:g} or more", least),
+                    [=](double value) { return value >= least; });
+}
 
 void SessionOptions::declare(CLI::App& app) {
   app.add_option("session", session, "Folder of the recording (EuRoC layout)")->required();
@@ -34,17 +59,25 @@ void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
   app.add_option("--only", only, "Use only these cameras, e.g. cam0,cam1")->delimiter(',');
-  app.add_option("--from", from_s, "Leave out frames earlier than this [s from the first]");
-  app.add_option("--to", to_s, "Leave out frames later than this [s from the first]");
-  app.add_option("--stride", stride, "Use every n-th frame")->capture_default_str();
+  app.add_option("--from", from_s, "Leave out frames earlier than this [s from the first]")
+      ->check(numberFrom(0));
+  app.add_option("--to", to_s, "Leave out frames later than this [s from the first]")
+      ->check(positiveNumber());
+  app.add_option("--stride", stride, "Use every n-th frame")
+      ->check(numberFrom(1))
+      ->capture_default_str();
   app.add_option("--sync-tolerance-ms", sync_tolerance_ms,
                  "Views of different cameras this close belong together [ms]")
+      ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")
+      ->check(numberWithin(0, kMostThreads))
       ->capture_default_str();
-  app.add_option("--cache", cache, "Folder in which found corners are kept (default: the user's)");
-  app.add_flag("--no-cache", no_cache, "Keep no corners");
+  auto* kept = app.add_option("--cache", cache,
+                              "Folder in which found corners are kept (default: the user's)");
+  app.add_flag("--no-cache", no_cache, "Keep no corners")->excludes(kept);
   app.add_option("--border-bits", border_bits, "Black border of the tags: 2 (Kalibr) or 1")
+      ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
 }
 
@@ -60,20 +93,6 @@ LoadRequest SessionOptions::request() const {
   request.read.sync_tolerance =
       nanosecondsFromMilliseconds("--sync-tolerance-ms", sync_tolerance_ms);
   request.detector.border_bits = border_bits;
-  request.detector.check();
-  if (sync_tolerance_ms < 0) throw InputError("--sync-tolerance-ms: expected 0 or more");
-  if (stride < 1) throw InputError(fmt::format("--stride {}: expected 1 or more", stride));
-  if (threads < 0 || threads > kMostThreads) {
-    throw InputError(fmt::format("--threads {}: expected 0 to {}", threads, kMostThreads));
-  }
-  if (!(from_s >= 0) || std::isinf(from_s)) {
-    throw InputError(
-        fmt::format("--from {}: expected seconds from the first frame, 0 or more", from_s));
-  }
-  if (to_s && !(*to_s > from_s)) {
-    throw InputError(fmt::format("--to {} is not later than --from {}", *to_s, from_s));
-  }
-  if (no_cache && cache) throw InputError("--cache and --no-cache exclude each other");
   if (!no_cache) request.cache = cache ? cache : defaultCacheFolder();
   request.only = only;
   request.threads = threads;
@@ -87,19 +106,20 @@ void EstimationOptions::declare(CLI::App& app) {
   app.add_option("--cameras", cameras,
                  "Calibration whose cameras are used as they are (Kalibr's camchain or ours)");
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
-  app.add_option("--gravity", gravity, "Magnitude of gravity [m/s^2]")->capture_default_str();
+  app.add_option("--gravity", gravity, "Magnitude of gravity [m/s^2]")
+      ->check(positiveNumber())
+      ->capture_default_str();
   app.add_option("--loss", loss, "none, or cauchy:SCALE [px]")->capture_default_str();
   app.add_option("--pixel-sigma", pixel_sigma, "Standard deviation of a corner, per axis [px]")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--outliers", outliers, "none, sigma:K, or kalibr")->capture_default_str();
   app.add_option("--min-corners", min_corners, "Leave out views with fewer corners")
+      ->check(numberFrom(1))
       ->capture_default_str();
 }
 
 CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const {
-  requirePositive("--gravity", gravity);
-  requirePositive("--pixel-sigma", pixel_sigma);
-  requirePositive("--min-corners", min_corners);
   CameraStageOptions options;
   if (models) options.models = modelsFrom(*models);
   options.pixel_sigma = pixel_sigma;
@@ -135,11 +155,6 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
                                  : fmt::format("{}", fmt::join(option->results(), ",")));
   }
   return given;
-}
-
-void requirePositive(const char* option, double value) {
-  if (value > 0 && std::isfinite(value)) return;
-  throw InputError(fmt::format("{} {}: expected a positive number", option, value));
 }
 
 }  // namespace plumbline

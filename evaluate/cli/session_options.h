@@ -58,7 +58,9 @@ struct EstimationOptions {
 /// positional `session` and --out.
 std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& app);
 
-/// Throws InputError unless `value` is positive and finite.
-void requirePositive(const char* option, double value);
+/// What an option's number must be; NaN and infinity never are. Whole numbers where it is an int.
+CLI::Validator positiveNumber();
+CLI::Validator numberWithin(double least, double most);
+CLI::Validator numberFrom(double least);
 
 }  // namespace plumbline

@@ -9,22 +9,26 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/session_options.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kLongest = 4e9;  // [s], more than any two clocks differ; holds as nanoseconds
-constexpr double kWidest = 600;   // [s] of the search for a clock offset
+constexpr double kNarrowest = 0.05, kWidest = 600;  // [s] of the search for a clock offset
 
 void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_option("--association", o.association,
                  "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval")
       ->capture_default_str();
   app.add_option("--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
+      ->check(numberWithin(0, kLongest))
       ->capture_default_str();
   app.add_option("--max-gap", o.max_gap_s, "interpolate: widest gap of the truth to bridge [s]")
+      ->check(numberWithin(0, kLongest))
       ->capture_default_str();
   app.add_option("--time-offset", o.time_offset_s, "Add this to the estimate's stamps first [s]")
+      ->check(numberWithin(-kLongest, kLongest))
       ->capture_default_str();
 }
 
@@ -34,6 +38,7 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
       ->capture_default_str();
   app.add_option("--clock-range", o.clock_range_s,
                  "auto: search within this, both ways about --time-offset [s]")
+      ->check(numberWithin(kNarrowest, kWidest))
       ->capture_default_str();
   app.add_option("--hand-eye", o.hand_eye,
                  "Marker body to the estimate's body: auto (from the data, then the truth is moved "
@@ -48,6 +53,7 @@ void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_option("--align", o.align, "se3, sim3, scale, yaw, origin, se3-first, yaw-first or none")
       ->capture_default_str();
   app.add_option("--align-first", o.align_first, "Align by the first N pairs only (0: all)")
+      ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--rpe", o.rpe, "Distances of relative errors: 1m,10m,1frames,0.5s, or none")
       ->capture_default_str();
@@ -56,14 +62,6 @@ void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
                  "evo (one after the other along the estimate), evo-all (from every pose along the "
                  "estimate), rpg (within 20 %) or ov_eval (within 0.5 m)")
       ->capture_default_str();
-}
-
-double secondsFrom(const char* name, double value, double least, double most = kLongest) {
-  if (!(value >= least && value <= most)) {
-    throw InputError(
-        fmt::format("{} {}: expected seconds, from {:g} to {:g}", name, value, least, most));
-  }
-  return value;
 }
 
 // --clock-offset in seconds; "none" is 0.
@@ -125,19 +123,13 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
 
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   TrajectoryMetricOptions metrics;
-  metrics.association = {associationFrom(o.association), secondsFrom("--max-dt", o.max_dt_s, 0),
-                         secondsFrom("--max-gap", o.max_gap_s, 0),
-                         secondsFrom("--time-offset", o.time_offset_s, -kLongest)};
+  metrics.association = {associationFrom(o.association), o.max_dt_s, o.max_gap_s, o.time_offset_s};
   metrics.association.time_offset_s += knownOffset(o.clock_offset);
   if (o.clock_offset == "auto") {
     metrics.clock = ClockOffsetOptions{};
-    metrics.clock->max_offset_s = secondsFrom("--clock-range", o.clock_range_s, 0.05, kWidest);
+    metrics.clock->max_offset_s = o.clock_range_s;
   }
   metrics.hand_eye = handEyeFrom(o.hand_eye);
-  if (o.align_first < 0) {
-    throw InputError(
-        fmt::format("--align-first {}: expected a number of pairs, or 0 for all", o.align_first));
-  }
   metrics.alignment.kind = alignmentFrom(o.align);
   metrics.alignment.first_n = o.align_first;
   metrics.rpe = pairedBy(o.rpe_pairs, relativeDeltasFrom(o.rpe));

@@ -2,10 +2,12 @@
 #include "evaluate/compare/compare_calibrations.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/information.h"
 #include "evaluate/compare/lint.h"
@@ -145,10 +147,22 @@ void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession
 
 }  // namespace
 
-ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress) {
-  if (request.calibrations.size() < 2) {
-    throw InputError("compare: expected two or more calibrations");
+void CompareRequest::check() const {
+  if (calibrations.size() < 2) throw InputError("compare: expected two or more calibrations");
+  if (!labels.empty() && labels.size() != calibrations.size()) {
+    throw InputError(fmt::format("{} labels for {} calibrations; give one for each", labels.size(),
+                                 calibrations.size()));
   }
+  if (std::set(labels.begin(), labels.end()).size() != labels.size()) {
+    throw InputError("two calibrations have the same label; make them unique");
+  }
+  if (load) load->check();
+  score.check();
+  maps.check();
+}
+
+ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress) {
+  request.check();
   std::vector<ComparedFile> files = readCompared(request.calibrations, request.labels);
   ComparisonRecord record = emptyRecord(request);
   record.verdict.findings = lintAll(files);

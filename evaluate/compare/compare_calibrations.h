@@ -26,6 +26,9 @@ struct CompareRequest {
   MapOptions maps;
   ComparisonThresholds thresholds;
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Reads the calibrations, and with them what stands beside Kalibr's; compares their parameters and

@@ -7,10 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/error.h"
+#include "calibrator/base/parameter_names.h"
 
 namespace plumbline {
 namespace {
+
+constexpr int kFewestGridPoints = 3;
+constexpr int kMostGridPoints = 500;
 
 std::optional<Eigen::MatrixXd> intrinsicsBlock(const ParameterCovariance& covariance,
                                                const CameraCalibration& camera) {
@@ -70,6 +74,21 @@ std::optional<ImageMap> differenceMap(const CameraCalibration& a, const CameraCa
 }
 
 }  // namespace
+
+void MapOptions::check() const {
+  if (!(focus_radius_px >= 0) || std::isinf(focus_radius_px)) {
+    throw InputError(fmt::format("a focus radius of {} px: expected 0 or more", focus_radius_px));
+  }
+  for (const int n : {grid.columns, grid.rows}) {
+    if (n >= kFewestGridPoints && n <= kMostGridPoints) continue;
+    throw InputError(fmt::format("a grid of {}x{}: expected {} to {} columns and rows",
+                                 grid.columns, grid.rows, kFewestGridPoints, kMostGridPoints));
+  }
+  for (const double range : ranges_m) {
+    if (range > 0) continue;
+    throw InputError(fmt::format("points at {} m: expected a positive distance", range));
+  }
+}
 
 std::vector<double> uncertaintyMap(const Intrinsics& camera, const ProjectionCovariance& covariance,
                                    double range_m, const ImageGrid& grid) {

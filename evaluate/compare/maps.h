@@ -40,6 +40,9 @@ struct MapOptions {
   ImageGrid grid;
   double focus_radius_px = 0;  ///< see DifferenceOptions; above 0 fits are not weighted
   DifferenceFit fit = DifferenceFit::kSquares;
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Standard deviation maps of every camera and range of one calibration; none where nothing is

@@ -43,19 +43,6 @@ std::vector<std::string> uniqueNames(const std::vector<std::string>& paths) {
   return names;
 }
 
-std::vector<std::string> labelsOf(const std::vector<std::string>& paths,
-                                  const std::vector<std::string>& labels) {
-  if (labels.empty()) return uniqueNames(paths);
-  if (labels.size() != paths.size()) {
-    throw InputError(fmt::format("--labels: {} labels for {} calibrations; give one for each",
-                                 labels.size(), paths.size()));
-  }
-  if (std::set(labels.begin(), labels.end()).size() != labels.size()) {
-    throw InputError("--labels: two calibrations have the same label; make them unique");
-  }
-  return labels;
-}
-
 /// What Kalibr says of its own run, in sample.
 void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
   std::vector<std::string> parts;
@@ -94,7 +81,7 @@ void readKalibr(ComparedFile& file) {
 
 std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
                                        const std::vector<std::string>& labels) {
-  const std::vector<std::string> names = labelsOf(paths, labels);
+  const std::vector<std::string> names = labels.empty() ? uniqueNames(paths) : labels;
   std::vector<ComparedFile> files;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     ComparedFile file;

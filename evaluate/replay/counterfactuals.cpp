@@ -14,14 +14,6 @@ namespace {
 
 constexpr double kEnough = 1.1;  // times the full pool's held-out error
 
-void check(const CounterfactualOptions& options) {
-  if (options.random_seeds < 1) throw InputError("at least one random order is needed");
-  if (options.max_held_out < 1) throw InputError("at least one frame must be held out");
-  if (std::any_of(options.views.begin(), options.views.end(), [](int n) { return n < 1; })) {
-    throw InputError("numbers of views are 1 or more");
-  }
-}
-
 /// pinhole-equidistant for pinhole-radtan and the other way round; empty for other models.
 std::vector<CameraModelPair> otherModels(const CameraEstimate& cameras) {
   std::vector<CameraModelPair> models;
@@ -65,6 +57,15 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
 
 }  // namespace
 
+void CounterfactualOptions::check() const {
+  split.check();
+  if (random_seeds < 1) throw InputError("at least one random order is needed");
+  if (max_held_out < 1) throw InputError("at least one frame must be held out");
+  if (std::any_of(views.begin(), views.end(), [](int n) { return n < 1; })) {
+    throw InputError("numbers of views are 1 or more");
+  }
+}
+
 Counterfactuals counterfactuals(const Session& session, const std::vector<int>& guide_frames,
                                 const CounterfactualOptions& options) {
   return counterfactuals(session, splitFrames(session, options.split), guide_frames, options);
@@ -73,7 +74,7 @@ Counterfactuals counterfactuals(const Session& session, const std::vector<int>& 
 Counterfactuals counterfactuals(const Session& session, const FrameSplit& split,
                                 const std::vector<int>& guide_frames,
                                 const CounterfactualOptions& options) {
-  check(options);
+  options.check();
   Counterfactuals out;
   CameraStageOptions camera = options.camera;
   camera.threads = options.threads;

@@ -27,6 +27,9 @@ struct CounterfactualOptions {
   /// compare there: what is the model's fault goes away with another model.
   bool other_model = true;
   int threads = 1;  ///< results do not depend on it
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// How good would other choices from the same recording have been? Its frames are parted into a

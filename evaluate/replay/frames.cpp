@@ -58,16 +58,6 @@ class Blocks {
   int every_;
 };
 
-void check(const FrameSplitOptions& options) {
-  if (!(options.block_s > 1e-3)) throw InputError("frames are parted in blocks of more than 1 ms");
-  if (options.held_out_every < 2) {
-    throw InputError("of every 2 or more blocks one can be held out, not of fewer");
-  }
-  if (!(options.guard_s >= 0 && options.guard_s < options.block_s)) {
-    throw InputError("the guard beside a held-out block must be shorter than a block");
-  }
-}
-
 }  // namespace
 
 std::vector<Frame> pairedFrames(const Session& session, const GuideFramesOptions& options) {
@@ -113,8 +103,18 @@ Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
   return out;
 }
 
+void FrameSplitOptions::check() const {
+  if (!(block_s > 1e-3)) throw InputError("frames are parted in blocks of more than 1 ms");
+  if (held_out_every < 2) {
+    throw InputError("of every 2 or more blocks one can be held out, not of fewer");
+  }
+  if (!(guard_s >= 0 && guard_s < block_s)) {
+    throw InputError("the guard beside a held-out block must be shorter than a block");
+  }
+}
+
 FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options) {
-  check(options);
+  options.check();
   FrameSplit split;
   const std::vector<Frame> frames = pairFrames(session.cameras);
   if (frames.empty()) return split;

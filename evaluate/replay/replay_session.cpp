@@ -2,12 +2,14 @@
 #include "evaluate/replay/replay_session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/suggestions_reader.h"
@@ -241,7 +243,18 @@ std::vector<Finding> replayFindings(const ReplayRecord& record) {
   return findings;
 }
 
+void ReplayRequest::check() const {
+  load.check();
+  audit.check();
+  if (counterfactuals) counterfactuals->check();
+  if (!(arrival_s >= 0) || std::isinf(arrival_s)) {
+    throw InputError(
+        fmt::format("images arrive {} s after their stamps: expected 0 or more", arrival_s));
+  }
+}
+
 ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progress) {
+  asked.check();
   ReplayRequest request = asked;
   for (const auto& file : {request.cameras_file, suggestionsFile(request)}) {
     if (file) request.load.others.push_back(*file);

@@ -33,6 +33,9 @@ struct ReplayRequest {
   std::optional<CounterfactualOptions> counterfactuals;  ///< noise and models are those of `camera`
   bool images = true;     ///< keep small copies of the recording's images for the page
   Provenance provenance;  ///< input and hash are filled in
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Plays the recording through the guide, frame by frame, and judges what it decided. What the

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/stage_summary.h"
 
@@ -146,6 +147,16 @@ bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StopAuditOpt
 }
 
 }  // namespace
+
+void StopAuditOptions::check() const {
+  if (!(held_out_factor >= 1)) throw InputError("no error is held to less than the best one's");
+  if (held_out_frames < 1) throw InputError("at least one frame must be held out");
+  if (checkpoints < 2) throw InputError("\"enough\" is searched over 2 or more numbers of frames");
+  if (!(tolerance_s >= 0)) throw InputError("the tolerance of a stop must not be negative");
+  if (!(translation_m > 0 && rotation_rad > 0 && offset_s > 0)) {
+    throw InputError("what counts as near must be positive");
+  }
+}
 
 StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
                           const StopAuditOptions& options) {

@@ -19,6 +19,9 @@ struct StopAuditOptions {
   double offset_s = 1e-4;
   int checkpoints = 12;    ///< how many batches the search for "enough" may cost
   double tolerance_s = 5;  ///< a stop this much after "enough" is still right
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Camera stage: the views kept, and after "finish" those that would have been kept by the same

@@ -2,6 +2,7 @@
 #include "evaluate/session/load_session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
@@ -24,8 +25,8 @@ void keepOnly(Recording& recording, const std::vector<std::string>& only) {
   for (const CameraStream& camera : recording.session.cameras) names.push_back(camera.name);
   for (const std::string& name : only) {
     if (std::find(names.begin(), names.end(), name) == names.end()) {
-      throw InputError(fmt::format("--only {}: the session has no such camera; it has {}", name,
-                                   fmt::join(names, ", ")));
+      throw InputError(
+          fmt::format("the session has no camera {}; it has {}", name, fmt::join(names, ", ")));
     }
   }
   for (std::size_t i = names.size(); i-- > 0;) {
@@ -77,7 +78,23 @@ void refuseInside(const std::string& path, const std::string& session, const std
                                option));
 }
 
+void LoadRequest::check() const {
+  detector.check();
+  if (read.stride < 1) throw InputError(fmt::format("stride {}: expected 1 or more", read.stride));
+  if (threads < 0) throw InputError(fmt::format("{} threads: expected 0 or more", threads));
+  if (read.sync_tolerance < 0) throw InputError("the tolerance of stamps must not be negative");
+  if (!(read.from_s >= 0) || std::isinf(read.from_s)) {
+    throw InputError(fmt::format("frames from {} s on: expected seconds from the first, 0 or more",
+                                 read.from_s));
+  }
+  if (!(read.to_s > read.from_s)) {
+    throw InputError(
+        fmt::format("frames from {} s up to {} s: expected a later end", read.from_s, read.to_s));
+  }
+}
+
 LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress) {
+  request.check();
   if (request.cache) refuseInside(*request.cache, request.session, "--cache");
   progress("reading", -1);
   const Stopwatch reading;

@@ -24,6 +24,9 @@ struct LoadRequest {
   std::vector<std::string> only;     ///< cameras to use, by name; empty: all
   std::vector<std::string> others;   ///< further files that the input hash covers
   int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 struct LoadedSession {
@@ -44,7 +47,7 @@ struct LoadedSession {
 void refuseInside(const std::string& path, const std::string& session, const std::string& option);
 
 /// Reads a recording and finds the corners of its images, unless they were found before. Throws
-/// InputError for bad input.
+/// InputError for bad input, and where the request's check() does.
 LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress);
 
 /// Says in a record of any kind that it comes from this session: its name, and `provenance` with

@@ -13,27 +13,6 @@
 namespace plumbline {
 namespace {
 
-void check(const Perturbation& p) {
-  const bool dropped =
-      p.kind == PerturbationKind::kDroppedFrames || p.kind == PerturbationKind::kDroppedImu;
-  const std::string unit = unitOf(p.kind);
-  const char* expected = nullptr;
-  if (!std::isfinite(p.amount)) {
-    expected = "a number";
-  } else if (dropped && (p.amount < 0 || p.amount >= 100)) {
-    expected = "from 0 to below 100";
-  } else if (unit == "%" && p.amount <= -100) {
-    expected = "above -100";
-  } else if (unit == "x" && p.amount <= 0) {
-    expected = "above 0";
-  } else if (unit == "px" && p.amount < 0) {
-    expected = "0 or above";
-  }
-  if (expected == nullptr) return;
-  throw InputError(
-      fmt::format("{} {} {}: expected {}", toString(p.kind), p.amount, unit, expected));
-}
-
 ImuNoise scaled(ImuNoise noise, double factor) {
   noise.gyro_density *= factor;
   noise.gyro_random_walk *= factor;
@@ -125,8 +104,28 @@ bool isRandom(PerturbationKind kind) {
          kind == PerturbationKind::kCornerNoise;
 }
 
+void Perturbation::check() const {
+  const bool dropped =
+      kind == PerturbationKind::kDroppedFrames || kind == PerturbationKind::kDroppedImu;
+  const std::string unit = unitOf(kind);
+  const char* expected = nullptr;
+  if (!std::isfinite(amount)) {
+    expected = "a number";
+  } else if (dropped && (amount < 0 || amount >= 100)) {
+    expected = "from 0 to below 100";
+  } else if (unit == "%" && amount <= -100) {
+    expected = "above -100";
+  } else if (unit == "x" && amount <= 0) {
+    expected = "above 0";
+  } else if (unit == "px" && amount < 0) {
+    expected = "0 or above";
+  }
+  if (expected == nullptr) return;
+  throw InputError(fmt::format("{} {} {}: expected {}", toString(kind), amount, unit, expected));
+}
+
 PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
-  check(p);
+  p.check();
   const Session& session = *inputs.session;
   PerturbedInputs out{std::nullopt, inputs.camera, inputs.camera_imu, false};
   switch (p.kind) {

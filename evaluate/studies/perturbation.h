@@ -36,6 +36,10 @@ struct Perturbation {
   PerturbationKind kind = PerturbationKind::kImuShift;
   double amount = 0;
   std::uint64_t seed = 0;  ///< only where isRandom()
+
+  /// Throws InputError where percents are not above -100 (or below 100 where something is dropped),
+  /// a factor not above 0, noise below 0.
+  void check() const;
 };
 
 /// What a calibration starts from.
@@ -55,8 +59,7 @@ struct PerturbedInputs {
   bool calibrate_cameras = false;  ///< the change touches what the cameras were calibrated from
 };
 
-/// Applies `p`. Amounts of percent must lie above -100 (and below 100 where something is dropped),
-/// factors above 0, noise at or above 0: InputError otherwise.
+/// Applies `p`, of which check() holds.
 PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p);
 
 }  // namespace plumbline

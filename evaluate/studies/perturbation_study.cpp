@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/failure_text.h"
@@ -207,8 +208,15 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
   return record;
 }
 
+void PerturbRequest::check() const {
+  load.check();
+  if (perturbations.empty()) throw InputError("nothing to perturb");
+  for (const Perturbation& p : perturbations) p.check();
+}
+
 Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
                                           const ProgressSink& progress) {
+  asked.check();
   PerturbRequest request = asked;
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   const LoadedSession loaded = loadSession(request.load, progress);

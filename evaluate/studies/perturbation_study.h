@@ -52,6 +52,9 @@ struct PerturbRequest {
   int threads = 0;  ///< cases that run at once; 0: all cores
   PerturbationThresholds thresholds;
   Provenance provenance;  ///< input and hash are filled in
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// Loads the session once (detection included), and runs perturbationStudy() on it. Throws

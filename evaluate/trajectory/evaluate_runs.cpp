@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/metrics/failure_text.h"
+#include "calibrator/base/error.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/trajectory/run_pattern.h"
 
@@ -166,7 +166,15 @@ std::vector<std::string> sequencesOf(const Truths& truths) {
 
 }  // namespace
 
+void RunsRequest::check() const {
+  how.metrics.check();
+  if (!(min_coverage >= 0 && min_coverage <= 1)) throw InputError("coverage is a share, 0 to 1");
+  if (max_ate_m && !(*max_ate_m > 0)) throw InputError("a run diverges beyond a positive ATE");
+  if (threads < 0) throw InputError(fmt::format("{} threads: expected 0 or more", threads));
+}
+
 TrajectoryRecord evaluateRuns(const RunsRequest& request) {
+  request.check();
   const Truths truths = readTruths(request);
   const std::vector<RunFile> files = findRuns(request.runs, sequencesOf(truths));
   if (files.empty()) {

@@ -23,6 +23,9 @@ struct RunsRequest {
   /// truth's positions from their mean, which an estimate that never moves would reach.
   std::optional<double> max_ate_m;
   int threads = 0;  ///< 0: all cores
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// One run for each calibration with each (sequence, run) that any calibration has, sorted by

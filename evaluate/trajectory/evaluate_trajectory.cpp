@@ -2,12 +2,13 @@
 #include "evaluate/trajectory/evaluate_trajectory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/error.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/nees.h"
@@ -194,9 +195,24 @@ TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path)
 
 }  // namespace
 
+void TrajectoryMetricOptions::check() const {
+  if (!(association.max_dt_s >= 0 && association.max_gap_s >= 0)) {
+    throw InputError("stamps can differ, and gaps last, by 0 s or more");
+  }
+  if (!std::isfinite(association.time_offset_s)) throw InputError("a time offset must be finite");
+  if (alignment.first_n < 0) throw InputError("an alignment stands on the first pairs, or on all");
+  if (clock && !(clock->max_offset_s > 0)) throw InputError("a clock is searched within 0 s");
+  for (const RelativeDelta& over : rpe) {
+    if (over.delta > 0 && hasPairsOver(over.pairs, over.unit)) continue;
+    throw InputError(fmt::format("no pairs of {} over {:g} {}", nameOf(over.pairs), over.delta,
+                                 nameOf(over.unit)));
+  }
+}
+
 Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
                                                   const Trajectory& truth,
                                                   const TrajectoryMetricOptions& options) {
+  options.check();
   const bool with_rotation = estimate.has_orientation && truth.has_orientation;
   if (!with_rotation && standsOnRotation(options.alignment.kind)) {
     return Failure{FailureCode::kAlignmentNeedsOrientations,

@@ -31,6 +31,9 @@ struct TrajectoryMetricOptions {
   std::optional<ClockOffsetOptions> clock;
   bool hand_eye = false;  ///< whether the marker body's transform is estimated, and the truth moved
   CoverageSpan coverage = CoverageSpan::kTruth;
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// One estimate, its truth, and how it is judged.

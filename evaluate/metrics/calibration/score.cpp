@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/error.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/metrics/failure_text.h"
@@ -254,8 +254,14 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
 
 }  // namespace
 
+void ScoreOptions::check() const {
+  if (folds >= 0 && folds != 1) return;
+  throw InputError(fmt::format("{} folds: expected 0 (none), or 2 and more", folds));
+}
+
 SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
                            const ScoreOptions& options, const ProgressSink& progress) {
+  options.check();
   progress("scoring", -1);
   Scored whole = scoreMatched(scored, session, options);
   SessionScores out{{}, std::move(whole.camera_stage), std::move(whole.camera_imu_stage)};

@@ -30,6 +30,9 @@ struct ScoreOptions {
   bool entropy_under_loss = true;
   /// 2 or more: also K-fold validation, see scoreCalibration().
   int folds = 0;
+
+  /// Throws InputError for values out of range.
+  void check() const;
 };
 
 /// A calibration's scores on a session, and what its poses and states are there.

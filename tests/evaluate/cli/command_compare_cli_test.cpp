@@ -129,8 +129,8 @@ TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
   refused(ours(), "two or more");
   refused(both + " --range 0", "--range 0");
   refused(both + " --range 1m", "--range 1m");
-  refused(both + " --grid 2x2", "--grid 2x2");
-  refused(both + " --labels a", "--labels");
+  refused(both + " --grid 2x2", "2x2");
+  refused(both + " --labels a", "1 labels for 2");
   refused(both + " --labels a,a", "same label");
   refused(both + " --fit best", "squares or fourth-power");
   refused(both + " --uncertainty none", "cross-reprojection or mean-frames");
