@@ -54,7 +54,7 @@ Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const
   return failure;
 }
 
-// Fills record.camera (and its resampled spread); nothing where the cameras are given and fixed.
+// Fills record.camera (and its bootstrap std); nothing where the cameras are given and fixed.
 std::optional<Failure> cameraStage(const CalibrateRequest& request, const LoadedSession& loaded,
                                    const ProgressSink& progress, CalibrationRecord& record) {
   progress("calibrating the cameras", -1);

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-/// Another session, read as the first one is; stretches of time belong to the first alone.
+/// Another session, read as the first one is; segments of time belong to the first alone.
 LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
   LoadRequest load = first;
   load.session = session;

@@ -111,7 +111,7 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
   app.add_option("--out", o.out, "Folder for the results")->required();
   declareCoverage(app, o.metrics);
   app.add_option("--max-ate", o.max_ate_m,
-                 "ATE [m] above which a run has diverged (default: the spread of the truth)")
+                 "ATE [m] above which a run has diverged (default: what never moving would reach)")
       ->check(CLI::PositiveNumber);
   app.add_option("--body", o.body, "Rigid body of motion-capture exports");
   app.add_option("--threads", o.request.threads, "Threads (0: all cores)")

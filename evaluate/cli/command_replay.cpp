@@ -95,7 +95,7 @@ void declareViews(CLI::App& app, ViewGuideOptions& o) {
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--patience", o.patience,
-                 "Frames with a pose that tell too little, until a next best view is looked for")
+                 "Frames with a pose below the threshold, until a next best view is looked for")
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--reached-px", o.reached_px, "A view is reached within this distance [px] ...")

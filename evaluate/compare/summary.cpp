@@ -26,7 +26,7 @@ Shown shownAs(const std::string& unit) {
   return {unit == "px" ? "px" : "", 1};
 }
 
-/// A label that fits a column; its end tells most.
+/// A label that fits a column; its end says most.
 std::string fitted(const std::string& label) {
   constexpr std::size_t most = kColumn - 2;
   return label.size() <= most ? label : "..." + label.substr(label.size() - most + 3);
@@ -93,17 +93,17 @@ void addScores(Text& text, const ComparisonRecord& record) {
     }
     add(text, "\n");
   }
-  const auto told = std::find_if(record.scores.begin(), record.scores.end(),
-                                 [](const CalibrationScore& s) { return s.entropy_nats; });
-  if (told == record.scores.end()) return;
+  const auto scored = std::find_if(record.scores.begin(), record.scores.end(),
+                                   [](const CalibrationScore& s) { return s.entropy_nats; });
+  if (scored == record.scores.end()) return;
   add(text, "  Entropy: of {} parameters ({} ... {}), corners of {:g} px\n",
-      told->entropy_parameters.size(), told->entropy_parameters.front(),
-      told->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
+      scored->entropy_parameters.size(), scored->entropy_parameters.front(),
+      scored->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
   const auto imu = std::find_if(record.scores.begin(), record.scores.end(), [](const auto& s) {
     return s.camera_imu_entropy_nats.has_value();
   });
   if (imu == record.scores.end()) return;
-  add(text, "  Camera-IMU: of T_SC0 and time_offset, the session's IMU noise, cameras held\n");
+  add(text, "  Camera-IMU: of T_SC0 and time_offset, the session's IMU noise, cameras fixed\n");
 }
 
 /// Centre and worst value of a map.

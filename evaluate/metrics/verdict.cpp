@@ -22,7 +22,7 @@ Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds
   append(findings, judgeTarget(record, t));
   append(findings, judgeRejected(stage.residuals, "cameras", t));
   append(findings, judgeLeftOut(record, t));
-  append(findings, judgeCameraSpread(record, t));
+  append(findings, judgeCameraStd(record, t));
   return findings;
 }
 
@@ -34,7 +34,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeRejected(stage.residuals, "camera-IMU", t));
   append(findings, judgeFramesAndGaps(stage, t));
   append(findings, judgeStatements(record, t));
-  append(findings, judgeImuSpread(record, t));
+  append(findings, judgeImuStd(record, t));
   append(findings, judgePlausibility(stage, t));
   append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, t));
   append(findings, judgeDensity("accelerometer", stage.imu_summary.noise.accel, t));

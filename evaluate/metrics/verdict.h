@@ -48,7 +48,7 @@ struct VerdictThresholds {
 };
 
 /// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU
-/// rules where that stage ran. Where a resampled spread is known, the larger of it and the formal
+/// rules where that stage ran. Where a bootstrap std is known, the larger of it and the formal
 /// standard deviation is judged, since formal standard deviations are not accuracy.
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {});
 

@@ -147,7 +147,7 @@ class Judge {
     if (guides_own) used_cameras_ = guides_own->cameras;
     batches_ = cameraBatches(run_, guides_own);
     record.stages.push_back(summariseCameraStage(run_, batches_));
-    record.stop_audits.push_back(auditCameraStop(run_, batches_, request_.audit));
+    record.stop_audits.push_back(judgeCameraStop(run_, batches_, request_.audit));
   }
 
   void cameraImuStage(ReplayRecord& record) {
@@ -155,7 +155,7 @@ class Judge {
     const auto batches = cameraImuBatches(run_, used_cameras_);
     record.stages.push_back(summariseCameraImuStage(run_, batches));
     if (!record.stages.back().ran) return;
-    record.stop_audits.push_back(auditCameraImuStop(run_, used_cameras_, batches, request_.audit));
+    record.stop_audits.push_back(judgeCameraImuStop(run_, used_cameras_, batches, request_.audit));
   }
 
   void counterfactualCurves(ReplayRecord& record) const {

@@ -7,7 +7,7 @@
 
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/replay/counterfactuals.h"
-#include "evaluate/replay/stop_audit.h"
+#include "evaluate/replay/stopping_rule.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 #include "report/records/replay_record.h"
@@ -29,7 +29,7 @@ struct ReplayRequest {
   /// What the recording's operator was asked for; empty: suggestions.csv in the session's folder if
   /// there is one.
   std::optional<std::string> suggestions;
-  StopAuditOptions audit;
+  StoppingRuleOptions audit;
   std::optional<CounterfactualOptions> counterfactuals;  ///< noise and models are those of `camera`
   bool images = true;     ///< keep small copies of the recording's images for the page
   Provenance provenance;  ///< input and hash are filled in

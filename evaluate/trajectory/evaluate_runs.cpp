@@ -115,7 +115,8 @@ TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
   if (!(ate <= limit)) {
-    const char* which = request.max_ate_m ? "--max-ate" : "the spread of the truth's positions";
+    const char* which =
+        request.max_ate_m ? "the limit" : "what an estimate that never moves would reach";
     return failed(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
                                               ate, limit, which));
   }

@@ -62,27 +62,27 @@ void addImuStage(const CameraImuStageResult& stage, Scored& out) {
   out.score.accel_rms_m_s2 = stage.imu_summary.accel_rms_m_s2;
 }
 
-/// What the session tells of the calibration's own parameters, at their values.
+/// Entropy of the calibration's own parameters, at their values.
 void addEntropy(const Session& session, const ScoreOptions& options, Scored& out) {
-  CameraInformationOptions information;
-  information.pixel_sigma = options.camera.pixel_sigma;
-  information.cauchy_px = options.entropy_under_loss ? options.camera.cauchy_px : 0;
-  information.threads = options.camera.threads;
+  CameraInformationOptions weights;
+  weights.pixel_sigma = options.camera.pixel_sigma;
+  weights.cauchy_px = options.entropy_under_loss ? options.camera.cauchy_px : 0;
+  weights.threads = options.camera.threads;
   StageSummary& summary = out.camera_stage->summary;
-  const auto told = cameraInformation(session, *out.camera_stage, information);
-  if (!told) return;
-  summary.covariance = told->covariance;
-  summary.entropy_nats = told->entropy_nats;
-  out.score.entropy_nats = told->entropy_nats;
-  out.score.entropy_parameters = told->covariance.names;
+  const auto information = cameraInformation(session, *out.camera_stage, weights);
+  if (!information) return;
+  summary.covariance = information->covariance;
+  summary.entropy_nats = information->entropy_nats;
+  out.score.entropy_nats = information->entropy_nats;
+  out.score.entropy_parameters = information->covariance.names;
 }
 
-/// Camera and IMU, the calibration held; what it tells of T_SC0 and the offset with it.
+/// Camera and IMU, the calibration fixed, and the entropy of T_SC0 and the offset with it.
 void addHeldImu(const Session& session, const Calibration& calibration, const ScoreOptions& options,
                 Scored& out) {
-  CameraImuOptions held = options.camera_imu;
-  held.score_information_px = options.entropy_under_loss ? held.cauchy_px : 0;
-  auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, held);
+  CameraImuOptions fixed = options.camera_imu;
+  fixed.score_information_px = options.entropy_under_loss ? fixed.cauchy_px : 0;
+  auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, fixed);
   if (!imu) {
     out.score.problem = "camera-IMU: " + problemOf(imu.failure());
     return;
@@ -169,17 +169,17 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   addCameraStage(*cameras, out.in_sample);
   out.in_sample.score.entropy_nats = cameras->summary.entropy_nats;
   out.in_sample.score.entropy_parameters = cameras->summary.covariance.names;
-  Calibration anew{cameras->cameras, {}};
+  Calibration recalibrated{cameras->cameras, {}};
   if (options.use_imu && calibration.imu && fold.training.imu) {
-    const auto imu = calibrateCameraImu(fold.training, anew.cameras, options.camera_imu);
+    const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
     if (!imu) {
       out = failedFold(std::move(out), "camera-IMU: " + problemOf(imu.failure()));
     } else {
       addImuStage(*imu, out.in_sample);
-      anew.imu = imu->imu;
+      recalibrated.imu = imu->imu;
     }
   }
-  Scored held_out = scoreMatched({scored.label, anew}, fold.held_out, options);
+  Scored held_out = scoreMatched({scored.label, recalibrated}, fold.held_out, options);
   if (held_out.score.problem.empty()) held_out.score.problem = out.held_out.score.problem;
   out.held_out = std::move(held_out);
   return out;

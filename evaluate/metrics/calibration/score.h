@@ -38,7 +38,7 @@ struct ScoreOptions {
 /// A calibration's scores on a session, and what its poses and states are there.
 struct SessionScores {
   std::vector<CalibrationScore> scores;
-  std::optional<CameraStageResult> camera;         ///< of the whole session, the calibration held
+  std::optional<CameraStageResult> camera;         ///< of the whole session, the calibration fixed
   std::optional<CameraImuStageResult> camera_imu;  ///< likewise
 };
 
@@ -47,7 +47,7 @@ struct SessionScores {
 /// This compares calibrations fairly where the session is the same; their own in-sample errors do
 /// not.
 ///
-/// The first score is that of the whole session ("all"). With folds the session is calibrated anew
+/// The first score is that of the whole session ("all"). With folds the session is recalibrated
 /// K times with the calibration's models, each time without a run of consecutive frames (foldOf()):
 /// for each fold its in-sample score and the score of the run that it did not see, then both pooled
 /// over all folds ("all 5 folds"). What cannot be had (a pose of no frame; a model that can only be

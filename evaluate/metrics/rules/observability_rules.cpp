@@ -5,11 +5,11 @@
 
 namespace plumbline {
 
-Findings judgeCameraSpread(const CalibrationRecord& record, const VerdictThresholds& t) {
+Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCamera);
   for (const CameraCalibration& camera : record.camera->cameras) {
-    const Spread focal = largestSpread(estimates, {"fu", "fv"}, camera.name + ".", true);
+    const LargestStd focal = largestStd(estimates, {"fu", "fv"}, camera.name + ".", true);
     if (focal.name.empty()) continue;
     findings.push_back(
         above({fmt::format("Focal length of {}", camera.name), "-", t.focal_std,
@@ -17,7 +17,7 @@ Findings judgeCameraSpread(const CalibrationRecord& record, const VerdictThresho
               focal.value,
               fmt::format("{} of {} is {:.3f} %", kindOf(focal), focal.name, 100 * focal.value)));
   }
-  const Spread translation = largestSpread(estimates, {"tx", "ty", "tz"}, "T_C0C", false);
+  const LargestStd translation = largestStd(estimates, {"tx", "ty", "tz"}, "T_C0C", false);
   if (translation.name.empty()) return findings;
   findings.push_back(above({"Translation between cameras", "m", t.extrinsics_std_m,
                             "Record more views that both cameras see at once, also close ones."},
@@ -27,21 +27,21 @@ Findings judgeCameraSpread(const CalibrationRecord& record, const VerdictThresho
   return findings;
 }
 
-Findings judgeImuSpread(const CalibrationRecord& record, const VerdictThresholds& t) {
+Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCameraImu);
-  const Spread arm = largestSpread(estimates, {"tx", "ty", "tz"}, "T_SC0", false);
+  const LargestStd arm = largestStd(estimates, {"tx", "ty", "tz"}, "T_SC0", false);
   findings.push_back(above(
       {"Lever arm", "m", t.lever_arm_std_m, "Record faster rotations about all three axes."},
       arm.value, fmt::format("{} of {} is {:.2f} mm", kindOf(arm), arm.name, 1e3 * arm.value)));
-  const Spread rotation = largestSpread(estimates, {"rx", "ry", "rz"}, "T_SC0", false);
+  const LargestStd rotation = largestStd(estimates, {"rx", "ry", "rz"}, "T_SC0", false);
   findings.push_back(
       above({"Rotation of the camera to the IMU", "deg", t.rotation_std_deg,
              "Record faster rotations about all three axes, and accelerations in all directions."},
             kDegrees * rotation.value,
             fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
                         kDegrees * rotation.value)));
-  const Spread offset = largestSpread(estimates, {""}, "time_offset", false);
+  const LargestStd offset = largestStd(estimates, {""}, "time_offset", false);
   findings.push_back(above({"Time offset", "ms", t.offset_std_ms,
                             "Record fast rotations: the offset shows only while the rig turns."},
                            1e3 * offset.value,

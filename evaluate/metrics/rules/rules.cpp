@@ -45,10 +45,10 @@ Finding below(const Rule& rule, double value, std::string evidence) {
   return finding(rule, levelBelow(value, rule.bound), value, std::move(evidence));
 }
 
-Spread largestSpread(const std::vector<ParameterEstimate>& estimates,
-                     const std::vector<std::string>& suffixes, const std::string& prefix,
-                     bool relative) {
-  Spread worst;
+LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
+                      const std::vector<std::string>& suffixes, const std::string& prefix,
+                      bool relative) {
+  LargestStd worst;
   for (const ParameterEstimate& estimate : estimates) {
     const auto dot = estimate.name.find('.');
     const std::string suffix = dot == std::string::npos ? "" : estimate.name.substr(dot + 1);
@@ -62,8 +62,8 @@ Spread largestSpread(const std::vector<ParameterEstimate>& estimates,
   return worst;
 }
 
-std::string kindOf(const Spread& spread) {
-  return spread.resampled ? "spread over resampled segments" : "formal standard deviation";
+std::string kindOf(const LargestStd& largest) {
+  return largest.resampled ? "bootstrap std" : "formal standard deviation";
 }
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }

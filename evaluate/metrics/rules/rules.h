@@ -33,7 +33,7 @@ Finding above(const Rule& rule, double value, std::string evidence);
 Finding below(const Rule& rule, double value, std::string evidence);
 
 /// The larger of formal and resampled standard deviation of a parameter.
-struct Spread {
+struct LargestStd {
   double value = 0;
   std::string name;  ///< of the parameter; empty where there was none
   bool resampled = false;
@@ -41,11 +41,11 @@ struct Spread {
 
 /// The largest among the parameters whose name starts with `prefix` and, after the dot, is one of
 /// `suffixes`; relative to the parameter's value where asked.
-Spread largestSpread(const std::vector<ParameterEstimate>& estimates,
-                     const std::vector<std::string>& suffixes, const std::string& prefix,
-                     bool relative);
+LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
+                      const std::vector<std::string>& suffixes, const std::string& prefix,
+                      bool relative);
 /// Which of the two it is, in words.
-std::string kindOf(const Spread& spread);
+std::string kindOf(const LargestStd& largest);
 
 /// part / whole; 0 of nothing.
 double share(double part, double whole);
@@ -83,8 +83,8 @@ Findings judgeResolutions(const CameraStageResult& stage, const VerdictThreshold
 Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t);
 
 // ---- how well the data determine the parameters (observability_rules.cpp)
-Findings judgeCameraSpread(const CalibrationRecord& record, const VerdictThresholds& t);
-Findings judgeImuSpread(const CalibrationRecord& record, const VerdictThresholds& t);
+Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds& t);
+Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t);
 
 // ---- the IMU (imu_rules.cpp)
 Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t);

@@ -112,7 +112,7 @@ std::vector<IndexPair> subTrajectories(const std::vector<double>& path,
   return pairs;
 }
 
-std::vector<IndexPair> consecutiveStretches(const std::vector<Transform>& poses, double length) {
+std::vector<IndexPair> consecutiveSegments(const std::vector<Transform>& poses, double length) {
   std::vector<IndexPair> pairs;
   std::size_t mark = 0;
   bool marked = false;
@@ -192,7 +192,7 @@ std::vector<IndexPair> pairsOver(const RelativeDelta& delta, const AlignedPoses&
     return evo ? consecutiveFrames(poses.truth.size(), step)
                : overlappingFrames(poses.truth.size(), step);
   }
-  if (evo) return consecutiveStretches(poses.estimate, delta.delta);
+  if (evo) return consecutiveSegments(poses.estimate, delta.delta);
   const SubTrajectoryRule rule = ruleOf(delta);
   if (delta.unit == RelativeDelta::Unit::kSeconds)
     return subTrajectories(secondsFromStart(t), rule);

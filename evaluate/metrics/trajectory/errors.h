@@ -44,8 +44,8 @@ std::vector<IndexPair> subTrajectories(const std::vector<double>& path,
                                        const SubTrajectoryRule& rule);
 
 /// evo's consecutive pairs by path: marks the poses at which at least `length` was travelled since
-/// the last mark, and pairs neighbouring marks. The start is no mark, so the first stretch is lost.
-std::vector<IndexPair> consecutiveStretches(const std::vector<Transform>& poses, double length);
+/// the last mark, and pairs neighbouring marks. The start is no mark, so the first segment is lost.
+std::vector<IndexPair> consecutiveSegments(const std::vector<Transform>& poses, double length);
 
 /// What is measured of a pose's error, with E = R_estimate R_truth^T and d = p_estimate - p_truth,
 /// both in the truth's frame.

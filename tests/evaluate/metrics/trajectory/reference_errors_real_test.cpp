@@ -113,7 +113,7 @@ std::vector<IndexPair> evoPairs(const Json& entry, const AlignedPoses& poses) {
   }
   const double tolerance = delta * entry.at("rel_delta_tol").get<double>();
   return all ? subTrajectories(pathLengths(poses.estimate), {delta, tolerance})
-             : consecutiveStretches(poses.estimate, delta);
+             : consecutiveSegments(poses.estimate, delta);
 }
 
 std::vector<IndexPair> pairsOf(const Json& entry, const AlignedPoses& poses) {

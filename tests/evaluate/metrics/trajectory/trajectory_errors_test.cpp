@@ -94,9 +94,9 @@ TEST(PosePairs, SubTrajectoriesTakeTheNearestWithinTheTolerance) {
 }
 
 TEST(PosePairs, ConsecutiveStretchesLoseTheFirst) {
-  EXPECT_THAT(consecutiveStretches(alongX({0, 1, 2, 3, 4, 5, 6}), 2),
+  EXPECT_THAT(consecutiveSegments(alongX({0, 1, 2, 3, 4, 5, 6}), 2),
               ElementsAre(IndexPair{2, 4}, IndexPair{4, 6}));
-  EXPECT_THAT(consecutiveStretches(alongX({0, 1, 2}), 2), IsEmpty());
+  EXPECT_THAT(consecutiveSegments(alongX({0, 1, 2}), 2), IsEmpty());
 }
 
 TEST(RelativeErrors, HandValues) {
@@ -128,7 +128,7 @@ TEST(RelativeErrorOver, EachToolFindsItsPairs) {
     return pairsOver({delta, unit, rule}, poses, {});
   };
   EXPECT_EQ(pairs(RelativePairs::kPlumbline, 2), overlappingFrames(7, 2));
-  EXPECT_EQ(pairs(RelativePairs::kEvo, 2.4), consecutiveStretches(poses.estimate, 2.4));
+  EXPECT_EQ(pairs(RelativePairs::kEvo, 2.4), consecutiveSegments(poses.estimate, 2.4));
   EXPECT_EQ(pairs(RelativePairs::kEvoAll, 2.4), overlappingFrames(7, 2));
   EXPECT_THAT(pairs(RelativePairs::kPlumbline, 2.4), IsEmpty());  // 2 m is 17 % short of it
   EXPECT_EQ(pairs(RelativePairs::kRpg, 2.4), overlappingFrames(7, 2));

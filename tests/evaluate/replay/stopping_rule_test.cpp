@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Was the stop right? On a simulated recording, for decisions made up so that the answer is known.
-#include "evaluate/replay/stop_audit.h"
+#include "evaluate/replay/stopping_rule.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,13 +36,13 @@ class Stopping : public DecidedRecording {
 
   StopAudit cameraAudit() const {
     const ReplayRun r = run();
-    return auditCameraStop(r, cameraBatches(r, keptCameras(r)));
+    return judgeCameraStop(r, cameraBatches(r, keptCameras(r)));
   }
 
   StopAudit imuAudit() const {
     const ReplayRun r = run();
     const auto& cameras = recording_.truth.cameras;
-    return auditCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
+    return judgeCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
   }
 
   bool stopped_ = false;

@@ -9,7 +9,7 @@
 namespace plumbline {
 
 /// When views count as enough, and when a stop as late.
-struct StopAuditOptions {
+struct StoppingRuleOptions {
   /// Camera stage: held-out RMSE within this factor of the one of the batch over all frames.
   double held_out_factor = 1.1;
   int held_out_frames = 200;  ///< at most; evenly spread over the frames that were not kept
@@ -28,13 +28,13 @@ struct StopAuditOptions {
 /// threshold, are solved in batch for a growing number of them, and scored on frames that were not
 /// kept (only poses move). They are enough from the first number on from which the error stays
 /// within options.held_out_factor of that of all frames' batch.
-StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
-                          const StopAuditOptions& options = {});
+StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
+                          const StoppingRuleOptions& options = {});
 
 /// Camera-IMU stage: the same for the frames since the stage's start, held against T_SC0 and time
 /// offset of the batch over all of them.
-StopAudit auditCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
+StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
                              const StageBatches<CameraImuStageResult>& batches,
-                             const StopAuditOptions& options = {});
+                             const StoppingRuleOptions& options = {});
 
 }  // namespace plumbline

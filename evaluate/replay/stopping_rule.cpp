@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/stop_audit.h"
+#include "evaluate/replay/stopping_rule.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,7 @@ std::string sinceStart(const ReplayRun& run, TimeNs t) {
 }
 
 /// Early, late or right, once it is known when the frames were enough.
-void judge(const ReplayRun& run, const StopAuditOptions& options, const std::string& what,
+void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::string& what,
            StopAudit& audit) {
   const TimeNs end = run.frames.back().t;
   const std::string reached =
@@ -139,7 +139,7 @@ std::optional<double> heldOutError(const Session& held_out,
   return scored->summary.reprojection.rmse_px;
 }
 
-bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StopAuditOptions& options) {
+bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {
   const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
   return difference.head<3>().norm() <= options.translation_m &&
          difference.tail<3>().norm() <= options.rotation_rad &&
@@ -148,7 +148,7 @@ bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StopAuditOpt
 
 }  // namespace
 
-void StopAuditOptions::check() const {
+void StoppingRuleOptions::check() const {
   if (!(held_out_factor >= 1)) throw InputError("no error is held to less than the best one's");
   if (held_out_frames < 1) throw InputError("at least one frame must be held out");
   if (checkpoints < 2) throw InputError("\"enough\" is searched over 2 or more numbers of frames");
@@ -158,8 +158,8 @@ void StopAuditOptions::check() const {
   }
 }
 
-StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
-                          const StopAuditOptions& options) {
+StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
+                          const StoppingRuleOptions& options) {
   StopAudit audit = auditOf(run, GuideStage::kCamera, batches);
   if (!batches.kept || !batches.full) {
     return notJudged(std::move(audit), batches.problem);
@@ -198,9 +198,9 @@ StopAudit auditCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   return audit;
 }
 
-StopAudit auditCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
+StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
                              const StageBatches<CameraImuStageResult>& batches,
-                             const StopAuditOptions& options) {
+                             const StoppingRuleOptions& options) {
   StopAudit audit = auditOf(run, GuideStage::kCameraImu, batches);
   if (!batches.kept || !batches.full) {
     return notJudged(std::move(audit), batches.problem);
