@@ -51,9 +51,6 @@ TimeNs nanosecondsFromMilliseconds(const std::string& option, double millisecond
 /// InputError naming the option for anything else, or for more than 10,000 amounts.
 std::vector<double> amountsFrom(const std::string& option, const std::string& words);
 
-/// Words of the command line as values; each throws InputError that names the option, the word and
-/// what was expected.
-
 /// --align: "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none".
 AlignmentKind alignmentFrom(const std::string& word);
 

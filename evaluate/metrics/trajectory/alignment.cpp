@@ -14,6 +14,53 @@
 namespace plumbline {
 namespace {
 
+// Sums over pairs of points (x, y) that every alignment by positions needs.
+struct PointMoments {
+  Eigen::Vector3d mean_x = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_y = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_yx = Eigen::Matrix3d::Zero();  ///< mean of (y - mean)(x - mean)^T
+  double variance_x = 0;                                    ///< mean of |x - mean|^2
+  double variance_y = 0;
+};
+
+// The proper rotation R and the factor c that minimise sum |y - (c R x + t)|^2 with
+// t = mean_y - c R mean_x (Umeyama, PAMI 1991, eqs. 40-42). `across` is the second singular value
+// of covariance_yx over the first: where it is zero the points of x or y lie on a line and R is
+// not unique.
+struct Similarity {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  double scale = 1;
+  double across = 0;
+};
+
+Similarity bestSimilarity(const PointMoments& moments) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moments.covariance_yx,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d& U = svd.matrixU();
+  const Eigen::Matrix3d& V = svd.matrixV();
+  const Eigen::Vector3d& d = svd.singularValues();
+  const double handed = U.determinant() * V.determinant() < 0 ? -1 : 1;
+  Similarity best;
+  best.R = U * Eigen::Vector3d(1, 1, handed).asDiagonal() * V.transpose();
+  if (d[0] > 0) best.across = d[1] / d[0];
+  if (moments.variance_x > 0) best.scale = (d[0] + d[1] + handed * d[2]) / moments.variance_x;
+  return best;
+}
+
+// The angle [rad] about z that minimises sum |y - (Rz x + t)|^2: it maximises tr(Rz^T C) for
+// C = covariance_yx (Zhang and Scaramuzza, IROS 2018, eqs. 17 and 18). `strength` is the maximum
+// of that trace's horizontal part; zero where no horizontal direction tells the angle.
+struct BestYaw {
+  double yaw = 0;
+  double strength = 0;
+};
+
+BestYaw bestYaw(const Eigen::Matrix3d& C) {
+  const double sine = C(1, 0) - C(0, 1);
+  const double cosine = C(0, 0) + C(1, 1);
+  return {std::atan2(sine, cosine), std::hypot(sine, cosine)};
+}
+
 constexpr std::size_t kFewestPairs = 3;
 
 // Of singular values of a covariance: squares of the spread across a line over that along it.
@@ -121,26 +168,6 @@ Result<AlignmentRecord> alignUnnamed(const std::vector<PosePair>& pairs,
 }
 
 }  // namespace
-
-Similarity bestSimilarity(const PointMoments& moments) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moments.covariance_yx,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d& U = svd.matrixU();
-  const Eigen::Matrix3d& V = svd.matrixV();
-  const Eigen::Vector3d& d = svd.singularValues();
-  const double handed = U.determinant() * V.determinant() < 0 ? -1 : 1;
-  Similarity best;
-  best.R = U * Eigen::Vector3d(1, 1, handed).asDiagonal() * V.transpose();
-  if (d[0] > 0) best.across = d[1] / d[0];
-  if (moments.variance_x > 0) best.scale = (d[0] + d[1] + handed * d[2]) / moments.variance_x;
-  return best;
-}
-
-BestYaw bestYaw(const Eigen::Matrix3d& C) {
-  const double sine = C(1, 0) - C(0, 1);
-  const double cosine = C(0, 0) + C(1, 1);
-  return {std::atan2(sine, cosine), std::hypot(sine, cosine)};
-}
 
 const char* nameOf(AlignmentKind kind) {
   switch (kind) {
