@@ -8,7 +8,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/trajectory.h"
-#include "datasets/calibration/kalibr/camchain.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -50,10 +49,6 @@ struct LintOptions {
 /// named.
 std::vector<Finding> lintCalibrations(std::span<const LintedCalibration> calibrations,
                                       const LintOptions& options = {});
-
-/// A camchain as it stands in its file, which calibrationOf() may refuse: T_cam_imu and T_cn_cnm1
-/// that contradict each other, with the one that is inverted where that explains it.
-std::vector<Finding> lintCamchain(const KalibrCamchain& chain);
 
 /// Holds calibrations against a recording of their rig: resolutions, order of cameras, and, where
 /// it has an IMU, its columns and units, direction of T_SC0, sign of the time offset and noise.

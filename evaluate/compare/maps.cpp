@@ -16,6 +16,18 @@ namespace {
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
 
+// worstDirectionStd() [px] of every grid pixel, for points `range_m` away; NaN where undefined.
+std::vector<double> uncertaintyMap(const Intrinsics& camera, const ProjectionCovariance& covariance,
+                                   double range_m, const ImageGrid& grid) {
+  std::vector<double> map;
+  map.reserve(static_cast<std::size_t>(grid.size()));
+  for (int i = 0; i < grid.size(); ++i) {
+    const auto C = pixelCovariance(camera, covariance, grid.pixel(camera.resolution, i), range_m);
+    map.push_back(C ? worstDirectionStd(*C) : std::nan(""));
+  }
+  return map;
+}
+
 std::optional<Eigen::MatrixXd> intrinsicsBlock(const ParameterCovariance& covariance,
                                                const CameraCalibration& camera) {
   const Intrinsics& k = camera.intrinsics;
@@ -88,17 +100,6 @@ void MapOptions::check() const {
     if (range > 0) continue;
     throw InputError(fmt::format("points at {} m: expected a positive distance", range));
   }
-}
-
-std::vector<double> uncertaintyMap(const Intrinsics& camera, const ProjectionCovariance& covariance,
-                                   double range_m, const ImageGrid& grid) {
-  std::vector<double> map;
-  map.reserve(static_cast<std::size_t>(grid.size()));
-  for (int i = 0; i < grid.size(); ++i) {
-    const auto C = pixelCovariance(camera, covariance, grid.pixel(camera.resolution, i), range_m);
-    map.push_back(C ? worstDirectionStd(*C) : std::nan(""));
-  }
-  return map;
 }
 
 std::vector<double> differenceWeights(const std::vector<double>& std_A,

@@ -84,6 +84,28 @@ Finding stopFinding(const StopAudit& audit) {
   return f;
 }
 
+/// What a replay's figures say of the recording and of the guide, stage by stage: whether it could
+/// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
+std::vector<Finding> replayFindings(const ReplayRecord& record) {
+  std::vector<Finding> findings;
+  const TimeNs begin = record.frames.empty() ? 0 : record.frames.front().t;
+  for (const ReplayStageSummary& stage : record.stages) {
+    findings.push_back(startFinding(stage, begin));
+    for (const StopAudit& audit : record.stop_audits) {
+      if (audit.stage == stage.stage && stage.ran) findings.push_back(stopFinding(audit));
+    }
+  }
+  if (record.stages.empty()) {
+    Finding f;
+    f.rule = "nothing to do";
+    f.level = VerdictLevel::kBad;
+    f.evidence = "the cameras are given and the recording has no IMU: no stage is left to guide";
+    f.advice = "leave out --cameras, or give a recording with imu0";
+    findings.push_back(f);
+  }
+  return findings;
+}
+
 /// suggestions.csv of the recording, in the session's folder or its mav0/.
 std::optional<std::string> suggestionsFile(const ReplayRequest& request) {
   if (request.suggestions) return request.suggestions;
@@ -222,26 +244,6 @@ class Judge {
 };
 
 }  // namespace
-
-std::vector<Finding> replayFindings(const ReplayRecord& record) {
-  std::vector<Finding> findings;
-  const TimeNs begin = record.frames.empty() ? 0 : record.frames.front().t;
-  for (const ReplayStageSummary& stage : record.stages) {
-    findings.push_back(startFinding(stage, begin));
-    for (const StopAudit& audit : record.stop_audits) {
-      if (audit.stage == stage.stage && stage.ran) findings.push_back(stopFinding(audit));
-    }
-  }
-  if (record.stages.empty()) {
-    Finding f;
-    f.rule = "nothing to do";
-    f.level = VerdictLevel::kBad;
-    f.evidence = "the cameras are given and the recording has no IMU: no stage is left to guide";
-    f.advice = "leave out --cameras, or give a recording with imu0";
-    findings.push_back(f);
-  }
-  return findings;
-}
 
 void ReplayRequest::check() const {
   load.check();

@@ -14,7 +14,18 @@
 namespace plumbline {
 namespace {
 
-std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session) {
+// The line of a file that starts with `key`, from 1; 0 where there is none.
+int lineOf(const std::string& key, const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  for (int line = 1; std::getline(file, text); ++line) {
+    if (text.rfind(key, 0) == 0) return line;
+  }
+  return 0;
+}
+
+std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session,
+                    const std::optional<std::string>& cameras_file) {
   switch (input) {
     case FaultyInput::kTarget:
       if (const int line = lineOf("tagSize", loaded.target_path); line > 0) {
@@ -57,17 +68,9 @@ void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
 
 }  // namespace
 
-int lineOf(const std::string& key, const std::string& path) {
-  std::ifstream file(path);
-  std::string text;
-  for (int line = 1; std::getline(file, text); ++line) {
-    if (text.rfind(key, 0) == 0) return line;
-  }
-  return 0;
-}
-
-Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session) {
-  failure.where = placeOf(failure.input(), loaded, session);
+Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session,
+               const std::optional<std::string>& cameras_file) {
+  failure.message = placeOf(failure.input, loaded, session, cameras_file) + ": " + failure.message;
   return failure;
 }
 

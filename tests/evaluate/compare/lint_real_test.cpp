@@ -42,7 +42,6 @@ TEST(RealLint, OneResultOfAllIsImpossible) {
                                                 : std::optional<KalibrFileKind>();
       if (kind != KalibrFileKind::kCamchain && kind != KalibrFileKind::kCamchainImu) continue;
       ++chains;
-      EXPECT_TRUE(lintCamchain(readKalibrCamchain(entry.path().string())).empty());
       const LintedCalibration linted = runAt(entry.path().string());
       for (const Finding& f : lintCalibrations({&linted, 1})) {
         found.push_back(f.rule + ": " + f.evidence);
