@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/error.h"
-#include "calibrator/base/parameter_names.h"
 
 namespace plumbline {
 namespace {

@@ -24,8 +24,7 @@ int lineOf(const std::string& key, const std::string& path) {
   return 0;
 }
 
-std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session,
-                    const std::optional<std::string>& cameras_file) {
+std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session) {
   switch (input) {
     case FaultyInput::kTarget:
       if (const int line = lineOf("tagSize", loaded.target_path); line > 0) {
@@ -68,9 +67,8 @@ void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
 
 }  // namespace
 
-Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session,
-               const std::optional<std::string>& cameras_file) {
-  failure.message = placeOf(failure.input, loaded, session, cameras_file) + ": " + failure.message;
+Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session) {
+  failure.where = placeOf(failure.input(), loaded, session);
   return failure;
 }
 

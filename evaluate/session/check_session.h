@@ -11,11 +11,9 @@
 
 namespace plumbline {
 
-/// The failure with its message opened by the file that it points at, "FILE:LINE: ..." or
-/// "FILE: ...": the line of tagSize in the target's file, no line for the others. `session` is the
-/// folder that `loaded` was read from, `cameras_file` that of given cameras.
-Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session,
-               const std::optional<std::string>& cameras_file);
+/// The failure with the file that it points at, "FILE:LINE" or "FILE": the line of tagSize in the
+/// target's file, no line for the others. `session` is the folder that `loaded` was read from.
+Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session);
 
 /// Throws InputError at the line of target.yaml that the corners contradict: tagCols where the tags
 /// that it puts above each other do not stand in line, tagSpacing where the gaps are further from

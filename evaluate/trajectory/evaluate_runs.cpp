@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/trajectory/run_pattern.h"
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/statistics.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/nees.h"

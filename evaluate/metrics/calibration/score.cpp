@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/camera/camera.h"

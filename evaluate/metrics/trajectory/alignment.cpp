@@ -109,8 +109,7 @@ bool standsStill(double variance, const Eigen::Vector3d& mean) {
 Result<AlignmentRecord> fitYaw(const PointMoments& m) {
   const BestYaw best = bestYaw(m.covariance_yx);
   if (!(best.strength > kLine * (m.variance_x + m.variance_y))) {
-    return notUnique("the positions do not move horizontally, so yaw is not unique",
-                     "align with se3-first or yaw-first, or give a longer segment");
+    return Failure{FailureCode::kNoHorizontalMotion};
   }
   return through(m.mean_x, m.mean_y, aboutZ(best.yaw), 1);
 }
@@ -118,8 +117,7 @@ Result<AlignmentRecord> fitYaw(const PointMoments& m) {
 Result<AlignmentRecord> fitRotation(const PointMoments& m, bool with_scale) {
   const Similarity best = bestSimilarity(m);
   if (!(best.across > kLine)) {
-    return notUnique("the matched positions lie on a line, so the rotation about it is not unique",
-                     "align with se3-first, yaw or yaw-first, or give a segment that turns");
+    return Failure{FailureCode::kPositionsOnALine};
   }
   return through(m.mean_x, m.mean_y, best.R, with_scale ? best.scale : 1);
 }
@@ -139,8 +137,7 @@ Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentO
   }
   const PointMoments m = momentsOf(pairs, count);
   if (standsStill(m.variance_x, m.mean_x) || standsStill(m.variance_y, m.mean_y)) {
-    return notUnique("the matched positions do not move, so the alignment is not unique",
-                     "align with se3-first or none, or give a segment with motion");
+    return Failure{FailureCode::kPositionsStandStill};
   }
   if (o.kind == AlignmentKind::kYaw) return fitYaw(m);
   if (o.kind == AlignmentKind::kScale) return scaleAlone(m);
