@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
@@ -19,6 +21,17 @@ inline void requireWithin(double low, double high, const char* field, double val
   if (value >= low && value <= high) return;
   throw InputError(
       fmt::format("{} is {}; expected a value from {} to {}", field, value, low, high));
+}
+
+/// For one that must be finite and at least `least`.
+inline void requireAtLeast(double least, const char* field, double value) {
+  if (value >= least && std::isfinite(value)) return;
+  throw InputError(fmt::format("{} is {}; expected {} or more", field, value, least));
+}
+
+/// For one that must be finite and positive.
+inline void requirePositive(const char* field, double value) {
+  requireOption(value > 0 && std::isfinite(value), field, value, "a positive number");
 }
 
 }  // namespace plumbline

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
-#include <vector>
+#include <functional>
 
 namespace plumbline {
 
@@ -17,22 +15,24 @@ struct Chunk {
 
 inline int chunkCount(int count, int size) { return (count + size - 1) / size; }
 
+/// Calls work(0), ..., work(count - 1), each once, on up to `threads` threads (TBB). An exception
+/// of one call is thrown again here.
+void parallelCalls(int count, int threads, const std::function<void(int)>& work);
+
 /// Calls work(Chunk) once for every chunk of 0 .. count, on up to `threads` threads. The cut does
 /// not depend on `threads`: partial sums kept per chunk and added in the order of the chunks give
-/// the same bits for any number of threads. `work` must not throw.
+/// the same bits for any number of threads.
 template <class Work>
 void forChunks(int count, int size, int threads, Work&& work) {
-  const int chunks = chunkCount(count, size);
-  std::atomic<int> next{0};
-  const auto run = [&] {
-    for (int i = next++; i < chunks; i = next++) {
-      work(Chunk{i, i * size, std::min(count, (i + 1) * size)});
-    }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::min(threads, chunks); ++t) others.emplace_back(run);
-  run();
-  for (std::thread& other : others) other.join();
+  parallelCalls(chunkCount(count, size), threads, [&](int i) {
+    work(Chunk{i, i * size, std::min(count, (i + 1) * size)});
+  });
+}
+
+/// Two calls at once, on up to `threads` threads.
+template <class First, class Second>
+void inParallel(int threads, First&& first, Second&& second) {
+  parallelCalls(2, threads, [&](int i) { i == 0 ? first() : second(); });
 }
 
 }  // namespace plumbline

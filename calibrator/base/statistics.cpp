@@ -52,9 +52,11 @@ ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors) {
   s.rmse_px = std::sqrt(squared / n);
   s.std_px = std::sqrt(variance);
   s.axis_std_px = axis_variance.cwiseSqrt();
-  s.median_px = quantile(std::move(norms), 0.5);
+  s.median_px = median(std::move(norms));
   return s;
 }
+
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 SampleStatistics sampleStatistics(std::vector<double> values, int ddof) {
   assert(ddof == 0 || ddof == 1);

@@ -29,6 +29,9 @@ ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors);
 /// empty.
 double quantile(std::vector<double> values, double q);
 
+/// quantile(values, 0.5): the mean of the middle two where their number is even.
+double median(std::vector<double> values);
+
 /// The middle of values of any ordered type, the upper one of two: the median where an average of
 /// two values would mean nothing more (stamps, starts of a search). Not empty.
 template <class T>

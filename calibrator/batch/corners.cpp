@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrator/base/measurement_model.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -104,6 +106,10 @@ std::vector<PackedCorners> usedCorners(const Session& session, const std::vector
   return corners;
 }
 
+void checkFilter(CornerFilter filter, double sigmas) {
+  if (filter == CornerFilter::kSigma) requirePositive("filter_sigmas", sigmas);
+}
+
 std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
                              const std::vector<PosedView>& views, double sigmas) {
   std::vector<std::vector<double>> errors;
@@ -115,7 +121,7 @@ std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
     used.insert(used.end(), of_view.begin(), of_view.end());
   }
   if (used.empty()) return 0;
-  const double limit = sigmas * quantile(std::move(used), 0.5) / kRayleighMedian;
+  const double limit = sigmas * median(std::move(used)) / kRayleighMedian;
   std::size_t count = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (const int k : above(limit, errors[i], corners.view(views[i].view))) {

@@ -38,6 +38,9 @@ std::vector<PackedCorners> packCorners(const Session& session);
 std::vector<PackedCorners> usedCorners(const Session& session, const std::vector<Frame>& frames,
                                        const std::vector<CornerResidual>& residuals);
 
+/// Throws InputError where a sigma filter has no positive factor.
+void checkFilter(CornerFilter filter, double sigmas);
+
 /// One view of a camera (index into its PackedCorners) and the pose of the target in it.
 struct PosedView {
   int view = 0;

@@ -13,6 +13,7 @@
 #include <ceres/solver.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 
 namespace plumbline {
 namespace {
@@ -231,7 +232,14 @@ HandEyeResidual handEyeResidual(const HandEyePair& pair, const HandEyeState& sta
   return out;
 }
 
+void HandEyeOptions::check() const {
+  requireAtLeast(0, "sigma_m", sigma_m);
+  requireAtLeast(0, "sigma_rad", sigma_rad);
+  requireAtLeast(0, "min_turn_rad", min_turn_rad);
+}
+
 Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEyeOptions& options) {
+  options.check();
   if (pairs.size() < kFewest) {
     return Failure{FailureCode::kHandEyeTooFewPairs,
                    {{"pairs", pairs.size()}, {"needed", kFewest}}};

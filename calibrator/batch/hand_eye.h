@@ -45,6 +45,8 @@ struct HandEyeOptions {
   bool with_offset = false;    ///< whether the clock offset is unknown too
   double min_turn_rad = 0.03;  ///< spread of the rotations across the axis they share most (RMS)
                                ///< below which the translation along that axis is not claimed
+
+  void check() const;  ///< throws InputError for a negative or infinite field
 };
 
 /// Marker body M in body S, and the two worlds, from pairs of poses.

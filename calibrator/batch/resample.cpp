@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 
 namespace plumbline {
@@ -20,6 +21,12 @@ std::mt19937_64 randomOf(std::uint64_t seed, int draw) {
 }
 
 }  // namespace
+
+void ResampleOptions::check() const {
+  requireAtLeast(2, "draws", draws);
+  requireAtLeast(2, "segments", segments);
+  requireAtLeast(1, "threads", threads);
+}
 
 std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& options, int draw) {
   const int count = std::min(options.segments, frame_count);
@@ -58,6 +65,7 @@ ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eige
 Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int frame_count,
                                    const ResampleOptions& options, const std::string& stage,
                                    const DrawSolver& solve) {
+  options.check();
   std::vector<std::optional<Eigen::VectorXd>> solved(
       static_cast<std::size_t>(std::max(0, options.draws)));
   forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {

@@ -27,6 +27,8 @@ struct ResampleOptions {
   int segments = 20;       ///< contiguous parts of about equal number of frames; as many are drawn
   std::uint64_t seed = 1;  ///< of the draws
   int threads = 1;         ///< results do not depend on it
+
+  void check() const;  ///< throws InputError: two draws and segments at least
 };
 
 /// Spread of the parameters over the draws.

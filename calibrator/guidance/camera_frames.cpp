@@ -81,8 +81,7 @@ Result<CameraStageResult> calibrateFrames(const GuideRig& rig, const std::vector
   CameraStageOptions stage;
   for (const GuideRig::Camera& camera : rig.cameras) stage.models.push_back(camera.model);
   stage.start = start;
-  stage.pixel_sigma = options.views.pixel_sigma;
-  stage.cauchy_px = options.views.cauchy_px;
+  stage.model() = options.views.model();
   stage.threads = options.threads;
   return calibrateCameras(sessionOf(rig, frames), stage);
 }

@@ -191,8 +191,7 @@ void CameraGuide::State::tryStart(Decision& d) {
 void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& d) {
   CameraWindowOptions w;
   w.size = options.views.window;
-  w.pixel_sigma = options.views.pixel_sigma;
-  w.cauchy_px = options.views.cauchy_px;
+  w.model() = options.views.model();
   window.emplace(rig.target, result.cameras, w);
   std::vector<KeptFrame> used;
   for (KeptFrame& frame : kept) {
@@ -282,8 +281,7 @@ void CameraGuide::State::windowChanged() {
   while (window->frameCount() > options.views.window) window->marginaliseOldest();
   const Eigen::MatrixXd information = window->information();
   ViewGainOptions gain;
-  gain.pixel_sigma = options.views.pixel_sigma;
-  gain.cauchy_px = options.views.cauchy_px;
+  gain.model() = options.views.model();
   gain.min_corners = options.views.min_corners;
   scorer.emplace(rig.target, window->estimate(), information, gain);
   entropy = entropyNats(information);

@@ -8,6 +8,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 
@@ -17,9 +18,7 @@ namespace plumbline {
 inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
 
 /// Next best view (paper, section IV).
-struct ViewGuideOptions {
-  double pixel_sigma = 1;     ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 1.5;     ///< scale of the loss [px]; 0: squared error
+struct ViewGuideOptions : MeasurementModel {
   int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
   double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
   /// So many frames in a row without plausible pose, before as many had one: the start was wrong,
@@ -38,10 +37,7 @@ struct ViewGuideOptions {
 };
 
 /// Next best trajectory (paper, section V).
-struct TrajectoryGuideOptions {
-  double pixel_sigma = 1;
-  double cauchy_px = 1.5;
-  double gravity_m_s2 = 9.80655;
+struct TrajectoryGuideOptions : MeasurementModel {
   int start_frames = 20;  ///< frames that start the estimate; as many more as it takes
   int window = 3;         ///< states in the fixed-lag window
   int min_corners = 16;

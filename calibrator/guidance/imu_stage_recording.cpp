@@ -90,7 +90,7 @@ double ImuStageRecording::cameraRateHz() const {
     intervals.push_back(secondsBetween(frames_[i].t, frames_[i + 1].t));
   }
   assert(!intervals.empty());
-  return 1 / quantile(std::move(intervals), 0.5);
+  return 1 / median(std::move(intervals));
 }
 
 Session ImuStageRecording::session() const {
@@ -109,11 +109,8 @@ Session ImuStageRecording::session() const {
 }
 
 CameraImuOptions ImuStageRecording::batchOptions() const {
-  const TrajectoryGuideOptions& t = options_.trajectories;
   CameraImuOptions batch;
-  batch.pixel_sigma = t.pixel_sigma;
-  batch.gravity_m_s2 = t.gravity_m_s2;
-  batch.cauchy_px = t.cauchy_px;
+  batch.model() = options_.trajectories.model();
   batch.max_interval_s = options_.max_frame_gap_s;
   batch.threads = options_.threads;
   return batch;

@@ -19,7 +19,7 @@ struct TrajectoryRecording {
   double camera_rate_hz = 20;
   double imu_rate_hz = 200;
   ImuNoise noise;
-  double gravity_m_s2 = 9.80655;
+  double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   double pixel_sigma = 1;     ///< standard deviation of a corner, per axis [px]
   int min_corners = 16;       ///< views of one camera with fewer count for nothing
   double border_px = 5;       ///< tags closer to the image's border are not seen

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
@@ -12,12 +13,11 @@
 
 namespace plumbline {
 
-struct ViewGainOptions {
-  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 0;    ///< of frames that were seen: scale of the loss that weights them [px]
-  int min_corners = 16;    ///< of one camera, for its part of a predicted view to count
-  double border_px = 5;    ///< tags that come closer to the image's border are not seen
-  double min_tag_px = 8;   ///< nor are tags with a side shorter than this
+/// The loss of the measurement model weights the corners of frames that were seen.
+struct ViewGainOptions : MeasurementModel {
+  int min_corners = 16;   ///< of one camera, for its part of a predicted view to count
+  double border_px = 5;   ///< tags that come closer to the image's border are not seen
+  double min_tag_px = 8;  ///< nor are tags with a side shorter than this
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;

@@ -8,6 +8,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/linear/levenberg_marquardt.h"
 
 namespace plumbline {
 namespace {
@@ -149,6 +150,45 @@ std::vector<PackedView> partsOf(const PackedView& view) {
   return parts;
 }
 
+/// The pose of one frame as minimise() wants it, in units of 1 px.
+class PoseSteps {
+ public:
+  PoseSteps(const std::vector<FrameView>& views, const GramOptions& gram, const Transform& start)
+      : views_(views), gram_(gram), T_C0F_(start), now_(frameGram(views, start, gram)) {}
+
+  double cost() const { return 0.5 * now_.cost; }
+  const Transform& T_C0F() const { return T_C0F_; }
+
+  std::optional<double> solve(double damping) {
+    Matrix6d A = now_.H;
+    A.diagonal() *= 1 + damping;
+    const Eigen::LLT<Matrix6d> llt(A);
+    if (llt.info() != Eigen::Success) return std::nullopt;
+    x_ = -llt.solve(now_.b);
+    return -x_.dot(now_.b);
+  }
+
+  Trial attempt() {
+    next_T_ = twisted(T_C0F_, x_);
+    next_ = frameGram(views_, next_T_, gram_);
+    return {.cost = 0.5 * next_.cost};
+  }
+
+  void accept() {
+    T_C0F_ = next_T_;
+    now_ = next_;
+  }
+
+  static bool refuse() { return false; }
+
+ private:
+  const std::vector<FrameView>& views_;
+  const GramOptions& gram_;
+  Transform T_C0F_, next_T_;
+  PoseGram now_, next_;
+  Vector6d x_;
+};
+
 }  // namespace
 
 double PoseRefinement::errorPx() const { return corners > 0 ? std::sqrt(cost / corners) : 0; }
@@ -190,34 +230,12 @@ Transform mirroredPose(const Transform& T_CF, const Eigen::Vector2d& centre) {
 
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options) {
-  PoseRefinement out;
-  out.T_C0F = T_C0F;
-  out.corners = countUsed(views);
-  PoseGram now = frameGram(views, T_C0F, options.gram);
-  double damping = 1e-6;
-  for (int i = 0; i < options.max_iterations && damping < 1e6; ++i) {
-    Matrix6d A = now.H;
-    A.diagonal() *= 1 + damping;
-    const Eigen::LLT<Matrix6d> llt(A);
-    if (llt.info() != Eigen::Success) break;
-    const Vector6d x = -llt.solve(now.b);
-    const double decrement = -x.dot(now.b);
-    if (decrement <= std::max(options.tolerance * options.tolerance, 1e-15 * now.cost)) {
-      out.converged = true;
-      break;
-    }
-    const Transform next = twisted(out.T_C0F, x);
-    const PoseGram gram = frameGram(views, next, options.gram);
-    if (gram.cost <= now.cost * (1 + 1e-14)) {
-      out.T_C0F = next;
-      now = gram;
-      damping = std::max(0.03 * damping, 1e-12);
-    } else {
-      damping = std::max(10 * damping, 1e-3);
-    }
-  }
-  out.cost = now.cost;
-  return out;
+  PoseSteps steps(views, options.gram, T_C0F);
+  MinimiserOptions minimiser;
+  minimiser.max_iterations = options.max_iterations;
+  minimiser.tolerance = options.tolerance;
+  const MinimiserSummary summary = minimise(steps, minimiser);
+  return {steps.T_C0F(), 2 * steps.cost(), countUsed(views), summary.converged()};
 }
 
 std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, double good_px,

@@ -41,13 +41,13 @@ struct PoseRefinement {
 struct PoseRefinementOptions {
   GramOptions gram{0, 0};
   int max_iterations = 10;
-  /// Converged where the remaining step is shorter than this, in standard deviations of the pose
-  /// under 1 px.
-  double tolerance = 1e-3;
+  /// Converged with the step that is shorter than this, in standard deviations of the pose under
+  /// 1 px; it is still taken.
+  double tolerance = 1e-2;
 };
 
 /// Minimises the reprojection error of a frame's views over the pose of the target in camera 0
-/// (Levenberg-Marquardt).
+/// (minimise()).
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options = {});
 

@@ -28,7 +28,7 @@ double medianSampleInterval(std::span<const ImuSample> samples) {
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
     intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
   }
-  return quantile(std::move(intervals), 0.5);
+  return median(std::move(intervals));
 }
 
 GyroIntegral::GyroIntegral(std::span<const ImuSample> samples) : samples_(samples) {

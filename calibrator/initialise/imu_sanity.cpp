@@ -22,7 +22,7 @@ double medianNorm(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample:
   std::vector<double> norms;
   norms.reserve(samples.size());
   for (const ImuSample& s : samples) norms.push_back((s.*column).norm());
-  return quantile(std::move(norms), 0.5);
+  return median(std::move(norms));
 }
 
 }  // namespace

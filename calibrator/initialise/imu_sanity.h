@@ -7,6 +7,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/error.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_gravity.h"
 
@@ -16,7 +17,7 @@ namespace plumbline {
 // with the figures that show it, or nothing. They run in this order, each trusting those before.
 
 struct SanityOptions {
-  double gravity_m_s2 = 9.80655;
+  double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   double min_correlation = 0.8;        ///< of gyro and camera rates; EuRoC's is 0.999
   double min_excitation_rad_s = 0.02;  ///< RMS rate below which an axis counts as not turned about
   double rate_tolerance = 0.06;        ///< of the gyroscope's rate against the camera's, relative,

@@ -3,8 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <thread>
 
+#include "calibrator/base/parallel.h"
 #include "calibrator/linear/row_kernels.h"
 
 namespace plumbline {
@@ -42,8 +42,9 @@ class Elimination {
   std::optional<ChainSolution> run() {
     Carry front(columns_ - kNeighbour);
     Carry back(columns_ - kNeighbour);
-    inParallel([&] { sweep(0, middle_, +1, front); },
-               [&] { sweep(system_.blocks() - 1, middle_, -1, back); });
+    inParallel(
+        options_.threads, [&] { sweep(0, middle_, +1, front); },
+        [&] { sweep(system_.blocks() - 1, middle_, -1, back); });
     if (!front.positive || !back.positive) return std::nullopt;
     front.gram += back.gram;
     front.log_det += back.log_det;
@@ -65,6 +66,7 @@ class Elimination {
     if (n == 0) return out;
     blockCovariance(middle_, 0, out);
     inParallel(
+        options_.threads,
         [&] {
           for (int i = middle_ - 1; i >= 0; --i) blockCovariance(i, +1, out);
         },
@@ -75,18 +77,6 @@ class Elimination {
   }
 
  private:
-  template <class First, class Second>
-  void inParallel(First first, Second second) const {
-    if (options_.threads < 2) {
-      first();
-      second();
-      return;
-    }
-    std::thread other(second);
-    first();
-    other.join();
-  }
-
   /// Eliminates blocks first, first + direction, ... up to (without) `end`.
   void sweep(int first, int end, int direction, Carry& carry) {
     for (int i = first; i != end && carry.positive; i += direction) eliminate(i, direction, carry);
@@ -140,6 +130,7 @@ class Elimination {
     if (n == 0) return;
     blockStep(middle_, 0, out);
     inParallel(
+        options_.threads,
         [&] {
           for (int i = middle_ - 1; i >= 0; --i) blockStep(i, +1, out);
         },

@@ -25,6 +25,16 @@ std::vector<int> others(const std::vector<int>& keep, Eigen::Index size) {
 
 }  // namespace
 
+QuadraticCost QuadraticCost::at(const Eigen::VectorXd& d) const {
+  assert(d.size() == b.size());
+  const Eigen::VectorXd Hd = H * d;
+  return {H, b + Hd, c + d.dot(b) + 0.5 * d.dot(Hd)};
+}
+
+QuadraticCost QuadraticCost::through(const Eigen::MatrixXd& J) const {
+  return {J.transpose() * H * J, J.transpose() * b, c};
+}
+
 std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep) {
   assert(cost.H.rows() == cost.H.cols() && cost.H.rows() == cost.b.size());
   const std::vector<int> drop = others(keep, cost.b.size());

@@ -14,6 +14,11 @@ struct QuadraticCost {
   Eigen::MatrixXd H;
   Eigen::VectorXd b;
   double c = 0;
+
+  /// The same quadratic about the point at displacement d: value f(d), gradient b + H d, H.
+  QuadraticCost at(const Eigen::VectorXd& d) const;
+  /// In other coordinates x of the displacement, J = dd/dx at the point: J^T H J and J^T b.
+  QuadraticCost through(const Eigen::MatrixXd& J) const;
 };
 
 /// The cost that remains of `cost` once the parameters that are not in `keep` are at their best:

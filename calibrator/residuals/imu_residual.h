@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/residuals/preintegration.h"
 
@@ -26,7 +27,7 @@ Eigen::Vector3d boxplusDirection(const Eigen::Vector3d& direction, const Eigen::
 /// Gravity in the target's frame: known magnitude, unknown direction (2 dof).
 struct Gravity {
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  ///< unit vector in F, pointing down
-  double magnitude = 9.80655;                             ///< [m/s^2]
+  double magnitude = MeasurementModel().gravity_m_s2;     ///< [m/s^2]
 };
 
 /// Residual of the IMU between frames i and j, raw (not whitened), with its Jacobians:

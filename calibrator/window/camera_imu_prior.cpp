@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/window/camera_imu_prior.h"
-
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/window/camera_imu_window.h"
 
 namespace plumbline {
 namespace {
@@ -50,19 +49,6 @@ Eigen::Vector2d directionMinus(const Eigen::Vector3d& to, const Eigen::Vector3d&
   return std::atan2(sine, from.dot(to)) / sine * across;
 }
 
-/// d displacement / d tangent at the estimate.
-Eigen::MatrixXd jacobian(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
-                         const Eigen::VectorXd& d) {
-  Eigen::MatrixXd J = Eigen::MatrixXd::Identity(kSize, kSize);
-  const int T = kState + BorderLayout::kExtrinsics;
-  const int g = kState + BorderLayout::kGravity;
-  J.block<3, 3>(3, 3) = inverseLeftJacobianSO3(d.segment<3>(3));
-  J.block<3, 3>(T + 3, T + 3) = inverseLeftJacobianSO3(d.segment<3>(T + 3));
-  J.block<2, 2>(g, g) =
-      tangentBasis(prior.gravity_direction).transpose() * tangentBasis(estimate.gravity_direction);
-  return J;
-}
-
 /// The first `count` frames' terms alone: the frame after them has no corners.
 CameraImuProblem dropped(const CameraImuProblem& problem, int count) {
   const auto kept = static_cast<std::size_t>(count);
@@ -87,33 +73,31 @@ std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, int count)
   return end;
 }
 
-Eigen::VectorXd CameraImuPrior::displacement(const CameraImuEstimate& estimate) const {
-  Eigen::VectorXd d(kSize);
-  d << boxminus(estimate.states.front(), state), boxminus(estimate.T_SC0, T_SC0),
-      directionMinus(estimate.gravity_direction, gravity_direction),
-      estimate.time_offset_s - time_offset_s;
-  return d;
+Displacement displacementOf(const CameraImuEstimate& to, const CameraImuEstimate& from) {
+  constexpr int T = kState + BorderLayout::kExtrinsics;
+  constexpr int g = kState + BorderLayout::kGravity;
+  Displacement out{Eigen::VectorXd(kSize), Eigen::MatrixXd::Identity(kSize, kSize)};
+  out.d << boxminus(to.states.front(), from.states.front()), boxminus(to.T_SC0, from.T_SC0),
+      directionMinus(to.gravity_direction, from.gravity_direction),
+      to.time_offset_s - from.time_offset_s;
+  out.J.block<3, 3>(3, 3) = inverseLeftJacobianSO3(out.d.segment<3>(3));
+  out.J.block<3, 3>(T + 3, T + 3) = inverseLeftJacobianSO3(out.d.segment<3>(T + 3));
+  out.J.block<2, 2>(g, g) =
+      tangentBasis(from.gravity_direction).transpose() * tangentBasis(to.gravity_direction);
+  return out;
 }
 
-double CameraImuPrior::costAt(const CameraImuEstimate& estimate) const {
-  const Eigen::VectorXd d = displacement(estimate);
-  return cost.c + cost.b.dot(d) + 0.5 * d.dot(cost.H * d);
-}
-
-void CameraImuPrior::addTo(const CameraImuEstimate& estimate, CameraImuNormals& normals) const {
+void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
+              CameraImuNormals& normals) {
   constexpr int m = BorderLayout::kFixed;
-  const Eigen::VectorXd d = displacement(estimate);
-  const Eigen::VectorXd Hd = cost.H * d;
-  const Eigen::MatrixXd J = jacobian(*this, estimate, d);
-  const Eigen::MatrixXd H = J.transpose() * cost.H * J;
-  const Eigen::VectorXd b = J.transpose() * (cost.b + Hd);
+  const QuadraticCost at = prior.at(estimate);
   BlockArrow& chain = normals.chain;
-  chain.diagonal[0] += H.topLeftCorner<kState, kState>();
-  chain.to_border[0].leftCols(m) += H.topRightCorner(kState, m);
-  chain.to_border[0].col(m) += b.head<kState>();
-  chain.border_block += H.bottomRightCorner(m, m);
-  chain.border_gradient += b.tail(m);
-  normals.cost += cost.c + cost.b.dot(d) + 0.5 * d.dot(Hd);
+  chain.diagonal[0] += at.H.topLeftCorner<kState, kState>();
+  chain.to_border[0].leftCols(m) += at.H.topRightCorner(kState, m);
+  chain.to_border[0].col(m) += at.b.head<kState>();
+  chain.border_block += at.H.bottomRightCorner(m, m);
+  chain.border_gradient += at.b.tail(m);
+  normals.cost += at.c;
 }
 
 std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
@@ -125,12 +109,13 @@ std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
   auto normals = informationAt(dropped(problem, count), estimate, weights);
   if (!normals) return std::nullopt;
   assert(normals->chain.border() == BorderLayout::kFixed);
-  if (prior) prior->addTo(estimate, *normals);
+  if (prior) addPrior(*prior, estimate, *normals);
   auto cost = frontEliminated(normals->chain, count);
   if (!cost) return std::nullopt;
   cost->c += normals->cost;
-  return CameraImuPrior{std::move(*cost), estimate.states[static_cast<std::size_t>(count)],
-                        estimate.T_SC0, estimate.gravity_direction, estimate.time_offset_s};
+  CameraImuEstimate point = estimate;
+  point.states = {estimate.states[static_cast<std::size_t>(count)]};
+  return CameraImuPrior{std::move(*cost), std::move(point)};
 }
 
 }  // namespace plumbline

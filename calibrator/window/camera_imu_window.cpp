@@ -7,14 +7,13 @@
 #include <numeric>
 #include <utility>
 
+#include "calibrator/base/option_check.h"
+
 namespace plumbline {
 namespace {
 
-constexpr double kFirstDamping = 1e-9;
-constexpr double kFreeDamping = 1e-3;  // above it a short step does not mean a minimum
-constexpr double kMostDamping = 1e6;
-constexpr double kRoundingOfCost = 1e-12;  // relative
-constexpr double kSampleMargin = 0.5;      // [s] of samples kept before the first frame
+constexpr double kFirstDamping = 1e-9;  // the window starts next to its minimum
+constexpr double kSampleMargin = 0.5;   // [s] of samples kept before the first frame
 
 /// Takes the time offset out of the system: it keeps its value.
 void fixOffset(BlockArrow& chain) {
@@ -49,11 +48,19 @@ void dropFront(std::vector<T>& values, int count) {
 
 }  // namespace
 
+void CameraImuWindowOptions::check() const {
+  requireAtLeast(2, "states", states);
+  requireAtLeast(1, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+  requirePositive("max_last_step", max_last_step);
+}
+
 std::optional<CameraImuWindow> CameraImuWindow::fromBatch(const CameraImuProblem& problem,
                                                           const CameraImuEstimate& estimate,
                                                           const AprilGrid& target,
                                                           const CameraImuWindowOptions& options) {
-  assert(options.states >= 2 && problem.frameCount() >= 2);
+  options.check();
+  assert(problem.frameCount() >= 2);
   assert(problem.view_stamps.empty() && !problem.free_cameras && !problem.fixed_calibration);
   CameraImuWindow window;
   window.options_ = options;
@@ -164,36 +171,57 @@ bool CameraImuWindow::marginaliseOldest() {
 std::optional<CameraImuNormals> CameraImuWindow::system(const CameraImuEstimate& estimate) const {
   auto normals = normalsAt(problem_, estimate, weights_);
   if (!normals) return std::nullopt;
-  if (prior_) prior_->addTo(estimate, *normals);
+  if (prior_) addPrior(*prior_, estimate, *normals);
   fixOffset(normals->chain);
   return normals;
 }
 
+class CameraImuWindow::Steps {
+ public:
+  Steps(CameraImuWindow& window, CameraImuNormals normals)
+      : window_(window), normals_(std::move(normals)) {}
+
+  double cost() const { return normals_.cost; }
+  const CameraImuNormals& normals() const { return normals_; }
+
+  std::optional<double> solve(double damping) {
+    step_ = solveChain(normals_.chain, {damping, 1});
+    if (!step_) return std::nullopt;
+    return step_->decrement;
+  }
+
+  Trial attempt() {
+    next_ = moved(window_.estimate_, *step_, false);
+    next_normals_ = window_.system(next_);
+    if (!next_normals_) return {};  // beyond the samples: refused
+    return {.cost = next_normals_->cost};
+  }
+
+  void accept() {
+    window_.estimate_ = std::move(next_);
+    normals_ = std::move(*next_normals_);
+  }
+
+  static bool refuse() { return false; }
+
+ private:
+  CameraImuWindow& window_;
+  CameraImuNormals normals_;
+  std::optional<ChainSolution> step_;
+  CameraImuEstimate next_;
+  std::optional<CameraImuNormals> next_normals_;
+};
+
 bool CameraImuWindow::solve() {
   auto normals = system(estimate_);
-  double damping = kFirstDamping;
-  double length = options_.max_last_step;
-  for (int k = 0; normals && k < options_.max_iterations; ++k) {
-    const auto step = solveChain(normals->chain, {damping, 1});
-    bool better = false;
-    if (step) {
-      length = std::sqrt(std::max(0.0, step->decrement));
-      CameraImuEstimate candidate = moved(estimate_, *step, false);
-      auto next = system(candidate);
-      better = next && next->cost <= normals->cost * (1 + kRoundingOfCost);
-      if (better) {
-        estimate_ = std::move(candidate);
-        normals = std::move(next);
-      }
-      if (length < options_.tolerance && damping < kFreeDamping) break;
-    }
-    damping *= better ? 0.1 : 1e3;
-    if (damping > kMostDamping) return false;
-  }
   if (!normals) return false;
-  cost_ = normals->cost;
-  squared_px_ = normals->squared_px;
-  return length < options_.max_last_step;
+  Steps steps(*this, std::move(*normals));
+  const MinimiserSummary summary = minimise(steps, {.max_iterations = options_.max_iterations,
+                                                    .tolerance = options_.tolerance,
+                                                    .first_damping = kFirstDamping});
+  cost_ = steps.normals().cost;
+  squared_px_ = steps.normals().squared_px;
+  return summary.end != MinimiserEnd::kNoStep && summary.last_step < options_.max_last_step;
 }
 
 double CameraImuWindow::rmsePx() const {
@@ -207,7 +235,7 @@ double CameraImuWindow::rmsePx() const {
 std::optional<WindowKnowledge> CameraImuWindow::knowledge() const {
   auto normals = informationAt(problem_, estimate_, weights_);
   if (!normals) return std::nullopt;
-  if (prior_) prior_->addTo(estimate_, *normals);
+  if (prior_) addPrior(*prior_, estimate_, *normals);
   auto cost = frontEliminated(normals->chain, problem_.frameCount() - 1);
   if (!cost) return std::nullopt;
   WindowKnowledge out{std::move(cost->H), estimate_, lastStamp()};

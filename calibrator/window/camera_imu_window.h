@@ -7,16 +7,44 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/batch/camera_imu/problem.h"
-#include "calibrator/window/camera_imu_prior.h"
+#include "calibrator/window/linear_prior.h"
 
 namespace plumbline {
 
+/// On the first state (15), T_SC0 (6), gravity's direction (2) and the time offset (1), in the
+/// tangents of its point (gravity: angles along tangentBasis()), which has one state.
+using CameraImuPrior = LinearPrior<CameraImuEstimate>;
+Displacement displacementOf(const CameraImuEstimate& to, const CameraImuEstimate& from);
+
+/// Adds the prior's normal equations and cost to those of a chain that begins with its state.
+void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
+              CameraImuNormals& normals);
+
+/// The chain's terms on its first blocks 0 .. count, and the border, with blocks 0 .. count - 1
+/// eliminated one after the other (marginalised()): a cost of (block `count` (15), border). What
+/// the chain holds after block `count` is left out. Empty where a block eliminated is not
+/// determined.
+std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, int count);
+
+/// All terms of the problem's first `count` frames (their corners, the links after them, and the
+/// prior on the first state, if there is one) as a prior on the frame after them. Weights of
+/// information are used (informationAt()), so that the loss counts by re-weighted squares. The
+/// problem's cameras are fixed. Empty where the frames dropped are not determined or left the IMU
+/// samples.
+std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
+                                               const CameraImuEstimate& estimate,
+                                               const ImuWeights& weights,
+                                               const std::optional<CameraImuPrior>& prior,
+                                               int count);
+
 struct CameraImuWindowOptions {
   int states = 3;           ///< frames in the window, at least 2
-  int max_iterations = 20;  ///< of Levenberg-Marquardt, with every frame
+  int max_iterations = 20;  ///< of minimise(), with every frame
   double tolerance = 0.01;  ///< length of the last step in standard deviations of all parameters
   /// A solution whose last step is still longer than this is none [standard deviations].
   double max_last_step = 1;
+
+  void check() const;  ///< throws InputError; called by the window
 };
 
 /// A frame that shall enter a window.
@@ -84,6 +112,7 @@ class CameraImuWindow {
   ImuState predicted(const WindowFrame& frame) const;
   bool marginaliseOldest();
   bool solve();
+  class Steps;  // the window as minimise() wants it
   std::optional<CameraImuNormals> system(const CameraImuEstimate& estimate) const;
   void packCorners();
 

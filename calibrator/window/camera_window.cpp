@@ -7,31 +7,15 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
 namespace {
 
-/// Displacement of the cameras, in the tangent of `from`; and how it changes with the tangent of
-/// `to`, which is the identity but for rotations: Log(Exp(da) R_to R_from^T) = d + Jl^-1(d) da.
-struct Displacement {
-  Eigen::VectorXd d;
-  Eigen::MatrixXd J;
-};
-
-Displacement displacement(const CameraEstimate& to, const CameraEstimate& from) {
-  const CameraLayout layout(from.intrinsics);
-  Displacement out{Eigen::VectorXd(layout.size),
-                   Eigen::MatrixXd::Identity(layout.size, layout.size)};
-  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
-    out.d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
-        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
-    if (c == 0) continue;
-    const int e = layout.T_C0Ci[c];
-    out.d.segment<6>(e) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
-    out.J.block<3, 3>(e + 3, e + 3) = inverseLeftJacobianSO3(out.d.segment<3>(e + 3));
-  }
-  return out;
+/// Nothing is known of n parameters.
+QuadraticCost nothingOf(int n) {
+  return {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), 0};
 }
 
 /// Pose of a single frame, then cameras.
@@ -46,6 +30,29 @@ QuadraticCost joint(const CameraNormals& normals) {
 
 }  // namespace
 
+Displacement displacementOf(const CameraEstimate& to, const CameraEstimate& from) {
+  const CameraLayout layout(from.intrinsics);
+  Displacement out{Eigen::VectorXd(layout.size),
+                   Eigen::MatrixXd::Identity(layout.size, layout.size)};
+  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
+    out.d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
+        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
+    if (c == 0) continue;
+    // Log(Exp(da) R_to R_from^T) = d + Jl^-1(d) da.
+    const int e = layout.T_C0Ci[c];
+    out.d.segment<6>(e) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
+    out.J.block<3, 3>(e + 3, e + 3) = inverseLeftJacobianSO3(out.d.segment<3>(e + 3));
+  }
+  return out;
+}
+
+void CameraWindowOptions::check() const {
+  MeasurementModel::check();
+  requireAtLeast(1, "size", size);
+  requireAtLeast(1, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+}
+
 CameraWindow::CameraWindow(const AprilGrid& target, const std::vector<CameraCalibration>& cameras,
                            const CameraWindowOptions& options)
     : target_(target),
@@ -54,9 +61,8 @@ CameraWindow::CameraWindow(const AprilGrid& target, const std::vector<CameraCali
       estimate_(estimateOf(cameras)),
       views_(cameras.size()),
       corners_(cameras.size()),
-      prior_point_(estimate_),
-      prior_(CameraLayout(estimate_.intrinsics).size) {
-  assert(options.size >= 1 && options.pixel_sigma > 0);
+      prior_{nothingOf(CameraLayout(estimate_.intrinsics).size), estimate_} {
+  options.check();
 }
 
 void CameraWindow::add(const std::vector<std::vector<Corner>>& corners, const Transform& T_FC0) {
@@ -67,10 +73,9 @@ void CameraWindow::add(const std::vector<std::vector<Corner>>& corners, const Tr
 }
 
 bool CameraWindow::solve() {
-  CameraSolverOptions options;
-  options.max_iterations = options_.max_iterations;
-  options.tolerance = options_.tolerance;
-  CameraSolution solution = solveCameraProblem(problem(allFrames()), estimate_, options);
+  CameraSolution solution = solveCameraProblem(
+      problem(allFrames()), estimate_,
+      {.max_iterations = options_.max_iterations, .tolerance = options_.tolerance});
   if (!solution.converged) return false;
   estimate_ = std::move(solution.estimate);
   return true;
@@ -85,9 +90,8 @@ void CameraWindow::marginaliseOldest() {
   std::iota(cameras.begin(), cameras.end(), 6);
   auto rest = marginalised(joint(normals), cameras);
   if (rest) {
-    prior_ = LinearPrior(std::move(*rest));
-    prior_point_ = at;
-    prior_point_.T_C0F.clear();
+    at.T_C0F.clear();
+    prior_ = {std::move(*rest), std::move(at)};
   }
   remove(0);
 }
@@ -152,11 +156,7 @@ std::vector<Frame> CameraWindow::allFrames() const {
 }
 
 QuadraticCost CameraWindow::priorAt(const CameraEstimate& cameras) const {
-  const Displacement from = displacement(cameras, prior_point_);
-  QuadraticCost cost = prior_.at(from.d);
-  cost.b = from.J.transpose() * cost.b;
-  cost.H = from.J.transpose() * cost.H * from.J;
-  return cost;
+  return prior_.at(cameras);
 }
 
 void CameraWindow::pack() {

@@ -7,6 +7,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
@@ -14,13 +15,16 @@
 
 namespace plumbline {
 
-struct CameraWindowOptions {
-  int size = 10;           ///< frames; who adds more lets the oldest go (full())
-  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 0;    ///< scale of the Cauchy loss [px]; 0: squared error
+struct CameraWindowOptions : MeasurementModel {
+  int size = 10;  ///< frames; who adds more lets the oldest go (full())
   int max_iterations = 50;
-  double tolerance = 1e-4;  ///< of the step that remains, in standard deviations of all parameters
+  double tolerance = 1e-4;  ///< of the last step, in standard deviations of all parameters
+
+  void check() const;  ///< throws InputError; called by the window
 };
+
+/// Of the cameras (poses are not read), in the layout's order.
+Displacement displacementOf(const CameraEstimate& to, const CameraEstimate& from);
 
 /// A camera calibration over the last frames and a linear prior that stands for all earlier ones
 /// (paper, section IV, "real-time estimation"). It minimises
@@ -72,8 +76,7 @@ class CameraWindow {
   CameraEstimate estimate_;
   std::vector<std::vector<ImageView>> views_;  // per camera, one per frame
   std::vector<PackedCorners> corners_;         // the same
-  CameraEstimate prior_point_;                 // no poses
-  LinearPrior prior_;
+  LinearPrior<CameraEstimate> prior_;          // its point has no poses
 };
 
 }  // namespace plumbline

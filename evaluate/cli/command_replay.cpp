@@ -39,7 +39,7 @@ struct GuideOptionSet {
 
   void declare(CLI::App& app);
   /// Noise, loss and gravity are the batches'.
-  GuideOptions options(const CameraStageOptions& camera, double gravity_m_s2) const;
+  GuideOptions options(const CameraStageOptions& camera) const;
 };
 
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
@@ -157,16 +157,14 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->capture_default_str();
 }
 
-GuideOptions GuideOptionSet::options(const CameraStageOptions& camera, double gravity_m_s2) const {
+GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   GuideOptions o = guide;
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
   o.trajectories.expires_s = o.views.expires_s;
   o.trajectories.max_rate_rad_s = max_rate_deg_s * std::numbers::pi / 180;
   o.trajectories.max_acceleration_m_s2 = max_acceleration_g * kStandardGravity;
-  o.views.pixel_sigma = o.trajectories.pixel_sigma = camera.pixel_sigma;
-  o.views.cauchy_px = o.trajectories.cauchy_px = camera.cauchy_px;
-  o.trajectories.gravity_m_s2 = gravity_m_s2;
+  o.views.model() = o.trajectories.model() = camera.model();
   o.threads = camera.threads;
   o.check();
   return o;
@@ -216,7 +214,7 @@ ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
   request.camera = o.estimation.cameraStage(request.load);
   request.camera_imu = o.estimation.cameraImuStage(request.camera);
   request.cameras_file = o.estimation.cameras;
-  request.guide = o.guide.options(request.camera, o.estimation.gravity);
+  request.guide = o.guide.options(request.camera);
   request.arrival_s = o.guide.arrival_ms / 1e3;
   request.suggestions = o.suggestions;
   request.audit.tolerance_s = o.stop_tolerance_s;

@@ -124,6 +124,7 @@ CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const
   if (models) options.models = modelsFrom(*models);
   options.pixel_sigma = pixel_sigma;
   options.cauchy_px = lossFrom(loss);
+  options.gravity_m_s2 = gravity;
   const auto [filter, sigmas] = outliersFrom(outliers);
   options.filter = filter;
   if (filter == CornerFilter::kSigma) options.filter_sigmas = sigmas;
@@ -135,9 +136,7 @@ CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const
 
 CameraImuOptions EstimationOptions::cameraImuStage(const CameraStageOptions& camera) const {
   CameraImuOptions options;
-  options.pixel_sigma = camera.pixel_sigma;
-  options.gravity_m_s2 = gravity;
-  options.cauchy_px = camera.cauchy_px;
+  options.model() = camera.model();
   options.filter = camera.filter;
   options.filter_sigmas = camera.filter_sigmas;
   options.frames = camera.frames;

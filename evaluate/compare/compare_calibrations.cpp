@@ -33,7 +33,8 @@ const char* methodName(FrameAlignment alignment) {
 /// Uncertainty of projections under the recording's corners, all weighted alike.
 void addUncertainty(const Session& session, const CompareRequest& request, OnSession& out) {
   CameraInformationOptions options;
-  options.pixel_sigma = request.score.camera.pixel_sigma;
+  options.model() = request.score.camera.model();
+  options.cauchy_px = 0;
   options.alignment = request.alignment;
   options.threads = request.score.camera.threads;
   const auto information = cameraInformation(session, *out.stage, options);

@@ -138,7 +138,7 @@ std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
   const CameraProblem problem = problemOf(frames);
   CameraEstimate start = reference_.estimate;
   start.T_C0F = posesOf(frames);
-  CameraSolverOptions solver;
+  MinimiserOptions solver;
   solver.max_iterations = options_.max_iterations;
   solver.tolerance = options_.tolerance;
   CameraSolution solution = solveCameraProblem(problem, start, solver);

@@ -33,7 +33,7 @@ std::vector<PosedView> posedViews(const CameraProblem& problem, const CameraEsti
 constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
 constexpr double kWideLoss = 0.01;  // scale over the image's width
-constexpr double kPoseTolerance = 1e-7;
+constexpr double kPoseTolerance = 1e-6;
 constexpr int kPoseIterations = 50;
 
 void checkSession(const Session& session) {
@@ -57,9 +57,9 @@ void refuseModel(const std::string& camera, const CameraModelPair& model) {
 /// its normal equations lead closer to the minimum from afar.
 CameraSolution solveFromAfar(CameraProblem& problem, const CameraEstimate& start,
                              const CameraStageOptions& options) {
-  const CameraSolverOptions solver = solverOptions(options);
+  const MinimiserOptions solver = solverOptions(options);
   if (options.cauchy_px == 0) return solveCameraProblem(problem, start, solver);
-  CameraSolverOptions rough = solver;
+  MinimiserOptions rough = solver;
   rough.cost_tolerance = 1e-3;
   const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
   problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
@@ -214,6 +214,7 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
 
 Result<CameraStageResult> calibrateCameras(const Session& session,
                                            const CameraStageOptions& options) {
+  options.check();
   checkSession(session);
   const Stopwatch total;
   Stopwatch watch;
@@ -245,6 +246,7 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
 Result<CameraStageResult> scoreCameras(const Session& session,
                                        const std::vector<CameraCalibration>& cameras,
                                        const CameraStageOptions& options) {
+  options.check();
   checkSession(session);
   checkCameras(session, cameras);
   Stopwatch watch;

@@ -9,6 +9,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/corners.h"
@@ -27,17 +28,17 @@ struct CameraModelPair {
 struct ViewSelectionOptions {
   double threshold_bits = 0.2;
   std::uint64_t seed = 1;  ///< of the order in which frames are offered
+
+  void check() const;
 };
 
-struct CameraStageOptions {
+struct CameraStageOptions : MeasurementModel {
   /// One per camera of the session. Empty: the words of the session's cameras, pinhole-radtan where
   /// they have none.
   std::vector<CameraModelPair> models;
   /// Start, one per camera of the session. Empty: from the views alone.
   std::vector<CameraCalibration> start;
 
-  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 1.5;  ///< scale of the Cauchy loss on |e| [px]; 0: squared error
   CornerFilter filter = CornerFilter::kNone;
   double filter_sigmas = 4;                          ///< of CornerFilter::kSigma
   std::optional<ViewSelectionOptions> select_views;  ///< none: all frames are used
@@ -51,9 +52,12 @@ struct CameraStageOptions {
 
   int threads = 1;  ///< results do not depend on it
   int max_iterations = 100;
-  /// Converged where the remaining step is shorter than this, in standard deviations of all
-  /// parameters together (sqrt(b' H^-1 b)).
-  double tolerance = 1e-7;
+  /// Of minimise(): the last step is shorter than this, in standard deviations of all parameters
+  /// together.
+  double tolerance = 1e-6;
+
+  /// Throws InputError that names the field whose rule is violated; called by every function below.
+  void check() const;
 };
 
 /// One model per camera: options.models, or the session's words, or pinhole-radtan. Throws

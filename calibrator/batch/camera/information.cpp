@@ -41,6 +41,7 @@ Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& esti
 
 Result<CameraInformation> cameraInformation(const Session& session, const CameraStageResult& at,
                                             const CameraInformationOptions& options) {
+  options.check();
   const std::vector<PackedCorners> corners = usedCorners(session, at.frames, at.residuals);
   CameraProblem problem;
   problem.corners = corners;

@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/information/projection_uncertainty.h"
 
 namespace plumbline {
 
-struct CameraInformationOptions {
-  double pixel_sigma = 1;  ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 0;    ///< scale of the Cauchy loss that weights the corners [px]; 0: none
+/// The loss of the measurement model weights the corners.
+struct CameraInformationOptions : MeasurementModel {
   FrameAlignment alignment = FrameAlignment::kCrossReprojection;
   int threads = 1;  ///< results do not depend on it
 };

@@ -11,6 +11,7 @@
 #include "calibrator/base/frames.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/linear/dense.h"
+#include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/residuals/packed_corners.h"
 #include "calibrator/residuals/view_gram.h"
 
@@ -83,16 +84,6 @@ Eigen::MatrixXd reducedInformation(const CameraNormals& normals);
 std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
                                               const CameraEstimate& estimate);
 
-struct CameraSolverOptions {
-  int max_iterations = 100;
-  /// Converged where the step that remains is shorter than this, in standard deviations of all
-  /// parameters together: sqrt(b^T H^-1 b).
-  double tolerance = 1e-7;
-  /// The cost may also settle: converged where a full step promises less than this share of it,
-  /// which is as far as rounding lets it be compared.
-  double cost_tolerance = 1e-15;
-};
-
 struct CameraSolution {
   CameraEstimate estimate;
   CameraNormals normals;  ///< at the estimate, weighted as problem.gram says
@@ -106,6 +97,6 @@ struct CameraSolution {
 /// With a loss the first steps re-weight (GramOptions::triggs_clamp as given); near the minimum the
 /// loss' whole second derivative takes part, without which convergence is slow.
 CameraSolution solveCameraProblem(const CameraProblem& problem, const CameraEstimate& start,
-                                  const CameraSolverOptions& options = {});
+                                  const MinimiserOptions& options = {});
 
 }  // namespace plumbline

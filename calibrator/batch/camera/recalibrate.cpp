@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 
 namespace plumbline {
+
+void ViewSelectionOptions::check() const {
+  requireAtLeast(0, "select_views.threshold_bits", threshold_bits);
+}
+
+void CameraStageOptions::check() const {
+  MeasurementModel::check();
+  checkFilter(filter, filter_sigmas);
+  if (select_views) select_views->check();
+  requireAtLeast(0, "frames.tolerance", static_cast<double>(frames.tolerance));
+  requireAtLeast(1, "frames.min_corners", frames.min_corners);
+  requireAtLeast(4, "min_start_corners", min_start_corners);
+  requireAtLeast(1, "start_views", start_views);
+  requirePositive("max_start_error", max_start_error);
+  requireAtLeast(1, "threads", threads);
+  requireAtLeast(1, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+}
 
 void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras) {
   if (cameras.size() == session.cameras.size()) return;
@@ -24,11 +43,8 @@ CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<F
   return problem;
 }
 
-CameraSolverOptions solverOptions(const CameraStageOptions& options) {
-  CameraSolverOptions solver;
-  solver.max_iterations = options.max_iterations;
-  solver.tolerance = options.tolerance;
-  return solver;
+MinimiserOptions solverOptions(const CameraStageOptions& options) {
+  return {.max_iterations = options.max_iterations, .tolerance = options.tolerance};
 }
 
 Eigen::VectorXd cameraDifference(const std::vector<CameraCalibration>& to,
@@ -49,6 +65,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
                                              const CameraStageResult& earlier,
                                              const std::vector<FrameSegment>& segments,
                                              const CameraStageOptions& options) {
+  options.check();
   checkCameras(session, earlier.cameras);
   const std::vector<PackedCorners> corners =
       usedCorners(session, earlier.frames, earlier.residuals);

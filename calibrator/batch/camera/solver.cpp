@@ -12,13 +12,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 32;  // frames
-constexpr double kFirstDamping = 1e-4;
-constexpr double kLeastDamping = 1e-12;
-constexpr double kMostDamping = 1e10;
-constexpr double kFaithfulDamping = 1e-2;  // up to here a short step means a minimum
-constexpr double kEase = 0.03;             // of the damping, where all goes well
-constexpr double kRounding = 1e-11;        // share of the cost below which its change tells nothing
+constexpr int kChunk = 32;      // frames
 constexpr double kNear = 1e-3;  // share of the cost that a step takes away near the minimum
 
 struct Step {
@@ -125,110 +119,80 @@ CameraEstimate moved(const CameraEstimate& from, const Step& step) {
   return to;
 }
 
-/// The step is below the tolerance, or below what rounding of the cost can tell.
-bool settled(double decrement, double cost, const CameraSolverOptions& options) {
-  return decrement <= options.tolerance * options.tolerance ||
-         decrement <= options.cost_tolerance * cost;
-}
-
-/// Levenberg and Marquardt's loop: damping, and with a loss how much of its curvature is used.
-class Minimiser {
+/// The camera batch as minimise() wants it. With a loss it chooses how much of the loss' curvature
+/// the normal equations have: from afar they re-weight, which never loses definiteness; near the
+/// minimum, where a step takes away little, the whole second derivative takes part, without which
+/// convergence is linear (GramOptions::triggs_clamp). Where that leads nowhere, it goes back to
+/// re-weighting for some steps, twice as many every time.
+class Steps {
  public:
-  Minimiser(const CameraProblem& problem, const CameraEstimate& start,
-            const CameraSolverOptions& options)
-      : problem_(problem), options_(options), gram_(problem.gram) {
-    now_.estimate = start;
-    now_.normals = normalsAt(problem_, start, gram_);
+  Steps(const CameraProblem& problem, const CameraEstimate& start)
+      : problem_(problem), gram_(problem.gram), estimate_(start) {
+    normals_ = normalsAt(problem_, start, gram_);
   }
 
-  CameraSolution run() {
-    while (now_.iterations < options_.max_iterations && damping_ < kMostDamping) {
-      ++now_.iterations;
-      if (!iterate()) break;
-    }
-    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
-      now_.normals = normalsAt(problem_, now_.estimate);
-    }
-    return std::move(now_);
+  double cost() const { return normals_.cost; }
+
+  std::optional<double> solve(double damping) {
+    step_ = StepSolver(normals_, damping, problem_.threads).solve();
+    if (!step_) return std::nullopt;
+    return step_->decrement;
   }
 
- private:
-  /// One step; false where none remains.
-  bool iterate() {
-    const auto step = StepSolver(now_.normals, damping_, problem_.threads).solve();
-    if (!step) {
-      refuse();
-      return true;
-    }
-    if (settled(step->decrement, now_.normals.cost, options_)) {
-      now_.converged = damping_ < kFaithfulDamping;
-      damping_ *= kEase;
-      return !now_.converged;
-    }
-    CameraEstimate next = moved(now_.estimate, *step);
-    const bool near = step->decrement < kNear * now_.normals.cost;
-    const GramOptions gram = near ? newton() : gram_;
-    CameraNormals normals = normalsAt(problem_, next, gram);
-    if (normals.cost <= now_.normals.cost * (1 + 1e-14)) {
-      damping_ = std::max(dampingAfter(*step, now_.normals.cost, normals.cost), kLeastDamping);
-      gram_ = gram;
-      --steps_until_curvature_;
-      now_.estimate = std::move(next);
-      now_.normals = std::move(normals);
-    } else {
-      refuse();
-    }
+  Trial attempt() {
+    next_ = moved(estimate_, *step_);
+    const bool near = step_->decrement < kNear * normals_.cost;
+    next_gram_ = near ? newton() : gram_;
+    next_normals_ = normalsAt(problem_, next_, next_gram_);
+    return {.cost = next_normals_.cost};
+  }
+
+  void accept() {
+    gram_ = next_gram_;
+    --steps_until_curvature_;
+    std::swap(estimate_, next_);
+    std::swap(normals_, next_normals_);
+  }
+
+  bool refuse() {
+    if (gram_.triggs_clamp == problem_.gram.triggs_clamp) return false;
+    steps_until_curvature_ = patience_;
+    patience_ *= 2;
+    gram_ = problem_.gram;
+    normals_ = normalsAt(problem_, estimate_, gram_);
     return true;
   }
 
-  /// Less where the cost fell as promised, more where it fell by less than half of that (after
-  /// Nielsen, "Damping parameter in Marquardt's method", 1999). Where rounding hides the cost's
-  /// fall, more if the steps do not shrink.
-  double dampingAfter(const Step& step, double before, double after) {
-    const double last = std::exchange(last_decrement_, step.decrement);
-    if (step.decrement < kRounding * before) {
-      return step.decrement < 0.3 * last ? damping_ : 10 * std::max(damping_, 1e-9);
+  CameraSolution solution(const MinimiserSummary& summary) && {
+    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
+      normals_ = normalsAt(problem_, estimate_);
     }
-    const double gain = (before - after) / (0.5 * step.decrement);
-    const double factor = 1 - std::pow(2 * gain - 1, 3);
-    if (factor > 1) return 2 * factor * std::max(damping_, 1e-8);
-    return std::max(kEase, factor) * damping_;
+    return {std::move(estimate_), std::move(normals_), summary.converged(), summary.iterations};
   }
 
-  /// The whole second derivative of the loss.
+ private:
   GramOptions newton() const {
     GramOptions gram = problem_.gram;
     if (gram.cauchy_px > 0 && steps_until_curvature_ <= 0) gram.triggs_clamp = 2;
     return gram;
   }
 
-  /// After a step that did not help: more damping, or back to re-weighting for a while.
-  void refuse() {
-    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
-      steps_until_curvature_ = patience_;
-      patience_ *= 2;
-      gram_ = problem_.gram;
-      now_.normals = normalsAt(problem_, now_.estimate, gram_);
-      return;
-    }
-    damping_ = std::max(10 * damping_, 1e-6);
-  }
-
   const CameraProblem& problem_;
-  const CameraSolverOptions& options_;
-  GramOptions gram_;
-  CameraSolution now_;
-  double damping_ = kFirstDamping;
+  GramOptions gram_, next_gram_;
+  CameraEstimate estimate_, next_;
+  CameraNormals normals_, next_normals_;
+  std::optional<Step> step_;
   int steps_until_curvature_ = 0;
   int patience_ = 4;
-  double last_decrement_ = 0;
 };
 
 }  // namespace
 
 CameraSolution solveCameraProblem(const CameraProblem& problem, const CameraEstimate& start,
-                                  const CameraSolverOptions& options) {
-  return Minimiser(problem, start, options).run();
+                                  const MinimiserOptions& options) {
+  Steps steps(problem, start);
+  const MinimiserSummary summary = minimise(steps, options);
+  return std::move(steps).solution(summary);
 }
 
 }  // namespace plumbline

@@ -19,7 +19,7 @@ void checkCameras(const Session& session, const std::vector<CameraCalibration>& 
 /// Measurements and solver under the stage's options.
 CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<Frame> frames,
                         const CameraStageOptions& options);
-CameraSolverOptions solverOptions(const CameraStageOptions& options);
+MinimiserOptions solverOptions(const CameraStageOptions& options);
 
 /// Frames that have a pose, and the estimate to start the batch from.
 struct CameraStart {

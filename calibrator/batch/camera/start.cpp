@@ -87,7 +87,7 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
     count += pose->corners;
   }
   if (problem.frameCount() < kLeastViews) return {plain};
-  CameraSolverOptions coarse;
+  MinimiserOptions coarse;
   coarse.max_iterations = 30;
   coarse.cost_tolerance = 1e-4;
   const CameraSolution solution = solveCameraProblem(problem, estimate, coarse);

@@ -85,7 +85,7 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
                              {startStates(poses, start), start.T_SC0, start.gravity_direction,
                               start.time_offset_s, cameras, posed.own_offsets},
                              options);
-    if (out.solution.end != SolverEnd::kLeftSamples) break;
+    if (out.solution.end != MinimiserEnd::kLeftDomain) break;
   }
   return out;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/corners.h"
@@ -14,14 +15,10 @@
 
 namespace plumbline {
 
-struct CameraImuOptions {
-  double pixel_sigma = 1;         ///< standard deviation of a corner, per axis [px]
-  double gravity_m_s2 = 9.80655;  ///< magnitude of gravity; its direction is estimated
-  double cauchy_px = 1.5;         ///< scale of the Cauchy loss on |e| [px]; 0: squared error
-  std::optional<ImuNoise> noise;  ///< in place of the session's densities
-  TimeNs imu_shift_ns = 0;        ///< added to every IMU stamp before anything else
-  bool free_cameras = false;      ///< refine intrinsics and extrinsics jointly (then the given
-                                  ///< cameras are the start)
+struct CameraImuOptions : MeasurementModel {
+  TimeNs imu_shift_ns = 0;    ///< added to every IMU stamp before anything else
+  bool free_cameras = false;  ///< refine intrinsics and extrinsics jointly (then the given
+                              ///< cameras are the start)
   CornerFilter filter = CornerFilter::kNone;
   double filter_sigmas = 4;  ///< of CornerFilter::kSigma
 
@@ -57,6 +54,9 @@ struct CameraImuOptions {
   /// The last step is shorter than this, in standard deviations of all parameters together
   /// (sqrt(b' H^-1 b)).
   double tolerance = 1e-4;
+
+  /// Throws InputError that names the field whose rule is violated; called by every function below.
+  void check() const;
 };
 
 /// Calibrates cameras to IMU in one batch: per frame pose, velocity and biases of the sensor in the

@@ -8,9 +8,11 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/linear/block_arrow.h"
+#include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "calibrator/residuals/packed_corners.h"
 #include "calibrator/residuals/view_gram.h"
@@ -34,7 +36,7 @@ struct CameraImuProblem {
   std::vector<FrameLink> links;    ///< n - 1, between frame i and i + 1
   std::vector<double> weights;     ///< n, how often a frame (and the link after it) counts
   ImuNoise noise;
-  double gravity_m_s2 = 9.80655;
+  double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   double pixel_sigma = 1;
   GramOptions gram;
   bool free_cameras = false;
@@ -154,23 +156,11 @@ MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& es
 Transform targetInCamera(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
                          std::size_t i, std::size_t c);
 
-enum class SolverEnd {
-  kConverged,
-  kOutOfIterations,
-  kSingular,     ///< no damping made the normal equations positive definite
-  kLeftSamples,  ///< the time offset moved frames off the IMU samples
-};
-
-struct SolverOptions {
-  int max_iterations = 50;
-  double tolerance = 1e-4;  ///< length of the last step in standard deviations of all parameters
-};
-
 struct CameraImuSolution {
   CameraImuEstimate estimate;
   ImuWeights weights;
   CameraImuNormals normals;  ///< at the estimate
-  SolverEnd end = SolverEnd::kOutOfIterations;
+  MinimiserEnd end = MinimiserEnd::kOutOfIterations;
   int iterations = 0;
 };
 
@@ -179,10 +169,10 @@ struct CameraImuSolution {
 /// new weights never counts as the last one, and it is judged by the old ones where the new raise
 /// the cost.
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
-                                 const SolverOptions& options = {});
+                                 const MinimiserOptions& options = {});
 
 /// The same with the inertial weights held as they are.
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
-                                 const ImuWeights& weights, const SolverOptions& options = {});
+                                 const ImuWeights& weights, const MinimiserOptions& options = {});
 
 }  // namespace plumbline

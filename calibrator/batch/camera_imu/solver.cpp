@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,141 +8,144 @@
 namespace plumbline {
 namespace {
 
-constexpr double kFirstDamping = 1e-6;
-constexpr double kLeastDamping = 1e-12;
-constexpr double kMostDamping = 1e6;
-constexpr double kFreeDamping = 1e-3;      // above it a short step does not mean a minimum
-constexpr double kStaleOffset = 2e-4;      // [s] of offset for which the weights still serve
-constexpr double kRoundingOfCost = 1e-12;  // relative
-constexpr double kSlowRatio = 0.5;         // steps that shrink slower are lengthened,
-constexpr double kStallRatio = 0.95;       // unless they hardly shrink at all
-constexpr double kSteady = 0.05;           // change of the ratio
+constexpr double kStaleOffset = 2e-4;  // [s] of offset for which the weights still serve
+constexpr double kSlowRatio = 0.5;     // steps that shrink slower are lengthened,
+constexpr double kStallRatio = 0.95;   // unless they hardly shrink at all
+constexpr double kSteady = 0.05;       // change of the ratio
+constexpr double kFreeDamping = 1e-3;  // above it the damping sets the steps' lengths
 
-class Solver {
+/// The camera-IMU batch as minimise() wants it.
+///
+/// The covariance of the pre-integrated motion follows from the samples between two frames, so it
+/// changes with the time offset and a little with the biases. Weights that moved with every step
+/// would add their own derivative to the cost, so they stand still until they are stale: after the
+/// second step, when the biases have their size, and whenever the offset has moved by more than
+/// kStaleOffset since. A step with new weights is judged by the old ones where the new raise the
+/// cost, and is never the last.
+class Steps {
  public:
-  Solver(const CameraImuProblem& problem, const SolverOptions& options, bool renew_weights)
-      : problem_(problem), options_(options), renew_weights_(renew_weights) {}
+  enum class Weights { kRenewed, kFixed };
 
-  CameraImuSolution run(const CameraImuEstimate& start, std::optional<ImuWeights> weights) {
+  Steps(const CameraImuProblem& problem, const CameraImuEstimate& start, ImuWeights weights,
+        Weights renewal)
+      : problem_(problem), renewal_(renewal), weights_offset_s_(start.time_offset_s) {
     s_.estimate = start;
-    if (!weights) weights = imuWeights(problem_, start);
-    if (!weights) return ended(SolverEnd::kLeftSamples);
-    s_.weights = std::move(*weights);
-    weights_offset_s_ = start.time_offset_s;
-    auto normals = normalsAt(problem_, start, s_.weights);
-    if (!normals) return ended(SolverEnd::kLeftSamples);
-    s_.normals = std::move(*normals);
-    while (s_.iterations < options_.max_iterations) {
-      const std::optional<SolverEnd> end = iterate();
-      if (end) return ended(*end);
-    }
-    return ended(SolverEnd::kOutOfIterations);
+    s_.weights = std::move(weights);
   }
 
- private:
-  CameraImuSolution ended(SolverEnd end) {
-    s_.end = end;
+  /// False where the start has left the samples.
+  bool evaluateStart() {
+    auto normals = normalsAt(problem_, s_.estimate, s_.weights);
+    if (normals) s_.normals = std::move(*normals);
+    return normals.has_value();
+  }
+
+  double cost() const { return s_.normals.cost; }
+
+  std::optional<double> solve(double damping) {
+    step_ = solveChain(s_.normals.chain, {damping, problem_.threads});
+    if (!step_) return std::nullopt;
+    const double decrement = step_->decrement;
+    lengthen(damping);
+    return decrement;
+  }
+
+  Trial attempt() {
+    next_ = moved(s_.estimate, *step_, problem_.free_cameras);
+    fresh_.reset();
+    const bool stale = isStale(next_.time_offset_s);
+    if (stale && !(fresh_ = imuWeights(problem_, next_))) return {.left_domain = true};
+    auto normals = normalsAt(problem_, next_, fresh_ ? *fresh_ : s_.weights);
+    if (!normals) return {.left_domain = true};
+    next_normals_ = std::move(*normals);
+    double cost = next_normals_.cost;
+    if (stale && !(cost <= s_.normals.cost)) {  // costs compare under the same weights only
+      if (const auto old = normalsAt(problem_, next_, s_.weights)) cost = old->cost;
+    }
+    return {.cost = cost, .renewed = stale};
+  }
+
+  void accept() {
+    s_.estimate = std::move(next_);
+    s_.normals = std::move(next_normals_);
+    if (fresh_) {
+      s_.weights = std::move(*fresh_);
+      weights_offset_s_ = s_.estimate.time_offset_s;
+    }
+    ++accepted_;
+  }
+
+  bool refuse() {
+    last_ratio_ = last_length_ = 0;
+    return false;
+  }
+
+  CameraImuSolution solution(const MinimiserSummary& summary) && {
+    s_.end = summary.end;
+    s_.iterations = summary.iterations;
     return std::move(s_);
   }
 
+ private:
   bool isStale(double offset_s) const {
-    if (!renew_weights_) return false;
+    if (renewal_ == Weights::kFixed) return false;
     return accepted_ == 1 || std::abs(offset_s - weights_offset_s_) > kStaleOffset;
-  }
-
-  bool isBetter(const std::optional<CameraImuNormals>& normals) const {
-    return normals && normals->cost <= s_.normals.cost * (1 + kRoundingOfCost);
   }
 
   /// Where steps shrink by a steady ratio q (the noise of single samples in the derivative by t_d
   /// makes Gauss-Newton fall short at high rates of a noisy IMU), goes the whole way that all the
   /// steps to come would add up to: 1 / (1 - q) of a step.
-  void lengthen(ChainSolution& step) {
-    const double length = std::sqrt(std::max(0.0, step.decrement));
+  void lengthen(double damping) {
+    const double length = std::sqrt(std::max(0.0, step_->decrement));
     const double ratio = length / last_length_;
-    const bool steady = damping_ < kFreeDamping && ratio > kSlowRatio && ratio < kStallRatio &&
+    const bool steady = damping < kFreeDamping && ratio > kSlowRatio && ratio < kStallRatio &&
                         std::abs(ratio - last_ratio_) < kSteady;
     last_length_ = length;
     last_ratio_ = ratio;
     if (!steady) return;
     const double factor = 1 / (1 - ratio);
-    for (auto& x : step.step) x *= factor;
-    step.border_step *= factor;
-    last_ratio_ = 0;  // the next one says nothing of the ratio
-    last_length_ = 0;
-  }
-
-  std::optional<SolverEnd> rejected() {
-    last_ratio_ = last_length_ = 0;
-    return raiseDamping();
-  }
-
-  /// One step; says how it ended if it was the last.
-  std::optional<SolverEnd> iterate() {
-    auto step = solveChain(s_.normals.chain, {damping_, problem_.threads});
-    if (!step) return raiseDamping();
-    ++s_.iterations;
-    lengthen(*step);
-    CameraImuEstimate candidate = moved(s_.estimate, *step, problem_.free_cameras);
-    const bool stale = isStale(candidate.time_offset_s);
-    std::optional<ImuWeights> fresh;
-    if (stale) {
-      fresh = imuWeights(problem_, candidate);
-      if (!fresh) return SolverEnd::kLeftSamples;
-    }
-    auto normals = normalsAt(problem_, candidate, fresh ? *fresh : s_.weights);
-    if (!normals) return SolverEnd::kLeftSamples;
-    // Costs compare under the same weights only.
-    const bool better =
-        isBetter(normals) || (stale && isBetter(normalsAt(problem_, candidate, s_.weights)));
-    const bool small =
-        damping_ < kFreeDamping && std::sqrt(std::max(0.0, step->decrement)) < options_.tolerance;
-    if (!better && small && !stale) return SolverEnd::kConverged;  // rounding decides from here
-    if (!better) return rejected();
-    accept(std::move(candidate), std::move(*normals), std::move(fresh));
-    if (small && !stale) return SolverEnd::kConverged;
-    return std::nullopt;
-  }
-
-  void accept(CameraImuEstimate candidate, CameraImuNormals normals,
-              std::optional<ImuWeights> fresh) {
-    s_.estimate = std::move(candidate);
-    s_.normals = std::move(normals);
-    if (fresh) {
-      s_.weights = std::move(*fresh);
-      weights_offset_s_ = s_.estimate.time_offset_s;
-    }
-    damping_ = std::max(0.1 * damping_, kLeastDamping);
-    ++accepted_;
-  }
-
-  std::optional<SolverEnd> raiseDamping() {
-    damping_ = std::max(damping_ * 100, kFirstDamping);
-    if (damping_ > kMostDamping) return SolverEnd::kSingular;
-    return std::nullopt;
+    for (auto& x : step_->step) x *= factor;
+    step_->border_step *= factor;
+    last_ratio_ = last_length_ = 0;  // the next step says nothing of the ratio
   }
 
   const CameraImuProblem& problem_;
-  const SolverOptions& options_;
-  const bool renew_weights_;
+  const Weights renewal_;
   CameraImuSolution s_;
-  double damping_ = kFirstDamping;
+  std::optional<ChainSolution> step_;
+  CameraImuEstimate next_;
+  CameraImuNormals next_normals_;
+  std::optional<ImuWeights> fresh_;
   double last_length_ = 0;  // of the last step, in standard deviations; 0: says nothing
   double last_ratio_ = 0;
   double weights_offset_s_ = 0;
   int accepted_ = 0;
 };
 
+CameraImuSolution solved(Steps steps, const MinimiserOptions& options) {
+  MinimiserSummary summary;
+  summary.end = MinimiserEnd::kLeftDomain;
+  if (steps.evaluateStart()) summary = minimise(steps, options);
+  return std::move(steps).solution(summary);
+}
+
 }  // namespace
 
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
-                                 const SolverOptions& options) {
-  return Solver(problem, options, true).run(start, std::nullopt);
+                                 const MinimiserOptions& options) {
+  auto weights = imuWeights(problem, start);
+  if (!weights) {
+    CameraImuSolution none;
+    none.estimate = start;
+    none.end = MinimiserEnd::kLeftDomain;
+    return none;
+  }
+  return solved({problem, start, std::move(*weights), Steps::Weights::kRenewed}, options);
 }
 
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
-                                 const ImuWeights& weights, const SolverOptions& options) {
-  return Solver(problem, options, false).run(start, weights);
+                                 const ImuWeights& weights, const MinimiserOptions& options) {
+  return solved({problem, start, weights, Steps::Weights::kFixed}, options);
 }
 
 }  // namespace plumbline

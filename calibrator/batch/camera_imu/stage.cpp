@@ -8,7 +8,7 @@ namespace plumbline {
 namespace {
 
 /// The few steps of squared error that precede a robust loss.
-constexpr SolverOptions kWarmStart{.max_iterations = 4, .tolerance = 10};
+constexpr MinimiserOptions kWarmStart{.max_iterations = 4, .tolerance = 10};
 
 /// Errors of the used corners of one camera; of all where `camera` is negative.
 std::vector<Eigen::Vector2d> usedErrors(const std::vector<CornerResidual>& residuals, int camera) {
@@ -71,7 +71,7 @@ CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuS
   result.imu_residuals = imuIntervalResiduals(problem, e, solution.weights);
   result.imu_summary = summarise(result.imu_residuals);
   result.summary.iterations = solution.iterations;
-  result.summary.converged = solution.end == SolverEnd::kConverged;
+  result.summary.converged = solution.end == MinimiserEnd::kConverged;
   result.summary.cost = solution.normals.cost;
   return result;
 }
@@ -96,13 +96,32 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
   }
 }
 
-SolverOptions solverOptions(const CameraImuOptions& options) {
-  return {options.max_iterations, options.tolerance};
+MinimiserOptions solverOptions(const CameraImuOptions& options) {
+  return {.max_iterations = options.max_iterations, .tolerance = options.tolerance};
 }
 
 }  // namespace
 
+void CameraImuOptions::check() const {
+  MeasurementModel::check();
+  checkFilter(filter, filter_sigmas);
+  requireAtLeast(0, "margin_s", margin_s);
+  requireAtLeast(1, "max_gap_intervals", max_gap_intervals);
+  requirePositive("max_interval_s", max_interval_s);
+  requireAtLeast(0, "frames.tolerance", static_cast<double>(frames.tolerance));
+  requireAtLeast(1, "frames.min_corners", frames.min_corners);
+  requirePositive("max_start_rms_px", max_start_rms_px);
+  requirePositive("max_translation_std_m", max_translation_std_m);
+  requirePositive("max_rotation_std_rad", max_rotation_std_rad);
+  requirePositive("max_offset_std_s", max_offset_std_s);
+  requireAtLeast(0, "score_information_px", score_information_px.value_or(0));
+  requireAtLeast(1, "threads", threads);
+  requireAtLeast(1, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+}
+
 CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& options) {
+  options.check();
   CameraImuProblem problem;
   problem.corners = packCorners(session);
   for (const CameraStream& camera : session.cameras) {
@@ -134,7 +153,7 @@ CameraImuSolution solveFrom(CameraImuProblem& problem, const CameraImuEstimate& 
   problem.gram.cauchy_px = 0;
   const CameraImuSolution squared = solveCameraImu(problem, start, kWarmStart);
   problem.gram = robust;
-  if (squared.end == SolverEnd::kLeftSamples) return squared;
+  if (squared.end == MinimiserEnd::kLeftDomain) return squared;
   CameraImuSolution out = solveFromSolution(problem, squared.estimate, options);
   out.iterations += squared.iterations;
   return out;
@@ -148,10 +167,10 @@ CameraImuSolution solveFromSolution(const CameraImuProblem& problem, const Camer
 Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution, const Session& session,
                                          const CameraImuOptions& options) {
-  if (solution.end == SolverEnd::kLeftSamples) return Failure{FailureCode::kOffsetLeftSamples};
+  if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
   auto covariance = cameraImuCovariance(problem, solution, options);
   if (!covariance) return covariance.failure();
-  if (solution.end == SolverEnd::kSingular) return Failure{FailureCode::kNoDescent};
+  if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
@@ -164,8 +183,204 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
 Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution,
                                          const Session& session) {
-  if (solution.end == SolverEnd::kLeftSamples) return Failure{FailureCode::kOffsetLeftSamples};
-  if (solution.end == SolverEnd::kSingular) return Failure{FailureCode::kNoDescent};
+  if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
+  if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
+  CameraImuStageResult result = estimates(problem, solution);
+  result.imu.rostopic = session.imu->rostopic;
+  result.residuals = cornerResiduals(problem, solution.estimate);
+  fillReprojection(session, result);
+  return result;
+}
+
+}  // namespace plumbline
+#include "calibrator/base/option_check.h"
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <utility>
+
+#include "calibrator/batch/camera_imu/stage.h"
+
+namespace plumbline {
+namespace {
+
+/// The few steps of squared error that precede a robust loss.
+constexpr MinimiserOptions kWarmStart{.max_iterations = 4, .tolerance = 10};
+
+/// Errors of the used corners of one camera; of all where `camera` is negative.
+std::vector<Eigen::Vector2d> usedErrors(const std::vector<CornerResidual>& residuals, int camera) {
+  std::vector<Eigen::Vector2d> errors;
+  errors.reserve(residuals.size());
+  for (const CornerResidual& r : residuals) {
+    if (r.used && (camera < 0 || r.camera == camera)) errors.push_back(r.error.cast<double>());
+  }
+  return errors;
+}
+
+/// Views with used corners; residuals are grouped by frame, then camera.
+int countUsedViews(const std::vector<CornerResidual>& residuals) {
+  int views = 0;
+  const CornerResidual* last = nullptr;
+  for (const CornerResidual& r : residuals) {
+    if (!r.used) continue;
+    if (last == nullptr || r.frame != last->frame || r.camera != last->camera) ++views;
+    last = &r;
+  }
+  return views;
+}
+
+void fillReprojection(const Session& session, CameraImuStageResult& result) {
+  StageSummary& s = result.summary;
+  s.reprojection = summariseErrors(usedErrors(result.residuals, -1));
+  s.corners_used = s.reprojection.count;
+  s.views_used = countUsedViews(result.residuals);
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    s.per_camera.push_back(summariseErrors(usedErrors(result.residuals, static_cast<int>(c))));
+    s.views_offered += static_cast<int>(session.cameras[c].views.size());
+    for (const ImageView& view : session.cameras[c].views) s.corners_offered += view.corners.size();
+  }
+}
+
+/// Of every camera; empty where all have camera 0's.
+std::vector<double> cameraTimeOffsets(const CameraImuEstimate& estimate) {
+  std::vector<double> offsets(estimate.cameras.size(), estimate.time_offset_s);
+  bool differ = false;
+  for (std::size_t c = 0; c < offsets.size(); ++c) {
+    if (!estimate.hasOwnOffset(c)) continue;
+    offsets[c] += *estimate.offset_differences_s[c];
+    differ = true;
+  }
+  return differ ? offsets : std::vector<double>();
+}
+
+CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuSolution& solution) {
+  const CameraImuEstimate& e = solution.estimate;
+  CameraImuStageResult result;
+  result.imu.T_SC0 = e.T_SC0;
+  result.imu.time_offset_s = e.time_offset_s;
+  result.imu.camera_time_offsets_s = cameraTimeOffsets(e);
+  result.imu.gravity_m_s2 = problem.gravity_m_s2;
+  result.imu.noise = problem.noise;
+  result.gravity_F = problem.gravity_m_s2 * e.gravity_direction;
+  result.cameras = e.cameras;
+  result.frames = problem.frames;
+  result.states = e.states;
+  result.imu_residuals = imuIntervalResiduals(problem, e, solution.weights);
+  result.imu_summary = summarise(result.imu_residuals);
+  result.summary.iterations = solution.iterations;
+  result.summary.converged = solution.end == MinimiserEnd::kConverged;
+  result.summary.cost = solution.normals.cost;
+  return result;
+}
+
+void fillCovariance(ParameterCovariance covariance, bool free_cameras,
+                    CameraImuStageResult& result) {
+  const Eigen::VectorXd deviations = covariance.standardDeviations();
+  result.imu.T_SC0_std = Vector6d(deviations.head<6>());
+  result.imu.time_offset_std_s = deviations(6);
+  result.summary.entropy_nats = gaussianEntropy(covariance.matrix);
+  result.summary.covariance = std::move(covariance);
+  if (!free_cameras) return;
+  Eigen::Index at = 7;
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    const auto count = result.cameras[c].intrinsics.stacked().size();
+    result.cameras[c].intrinsics_std = deviations.segment(at, count);
+    at += count;
+  }
+  for (std::size_t c = 1; c < result.cameras.size(); ++c) {
+    result.cameras[c].T_C0Ci_std = Vector6d(deviations.segment<6>(at));
+    at += 6;
+  }
+}
+
+MinimiserOptions solverOptions(const CameraImuOptions& options) {
+  return {.max_iterations = options.max_iterations, .tolerance = options.tolerance};
+}
+
+}  // namespace
+
+void CameraImuOptions::check() const {
+  MeasurementModel::check();
+  checkFilter(filter, filter_sigmas);
+  requireAtLeast(0, "margin_s", margin_s);
+  requireAtLeast(1, "max_gap_intervals", max_gap_intervals);
+  requirePositive("max_interval_s", max_interval_s);
+  requireAtLeast(0, "frames.tolerance", static_cast<double>(frames.tolerance));
+  requireAtLeast(1, "frames.min_corners", frames.min_corners);
+  requirePositive("max_start_rms_px", max_start_rms_px);
+  requirePositive("max_translation_std_m", max_translation_std_m);
+  requirePositive("max_rotation_std_rad", max_rotation_std_rad);
+  requirePositive("max_offset_std_s", max_offset_std_s);
+  requireAtLeast(0, "score_information_px", score_information_px.value_or(0));
+  requireAtLeast(1, "threads", threads);
+  requireAtLeast(1, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+}
+
+CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& options) {
+  options.check();
+  CameraImuProblem problem;
+  problem.corners = packCorners(session);
+  for (const CameraStream& camera : session.cameras) {
+    auto& stamps = problem.view_stamps.emplace_back();
+    for (const ImageView& view : camera.views) stamps.push_back(view.t);
+  }
+  problem.samples = shiftedSamples(session.imu->samples, options.imu_shift_ns);
+  problem.noise = options.noise.value_or(session.imu->noise);
+  problem.gravity_m_s2 = options.gravity_m_s2;
+  problem.pixel_sigma = options.pixel_sigma;
+  problem.gram.cauchy_px = options.cauchy_px;
+  problem.free_cameras = options.free_cameras;
+  problem.threads = options.threads;
+  return problem;
+}
+
+FrameSelectionOptions selectionOptions(const CameraImuOptions& options, double time_offset_s) {
+  FrameSelectionOptions selection;
+  selection.time_offset_s = time_offset_s;
+  selection.margin_s = options.margin_s;
+  selection.max_interval_s = options.max_interval_s;
+  return selection;
+}
+
+CameraImuSolution solveFrom(CameraImuProblem& problem, const CameraImuEstimate& start,
+                            const CameraImuOptions& options) {
+  if (options.cauchy_px <= 0) return solveFromSolution(problem, start, options);
+  const GramOptions robust = problem.gram;
+  problem.gram.cauchy_px = 0;
+  const CameraImuSolution squared = solveCameraImu(problem, start, kWarmStart);
+  problem.gram = robust;
+  if (squared.end == MinimiserEnd::kLeftDomain) return squared;
+  CameraImuSolution out = solveFromSolution(problem, squared.estimate, options);
+  out.iterations += squared.iterations;
+  return out;
+}
+
+CameraImuSolution solveFromSolution(const CameraImuProblem& problem, const CameraImuEstimate& start,
+                                    const CameraImuOptions& options) {
+  return solveCameraImu(problem, start, solverOptions(options));
+}
+
+Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
+                                         const CameraImuSolution& solution, const Session& session,
+                                         const CameraImuOptions& options) {
+  if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
+  auto covariance = cameraImuCovariance(problem, solution, options);
+  if (!covariance) return covariance.failure();
+  if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
+  CameraImuStageResult result = estimates(problem, solution);
+  result.imu.rostopic = session.imu->rostopic;
+  fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
+  result.residuals = cornerResiduals(problem, solution.estimate);
+  fillReprojection(session, result);
+  if (options.state_covariances) result.state_covariances = stateCovariances(problem, solution);
+  return result;
+}
+
+Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
+                                         const CameraImuSolution& solution,
+                                         const Session& session) {
+  if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
+  if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   result.residuals = cornerResiduals(problem, solution.estimate);

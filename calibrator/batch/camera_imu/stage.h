@@ -13,7 +13,8 @@
 
 namespace plumbline {
 
-/// The session's measurements without frames: corners packed, stamps shifted, noise chosen.
+/// The session's measurements without frames: corners packed, stamps shifted, noise chosen. Checks
+/// the options (InputError).
 CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& options);
 
 /// How frames are selected under a time offset, from the stage's options.

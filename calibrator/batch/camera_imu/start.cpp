@@ -39,7 +39,7 @@ double medianInterval(std::span<const CameraPose> poses) {
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     intervals.push_back(secondsBetween(poses[i].t, poses[i + 1].t));
   }
-  return quantile(std::move(intervals), 0.5);
+  return median(std::move(intervals));
 }
 
 /// Mean specific force in F points up while the sensor moves to and fro.
@@ -105,7 +105,7 @@ std::vector<ImuGap> imuGaps(std::span<const ImuSample> samples, double max_inter
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
     intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
   }
-  const double longest = max_intervals * quantile(intervals, 0.5);
+  const double longest = max_intervals * median(intervals);
   std::vector<ImuGap> gaps;
   for (std::size_t k = 0; k < intervals.size(); ++k) {
     if (intervals[k] > longest) gaps.push_back({samples[k].t, samples[k + 1].t});

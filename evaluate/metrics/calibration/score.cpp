@@ -66,8 +66,8 @@ void addImuStage(const CameraImuStageResult& stage, Scored& out) {
 /// Entropy of the calibration's own parameters, at their values.
 void addEntropy(const Session& session, const ScoreOptions& options, Scored& out) {
   CameraInformationOptions weights;
-  weights.pixel_sigma = options.camera.pixel_sigma;
-  weights.cauchy_px = options.entropy_under_loss ? options.camera.cauchy_px : 0;
+  weights.model() = options.camera.model();
+  if (!options.entropy_under_loss) weights.cauchy_px = 0;
   weights.threads = options.camera.threads;
   StageSummary& summary = out.camera_stage->summary;
   const auto information = cameraInformation(session, *out.camera_stage, weights);

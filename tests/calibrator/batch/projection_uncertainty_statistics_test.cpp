@@ -116,6 +116,7 @@ CameraInformation predicted(const SimulatedSession& s, const CameraStageResult& 
                             FrameAlignment alignment) {
   CameraInformationOptions options;
   options.pixel_sigma = kSigma;
+  options.cauchy_px = 0;
   options.alignment = alignment;
   auto information = cameraInformation(s.session, truth, options);
   EXPECT_TRUE(information.ok());

@@ -114,5 +114,33 @@ TEST(Schur, UndeterminedParametersCannotBeDropped) {
   EXPECT_TRUE(marginalised(cost, {0, 1, 4}).has_value());
 }
 
+TEST(QuadraticCost, KnowsAHandValue) {
+  QuadraticCost cost{Eigen::MatrixXd(2, 2), Eigen::Vector2d(1, -2), 3};
+  cost.H << 4, 1, 1, 2;
+  const QuadraticCost at = cost.at(Eigen::Vector2d(2, -1));
+  EXPECT_EQ(at.c, 3 + 4 + 0.5 * (16 - 4 + 2));  // c + b.d + 0.5 d.H d
+  EXPECT_EQ(at.b, Eigen::Vector2d(1 + 7, -2 + 0));
+  EXPECT_EQ(at.H, cost.H);
+}
+
+TEST(QuadraticCost, IsTheSameWhereverItIsTaken) {
+  QuadraticCost cost{Eigen::MatrixXd(2, 2), Eigen::Vector2d(1, -2), 3};
+  cost.H << 4, 1, 1, 2;
+  const Eigen::Vector2d a(0.5, 2);
+  const Eigen::Vector2d b(-1, 0.25);
+  const QuadraticCost there = cost.at(a).at(b);
+  const QuadraticCost direct = cost.at(a + b);
+  EXPECT_NEAR(there.c, direct.c, 1e-14);
+  EXPECT_LT((there.b - direct.b).norm(), 1e-14);
+}
+
+TEST(QuadraticCost, ThroughOtherCoordinatesKeepsItsValue) {
+  const QuadraticCost cost = randomCost(4, 3);
+  const Eigen::MatrixXd J = randomCost(4, 8).H.topRows(4).leftCols(3);
+  const Eigen::Vector3d x(0.3, -1, 0.5);
+  const double value = cost.at(J * x).c;
+  EXPECT_NEAR(cost.through(J).at(x).c, value, 1e-12 * std::abs(value));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -83,7 +83,7 @@ TEST(CameraImuPrior, CostAtItsPointIsThatOfTheTermsDropped) {
   CameraImuEstimate after = s.estimate;
   after.states = {s.estimate.states[5]};
   EXPECT_GT(cost, 100);
-  EXPECT_NEAR(prior->costAt(after), cost, 1e-8 * cost);
+  EXPECT_NEAR(prior->at(after).c, cost, 1e-8 * cost);
 }
 
 // With the prior in place of the frames dropped, cost and gradient at the point are those of all
@@ -100,7 +100,7 @@ TEST(CameraImuPrior, StandsForTheFramesDropped) {
   CameraImuEstimate estimate = s.estimate;
   estimate.states.erase(estimate.states.begin(), estimate.states.begin() + 5);
   auto normals = informationAt(kept, estimate, {s.weights[5], s.weights[6]});
-  prior->addTo(estimate, *normals);
+  addPrior(*prior, estimate, *normals);
   EXPECT_NEAR(normals->cost, all->cost, 1e-8 * all->cost);
   const auto a = solveChain(all->chain);
   const auto b = solveChain(normals->chain);
@@ -111,7 +111,7 @@ TEST(CameraImuPrior, StandsForTheFramesDropped) {
   EXPECT_LT((b->border_step - a->border_step).norm(), 1e-7);
 }
 
-// The gradient is that of costAt() along the tangents at an estimate off the prior's point, by
+// The gradient is that of the cost along the tangents at an estimate off the prior's point, by
 // central differences.
 TEST(CameraImuPrior, GradientFollowsTheEstimate) {
   const Solved s = solvedFrames(8);
@@ -121,14 +121,14 @@ TEST(CameraImuPrior, GradientFollowsTheEstimate) {
   off.T_SC0 = boxplus(off.T_SC0, Vector6d::Constant(0.03));
   off.gravity_direction = boxplusDirection(off.gravity_direction, {0.02, -0.01});
   CameraImuNormals normals{BlockArrow(1, BorderLayout::kFixed)};
-  prior->addTo(off, normals);
-  EXPECT_NEAR(normals.cost, prior->costAt(off), 1e-9 * normals.cost);
+  addPrior(*prior, off, normals);
+  EXPECT_NEAR(normals.cost, prior->at(off).c, 1e-9 * normals.cost);
   const auto costAlong = [&](int k, double h) {
     ChainSolution step;
     step.step = {Eigen::Matrix<double, 15, 1>::Zero()};
     step.border_step = Eigen::VectorXd::Zero(BorderLayout::kFixed);
     (k < 15 ? step.step[0](k) : step.border_step(k - 15)) = h;
-    return prior->costAt(moved(off, step, false));
+    return prior->at(moved(off, step, false)).c;
   };
   Eigen::VectorXd gradient(15 + BorderLayout::kFixed);
   gradient << normals.chain.to_border[0].rightCols<1>(), normals.chain.border_gradient;

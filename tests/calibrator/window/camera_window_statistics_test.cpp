@@ -50,6 +50,7 @@ std::optional<Outcome> runWindow(std::uint64_t seed) {
   if (!start || !batch || start->frames.size() != kStart) return std::nullopt;
   CameraWindowOptions options;
   options.pixel_sigma = kSigma;
+  options.cauchy_px = 0;
   CameraWindow window(frames.simulated.session.target, start->cameras, options);
   for (std::size_t f = 0; f < frames.corners.size(); ++f) {
     window.add(frames.corners[f], f < kStart ? start->T_FC0[f] : frames.T_FC0[f]);

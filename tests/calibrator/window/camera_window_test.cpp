@@ -200,6 +200,7 @@ TEST(CameraWindow, IsCloseToTheBatch) {
   const auto batch = calibrateCameras(frames.simulated.session, batch_options);
   ASSERT_TRUE(batch.ok());
   CameraWindowOptions options;
+  options.cauchy_px = 0;
   options.pixel_sigma = 0.3;
   CameraWindow window(frames.simulated.session.target, batch->cameras, options);
   for (std::size_t f = 0; f < frames.corners.size(); ++f) {
