@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
