@@ -1,80 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/base/guide_decision.h"
 
-#include <cassert>
+#include <cstddef>
+
+#include "calibrator/base/guide_fields.h"
 
 namespace plumbline {
 
-std::string toString(GuideStage stage) {
-  return stage == GuideStage::kCamera ? "camera" : "camera-imu";
+namespace {
+
+template <class E>
+std::string wordOf(E value) {
+  return enumWords(value)[static_cast<std::size_t>(value)];
 }
 
-std::string toString(GuideMode mode) {
-  switch (mode) {
-    case GuideMode::kInitialising:
-      return "initialising";
-    case GuideMode::kCollecting:
-      return "collecting";
-    case GuideMode::kSuggesting:
-      return "suggesting";
-    case GuideMode::kFinished:
-      return "finished";
-  }
-  assert(false);
-  return {};
-}
+}  // namespace
 
-std::string toString(GuideReason reason) {
-  switch (reason) {
-    case GuideReason::kInitialising:
-      return "initialising";
-    case GuideReason::kInitialised:
-      return "initialised";
-    case GuideReason::kInitialiseFailed:
-      return "initialise-failed";
-    case GuideReason::kInformative:
-      return "informative";
-    case GuideReason::kNotInformative:
-      return "not-informative";
-    case GuideReason::kUsed:
-      return "used";
-    case GuideReason::kBusy:
-      return "busy";
-    case GuideReason::kNoTarget:
-      return "no-target";
-    case GuideReason::kNoPose:
-      return "no-pose";
-    case GuideReason::kTimeJump:
-      return "time-jump";
-    case GuideReason::kNoImu:
-      return "no-imu";
-    case GuideReason::kImuGap:
-      return "imu-gap";
-    case GuideReason::kNotSolved:
-      return "not-solved";
-    case GuideReason::kFinished:
-      return "finished";
-  }
-  assert(false);
-  return {};
-}
-
-std::string toString(SuggestionEvent event) {
-  switch (event) {
-    case SuggestionEvent::kNone:
-      return "none";
-    case SuggestionEvent::kOpened:
-      return "opened";
-    case SuggestionEvent::kReached:
-      return "reached";
-    case SuggestionEvent::kExpired:
-      return "expired";
-    case SuggestionEvent::kWithdrawn:
-      return "withdrawn";
-  }
-  assert(false);
-  return {};
-}
+std::string toString(GuideStage stage) { return wordOf(stage); }
+std::string toString(GuideMode mode) { return wordOf(mode); }
+std::string toString(GuideReason reason) { return wordOf(reason); }
+std::string toString(SuggestionEvent event) { return wordOf(event); }
 
 void note(Decision& decision, const std::string& text) {
   decision.detail += (decision.detail.empty() ? "" : "; ") + text;

@@ -60,6 +60,14 @@ Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std:
                         fmt::format("{} for this model", count), "copy the line again"});
 }
 
+Resolution resolutionField(const YamlMap& map, const std::string& key) {
+  const auto size = map.numbers(key, "[width, height] in pixels");
+  if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
+    throw map.fault(key, {key + " is not two positive numbers", "[width, height]", ""});
+  }
+  return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
   Intrinsics k;
   const std::string projection = map.text(keys.projection_model, projectionModelWords());
@@ -70,13 +78,18 @@ Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
                                distortionModelFrom(distortion), distortionModelWords());
   k.projection = parametersField(map, keys.projection, parameterCount(k.projection_model));
   k.distortion = parametersField(map, keys.distortion, parameterCount(k.distortion_model));
-  const auto size = map.numbers("resolution", "[width, height] in pixels");
-  if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
-    throw map.fault("resolution",
-                    {"resolution is not two positive numbers", "[width, height]", ""});
-  }
-  k.resolution = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+  k.resolution = resolutionField(map, "resolution");
   return k;
+}
+
+void checkParameterCounts(const YamlMap& map, const Intrinsics& k) {
+  const std::size_t projection = parameterCount(k.projection_model);
+  const std::size_t distortion = parameterCount(k.distortion_model);
+  parametersField(map, "intrinsics", projection);
+  parametersField(map, "distortion_coeffs", distortion);
+  if (!map.has("intrinsics_std")) return;
+  parametersField(map, "intrinsics_std", projection);
+  parametersField(map, "distortion_coeffs_std", distortion);
 }
 
 }  // namespace plumbline

@@ -21,6 +21,9 @@ Transform transformField(const YamlMap& map, const std::string& key);
 /// number of them.
 Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std::size_t count);
 
+/// The key's [width, height]; InputError where they are not two positive numbers.
+Resolution resolutionField(const YamlMap& map, const std::string& key);
+
 /// How a file calls the parts of a camera's intrinsics.
 struct IntrinsicsKeys {
   const char* projection_model;
@@ -31,5 +34,9 @@ struct IntrinsicsKeys {
 
 /// Models, parameters and resolution of one camera, in Kalibr's order (see Intrinsics).
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys);
+
+/// InputError where one of our cameras has not as many parameters, and deviations if any, as its
+/// models say.
+void checkParameterCounts(const YamlMap& map, const Intrinsics& intrinsics);
 
 }  // namespace plumbline

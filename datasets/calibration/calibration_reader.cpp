@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/calibration/calibration_reader.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration_fields.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/calibration/other_tools.h"
@@ -10,52 +15,79 @@
 namespace plumbline {
 namespace {
 
+/// Reads a field list (calibrator/base/fields.h) from a mapping, so that each fault names its line.
+class YamlReader {
+ public:
+  static constexpr bool kReads = true;
+  explicit YamlReader(const YamlMap& map) : map_(map) {}
+
+  template <class T>
+  void operator()(const char* name, T& value, const char* text) {
+    read(name, value, text);
+  }
+  template <class T>
+  void operator()(const char* name, T& value, const char* unit, const char* /*text*/) {
+    read(name, value, unit);
+  }
+  template <class T>
+  void operator()(const char* name, std::optional<T>& value, const char* text) {
+    value.reset();
+    if (map_.has(name)) read(name, value.emplace(), text);
+  }
+  template <class T>
+  void operator()(const char* name, std::optional<T>& value, const char* unit,
+                  const char* /*text*/) {
+    (*this)(name, value, unit);
+  }
+  template <class T>
+  void ifSet(const char* name, T& value, const char* text) {
+    if (map_.has(name)) read(name, value, text);
+  }
+
+ private:
+  void read(const char* name, std::string& value, const char* text) {
+    value = map_.text(name, text);
+  }
+  void read(const char* name, double& value, const char* text) { value = map_.number(name, text); }
+  void read(const char* name, std::vector<double>& value, const char* text) {
+    value = map_.numbers(name, text);
+  }
+  void read(const char* name, Transform& value, const char* /*text*/) {
+    value = transformField(map_, name);
+  }
+  void read(const char* name, Vector6d& value, const char* /*text*/) {
+    value = parametersField(map_, name, 6);
+  }
+  void read(const char* name, Eigen::VectorXd& value, const char* text) {
+    const std::vector<double> numbers = map_.numbers(name, text);
+    value = Eigen::Map<const Eigen::VectorXd>(numbers.data(),
+                                              static_cast<Eigen::Index>(numbers.size()));
+  }
+  void read(const char* name, Resolution& value, const char* /*text*/) {
+    value = resolutionField(map_, name);
+  }
+  template <WordedEnum E>
+  void read(const char* name, E& value, const char* text) {
+    const std::string word = map_.text(name, text);
+    const auto known = enumFrom<E>(word);
+    if (!known)
+      throw map_.fault(name, {"unknown " + std::string(name) + " '" + word + "'", text, ""});
+    value = *known;
+  }
+  void read(const char* name, ImuNoise& value, const char* text) {
+    YamlReader inner(map_.map(name, text));
+    fields(inner, value);
+  }
+
+  YamlMap map_;
+};
+
 CameraCalibration ourCamera(const YamlMap& map) {
   CameraCalibration camera;
-  camera.name = map.text("name", "a camera's name");
-  camera.rostopic = map.textOr("rostopic", "");
-  camera.intrinsics = intrinsicsField(map, {"model", "distortion"});
-  camera.T_C0Ci = transformField(map, "T_C0Ci");
-  const int n = static_cast<int>(camera.intrinsics.projection.size());
-  const int m = static_cast<int>(camera.intrinsics.distortion.size());
-  if (map.has("intrinsics_std")) {
-    Eigen::VectorXd std(n + m);
-    std << parametersField(map, "intrinsics_std", n),
-        parametersField(map, "distortion_coeffs_std", m);
-    camera.intrinsics_std = std;
-  }
-  if (map.has("T_C0Ci_std")) camera.T_C0Ci_std = parametersField(map, "T_C0Ci_std", 6);
+  YamlReader reader(map);
+  fields(reader, camera);
+  checkParameterCounts(map, camera.intrinsics);
   return camera;
-}
-
-ImuCalibration ourImu(const YamlMap& map) {
-  ImuCalibration imu;
-  imu.T_SC0 = transformField(map, "T_SC0");
-  imu.time_offset_s = map.number("time_offset_s", "seconds");
-  imu.gravity_m_s2 = map.number("gravity_m_s2", "metres per second squared");
-  imu.rostopic = map.textOr("rostopic", "");
-  if (map.has("T_SC0_std")) imu.T_SC0_std = parametersField(map, "T_SC0_std", 6);
-  if (map.has("time_offset_std_s")) {
-    imu.time_offset_std_s = map.number("time_offset_std_s", "seconds");
-  }
-  const YamlMap noise = map.map("noise", "noise densities");
-  imu.noise.gyro_density = noise.number("gyroscope_noise_density", "rad/s/sqrt(Hz)");
-  imu.noise.gyro_random_walk = noise.number("gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
-  imu.noise.accel_density = noise.number("accelerometer_noise_density", "m/s^2/sqrt(Hz)");
-  imu.noise.accel_random_walk = noise.number("accelerometer_random_walk", "m/s^3/sqrt(Hz)");
-  imu.noise.rate_hz = noise.number("update_rate", "Hz");
-  return imu;
-}
-
-// They stand with the stage that estimated them; empty where all cameras share one.
-std::vector<double> ourTimeOffsets(const YamlMap& file) {
-  const char* key = "camera_time_offsets_s";
-  if (!file.has("stages")) return {};
-  const YamlMap stages = file.map("stages", "the stages' results");
-  if (!stages.has("camera_imu")) return {};
-  const YamlMap stage = stages.map("camera_imu", "the camera-IMU stage's results");
-  return stage.has(key) ? stage.numbers(key, "seconds, one for each camera")
-                        : std::vector<double>();
 }
 
 Calibration readOurs(const YamlMap& file) {
@@ -67,8 +99,8 @@ Calibration readOurs(const YamlMap& file) {
     calibration.cameras.push_back(ourCamera(camera));
   }
   if (file.has("imu")) {
-    calibration.imu = ourImu(file.map("imu", "the IMU"));
-    calibration.imu->camera_time_offsets_s = ourTimeOffsets(file);
+    YamlReader reader(file.map("imu", "the IMU"));
+    fields(reader, calibration.imu.emplace());
   }
   return calibration;
 }

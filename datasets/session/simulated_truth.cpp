@@ -5,44 +5,12 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "calibrator/base/calibration_fields.h"
+#include "calibrator/base/json_fields.h"
 
 namespace plumbline {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json jsonOf(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
-
-Json jsonOf(const Transform& T) {
-  const Eigen::Matrix4d M = T.matrix();
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < 4; ++i) rows.push_back(jsonOf(Eigen::VectorXd(M.row(i))));
-  return rows;
-}
-
-Json jsonOf(const CameraCalibration& camera) {
-  const Intrinsics& k = camera.intrinsics;
-  return {{"name", camera.name},
-          {"model", toString(k.projection_model)},
-          {"distortion", toString(k.distortion_model)},
-          {"resolution", {k.resolution.width, k.resolution.height}},
-          {"intrinsics", jsonOf(k.projection)},
-          {"distortion_coeffs", jsonOf(k.distortion)},
-          {"T_C0Ci", jsonOf(camera.T_C0Ci)}};
-}
-
-Json jsonOf(const ImuCalibration& imu) {
-  return {{"T_SC0", jsonOf(imu.T_SC0)},
-          {"time_offset_s", imu.time_offset_s},
-          {"gravity_m_s2", imu.gravity_m_s2},
-          {"noise",
-           {{"gyro_density", imu.noise.gyro_density},
-            {"gyro_random_walk", imu.noise.gyro_random_walk},
-            {"accel_density", imu.noise.accel_density},
-            {"accel_random_walk", imu.noise.accel_random_walk},
-            {"rate_hz", imu.noise.rate_hz}}}};
-}
 
 const char* nameOf(MotionKind kind) {
   switch (kind) {
@@ -67,14 +35,10 @@ Json jsonOf(const SimulationOptions& o) {
           {"trajectory",
            {{"seed", o.trajectory.seed},
             {"kind", nameOf(o.trajectory.kind)},
-            {"axis_S", jsonOf(Eigen::VectorXd(o.trajectory.axis_S))},
+            {"axis_S", toJson(o.trajectory.axis_S)},
             {"pace", o.trajectory.pace},
             {"distance_ratio", o.trajectory.distance_ratio}}},
-          {"target",
-           {{"rows", o.target.rows},
-            {"cols", o.target.cols},
-            {"tag_size", o.target.tag_size},
-            {"spacing", o.target.spacing}}},
+          {"target", toJson(o.target)},
           {"duration_s", o.duration_s},
           {"start_ns", o.start_ns},
           {"imu_margin_s", o.imu_margin_s},
@@ -86,9 +50,9 @@ Json jsonOf(const SimulationOptions& o) {
           {"border_px", o.border_px},
           {"min_tag_px", o.min_tag_px},
           {"imu_noise", o.imu_noise},
-          {"initial_gyro_bias", jsonOf(Eigen::VectorXd(o.initial_gyro_bias))},
-          {"initial_accel_bias", jsonOf(Eigen::VectorXd(o.initial_accel_bias))},
-          {"down_F", jsonOf(Eigen::VectorXd(o.down_F))}};
+          {"initial_gyro_bias", toJson(o.initial_gyro_bias)},
+          {"initial_accel_bias", toJson(o.initial_accel_bias)},
+          {"down_F", toJson(o.down_F)}};
 }
 
 Json jsonOf(const InjectedFault& injected) {
@@ -114,21 +78,16 @@ void appendVector(std::string& text, const Eigen::Vector3d& v) {
 }  // namespace
 
 std::string truthJson(const SimulatedSession& simulated, const SimulationOptions& options) {
-  Json cameras = Json::array();
-  for (const CameraCalibration& camera : simulated.truth.cameras) {
-    cameras.push_back(jsonOf(camera));
-  }
   Json faults = Json::array();
   for (const InjectedFault& fault : simulated.faults) faults.push_back(jsonOf(fault));
-  const Json truth{{"schema", 1},
-                   {"session", simulated.session.name},
-                   {"options", jsonOf(options)},
-                   {"camera_rate_hz", simulated.camera_rate_hz},
-                   {"cameras", cameras},
-                   {"imu", jsonOf(*simulated.truth.imu)},
-                   {"gravity_F", jsonOf(Eigen::VectorXd(simulated.gravity_F))},
-                   {"T_WF", jsonOf(simulated.T_WF())},
-                   {"faults", faults}};
+  Json truth{{"schema", 1},
+             {"session", simulated.session.name},
+             {"options", jsonOf(options)},
+             {"camera_rate_hz", simulated.camera_rate_hz}};
+  truth.update(toJson(simulated.truth));
+  truth.update({{"gravity_F", toJson(simulated.gravity_F)},
+                {"T_WF", toJson(simulated.T_WF())},
+                {"faults", faults}});
   return truth.dump(2) + "\n";
 }
 

@@ -8,9 +8,9 @@
 namespace plumbline {
 
 /// The truth of a simulated session as JSON: what was asked for (options, seeds) and the rig's
-/// calibration with the field names of calibration.json, gravity in F, T_WF, and the faults with
-/// their values (SI), instants [s after the first frame] and the stamps they struck. Numbers are
-/// written so that reading them back gives the same doubles.
+/// calibration with the field list of calibration.json, so that readCalibration() reads it, gravity
+/// in F, T_WF, and the faults with their values (SI), instants [s after the first frame] and the
+/// stamps they struck. Numbers are written so that reading them back gives the same doubles.
 std::string truthJson(const SimulatedSession& simulated, const SimulationOptions& options);
 
 /// The true trajectory in EuRoC's state_groundtruth_estimate0 format, one row per IMU sample: stamp

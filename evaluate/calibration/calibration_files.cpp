@@ -2,14 +2,15 @@
 #include "evaluate/calibration/calibration_files.h"
 
 #include <cctype>
+#include <iterator>
 #include <numbers>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "datasets/calibration/kalibr_writer.h"
-#include "evaluate/calibration/calibration_document.h"
 #include "evaluate/results/text.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -78,6 +79,24 @@ Calibration calibrationOf(const CalibrationRecord& record) {
   return calibration;
 }
 
+template <class StageResult>
+void addRows(fmt::memory_buffer& text, const char* name, const StageResult& stage) {
+  for (const CornerResidual& r : stage.residuals) {
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", name,
+                   stage.frames[r.frame].t, stage.cameras[r.camera].name, r.corner_id, r.uv.x(),
+                   r.uv.y(), r.error.x(), r.error.y(), r.used ? 1 : 0);
+  }
+}
+
+std::string residualsTable(const CalibrationRecord& record) {
+  fmt::memory_buffer text;
+  fmt::format_to(std::back_inserter(text),
+                 "#stage,timestamp [ns],camera,corner_id,u [px],v [px],e_u [px],e_v [px],used\n");
+  if (record.camera) addRows(text, "camera", *record.camera);
+  if (record.camera_imu) addRows(text, "camera_imu", *record.camera_imu);
+  return fmt::to_string(text);
+}
+
 }  // namespace
 
 std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals) {
@@ -85,7 +104,7 @@ std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool r
   const Calibration calibration = calibrationOf(record);
   const std::string camchain = kalibrCamchainText(calibration);
   const auto& imu = calibration.imu;
-  return {{"calibration.json", calibrationDocument(record)},
+  return {{"calibration.json", documentOf(record)},
           {"camchain-imucam.yaml", imu ? Content(camchain) : Content()},
           {"camchain.yaml", imu ? Content() : Content(camchain)},
           {"imu.yaml", imu ? Content(kalibrImuText(imu->noise, imu->rostopic)) : Content()},

@@ -17,12 +17,13 @@
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/compare/compare_calibrations.h"
-#include "evaluate/compare/comparison_document.h"
+#include "evaluate/compare/summary.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "report/html/comparison/page.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -161,7 +162,7 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   return request;
 }
 
-std::vector<TrajectoryRun> trajectoriesOf(const CompareOptions& o) {
+std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   if (o.runs.runs.empty() != o.runs.truth.empty()) {
     throw InputError("--runs and --truth belong together: expected both or none");
   }
@@ -169,21 +170,21 @@ std::vector<TrajectoryRun> trajectoriesOf(const CompareOptions& o) {
   RunsRequest request = o.runs;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.min_coverage = o.metrics.min_coverage;
-  return evaluateRuns(request).runs;
+  return evaluateRuns(request);
 }
 
 int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
   refuseUnwritable(o.out);
   if (!o.session.session.empty()) refuseInside(o.out, o.session.session, "--out");
-  std::vector<TrajectoryRun> runs = trajectoriesOf(o);
+  std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(compareRequest(o, app), bar.sink());
-  record.runs = std::move(runs);
+  record.trajectories = std::move(trajectories);
   bar.clear();
-  writeResults(o.out, record,
-               {{"comparison.json", comparisonDocument(record)},
-                {"comparison.csv", comparisonTable(record)}},
-               pageUnless(o.no_report, [&] { return renderComparisonPage(record); }));
+  writeResults(
+      o.out, record,
+      {{"comparison.json", documentOf(record)}, {"comparison.csv", comparisonTable(record)}},
+      pageUnless(o.no_report, [&] { return renderComparisonPage(record); }));
   fmt::print("{}", comparisonSummary(record));
   fmt::print("\nReport: {}/{}\n", o.out, o.no_report ? "comparison.json" : "report.html");
   return kDone;

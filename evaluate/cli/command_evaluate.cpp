@@ -11,13 +11,14 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/evaluate_calibration.h"
-#include "evaluate/calibration/evaluation_document.h"
+#include "evaluate/calibration/summary.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"
+#include "report/records/documents.h"
 
 // `plumbline evaluate WHAT`: a table of what can be evaluated, each a command of its own.
 
@@ -87,7 +88,7 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
     fmt::print(stderr, "plumbline: {}\n", problemOf(result.failure()));
     return kFailed;
   }
-  writeResults(o.out, *result, {{"evaluation.json", evaluationDocument(*result)}},
+  writeResults(o.out, *result, {{"evaluation.json", documentOf(*result)}},
                renderCalibrationPage(*result));
   fmt::print("{}\nReport: {}/report.html\n", evaluationSummary(*result), o.out);
   return kDone;

@@ -19,10 +19,9 @@
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
-#include "evaluate/trajectory/runs_document.h"
 #include "evaluate/trajectory/summary.h"
-#include "evaluate/trajectory/trajectory_document.h"
 #include "report/html/trajectory/page.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -73,7 +72,7 @@ void writeStudy(const TrajectoryEvaluation& evaluation, const EvaluateTrajectory
       fmt::format("{} against {}", std::filesystem::path(o.estimate).filename().string(),
                   std::filesystem::path(o.truth).filename().string());
   writeResults(*o.out, record,
-               {{"trajectory.json", runsDocument(record)}, {"trajectory.csv", runsTable(record)}},
+               {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                renderTrajectoryPage(record));
 }
 
@@ -83,12 +82,12 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   if (!result) return tellFailure(result.failure());
   if (o.out) writeStudy(*result, o, app);
   if (o.json == kStandardOutput) {
-    fmt::print("{}", trajectoryDocument(*result));
+    fmt::print("{}", documentOf(result->run));
     return kDone;
   }
   fmt::print("{}", trajectorySummary(*result));
   if (o.json) {
-    writeFileAtomically(*o.json, trajectoryDocument(*result));
+    writeFileAtomically(*o.json, documentOf(result->run));
     fmt::print("\nFigures: {}\n", *o.json);
   }
   if (o.out) fmt::print("\nReport: {}/report.html\n", *o.out);
@@ -138,7 +137,7 @@ int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App&
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
   record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
   writeResults(o.out, record,
-               {{"trajectory.json", runsDocument(record)}, {"trajectory.csv", runsTable(record)}},
+               {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                renderTrajectoryPage(record));
   fmt::print("{}\nReport: {}/report.html\n", runsSummary(record), o.out);
   return kDone;

@@ -16,9 +16,10 @@
 #include "evaluate/cli/session_options.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
-#include "evaluate/studies/perturbation_document.h"
 #include "evaluate/studies/perturbation_study.h"
+#include "evaluate/studies/summary.h"
 #include "report/html/perturbation/page.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -130,7 +131,7 @@ int perturb(const PerturbOptions& o, const CLI::App& app) {
   bar.clear();
   if (!record) return tellFailure(record.failure());
   writeResults(o.out, *record,
-               {{"perturbation.json", perturbationDocument(*record)},
+               {{"perturbation.json", documentOf(*record)},
                 {"perturbation.csv", perturbationTable(*record)}},
                pageUnless(o.no_report, [&] { return renderPerturbationPage(*record); }));
   fmt::print("{}", perturbationSummary(*record));

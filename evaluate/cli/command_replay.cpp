@@ -19,11 +19,12 @@
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/replay/decision_log.h"
-#include "evaluate/replay/replay_document.h"
 #include "evaluate/replay/replay_session.h"
+#include "evaluate/replay/summary.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/replay/page.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -236,7 +237,7 @@ int replay(const ReplayOptions& o, const CLI::App& app) {
   bar.sink()("writing", -1);
   writeResults(
       o.out, record,
-      {{"decisions.jsonl", decisionLog(record.decisions)}, {"replay.json", replayDocument(record)}},
+      {{"decisions.jsonl", decisionLog(record.decisions)}, {"replay.json", documentOf(record)}},
       pageUnless(o.no_report, [&] { return renderReplayPage(record); }));
   bar.clear();
   fmt::print("{}", replaySummary(record));

@@ -10,14 +10,8 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/files/file_io.h"
-#include "evaluate/calibration/calibration_document.h"
-#include "evaluate/calibration/evaluation_document.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/compare/comparison_document.h"
-#include "evaluate/replay/replay_document.h"
 #include "evaluate/results/result_folder.h"
-#include "evaluate/studies/perturbation_document.h"
-#include "evaluate/trajectory/runs_document.h"
 #include "report/html/calibration/page.h"
 #include "report/html/comparison/page.h"
 #include "report/html/perturbation/page.h"
@@ -66,27 +60,6 @@ std::string pageOf(const Store& store, const RunSummary& run) {
   return "";
 }
 
-std::string calibrationOrEvaluation(const CalibrationRecord& record) {
-  return record.held ? evaluationDocument(record) : calibrationDocument(record);
-}
-
-/// The JSON document of a run, as the command that made it wrote it into its folder.
-std::string documentOf(const Store& store, const RunSummary& run) {
-  switch (run.kind) {
-    case RunKind::kCalibration:
-      return calibrationOrEvaluation(store.loadCalibration(run.id));
-    case RunKind::kPerturbation:
-      return perturbationDocument(store.loadPerturbation(run.id));
-    case RunKind::kTrajectory:
-      return runsDocument(store.loadTrajectory(run.id));
-    case RunKind::kComparison:
-      return comparisonDocument(store.loadComparison(run.id));
-    case RunKind::kReplay:
-      return replayDocument(store.loadReplay(run.id));
-  }
-  return "";
-}
-
 // What was written is named, unless standard output is the document's.
 int report(const ReportOptions& o) {
   if (!o.out && !o.json) {
@@ -100,9 +73,9 @@ int report(const ReportOptions& o) {
     if (!piped) fmt::print("{}\n", *o.out);
   }
   if (piped) {
-    fmt::print("{}", documentOf(store, run));
+    fmt::print("{}", store.document(run.id));
   } else if (o.json) {
-    writeFileAtomically(*o.json, documentOf(store, run));
+    writeFileAtomically(*o.json, store.document(run.id));
     fmt::print("{}\n", *o.json);
   }
   return kDone;

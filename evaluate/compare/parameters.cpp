@@ -27,8 +27,15 @@ const CalibrationParameter* find(const std::vector<CalibrationParameter>& list,
   return found == list.end() ? nullptr : &*found;
 }
 
+VerdictLevel levelOf(double sigmas) {
+  constexpr double kNotable = 2, kLarge = 3;
+  if (sigmas >= kLarge) return VerdictLevel::kBad;
+  return sigmas >= kNotable ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+}
+
 void addSignificance(ComparedParameter& row) {
   row.significance.clear();
+  row.levels.clear();
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     std::optional<double> sigmas;
     if (i > 0 && row.difference[i] && row.std[i] && row.std[0]) {
@@ -36,6 +43,7 @@ void addSignificance(ComparedParameter& row) {
       if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
     }
     row.significance.push_back(sigmas);
+    row.levels.push_back(levelOf(sigmas.value_or(0)));
   }
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/summary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
-#include "evaluate/compare/comparison_document.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
@@ -125,6 +126,10 @@ void addMaps(Text& text, const char* title, const std::vector<ImageMap>& maps) {
   for (const ImageMap& map : maps) addMap(text, map);
 }
 
+void addCells(Text& text, const std::vector<std::optional<double>>& values) {
+  for (const auto& value : values) add(text, ",{}", value ? fmt::format("{}", *value) : "");
+}
+
 }  // namespace
 
 std::string comparisonSummary(const ComparisonRecord& record) {
@@ -137,6 +142,25 @@ std::string comparisonSummary(const ComparisonRecord& record) {
   for (const Finding& f : record.verdict.findings) {
     add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
     if (!f.advice.empty()) add(text, "            {}\n", f.advice);
+  }
+  return fmt::to_string(text);
+}
+
+std::string comparisonTable(const ComparisonRecord& record) {
+  Text text;
+  add(text, "#name,unit");
+  for (const char* what : {"value", "std", "difference", "significance"}) {
+    for (const ComparedCalibration& c : record.calibrations)
+      add(text, ",{} {}", what, csvCell(c.label));
+  }
+  add(text, "\n");
+  for (const ComparedParameter& p : record.parameters) {
+    add(text, "{},{}", p.name, p.unit);
+    addCells(text, p.values);
+    addCells(text, p.std);
+    addCells(text, p.difference);
+    addCells(text, p.significance);
+    add(text, "\n");
   }
   return fmt::to_string(text);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,14 @@ using Text = fmt::memory_buffer;
 template <class... Args>
 void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
   fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+/// A cell of a CSV file: quoted where a comma, a quote or a line end would break the row.
+inline std::string csvCell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
 }
 
 }  // namespace plumbline

@@ -11,6 +11,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/trajectory/run_comparison.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/trajectory/run_pattern.h"
 
@@ -184,21 +185,17 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request) {
                      "matches no file; expected estimates, e.g. "
                      "'results/{calibration}/{sequence}_{run}.txt'");
   }
-  TrajectoryRecord record;
-  record.runs = expectedRuns(files);
-  parallelFor(record.runs.size(), request.threads, [&](int, std::size_t i) {
-    record.runs[i] = judged(record.runs[i], truths, request);
-  });
-  return record;
+  std::vector<TrajectoryRun> runs = expectedRuns(files);
+  parallelFor(runs.size(), request.threads,
+              [&](int, std::size_t i) { runs[i] = judged(runs[i], truths, request); });
+  return {studyOf(std::move(runs)), "", {}, {}};
 }
 
 TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage) {
   run.sequence = nameOfFile(run.truth);
   run.run = nameOfFile(run.estimate);
-  TrajectoryRecord record;
-  record.name = run.run;
-  record.runs.push_back(withCompletion(std::move(run), min_coverage));
-  return record;
+  const std::string name = run.run;
+  return {studyOf({withCompletion(std::move(run), min_coverage)}), name, {}, {}};
 }
 
 }  // namespace plumbline

@@ -5,8 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/trajectory/runs_document.h"
-#include "report/records/paired_differences.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {
@@ -54,11 +53,9 @@ std::string alignmentLine(const AlignmentRecord& a) {
 std::string neesLines(const TrajectoryRun& run) {
   std::string text;
   for (const NeesRecord& r : run.nees) {
-    const char* verdict = r.mean > r.upper   ? "overconfident"
-                          : r.mean < r.lower ? "cautious"
-                                             : "consistent";
     text += fmt::format("NEES {:<12} mean {:.3f} of {} dof, {:.0f} % bounds [{:.3f}, {:.3f}]: {}\n",
-                        r.part, r.mean, r.dof, 100 * r.confidence, r.lower, r.upper, verdict);
+                        r.part, r.mean, r.dof, 100 * r.confidence, r.lower, r.upper,
+                        toString(r.reading));
   }
   return text;
 }
@@ -70,7 +67,7 @@ std::string nameOr(const std::string& name, const char* otherwise) {
 std::string summaryTable(const TrajectoryRecord& record) {
   std::string text = fmt::format("{:<16}{:<24}{:>10}{:>9}{:>8}{:>18}\n", "sequence", "calibration",
                                  "complete", "partial", "failed", "median ATE [m]");
-  for (const RunsSummary& s : summarised(record.runs)) {
+  for (const RunsSummary& s : record.summary) {
     const std::string ate = s.ate_median_m ? fmt::format("{:.4f}", *s.ate_median_m) : "-";
     text += fmt::format("{:<16}{:<24}{:>10}{:>9}{:>8}{:>18}\n", nameOr(s.sequence, "all"),
                         nameOr(s.calibration, "-"), fmt::format("{}/{}", s.complete, s.expected),
@@ -81,7 +78,7 @@ std::string summaryTable(const TrajectoryRecord& record) {
 
 std::string differenceLines(const TrajectoryRecord& record) {
   std::string text;
-  for (const PairedDifference& d : pairedDifferences(record.runs)) {
+  for (const PairedDifference& d : record.paired) {
     if (d.pairs == 0) {
       text += fmt::format("{} - {}: no sequence and run that both completed\n", d.b, d.a);
       continue;
@@ -98,10 +95,25 @@ std::string problemLines(const TrajectoryRecord& record) {
   std::string text;
   for (const TrajectoryRun& run : record.runs) {
     if (run.status == RunStatus::kComplete) continue;
-    text += fmt::format("{}: {} {} run {}: {}\n", nameOf(run.status), nameOr(run.sequence, "-"),
+    text += fmt::format("{}: {} {} run {}: {}\n", toString(run.status), nameOr(run.sequence, "-"),
                         nameOr(run.calibration, "-"), nameOr(run.run, "-"), run.problem);
   }
   return text;
+}
+
+std::string rowOf(const TrajectoryRun& run) {
+  std::string text =
+      fmt::format("{},{},{},{},{:.6f},", csvCell(run.sequence), csvCell(run.calibration),
+                  csvCell(run.run), toString(run.status), run.coverage);
+  if (run.ate_translation_m.n > 0) {
+    text +=
+        fmt::format("{},{:.9g},{:.9g},{:.9g},", run.ate_translation_m.n, run.ate_translation_m.rmse,
+                    run.ate_translation_m.median, run.ate_translation_m.max);
+  } else {
+    text += ",,,,";
+  }
+  if (run.ate_rotation_deg.n > 0) text += fmt::format("{:.9g}", run.ate_rotation_deg.rmse);
+  return text + "," + csvCell(run.problem) + "," + csvCell(run.estimate) + "\n";
 }
 
 }  // namespace
@@ -119,6 +131,14 @@ std::string runsSummary(const TrajectoryRecord& record) {
   std::string text = summaryTable(record);
   if (!paired.empty()) text += "\n" + paired;
   if (!problems.empty()) text += "\n" + problems;
+  return text;
+}
+
+std::string runsTable(const TrajectoryRecord& record) {
+  std::string text =
+      "sequence,calibration,run,status,coverage,n,ate_rmse_m,ate_median_m,ate_max_m,"
+      "ate_rotation_rmse_deg,problem,estimate\n";
+  for (const TrajectoryRun& run : record.runs) text += rowOf(run);
   return text;
 }
 

@@ -16,4 +16,7 @@ std::string trajectorySummary(const TrajectoryEvaluation& evaluation);
 /// calibration, paired differences, and why each run that is not complete is so.
 std::string runsSummary(const TrajectoryRecord& record);
 
+/// trajectory.csv: one row for each run.
+std::string runsTable(const TrajectoryRecord& record);
+
 }  // namespace plumbline

@@ -63,6 +63,7 @@ data blockData(const Block& block) {
   b.set("matrices", listOf(block.matrices, [](const NamedTransform& m) {
           return matrixData(m.name, m.T, m.note);
         }));
+  b.set("html", textOrNothing(block.html));
   b.set("has_figures", flag(!block.figures.empty()));
   b.set("figures", figuresData(block.figures));
   return b;
@@ -88,13 +89,15 @@ data figuresData(const std::vector<Figure>& figures) {
   });
 }
 
+data blocksData(const std::vector<Block>& blocks) { return listOf(blocks, blockData); }
+
 data sectionsData(const std::vector<Section>& sections) {
   return listOf(sections, [](const Section& section) {
     data s = object({{"id", section.id}, {"title", section.title}});
     s.set("lead", textOrNothing(section.lead));
     s.set("has_remarks", flag(!section.remarks.empty()));
     s.set("remarks", listOf(section.remarks, [](const std::string& r) { return data{r}; }));
-    s.set("blocks", listOf(section.blocks, blockData));
+    s.set("blocks", blocksData(section.blocks));
     return s;
   });
 }
@@ -169,13 +172,10 @@ void setContents(data& page, const std::vector<Pair>& entries) {
 std::string renderTemplate(const std::string& text, data& page) {
   using kainjow::mustache::partial;
   const std::pair<const char*, const std::string& (*)()> parts[] = {
-      {"page_head", &embedded::page_head},
-      {"page_verdict", &embedded::page_verdict},
-      {"page_cards", &embedded::page_cards},
-      {"page_figures", &embedded::page_figures},
-      {"page_matrices", &embedded::page_matrices},
-      {"page_sections", &embedded::page_sections},
-      {"page_provenance", &embedded::page_provenance},
+      {"page_head", &embedded::page_head},         {"page_verdict", &embedded::page_verdict},
+      {"page_block", &embedded::page_block},       {"page_cards", &embedded::page_cards},
+      {"page_figures", &embedded::page_figures},   {"page_matrices", &embedded::page_matrices},
+      {"page_sections", &embedded::page_sections}, {"page_provenance", &embedded::page_provenance},
       {"page_foot", &embedded::page_foot}};
   for (const auto& [name, part] : parts) {
     page.set(name, data{partial{[text_of = part] { return text_of(); }}});

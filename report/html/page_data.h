@@ -34,6 +34,7 @@ data textOrNothing(const std::string& text);
 data figuresData(const std::vector<Figure>& figures);
 data cardsData(const std::vector<Card>& cards);
 data pairsData(const std::vector<Pair>& pairs);
+data blocksData(const std::vector<Block>& blocks);
 data sectionsData(const std::vector<Section>& sections);
 /// Rows of `cells` with the 4 x 4 matrix, its heading and its note.
 data matrixData(const std::string& heading, const Transform& T, const std::string& note);

@@ -192,19 +192,14 @@ std::vector<Pair> assumptionRows(const Assumptions& a) {
   return rows;
 }
 
-std::vector<Pair> provenanceRows(const CalibrationRecord& record) {
-  const Assumptions& a = record.assumptions;
+std::vector<Pair> calibrationRows(const CalibrationRecord& record) {
   const AprilGrid& g = record.target;
-  std::vector<Pair> rows = provenanceRows(record.provenance);
+  std::vector<Pair> rows;
   if (record.held) {
-    rows.insert(rows.begin(), {"Calibration", record.held->file + ": scored, not estimated here"});
+    rows.push_back({"Calibration", record.held->file + ": scored, not estimated here"});
   }
   rows.push_back({"Target", fmt::format("AprilGrid {} \u00d7 {} tags of {:g} mm, spacing {:g}",
                                         g.rows, g.cols, 1e3 * g.tag_size, g.spacing)});
-  rows.push_back({"Corner noise", fmt::format("{:g} px per coordinate", a.pixel_sigma_px)});
-  rows.push_back({"Loss", a.loss});
-  if (record.camera_imu) rows.push_back({"Gravity", fmt::format("{:g} m/s\u00b2", a.gravity_m_s2)});
-  if (a.imu_noise) addNoise(rows, *a.imu_noise);
   for (std::size_t i = 0; i < record.counts.size(); ++i) {
     const CameraCounts& c = record.counts[i];
     rows.push_back(
@@ -212,7 +207,6 @@ std::vector<Pair> provenanceRows(const CalibrationRecord& record) {
          fmt::format("target in {} of {} views, {} tags, {} corners", c.views_with_corners,
                      c.views_offered, grouped(c.tags), grouped(c.corners))});
   }
-  std::erase_if(rows, [](const Pair& row) { return row.value.empty(); });
   return rows;
 }
 

@@ -40,9 +40,9 @@ std::vector<OffsetRow> offsetRows(double time_offset_s, std::optional<double> st
 struct Pair {
   std::string label, value;
 };
-std::vector<Pair> provenanceRows(const CalibrationRecord& record);
-/// The same of any study: version, command, input, date, options; rows without a value are left
-/// out.
+/// Target, what was detected, and the file that was scored.
+std::vector<Pair> calibrationRows(const CalibrationRecord& record);
+/// Version, command, input, date, options; rows without a value are left out.
 std::vector<Pair> provenanceRows(const Provenance& provenance);
 /// Corner noise, loss, and with an IMU gravity and noise densities.
 std::vector<Pair> assumptionRows(const Assumptions& assumptions);

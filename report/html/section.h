@@ -49,6 +49,7 @@ struct Block {
   std::optional<Table> table;
   std::vector<NamedTransform> matrices;
   std::vector<Figure> figures;
+  std::string html = {};  ///< markup of its own, after the table
 };
 
 struct Section {

@@ -71,25 +71,6 @@ std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
 
 }  // namespace
 
-std::string toString(VerdictLevel level) {
-  switch (level) {
-    case VerdictLevel::kGood:
-      return "good";
-    case VerdictLevel::kDoubtful:
-      return "doubtful";
-    case VerdictLevel::kBad:
-      return "bad";
-  }
-  return "bad";
-}
-
-std::optional<VerdictLevel> verdictLevelFrom(const std::string& word) {
-  for (const auto level : {VerdictLevel::kGood, VerdictLevel::kDoubtful, VerdictLevel::kBad}) {
-    if (word == toString(level)) return level;
-  }
-  return std::nullopt;
-}
-
 Verdict makeVerdict(std::vector<Finding> findings) {
   Verdict verdict;
   for (const Finding& finding : findings) verdict.level = std::max(verdict.level, finding.level);
@@ -101,6 +82,19 @@ const std::vector<CameraCalibration>& CalibrationRecord::cameras() const {
   static const std::vector<CameraCalibration> kNone;
   if (camera_imu) return camera_imu->cameras;
   return camera ? camera->cameras : kNone;
+}
+
+std::string partName(const CameraEntry& camera) { return camera.camera.name; }
+
+std::vector<CameraEntry> cameraEntries(const CalibrationRecord& record) {
+  std::vector<CameraEntry> entries;
+  const StageSummary* last = record.camera ? &record.camera->summary : nullptr;
+  if (record.camera_imu) last = &record.camera_imu->summary;
+  for (std::size_t i = 0; i < record.cameras().size(); ++i) {
+    CameraEntry& entry = entries.emplace_back(CameraEntry{record.cameras()[i], std::nullopt});
+    if (i < last->per_camera.size()) entry.rmse_px = last->per_camera[i].rmse_px;
+  }
+  return entries;
 }
 
 std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& record, Stage stage) {

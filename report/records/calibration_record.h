@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +11,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/result_fields.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "report/records/calibration_score.h"
@@ -17,65 +20,125 @@ namespace plumbline {
 
 /// How far a calibration may be trusted; ordered, so that the worst finding is the maximum.
 enum class VerdictLevel { kGood = 0, kDoubtful = 1, kBad = 2 };
-
-/// "good", "doubtful", "bad".
-std::string toString(VerdictLevel level);
-/// The inverse; empty for an unknown word.
-std::optional<VerdictLevel> verdictLevelFrom(const std::string& word);
+constexpr std::array<const char*, 3> enumWords(VerdictLevel /*of*/) {
+  return {"good", "doubtful", "bad"};
+}
 
 /// One rule applied to the result: what was measured, against which bound, and what to do.
 struct Finding {
-  std::string rule;  ///< short and stable, e.g. "Reprojection RMSE of cam0"
+  std::string rule;
   VerdictLevel level = VerdictLevel::kGood;
-  std::string evidence;  ///< a sentence with the numbers that decided it
-  std::string advice;    ///< what to do; empty where nothing needs doing
-  double value = 0;      ///< what was compared
-  double threshold = 0;  ///< the option it was compared with
-  std::string unit;      ///< of value and threshold: "px", "-", "s"
+  std::string evidence;
+  std::string advice;
+  double value = 0;
+  double threshold = 0;
+  std::string unit;
 };
+
+template <class V>
+void fields(V& v, Finding& f) {
+  v("rule", f.rule, "short and stable, e.g. `Reprojection RMSE of cam0`");
+  v("level", f.level, "`good`, `doubtful` or `bad`");
+  v("evidence", f.evidence, "a sentence with the numbers that decided it");
+  v("advice", f.advice, "what to do; empty where nothing needs doing");
+  v("value", f.value, "what was compared");
+  v("threshold", f.threshold, "the bound that it was compared with (`--threshold` moves bounds)");
+  v("unit", f.unit, "of `value` and `threshold`");
+}
 
 struct Verdict {
   VerdictLevel level = VerdictLevel::kGood;
   std::vector<Finding> findings;  ///< in the order in which they are shown
 };
 
+template <class V>
+void fields(V& v, Verdict& verdict) {
+  v("level", verdict.level, "the worst of the findings");
+  v("findings", verdict.findings, "one for each rule that was applied");
+}
+
 /// The verdict of its findings: the worst level of all, good when there are none.
 Verdict makeVerdict(std::vector<Finding> findings);
 
 /// Where a result comes from; nothing in it depends on the host.
 struct Provenance {
-  std::string version;                                       ///< of Plumbline
-  std::string command;                                       ///< command line, or empty
-  std::string input;                                         ///< name of the recording
-  std::string input_hash;                                    ///< "algorithm:hex" of what was read
-  std::string date;                                          ///< ISO 8601, UTC
-  std::vector<std::pair<std::string, std::string>> options;  ///< name and value, in their order
+  std::string version;
+  std::string command;
+  std::string input;
+  std::string input_hash;
+  std::string date;
+  Named<std::string> options;  ///< in their order
 };
+
+template <class V>
+void fields(V& v, Provenance& p) {
+  v("plumbline", p.version, "version of the program");
+  v("command", p.command, "command line, or empty");
+  v("input", p.input, "name of the recording");
+  v("input_hash", p.input_hash, "`algorithm:hex` over the files that were read");
+  v("options", p.options, "those given, as text");
+  v("date", p.date, "ISO 8601, UTC");
+}
 
 /// What the covariances and verdicts take for granted.
 struct Assumptions {
-  double pixel_sigma_px = 1;      ///< standard deviation of a corner coordinate
-  std::string loss = "none";      ///< "none", "cauchy:1.5"
-  double gravity_m_s2 = 9.80655;  ///< norm of gravity
+  double pixel_sigma_px = 1;
+  std::string loss = "none";
+  double gravity_m_s2 = 9.80655;
   std::optional<ImuNoise> imu_noise;
 };
 
+template <class V>
+void fields(V& v, Assumptions& a) {
+  v("pixel_sigma", a.pixel_sigma_px, "px", "standard deviation of a corner, per axis");
+  v("gravity_m_s2", a.gravity_m_s2, "m/s^2", "norm of gravity");
+  v("loss", a.loss, "`none` or `cauchy:SCALE`, scale in px");
+  v("imu_noise", a.imu_noise, "of the session, with an IMU");
+}
+
 /// Of one camera's stream: what was offered and what was found.
 struct CameraCounts {
-  int views_offered = 0;       ///< images (or views) in the recording
-  int views_with_corners = 0;  ///< of them, those in which the target was found
-  std::size_t corners = 0;     ///< corners found
-  std::size_t tags = 0;        ///< tags found: distinct tags summed over views
+  int views_offered = 0;
+  int views_with_corners = 0;
+  std::size_t corners = 0;
+  std::size_t tags = 0;
 };
+
+template <class V>
+void fields(V& v, CameraCounts& c) {
+  v("views_offered", c.views_offered, "1", "images (or views) in the recording");
+  v("views_with_corners", c.views_with_corners, "1", "of them, those that show the target");
+  v("corners", c.corners, "1", "corners found");
+  v("tags", c.tags, "1", "tags found: distinct tags summed over views");
+}
 
 /// Spread of the estimates when the recording's segments are resampled: a check on the formal
 /// standard deviations that makes no assumption on the noise. Names as in ParameterCovariance.
 struct ResampleSpread {
   int resamples = 0;
-  int failed = 0;  ///< resamples that did not converge
+  int failed = 0;
   std::vector<std::string> names;
   Eigen::VectorXd std;  ///< one per name, in the parameter's own unit
 };
+
+template <class V>
+void fields(V& v, ResampleSpread& s) {
+  v("resamples", s.resamples, "1", "draws");
+  v("failed", s.failed, "1", "those without a solution");
+  Named<double> std;
+  for (std::size_t i = 0; i < s.names.size(); ++i) {
+    std.emplace_back(s.names[i], s.std[static_cast<Eigen::Index>(i)]);
+  }
+  v("std", std, "by parameter: standard deviation over the draws, in the parameter's unit");
+  if constexpr (V::kReads) {
+    s.names.clear();
+    s.std.resize(static_cast<Eigen::Index>(std.size()));
+    for (const auto& [name, value] : std) {
+      s.std[static_cast<Eigen::Index>(s.names.size())] = value;
+      s.names.push_back(name);
+    }
+  }
+}
 
 /// A calibration that was not estimated from the recording but held fixed on it.
 struct HeldCalibration {
@@ -104,6 +167,68 @@ struct CalibrationRecord {
   /// The final cameras: of the camera-IMU stage if it ran, otherwise of the camera stage.
   const std::vector<CameraCalibration>& cameras() const;
 };
+
+/// A final camera as calibration.json has it: with its errors in the last stage that ran.
+struct CameraEntry {
+  CameraCalibration camera;
+  std::optional<double> rmse_px;
+};
+
+template <class V>
+void fields(V& v, CameraEntry& c) {
+  fields(v, c.camera);
+  v.derived("rmse_px", c.rmse_px, "px", "this camera's, in the last stage that ran");
+}
+
+std::string partName(const CameraEntry& camera);
+std::vector<CameraEntry> cameraEntries(const CalibrationRecord& record);
+
+/// calibration.json, and evaluation.json of `evaluate calibration`.
+template <class V>
+void fields(V& v, CalibrationRecord& r) {
+  v.derived("schema", 1, "", "version of this format");
+  v("name", r.name, "of the session");
+  std::optional<std::string> file;
+  std::vector<CalibrationScore> scores;
+  if (r.held) {
+    file = r.held->file;
+    scores = r.held->scores;
+  }
+  v("calibration", file, "`evaluate calibration`: file whose values were kept fixed");
+  v.ifSet("scores", scores,
+          "`evaluate calibration`: the recording's, then folds and held-out ones");
+  if constexpr (V::kReads) {
+    if (file) r.held.emplace(HeldCalibration{*file, std::move(scores)});
+  }
+  v.group("stages", [&](auto& g) {
+    g("camera", r.camera, "absent where `--cameras` gave fixed cameras");
+    g("camera_imu", r.camera_imu, "absent without IMU or with `--no-imu`");
+  });
+  v.group("covariance", [&](auto& g) {
+    if (r.camera) g("camera", r.camera->summary.covariance, "of the stage's parameters");
+    if (r.camera_imu) {
+      g("camera_imu", r.camera_imu->summary.covariance,
+        "the variance of `time_offset` includes the noise of the single IMU samples at the frames");
+    }
+  });
+  std::vector<CameraEntry> cameras = cameraEntries(r);
+  v("cameras", cameras, "the final cameras, in the session's order; camera 0 is the reference");
+  if (r.camera_imu) {
+    if constexpr (V::kReads) {
+      for (CameraEntry& c : cameras) r.camera_imu->cameras.push_back(std::move(c.camera));
+    }
+    v("imu", r.camera_imu->imu, "with the camera-IMU stage: the IMU's calibration");
+  }
+  v.group("resample", [&](auto& g) {
+    g("camera", r.camera_resample, "`--resample N`: bootstrap over time segments");
+    g("camera_imu", r.camera_imu_resample, "likewise");
+  });
+  v("target", r.target, "the AprilGrid");
+  v("counts", r.counts, "of each camera's stream: what was offered and found");
+  v("assumptions", r.assumptions, "what covariances and verdict take for granted");
+  v("verdict", r.verdict, "how far the result may be trusted, and why");
+  v("provenance", r.provenance, "where the result comes from");
+}
 
 /// A parameter's estimate beside what is known of its uncertainty.
 struct ParameterEstimate {

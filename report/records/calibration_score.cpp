@@ -21,4 +21,26 @@ const ErrorStatistics* errorsOf(const CalibrationScore& score, const std::string
   return i < score.per_camera.size() ? &score.per_camera[i] : nullptr;
 }
 
+std::string partName(const CalibrationScore& score) {
+  return score.label + "/" + score.session + "/" + score.part;
+}
+
+Named<ErrorStatistics> errorsByCamera(const CalibrationScore& score) {
+  Named<ErrorStatistics> errors;
+  for (std::size_t c = 0; c < score.per_camera.size(); ++c) {
+    errors.emplace_back(c < score.cameras.size() ? score.cameras[c] : "cam" + std::to_string(c),
+                        score.per_camera[c]);
+  }
+  return errors;
+}
+
+void setErrorsByCamera(const Named<ErrorStatistics>& errors, CalibrationScore& score) {
+  score.cameras.clear();
+  score.per_camera.clear();
+  for (const auto& [name, statistics] : errors) {
+    score.cameras.push_back(name);
+    score.per_camera.push_back(statistics);
+  }
+}
+
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {
@@ -32,6 +33,41 @@ struct CalibrationScore {
   std::vector<std::string> camera_imu_entropy_parameters;
   std::string problem;  ///< why there is no score, or none of camera and IMU; empty if there is
 };
+
+std::string partName(const CalibrationScore& score);  ///< "label/session/part"
+/// The errors by camera, and the inverse.
+Named<ErrorStatistics> errorsByCamera(const CalibrationScore& score);
+void setErrorsByCamera(const Named<ErrorStatistics>& errors, CalibrationScore& score);
+
+template <class V>
+void fields(V& v, CalibrationScore& s) {
+  v("label", s.label, "of the calibration");
+  v("session", s.session, "that it was scored on");
+  v("part", s.part, "`all`, `fold 2 of 5`");
+  v("held_out", s.held_out, "1", "the session is not the one that it was estimated from");
+  v.derived("scored", s.problem.empty(), "1", "whether every score could be computed");
+  v.ifSet("problem", s.problem, "why there is no score, or none of camera and IMU");
+  auto reprojection =
+      s.reprojection.count > 0 ? std::optional(s.reprojection) : std::optional<ErrorStatistics>();
+  v("reprojection", reprojection, "absent where no pose was found");
+  auto per_camera = errorsByCamera(s);
+  v("per_camera", per_camera, "by the camera's name");
+  if constexpr (V::kReads) {
+    if (reprojection) s.reprojection = *reprojection;
+    setErrorsByCamera(per_camera, s);
+  }
+  v("views_used", s.views_used, "1", "(camera, frame) pairs that a pose was found for");
+  v("views_offered", s.views_offered, "1", "those in the session, whatever they saw");
+  v("entropy_nats", s.entropy_nats, "nat", "of its own parameters on that session");
+  v.ifSet("entropy_parameters", s.entropy_parameters, "which they are");
+  v("camera_imu", s.camera_imu, "with IMU: only states and gravity move");
+  v("camera_imu_cost", s.camera_imu_cost, "1", "0.5 x sum of squared normalised residuals");
+  v("gyro_rms_rad_s", s.gyro_rms_rad_s, "rad/s", "RMS of |rotation residual| / interval");
+  v("accel_rms_m_s2", s.accel_rms_m_s2, "m/s^2", "RMS of |velocity residual| / interval");
+  v("camera_imu_entropy_nats", s.camera_imu_entropy_nats, "nat",
+    "of T_SC0 and the time offset, cameras fixed: states and gravity's direction marginalised");
+  v.ifSet("camera_imu_entropy_parameters", s.camera_imu_entropy_parameters, "which they are");
+}
 
 /// Names of the cameras of all scores, each once, as they first appear.
 std::vector<std::string> cameraNames(const std::vector<CalibrationScore>& scores);

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/statistics.h"
 #include "report/records/calibration_record.h"
 #include "report/records/calibration_score.h"
@@ -23,6 +27,15 @@ struct ComparedCalibration {
   std::vector<Finding> lint;  ///< of the conventions: inverted transforms, flipped signs, ...
 };
 
+template <class V>
+void fields(V& v, ComparedCalibration& c) {
+  v("label", c.label, "short and unique");
+  v("file", c.file, "file name");
+  v("tool", c.tool, "who wrote it: `plumbline`, `kalibr`, `yac`, ...");
+  fields(v, c.calibration);
+  v("lint", c.lint, "findings on its conventions: inverted transforms, flipped signs, ...");
+}
+
 /// One parameter under all calibrations, in one convention.
 struct ComparedParameter {
   std::string name;  ///< as in ParameterCovariance; also "T_SC0.angle", "T_C0C1.angle"
@@ -32,7 +45,19 @@ struct ComparedParameter {
   std::vector<std::optional<double>> difference;  ///< to the first calibration
   /// |difference| / sqrt(std_i^2 + std_0^2), where both are known.
   std::vector<std::optional<double>> significance;
+  std::vector<VerdictLevel> levels = {};  ///< of the significance
 };
+
+template <class V>
+void fields(V& v, ComparedParameter& p) {
+  v("name", p.name, "as in a covariance; also `T_SC0.angle`, `T_C0C1.angle`");
+  v("unit", p.unit, "its unit");
+  v("values", p.values, "one per calibration");
+  v("std", p.std, "formal, where the calibration carries one");
+  v("difference", p.difference, "to the first calibration");
+  v("significance", p.significance, "|difference| / sqrt(std^2 + std of the first^2)");
+  v("levels", p.levels, "of the significance: `doubtful` from 2, `bad` from 3 sigma");
+}
 
 /// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:
 /// u = c (width - 1) / (columns - 1), v = r (height - 1) / (rows - 1).
@@ -50,6 +75,25 @@ struct ImageMap {
   std::optional<Transform> implied;
 };
 
+template <class V>
+void fields(V& v, ImageMap& m) {
+  v("camera", m.camera, "its name");
+  v("label", m.label, "of the calibration, or `b - a`, a the first calibration");
+  v("method", m.method, "how it was computed");
+  std::optional<double> range_m;
+  if (std::isfinite(m.range_m)) range_m = m.range_m;
+  v("range_m", range_m, "m", "distance of the points; absent: directions only (infinity)");
+  if constexpr (V::kReads) m.range_m = range_m.value_or(std::numeric_limits<double>::infinity());
+  v("columns", m.columns, "of the grid");
+  v("rows", m.rows, "of the grid; its outer points lie on the image's borders");
+  std::array<int, 2> image = {m.width, m.height};
+  v("image", image, "px", "`[width, height]`");
+  if constexpr (V::kReads) m.width = image[0], m.height = image[1];
+  v("values_px", m.values, "px", "row by row from the top; null: undefined");
+  v.ifSet("vectors_px", m.vectors, "the difference itself; absent for uncertainties");
+  v("implied_T_BA", m.implied, "m", "alignment of the two cameras' frames that was taken out");
+}
+
 /// The time offset of every calibration in Kalibr's sign [s], per camera as written.
 struct OffsetSummary {
   std::string label;
@@ -57,6 +101,16 @@ struct OffsetSummary {
   std::optional<double> std_s;
   std::vector<double> per_camera_s;
 };
+
+inline std::string partName(const OffsetSummary& o) { return o.label; }
+
+template <class V>
+void fields(V& v, OffsetSummary& o) {
+  v("label", o.label, "of the calibration");
+  v("time_offset_s", o.time_offset_s, "s", "mean of the cameras' where they have one each");
+  v("std_s", o.std_s, "s", "its standard deviation");
+  v.ifSet("per_camera_s", o.per_camera_s, "as written [s]");
+}
 
 /// Which of two calibrations predicts a camera's corners better: the mean over views of (mean
 /// squared error under `label`) - (under the first calibration) [px^2]; negative: `label` is
@@ -66,8 +120,20 @@ struct PairedPrediction {
   std::string camera;
   int views = 0;  ///< seen under both
   double difference_px2 = 0;
-  double std_px2 = 0;  ///< standard error of the mean, from blocks of consecutive views
+  double std_px2 = 0;
 };
+
+inline std::string partName(const PairedPrediction& p) { return p.label + "/" + p.camera; }
+
+template <class V>
+void fields(V& v, PairedPrediction& p) {
+  v("label", p.label, "of the calibration that is compared with the first");
+  v("camera", p.camera, "its name");
+  v("views", p.views, "1", "seen under both");
+  v("difference_px2", p.difference_px2, "px^2",
+    "mean over views of the squared error less that under the first; negative: better");
+  v("std_px2", p.std_px2, "px^2", "standard error of the mean, from blocks of consecutive views");
+}
 
 /// Everything that a comparison page shows.
 struct ComparisonRecord {
@@ -82,7 +148,25 @@ struct ComparisonRecord {
   std::vector<ImageMap> differences;     ///< to the first calibration
   std::vector<ImageMap> uncertainties;   ///< of those that carry a covariance or were re-scored
   std::vector<OffsetSummary> offsets;
-  std::vector<TrajectoryRun> runs;  ///< trajectories under these calibrations, where given
+  std::optional<TrajectoryStudy> trajectories;  ///< under these calibrations, where given
 };
+
+/// comparison.json.
+template <class V>
+void fields(V& v, ComparisonRecord& r) {
+  v.derived("schema", 1, "", "version of this format");
+  v("name", r.name, "of the comparison");
+  v("calibrations", r.calibrations, "those compared; the first is the reference");
+  v("parameters", r.parameters, "each under all calibrations, in one convention");
+  v("offsets", r.offsets, "time offsets in Kalibr's sign");
+  v("scores", r.scores, "each calibration on each session");
+  v("paired", r.paired, "which predicts a camera's corners better, on the same views");
+  v("differences", r.differences, "maps over the image, to the first calibration");
+  v("uncertainties", r.uncertainties, "maps of those that carry a covariance or were scored");
+  v("trajectories", r.trajectories, "under these calibrations, where given");
+  v("assumptions", r.assumptions, "what covariances and verdict take for granted");
+  v("verdict", r.verdict, "the findings of all lints, and of the scores");
+  v("provenance", r.provenance, "where the result comes from");
+}
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,49 @@ struct PerturbationCase {
   std::vector<double> changes_sigma;  ///< the same, over the base's standard deviations
 };
 
+/// "imu-shift +10 ms", "corner-noise +0.1 px seed 2".
+inline std::string partName(const PerturbationCase& c) {
+  std::ostringstream text;
+  text << c.kind << ' ' << std::showpos << c.amount << std::noshowpos << ' ' << c.unit;
+  if (c.seed != 0) text << " seed " << c.seed;
+  return text.str();
+}
+
+template <class V>
+void fields(V& v, PerturbationCase& c) {
+  v("kind", c.kind,
+    "`imu-shift`, `target-size`, `noise-density`, `initial-intrinsics`, `dropped-frames`, "
+    "`dropped-imu`, `corner-noise`; `base`: as recorded");
+  v("amount", c.amount, "how much, in `unit`");
+  v("unit", c.unit, "`ms`, `%`, `px`");
+  v.ifSet("seed", c.seed, "of what was drawn; absent where nothing was");
+  v.derived("solved", c.problem.empty(), "1", "whether there is a result");
+  v.ifSet("problem", c.problem, "why it failed");
+  if (!c.problem.empty()) return;
+  v("rmse_px", c.rmse_px, "px", "sqrt(mean |e|^2)");
+  v("frames", c.frames, "1", "in the solution");
+  v("iterations", c.iterations, "1", "of the solver");
+  v("time_offset_s", c.time_offset_s, "s", "recovered");
+  v("time_offset_std_s", c.time_offset_std_s, "s", "its standard deviation");
+  v("offset_error_s", c.offset_error_s, "s", "recovered - injected - base");
+  v("values", c.values, "of the study's `parameters`");
+  v.ifSet("changes", c.changes, "from the base's values, rotations as Log(R R_base^T) [rad]");
+  v.ifSet("changes_sigma", c.changes_sigma, "the same, over the base's standard deviations");
+}
+
+/// A parameter of a study.
+struct StudyParameter {
+  std::string name, unit;
+  double base_std = 0;
+};
+
+template <class V>
+void fields(V& v, StudyParameter& p) {
+  v("name", p.name, "as in a covariance");
+  v("unit", p.unit, "its unit");
+  v("base_std", p.base_std, "standard deviation in the base calibration");
+}
+
 /// A perturbation study: one base calibration, and one for every case.
 struct PerturbationRecord {
   std::string name;
@@ -43,5 +87,31 @@ struct PerturbationRecord {
   PerturbationCase base;
   std::vector<PerturbationCase> cases;
 };
+
+/// perturbation.json.
+template <class V>
+void fields(V& v, PerturbationRecord& r) {
+  v.derived("schema", 1, "", "version of this format");
+  v("session", r.name, "its name");
+  std::vector<StudyParameter> parameters;
+  for (std::size_t i = 0; i < r.parameters.size(); ++i) {
+    parameters.push_back({r.parameters[i], r.units[i], r.base_std[i]});
+  }
+  v("parameters", parameters, "of `values` and `changes`");
+  if constexpr (V::kReads) {
+    r.parameters.clear(), r.units.clear(), r.base_std.clear();
+    for (const StudyParameter& p : parameters) {
+      r.parameters.push_back(p.name);
+      r.units.push_back(p.unit);
+      r.base_std.push_back(p.base_std);
+    }
+  }
+  v("offset_bound_s", r.offset_bound_s, "s", "an injected offset counts as recovered within this");
+  v("base", r.base, "the recording as it is");
+  v("cases", r.cases, "one calibration each");
+  v("assumptions", r.assumptions, "what covariances and verdict take for granted");
+  v("verdict", r.verdict, "what the study shows");
+  v("provenance", r.provenance, "where the result comes from");
+}
 
 }  // namespace plumbline

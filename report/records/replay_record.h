@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
+#include "calibrator/base/guide_fields.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -18,6 +22,13 @@ struct ReplayFrame {
   /// Per camera, a small JPEG of its image; empty where the recording has none.
   std::vector<std::string> jpeg;
 };
+
+template <class V>
+void fields(V& v, ReplayFrame& f) {
+  v("t_ns", f.t, "stamp");
+  v("corners", f.corners, "per camera");
+  v("jpeg", f.jpeg, "per camera, a small JPEG of its image");
+}
 
 /// How a suggestion ended.
 struct SuggestionOutcome {
@@ -34,12 +45,34 @@ struct SuggestionOutcome {
   std::vector<std::vector<Corner>> overlay;
 };
 
+inline double inBits(double nats) { return nats / std::numbers::ln2; }
+
+template <class V>
+void fields(V& v, SuggestionOutcome& o) {
+  fields(v, o.suggestion);
+  v.derived("mi_bits", inBits(o.suggestion.mi_nats), "bit", "the same in bits");
+  v("end", o.end, "`reached`, `expired`, `withdrawn`; `none`: open at the end");
+  v("ended_ns", o.ended, "when");
+  v("closest_px", o.closest_px, "px", "least mean corner distance while it was open");
+  v("mean_px", o.mean_px, "px", "mean of the distance over its frames");
+  v("closest_m", o.closest_m, "m", "least distance of the camera's position");
+  v("closest_rad", o.closest_rad, "rad", "and of its orientation, at that instant");
+  v.array("overlay", o.overlay, "what each camera would see there");
+}
+
 /// What a guided recording says of its operator: suggestions as they were shown at recording time.
 struct OperatorCompliance {
   std::vector<SuggestionOutcome> suggestions;
   int reached = 0;
   double median_seconds_to_reach = 0;
 };
+
+template <class V>
+void fields(V& v, OperatorCompliance& c) {
+  v("suggestions", c.suggestions, "as they were shown at recording time");
+  v("reached", c.reached, "1", "of them");
+  v("median_seconds_to_reach", c.median_seconds_to_reach, "s", "of those reached");
+}
 
 /// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.
 struct StopAudit {
@@ -54,6 +87,24 @@ struct StopAudit {
   double entropy_of_all_nats = 0;     ///< had every frame been used
   std::string explanation;            ///< a sentence with the numbers that decided it
 };
+
+constexpr std::array<const char*, 5> enumWords(StopAudit::Verdict /*of*/) {
+  return {"never stopped", "early", "late", "right", "not judged"};
+}
+inline std::string partName(const StopAudit& a) { return toString(a.stage); }
+
+template <class V>
+void fields(V& v, StopAudit& a) {
+  v("stage", a.stage, "`camera` or `camera-imu`");
+  v("verdict", a.verdict, "`right`, `early`, `late`, `never stopped`, `not judged`");
+  v("finished_ns", a.finished, "the guide's \"finish\"");
+  v("enough_ns", a.enough, "first instant at which the views kept were good enough");
+  v("seconds", a.seconds, "s", "early: missing; late: wasted; right or never: 0");
+  v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");
+  v("entropy_at_finish_nats", a.entropy_at_finish_nats, "nat", "of the calibration parameters");
+  v("entropy_of_all_nats", a.entropy_of_all_nats, "nat", "had every frame been used");
+  v("explanation", a.explanation, "a sentence with the numbers that decided it");
+}
 
 /// One stage in figures.
 struct ReplayStageSummary {
@@ -74,6 +125,34 @@ struct ReplayStageSummary {
   std::optional<StageSummary> full_batch;
   double information_after_finish_nats = 0;  ///< what the recording after "finish" added
 };
+
+inline std::string partName(const ReplayStageSummary& s) { return toString(s.stage); }
+
+template <class V>
+void fields(V& v, ReplayStageSummary& s) {
+  v("stage", s.stage, "`camera` or `camera-imu`");
+  v("ran", s.ran, "1", "whether it did");
+  v.ifSet("problem", s.problem, "why it did not run, or not to its end");
+  v("frames_offered", s.frames_offered, "1", "of the recording");
+  v("frames_dropped", s.frames_dropped, "1", "came while the guide was busy");
+  v("views_used", s.views_used, "1", "accepted");
+  v("views_redundant", s.views_redundant, "1",
+    "used, though in hindsight each gains less than the threshold");
+  v("views_missed", s.views_missed, "1", "not used, though in hindsight each gains more than it");
+  v("suggestions", s.suggestions, "1", "of the guide");
+  v("suggestions_reached", s.reached, "1", "of them");
+  v("started_ns", s.started, "first frame of the stage");
+  v("finished_ns", s.finished, "the guide's \"finish\"");
+  std::optional<double> duration_s;
+  if (s.started && s.finished) duration_s = secondsBetween(*s.started, *s.finished);
+  v.derived("duration_s", duration_s, "s", "from start to \"finish\"");
+  v("kept_batch", s.kept_batch, "batch over the kept views");
+  v("full_batch", s.full_batch, "batch over all frames of the recording");
+  v("information_after_finish_nats", s.information_after_finish_nats, "nat",
+    "what the recording after \"finish\" added");
+  v.derived("information_after_finish_bits", inBits(s.information_after_finish_nats), "bit",
+            "the same in bits");
+}
 
 /// One order in which the frames of a pool could have been used.
 struct CounterfactualCurve {
@@ -96,9 +175,26 @@ struct CounterfactualCurve {
   std::optional<int> views_needed;
 };
 
+template <class V>
+void fields(V& v, CounterfactualCurve& c) {
+  v("strategy", c.strategy, "`recorded`, `random`, `greedy-mi`, `coverage`, `guide`");
+  v.ifSet("seed", c.seed, "of a random order");
+  v("views", c.views, "abscissa: how many were used");
+  v("entropy_nats", c.entropy_nats, "at each; null: not determined yet");
+  v("held_out_px", c.held_out_px, "RMSE on frames outside the pool");
+  v("held_out_border_px", c.held_out_border_px, "over corners near the image's border");
+  v("held_out_centre_px", c.held_out_centre_px, "over the others");
+  v("held_out_loss_px", c.held_out_loss_px, "under the batch's loss, sqrt(mean rho(|e|^2))");
+  v("regret_px", c.regret_px, "`held_out_px` less that of the best strategy at as many views");
+  v("views_needed", c.views_needed,
+    "to come within 10 % of the full pool's held-out error and stay there");
+  v("order", c.order, "frames of the pool, as positions in the recording's frames");
+}
+
 struct Quartiles {
   double lower = 0, median = 0, upper = 0;
 };
+inline auto elements(Quartiles& q) { return std::tie(q.lower, q.median, q.upper); }
 
 /// The curves of one strategy over its seeds; of a strategy without, all three quartiles agree.
 struct CounterfactualBand {
@@ -110,6 +206,17 @@ struct CounterfactualBand {
   std::vector<std::optional<double>> regret_px;  ///< of the median
   std::optional<Quartiles> views_needed;         ///< empty: not all seeds get there
 };
+
+template <class V>
+void fields(V& v, CounterfactualBand& b) {
+  v("strategy", b.strategy, "whose curves");
+  v("seeds", b.seeds, "number of curves");
+  v("views", b.views, "abscissa");
+  v("entropy_nats_quartiles", b.entropy_nats, "`[lower, median, upper]`; null: not all have one");
+  v("held_out_px_quartiles", b.held_out_px, "likewise");
+  v("regret_px", b.regret_px, "of the median");
+  v("views_needed_quartiles", b.views_needed, "absent: not all seeds get there");
+}
 
 struct Counterfactuals {
   std::vector<CounterfactualCurve> curves;
@@ -123,6 +230,22 @@ struct Counterfactuals {
   std::vector<std::string> remarks;  ///< where and why a strategy loses, from the numbers
   std::string problem;  ///< why there are no curves (one line, with its cure); empty otherwise
 };
+
+template <class V>
+void fields(V& v, Counterfactuals& c) {
+  v("pool_frames", c.pool_frames, "1", "frames to choose from");
+  v("held_out_frames", c.held_out_frames, "1", "frames to judge on");
+  v("full_pool_entropy_nats", c.full_pool_entropy_nats, "nat", "with all of the pool");
+  v("full_pool_held_out_px", c.full_pool_held_out_px, "px", "likewise");
+  v("bands", c.bands, "one per strategy");
+  v("curves", c.curves, "one per strategy and seed");
+  v("remarks", c.remarks, "where and why a strategy loses, from the numbers");
+  v.group("other_model", [&](auto& g) {
+    g.ifSet("model", c.other_model, "`pinhole-equidistant`, ...");
+    g.ifSet("bands", c.other_model_bands, "greedy-mi and random under it");
+  });
+  v.ifSet("problem", c.problem, "why there are no curves");
+}
 
 /// A replay: every decision of the guide on a recording, and how good they were.
 struct ReplayRecord {
@@ -140,5 +263,25 @@ struct ReplayRecord {
   std::vector<StopAudit> stop_audits;
   std::optional<Counterfactuals> counterfactuals;
 };
+
+/// replay.json.
+template <class V>
+void fields(V& v, ReplayRecord& r) {
+  v.derived("schema", 1, "", "version of this format");
+  v("session", r.name, "its name");
+  v.derived("frames", r.frames.size(), "1", "of the recording");
+  v("stages", r.stages, "each stage in figures");
+  v("stop_audits", r.stop_audits, "was the guide's \"finish\" right? By the held-out error");
+  v("suggestions", r.suggestions, "how each ended");
+  v("compliance", r.compliance, "what a guided recording says of its operator");
+  v("counterfactuals", r.counterfactuals, "other orders in which frames could have been used");
+  v("target", r.target, "the AprilGrid");
+  v("cameras", r.cameras, "for drawing: the best that is known at the end");
+  v("assumptions", r.assumptions, "what entropies take for granted");
+  v("verdict", r.verdict, "what the replay shows");
+  v("provenance", r.provenance, "where the result comes from");
+  v.array("frames", r.frames, "all of the recording");
+  v.array("decisions", r.decisions, "one per frame; also `decisions.jsonl`");
+}
 
 }  // namespace plumbline

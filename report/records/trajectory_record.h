@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 #include "report/records/calibration_record.h"
@@ -29,6 +31,21 @@ struct AssociationRecord {
   std::size_t stamps_in_gaps = 0;  ///< "interpolate": where the truth's gap was too wide
 };
 
+/// All but the rule and the number of matches, which a run has at its top.
+template <class V>
+void fields(V& v, AssociationRecord& r) {
+  v("max_dt_s", r.max_dt_s, "s", "largest difference that pairs");
+  v("time_offset_s", r.time_offset_s, "s", "added to the estimate's stamps before pairing");
+  v("estimate_poses", r.estimate_poses, "1", "in the estimate");
+  v("truth_poses", r.truth_poses, "1", "in the truth");
+  v("estimate_duplicates", r.estimate_duplicates, "1", "poses whose stamp equals the one before");
+  v("truth_duplicates", r.truth_duplicates, "1", "likewise");
+  v("median_dt_s", r.median_dt_s, "s", "of the pairs, estimate - truth: shows a clock offset");
+  v("largest_estimate_gap_s", r.largest_estimate_gap_s, "s", "between consecutive poses");
+  v("largest_truth_gap_s", r.largest_truth_gap_s, "s", "likewise");
+  v("stamps_in_gaps", r.stamps_in_gaps, "1", "`interpolate`: where the truth's gap was too wide");
+}
+
 /// p_truth = scale R p_estimate + t.
 struct AlignmentRecord {
   std::string kind;  ///< "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none"
@@ -46,6 +63,15 @@ struct RelativeErrorRecord {
   SampleStatistics rotation_deg;
 };
 
+template <class V>
+void fields(V& v, RelativeErrorRecord& r) {
+  v("delta", r.delta, "distance in `unit`");
+  v("unit", r.unit, "`frames`, `m`, `s`");
+  v("pairs", r.pairs, "whose rule chose the pieces: `plumbline`, `evo`, `rpg`, ...");
+  v("translation_m", r.translation_m, "m", "errors of the translation");
+  v("rotation_deg", r.rotation_deg, "deg", "errors of the rotation");
+}
+
 /// t_truth = t_estimate + offset, from correlating angular rates.
 struct ClockOffsetRecord {
   double offset_s = 0;
@@ -53,6 +79,14 @@ struct ClockOffsetRecord {
   double correlation = 0;   ///< at the maximum, -1 to 1
   bool magnitudes = false;  ///< of the rates' magnitudes, since no rotation joined the bodies
 };
+
+template <class V>
+void fields(V& v, ClockOffsetRecord& r) {
+  v("offset_s", r.offset_s, "s", "t_truth = t_estimate + offset");
+  v("std_s", r.std_s, "s", "its standard deviation");
+  v("correlation", r.correlation, "1", "of the angular rates at the maximum, -1 to 1");
+  v("magnitudes", r.magnitudes, "of the rates' magnitudes, since no rotation joined the bodies");
+}
 
 /// The marker body M in the IMU frame S, with the truth's world V and the estimate's world W.
 struct HandEyeRecord {
@@ -64,6 +98,22 @@ struct HandEyeRecord {
   double rms_rotation_rad = 0;
 };
 
+template <class V>
+void fields(V& v, HandEyeRecord& r) {
+  v("T_SM", r.T_SM, "m", "the marker body in the IMU frame");
+  v("T_SM_std", r.T_SM_std, "m, rad", "3 of the translation, 3 of the left tangent");
+  v("T_SM_covariance", r.T_SM_covariance, "rows, tangent (dt, da) of Transform");
+  v("T_VW", r.T_VW, "m", "the estimate's world in the truth's");
+  v("rms_translation_m", r.rms_translation_m, "m", "of the residuals");
+  v("rms_rotation_rad", r.rms_rotation_rad, "rad", "of the residuals");
+}
+
+/// What a mean NEES says of the covariances: above its bounds they are too small, below too large.
+enum class NeesReading { kConsistent, kOverconfident, kCautious };
+constexpr std::array<const char*, 3> enumWords(NeesReading /*of*/) {
+  return {"consistent", "overconfident", "cautious"};
+}
+
 /// Mean normalised estimation error squared against its two-sided chi-square bounds.
 struct NeesRecord {
   std::string part;  ///< "position", "orientation", "pose"
@@ -71,9 +121,24 @@ struct NeesRecord {
   double mean = 0;
   double lower = 0, upper = 0;  ///< bounds of the mean at `confidence`
   double confidence = 0.95;
+  NeesReading reading = NeesReading::kConsistent;
 };
 
+template <class V>
+void fields(V& v, NeesRecord& r) {
+  v("part", r.part, "`position`, `orientation`, `pose`");
+  v("dof", r.dof, "of one pose");
+  v("mean", r.mean, "1", "mean normalised estimation error squared");
+  v("lower", r.lower, "1", "two-sided chi-square bound of the mean");
+  v("upper", r.upper, "1", "likewise");
+  v("confidence", r.confidence, "of the bounds");
+  v("reading", r.reading, "`consistent`; `overconfident`: above the bounds; `cautious`: below");
+}
+
 enum class RunStatus { kComplete, kPartial, kFailed };
+constexpr std::array<const char*, 3> enumWords(RunStatus /*of*/) {
+  return {"complete", "partial", "failed"};
+}
 
 /// One estimate against its truth.
 struct TrajectoryRun {
@@ -103,12 +168,152 @@ struct TrajectoryRun {
   std::vector<double> error_deg;
 };
 
+inline std::string partName(const TrajectoryRun& r) {
+  return r.sequence + "/" + r.calibration + "/" + r.run;
+}
+
+/// `evaluate trajectory --json`, and one run of a study.
+template <class V>
+void fields(V& v, TrajectoryRun& r) {
+  v.ifSet("sequence", r.sequence, "e.g. `MH_01`");
+  v.ifSet("calibration", r.calibration, "what is compared, e.g. `kalibr`");
+  v.ifSet("run", r.run, "repetition");
+  v("status", r.status, "`complete`, `partial`, `failed`");
+  v("problem", r.problem, "why partial or failed; empty if complete");
+  v.derived("completed", r.status == RunStatus::kComplete, "1", "whether the status is `complete`");
+  v.derived("failed", r.status == RunStatus::kFailed, "1", "whether it is `failed`");
+  v("estimate", r.estimate, "file name");
+  v("truth", r.truth, "file name");
+  if (r.status != RunStatus::kFailed) {
+    v("n", r.association.matches, "1", "pairs of poses");
+    v("association", r.association.rule, "`one-to-one`, `interpolate`, `evo`, `rpg`, `ov_eval`");
+    v("alignment", r.alignment.kind, "p_truth = scale R p_estimate + t: `se3`, `sim3`, `yaw`, ...");
+    v("align_first", r.alignment.first_n, "pairs that it stands on; 0: all");
+    v("scale", r.alignment.scale, "1", "of the alignment");
+    v("R", r.alignment.T_truth_estimate.R, "rows");
+    v("t", r.alignment.T_truth_estimate.t, "m", "of the alignment");
+    v.group("ate", [&](auto& g) {
+      g("translation_m", r.ate_translation_m, "m", "absolute errors of the position");
+      g("rotation_deg", r.ate_rotation_deg, "deg", "and of the orientation");
+    });
+    v("rpe", r.rpe, "errors of relative motion");
+    v("coverage", r.coverage, "1", "share of the truth's span over which the estimate has poses");
+    v("starts_late_s", r.starts_late_s, "s", "first pose of the estimate - of the truth");
+    v("stamps", r.association, "how stamps were paired");
+  }
+  v("clock_offset", r.clock_offset, "from correlating angular rates");
+  v("hand_eye", r.hand_eye, "joins marker body and IMU");
+  v.ifSet("nees", r.nees, "where the estimate has covariances");
+  v("remarks", r.remarks, "a sentence each, what a reader should know");
+  v.array("t", r.t, "stamp of each pair (thinned to a few thousand)");
+  v.array("truth_m", r.truth_m, "positions of the truth");
+  v.array("estimate_m", r.estimate_m, "aligned positions of the estimate");
+  v.array("error_m", r.error_m, "distance");
+  v.array("error_deg", r.error_deg, "angle");
+}
+
+/// A calibration over all runs of one sequence, or of all ("").
+struct RunsSummary {
+  std::string sequence, calibration;
+  std::size_t expected = 0, complete = 0, partial = 0, failed = 0;
+  double completion = 0;  ///< complete / expected
+  /// Median over the expected runs of the ATE (RMSE of positions [m]), where one that is not
+  /// complete counts as larger than any; empty where the median is such a one.
+  std::optional<double> ate_median_m;
+  std::optional<double> ate_complete_median_m;  ///< median over the complete runs alone
+  VerdictLevel level = VerdictLevel::kGood;
+};
+
+inline std::string partName(const RunsSummary& s) { return s.sequence + "/" + s.calibration; }
+
+template <class V>
+void fields(V& v, RunsSummary& s) {
+  v.ifSet("sequence", s.sequence, "absent: over all sequences");
+  v("calibration", s.calibration, "whose runs");
+  v("expected", s.expected, "1", "runs");
+  v("complete", s.complete, "1", "of them");
+  v("partial", s.partial, "1", "of them");
+  v("failed", s.failed, "1", "of them");
+  v("completion", s.completion, "1", "complete / expected");
+  v("ate_median_m", s.ate_median_m, "m",
+    "median ATE over the expected runs, one that is not complete counts as larger than any; absent "
+    "where the median is such a one");
+  v("ate_complete_median_m", s.ate_complete_median_m, "m", "the same over the complete runs alone");
+  v("level", s.level, "`bad` where a run failed, `doubtful` where one is partial");
+}
+
+/// Two calibrations over the same sequences and runs: d = ATE under b - ATE under a, where ATE is
+/// the RMSE of the positions [m]. Negative: b is better.
+struct PairedDifference {
+  std::string a, b;
+  std::size_t pairs = 0;
+  std::size_t left_out = 0;
+  double mean_m = 0;
+  double median_m = 0;
+  double std_m = 0;
+  std::size_t b_better = 0;
+  std::size_t ties = 0;
+  double sign_test_p = 1;
+  /// 95 % interval of the mean: percentile bootstrap over pairs, 10,000 resamples, fixed seed.
+  /// Empty below five pairs, where it would say nothing.
+  std::optional<double> low_m, high_m;
+  std::string better;  ///< the one that is, where the interval leaves out 0; otherwise empty
+};
+
+inline std::string partName(const PairedDifference& d) { return d.b + " - " + d.a; }
+
+template <class V>
+void fields(V& v, PairedDifference& d) {
+  v("a", d.a, "first calibration");
+  v("b", d.b, "second: d = ATE under b - ATE under a; negative: b is better");
+  v("pairs", d.pairs, "1", "complete under both");
+  v("left_out", d.left_out, "1", "(sequence, run) under either that is not complete under both");
+  v("mean_m", d.mean_m, "m", "of d");
+  v("median_m", d.median_m, "m", "of d");
+  v("std_m", d.std_m, "m", "of d, divisor n");
+  v("b_better", d.b_better, "1", "pairs with d < 0");
+  v("ties", d.ties, "1", "d = 0; the sign test leaves them out");
+  v("sign_test_p", d.sign_test_p, "1", "two-sided, exact (binomial)");
+  std::optional<std::array<double, 2>> interval;
+  if (d.low_m && d.high_m) interval = {*d.low_m, *d.high_m};
+  v("mean_interval_m", interval, "m", "95 % interval of the mean: bootstrap over pairs");
+  if constexpr (V::kReads) {
+    d.low_m.reset();
+    d.high_m.reset();
+    if (interval) d.low_m = (*interval)[0], d.high_m = (*interval)[1];
+  }
+  v.ifSet("better", d.better, "which has the lower errors; absent where the interval contains 0");
+}
+
+/// Runs, and what they say together.
+struct TrajectoryStudy {
+  std::vector<TrajectoryRun> runs;
+  std::vector<RunsSummary> summary;
+  std::vector<PairedDifference> paired;
+};
+
+template <class V>
+void fields(V& v, TrajectoryStudy& s) {
+  v("summary", s.summary, "completion and error by sequence, then over all");
+  v("paired", s.paired, "every two calibrations over the same sequences and runs");
+  v("runs", s.runs, "each estimate against its truth");
+}
+
 /// What `evaluate trajectory` found, for one run or many.
-struct TrajectoryRecord {
+struct TrajectoryRecord : TrajectoryStudy {
   std::string name;
   Provenance provenance;
   Verdict verdict;
-  std::vector<TrajectoryRun> runs;
 };
+
+/// trajectory.json.
+template <class V>
+void fields(V& v, TrajectoryRecord& r) {
+  v.derived("schema", 1, "", "version of this format");
+  v("name", r.name, "of the study");
+  fields(v, static_cast<TrajectoryStudy&>(r));
+  v("verdict", r.verdict, "how far the figures may be trusted");
+  v("provenance", r.provenance, "where the result comes from");
+}
 
 }  // namespace plumbline

@@ -1,38 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/store/database.h"
 
-#include <array>
-#include <limits>
-
 #include "generated/report/embedded.h"
 
 namespace plumbline::store_internal {
 namespace {
 
-namespace sql = embedded;
-
 constexpr int kApplicationId = 0x504c4d42;  // "PLMB": tells our files from other SQLite files
-constexpr int kSchemaVersion = 3;
-
-/// Scripts that lift a file from version i to i + 1.
-const std::array<const std::string& (*)(), kSchemaVersion> kMigrations = {
-    &sql::schema_v1, &sql::schema_v2, &sql::schema_v3};
+constexpr int kSchemaVersion = 1;
 
 int pragma(SQLite::Database& db, const char* name) {
   return db.execAndGet(std::string("PRAGMA ") + name).getInt();
 }
 
-void migrate(SQLite::Database& db) {
-  const int version = pragma(db, "user_version");
-  if (version == kSchemaVersion) return;
-  db.exec("PRAGMA foreign_keys = OFF");  // a table that is made anew would take its children along
+void makeSchema(SQLite::Database& db) {
   SQLite::Transaction transaction(db);
-  for (int v = version; v < kSchemaVersion; ++v) {
-    db.exec(kMigrations[static_cast<std::size_t>(v)]());
-  }
-  if (SQLite::Statement(db, "PRAGMA foreign_key_check").executeStep()) {
-    throw SQLite::Exception("rows without their run");
-  }
+  db.exec(embedded::schema());
   db.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
   db.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
   transaction.commit();
@@ -42,8 +25,11 @@ std::int64_t writeInto(const std::filesystem::path& path, bool existed,
                        const std::function<std::int64_t(SQLite::Database&)>& insert) {
   try {
     SQLite::Database db(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    if (existed) checkOwner(db, path.string());
-    migrate(db);
+    if (existed) {
+      checkOwner(db, path.string());
+    } else {
+      makeSchema(db);
+    }
     db.exec("PRAGMA foreign_keys = ON");
     SQLite::Transaction transaction(db);
     const std::int64_t run = insert(db);
@@ -63,11 +49,11 @@ void checkOwner(SQLite::Database& db, const std::string& path) {
   if (pragma(db, "application_id") != kApplicationId || version < 1) {
     throw InputError(path, 0, "is an SQLite file of another program; name a store of Plumbline's");
   }
-  if (version > kSchemaVersion) {
+  if (version != kSchemaVersion) {
     throw InputError(path, 0,
-                     "has store version " + std::to_string(version) +
-                         ", this program knows up to " + std::to_string(kSchemaVersion) +
-                         "; use a newer Plumbline");
+                     "has store version " + std::to_string(version) + ", this program knows " +
+                         std::to_string(kSchemaVersion) +
+                         "; use the Plumbline that wrote it, or write a new store");
   }
 }
 
@@ -86,18 +72,6 @@ std::int64_t writeStore(const std::filesystem::path& path,
     std::filesystem::remove(temporary, ignored);
     throw;
   }
-}
-
-void bindNumber(SQLite::Statement& statement, int column, double value) {
-  if (value == value) {
-    statement.bind(column, value);
-  } else {
-    statement.bind(column);
-  }
-}
-
-double number(const SQLite::Column& column) {
-  return column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
 }
 
 }  // namespace plumbline::store_internal

@@ -12,19 +12,14 @@
 
 namespace plumbline::store_internal {
 
-/// Refuses a file that is not ours or newer than we are; throws SQLite's exception for damage.
+/// Refuses a file that is not ours or of another version; throws SQLite's exception for damage.
 void checkOwner(SQLite::Database& db, const std::string& path);
 
-/// Adds to the store at `path`: lifts an older one to today's schema, then lets `insert` add a run
-/// within one transaction. A new file is written under a temporary name and renamed when complete.
-/// Nothing partial remains; InputError where the file cannot be written.
+/// Lets `insert` add a run to the store at `path`, within one transaction. A new file is written
+/// under a temporary name and renamed when complete. Nothing partial remains; InputError where the
+/// file cannot be written.
 std::int64_t writeStore(const std::filesystem::path& path,
                         const std::function<std::int64_t(SQLite::Database&)>& insert);
-
-/// NULL for NaN, which SQLite cannot hold.
-void bindNumber(SQLite::Statement& statement, int column, double value);
-/// The inverse.
-double number(const SQLite::Column& column);
 
 /// Opens an existing store for reading and turns whatever goes wrong into an InputError.
 template <class Work>

@@ -1,122 +1,77 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/store/run_rows.h"
 
-#include <limits>
+#include <cmath>
 #include <stdexcept>
 
-#include "generated/report/embedded.h"
-#include "report/store/database.h"
+#include "calibrator/base/error.h"
 
 namespace plumbline::store_internal {
 namespace {
 
-namespace sql = embedded;
-
-VerdictLevel levelFrom(const std::string& word) {
-  const auto known = verdictLevelFrom(word);
-  if (!known) throw std::runtime_error("unknown verdict '" + word + "'");
+template <class E>
+E wordAs(const std::string& word) {
+  const auto known = enumFrom<E>(word);
+  if (!known) throw std::runtime_error("unknown word '" + word + "'");
   return *known;
 }
 
-RunKind kindFrom(const std::string& word) {
-  const auto known = runKindFrom(word);
-  if (!known) throw std::runtime_error("unknown kind of run '" + word + "'");
-  return *known;
-}
-
-std::int64_t insertRun(SQLite::Database& db, const RunHead& head) {
-  SQLite::Statement insert(db, sql::insert_run());
-  const Provenance& p = head.provenance;
-  int column = 0;
-  for (const std::string& text : {toString(head.kind), head.name, p.version, p.command, p.input,
-                                  p.input_hash, p.date, toString(head.verdict.level)}) {
-    insert.bind(++column, text);
+void bindOne(SQLite::Statement& statement, int column, double value) {
+  if (!std::isfinite(value)) {
+    statement.bind(column);  // NULL: not known
+  } else {
+    statement.bind(column, value);
   }
+}
+template <class T>
+void bindOne(SQLite::Statement& statement, int column, const T& value) {
+  statement.bind(column, value);
+}
+
+/// Adds a row with these values.
+template <class... Values>
+void addRow(SQLite::Statement& insert, const Values&... values) {
+  insert.reset();
+  int column = 0;
+  (bindOne(insert, ++column, values), ...);
   insert.exec();
-  return db.getLastInsertRowid();
 }
 
 }  // namespace
 
-RunWriter::RunWriter(SQLite::Database& db, const RunHead& head)
-    : db_(db), run_(insertRun(db, head)) {
-  options(head.provenance);
-  findings(head.verdict);
-}
-
-void RunWriter::options(const Provenance& provenance) {
-  SQLite::Statement insert(db_, sql::insert_option());
+RunWriter::RunWriter(SQLite::Database& db, RunKind kind, const std::string& name,
+                     const Provenance& p, const Verdict& verdict)
+    : db_(db) {
+  SQLite::Statement run(db,
+                        "INSERT INTO runs (kind, name, version, command, input, input_hash, date, "
+                        "verdict) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  addRow(run, toString(kind), name, p.version, p.command, p.input, p.input_hash, p.date,
+         toString(verdict.level));
+  run_ = db.getLastInsertRowid();
+  SQLite::Statement option(
+      db, "INSERT INTO options (run_id, position, name, value) VALUES (?, ?, ?, ?)");
   int position = 0;
-  for (const auto& [name, value] : provenance.options) {
-    insert.reset();
-    insert.bind(1, run_);
-    insert.bind(2, position++);
-    insert.bind(3, name);
-    insert.bind(4, value);
-    insert.exec();
+  for (const auto& [key, value] : p.options) addRow(option, run_, position++, key, value);
+  SQLite::Statement finding(
+      db,
+      "INSERT INTO findings (run_id, position, rule, level, evidence, advice, "
+      "value, threshold, unit) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  position = 0;
+  for (const Finding& f : verdict.findings) {
+    addRow(finding, run_, position++, f.rule, toString(f.level), f.evidence, f.advice, f.value,
+           f.threshold, f.unit);
   }
 }
 
-void RunWriter::findings(const Verdict& verdict) {
-  SQLite::Statement insert(db_, sql::insert_finding());
-  int position = 0;
-  for (const Finding& finding : verdict.findings) {
-    insert.reset();
-    insert.bind(1, run_);
-    insert.bind(2, position++);
-    insert.bind(3, finding.rule);
-    insert.bind(4, toString(finding.level));
-    insert.bind(5, finding.evidence);
-    insert.bind(6, finding.advice);
-    bindNumber(insert, 7, finding.value);
-    bindNumber(insert, 8, finding.threshold);
-    insert.bind(9, finding.unit);
-    insert.exec();
-  }
-}
-
-void RunWriter::metrics(const std::vector<Metric>& metrics) {
-  SQLite::Statement insert(db_, sql::insert_metric());
-  for (const Metric& metric : metrics) {
-    insert.reset();
-    insert.bind(1, run_);
-    insert.bind(2, metric.stage);
-    insert.bind(3, metric.name);
-    insert.bind(4, metric.unit);
-    bindNumber(insert, 5, metric.value);
-    insert.exec();
-  }
-}
-
-void RunWriter::parameters(const std::string& stage,
-                           const std::vector<ParameterEstimate>& parameters) {
-  SQLite::Statement insert(db_, sql::insert_parameter());
-  int position = 0;
-  for (const ParameterEstimate& p : parameters) {
-    insert.reset();
-    insert.bind(1, run_);
-    insert.bind(2, stage);
-    insert.bind(3, position++);
-    insert.bind(4, p.name);
-    insert.bind(5, p.unit);
-    bindNumber(insert, 6, p.value);
-    bindNumber(insert, 7, p.std);
-    bindNumber(insert, 8, p.resample_std.value_or(std::numeric_limits<double>::quiet_NaN()));
-    insert.exec();
-  }
-}
-
-void RunWriter::document(const std::string& name, const std::string& json) {
-  SQLite::Statement insert(db_, sql::insert_document());
-  insert.bind(1, run_);
-  insert.bind(2, name);
-  insert.bind(3, json);
-  insert.exec();
+void RunWriter::document(const std::string& json) {
+  SQLite::Statement insert(db_, "INSERT INTO documents (run_id, json) VALUES (?, ?)");
+  addRow(insert, run_, json);
 }
 
 void RunWriter::array(const std::string& name, const std::string& element,
                       const std::string& bytes) {
-  SQLite::Statement insert(db_, sql::insert_array());
+  SQLite::Statement insert(db_,
+                           "INSERT INTO arrays (run_id, name, element, data) VALUES (?, ?, ?, ?)");
   insert.bind(1, run_);
   insert.bind(2, name);
   insert.bind(3, element);
@@ -124,60 +79,34 @@ void RunWriter::array(const std::string& name, const std::string& element,
   insert.exec();
 }
 
-RunHead RunReader::head() const {
-  SQLite::Statement query(db_, sql::select_run());
-  query.bind(1, run_);
-  if (!query.executeStep()) throw std::runtime_error("run " + std::to_string(run_) + " is missing");
-  RunHead head;
-  Provenance& p = head.provenance;
-  int column = 0;
-  head.kind = kindFrom(query.getColumn(column++).getString());
-  for (std::string* text : {&head.name, &p.version, &p.command, &p.input, &p.input_hash, &p.date}) {
-    *text = query.getColumn(column++).getString();
-  }
-  head.verdict = findings(levelFrom(query.getColumn(column).getString()));
-  SQLite::Statement options(db_, sql::select_options());
-  options.bind(1, run_);
-  while (options.executeStep()) {
-    p.options.emplace_back(options.getColumn(0).getString(), options.getColumn(1).getString());
-  }
-  return head;
+void RunWriter::metrics(const std::vector<Metric>& metrics) {
+  SQLite::Statement insert(
+      db_, "INSERT INTO metrics (run_id, stage, name, unit, value) VALUES (?, ?, ?, ?, ?)");
+  for (const Metric& m : metrics) addRow(insert, run_, m.stage, m.name, m.unit, m.value);
 }
 
-Verdict RunReader::findings(VerdictLevel level) const {
-  Verdict verdict;
-  verdict.level = level;
-  SQLite::Statement query(db_, sql::select_findings());
-  query.bind(1, run_);
-  while (query.executeStep()) {
-    Finding& finding = verdict.findings.emplace_back();
-    finding.rule = query.getColumn(0).getString();
-    finding.level = levelFrom(query.getColumn(1).getString());
-    finding.evidence = query.getColumn(2).getString();
-    finding.advice = query.getColumn(3).getString();
-    finding.value = number(query.getColumn(4));
-    finding.threshold = number(query.getColumn(5));
-    finding.unit = query.getColumn(6).getString();
+void RunWriter::parameters(const std::vector<StageParameters>& stages) {
+  SQLite::Statement insert(db_,
+                           "INSERT INTO parameters (run_id, stage, position, name, unit, value, "
+                           "std, resample_std) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const auto& [stage, parameters] : stages) {
+    int position = 0;
+    for (const ParameterEstimate& p : parameters) {
+      addRow(insert, run_, stage, position++, p.name, p.unit, p.value, p.std,
+             p.resample_std.value_or(std::nan("")));
+    }
   }
-  return verdict;
 }
 
-std::optional<std::string> RunReader::document(const std::string& name) const {
-  SQLite::Statement query(db_, sql::select_document());
+std::string RunReader::document() const {
+  SQLite::Statement query(db_, "SELECT json FROM documents WHERE run_id = ?");
   query.bind(1, run_);
-  query.bind(2, name);
-  if (!query.executeStep()) return std::nullopt;
+  if (!query.executeStep()) throw std::runtime_error("the run's document is missing");
   return query.getColumn(0).getString();
 }
 
-std::string RunReader::required(const std::string& name) const {
-  auto json = document(name);
-  if (!json) throw std::runtime_error("document '" + name + "' is missing");
-  return std::move(*json);
-}
-
 std::string RunReader::array(const std::string& name, const std::string& element) const {
-  SQLite::Statement query(db_, sql::select_array());
+  SQLite::Statement query(db_, "SELECT element, data FROM arrays WHERE run_id = ? AND name = ?");
   query.bind(1, run_);
   query.bind(2, name);
   if (!query.executeStep()) throw std::runtime_error("array '" + name + "' is missing");
@@ -190,15 +119,15 @@ std::string RunReader::array(const std::string& name, const std::string& element
 }
 
 std::vector<RunSummary> listRuns(SQLite::Database& db) {
-  SQLite::Statement query(db, sql::select_runs());
+  SQLite::Statement query(db, "SELECT id, kind, name, date, verdict FROM runs ORDER BY id");
   std::vector<RunSummary> runs;
   while (query.executeStep()) {
     RunSummary& run = runs.emplace_back();
     run.id = query.getColumn(0).getInt64();
-    run.kind = kindFrom(query.getColumn(1).getString());
+    run.kind = wordAs<RunKind>(query.getColumn(1).getString());
     run.name = query.getColumn(2).getString();
     run.date = query.getColumn(3).getString();
-    run.verdict = levelFrom(query.getColumn(4).getString());
+    run.verdict = wordAs<VerdictLevel>(query.getColumn(4).getString());
   }
   return runs;
 }

@@ -9,53 +9,57 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include "report/records/calibration_record.h"
-#include "report/store/metrics.h"
 #include "report/store/store.h"
 
 namespace plumbline::store_internal {
 
-// The rows that runs of every kind have. Reading throws std::runtime_error where something is
-// missing or of an unknown form.
+// The rows of a run, whatever its kind.
 
-/// What stands in a run's own row, its options and its findings.
-struct RunHead {
-  RunKind kind = RunKind::kCalibration;
-  std::string name;
-  Provenance provenance;
-  Verdict verdict;
+struct Metric {
+  std::string stage;  ///< part of the run, e.g. "camera_imu", "imu-shift +10 ms"
+  std::string name;   ///< the field's path within it, e.g. "seconds.solve"
+  std::string unit;
+  double value = 0;
 };
+
+/// The parameters of one part of a run.
+struct StageParameters {
+  std::string stage;
+  std::vector<ParameterEstimate> parameters;
+};
+
+/// Of both stages; of every calibration; of the base and every case; other records have none.
+std::vector<StageParameters> parametersOf(const CalibrationRecord& record);
+std::vector<StageParameters> parametersOf(const ComparisonRecord& record);
+std::vector<StageParameters> parametersOf(const PerturbationRecord& record);
+std::vector<StageParameters> parametersOf(const TrajectoryRecord& record);
+std::vector<StageParameters> parametersOf(const ReplayRecord& record);
 
 /// A run being written.
 class RunWriter {
  public:
-  RunWriter(SQLite::Database& db, const RunHead& head);
+  RunWriter(SQLite::Database& db, RunKind kind, const std::string& name,
+            const Provenance& provenance, const Verdict& verdict);
   std::int64_t id() const { return run_; }
-  void metrics(const std::vector<Metric>& metrics);
-  void parameters(const std::string& stage, const std::vector<ParameterEstimate>& parameters);
-  void document(const std::string& name, const std::string& json);
-  /// `element` says what one element of the array holds; see arrays.h.
+  void document(const std::string& json);
+  /// `element` says what one element of the array holds; see packed_fields.h.
   void array(const std::string& name, const std::string& element, const std::string& bytes);
+  void metrics(const std::vector<Metric>& metrics);
+  void parameters(const std::vector<StageParameters>& stages);
 
  private:
-  void options(const Provenance& provenance);
-  void findings(const Verdict& verdict);
-
   SQLite::Database& db_;
   std::int64_t run_ = 0;
 };
 
-/// A run being read.
+/// A run being read. Throws std::runtime_error where something is missing or of an unknown form.
 class RunReader {
  public:
   RunReader(SQLite::Database& db, std::int64_t run) : db_(db), run_(run) {}
-  RunHead head() const;
-  std::optional<std::string> document(const std::string& name) const;
-  std::string required(const std::string& document_name) const;
+  std::string document() const;
   std::string array(const std::string& name, const std::string& element) const;
 
  private:
-  Verdict findings(VerdictLevel level) const;
-
   SQLite::Database& db_;
   std::int64_t run_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -18,10 +19,9 @@ namespace plumbline {
 /// Which record a run holds.
 enum class RunKind { kCalibration, kTrajectory, kComparison, kPerturbation, kReplay };
 
-/// "calibration", "trajectory", "comparison", "perturbation", "replay".
-std::string toString(RunKind kind);
-/// The inverse; empty for an unknown word.
-std::optional<RunKind> runKindFrom(const std::string& word);
+constexpr std::array<const char*, 5> enumWords(RunKind /*of*/) {
+  return {"calibration", "trajectory", "comparison", "perturbation", "replay"};
+}
 
 /// A run as it is listed.
 struct RunSummary {
@@ -32,14 +32,14 @@ struct RunSummary {
   VerdictLevel verdict = VerdictLevel::kGood;
 };
 
-/// Records in one SQLite file. Every number comes back bit for bit as it was saved. Besides the
-/// record itself a run has rows that a study can query: metrics (name, unit, value), parameters
-/// (value, std, unit) and findings; their column `stage` names the part of the run (a stage of a
-/// calibration, a case of a perturbation study, a calibration of a comparison, a trajectory).
+/// Records in one SQLite file: of each the document that its command writes and the samples, so
+/// that every number comes back bit for bit. Besides, a run has rows that a study can query:
+/// metrics (every number of the field list that has a unit), parameters (value, std, unit) and
+/// findings; their column `stage` names the part of the run (a stage of a calibration, a case of a
+/// perturbation study, a calibration of a comparison, a trajectory). See sql/schema.sql.
 ///
-/// A file that is missing, is no SQLite file, belongs to another program, was written by a newer
-/// version or is damaged ends in an InputError that names it. Files of earlier versions are read as
-/// they are, and lifted to the present one when a run is added.
+/// A file that is missing, is no SQLite file, belongs to another program, has another version or is
+/// damaged ends in an InputError that names it.
 class Store {
  public:
   explicit Store(std::filesystem::path path) : path_(std::move(path)) {}
@@ -58,6 +58,9 @@ class Store {
   ComparisonRecord loadComparison(std::optional<std::int64_t> run = std::nullopt) const;
   PerturbationRecord loadPerturbation(std::optional<std::int64_t> run = std::nullopt) const;
   ReplayRecord loadReplay(std::optional<std::int64_t> run = std::nullopt) const;
+
+  /// The JSON document of a run, as the command that made it wrote it into its folder.
+  std::string document(std::int64_t run) const;
 
   /// The run of that number, or the latest of all.
   RunSummary summary(std::optional<std::int64_t> run = std::nullopt) const;

@@ -152,15 +152,16 @@ TEST(KeyFigures, EntropyStandsWithItsParametersAndNoise) {
   EXPECT_EQ(entropies, 2);
 }
 
-TEST(JudgeDensity, SaysWhichWayTheAssumptionErrs) {
-  const auto words = [](double factor, double redundancy) {
-    return html_internal::judgeDensity("Gyro", {0.5, factor, redundancy});
+TEST(DensityRemark, ShowsWhatTheVerdictJudged) {
+  Finding finding;
+  finding.advice = "Raise it.";
+  const auto words = [&](const Finding* judged) {
+    return html_internal::densityRemark("Gyro", {0.5, 3.1, 2300}, judged);
   };
-  EXPECT_THAT(words(3.1, 2300), HasSubstr("3.1 times too small"));
-  EXPECT_THAT(words(1.05, 2300), HasSubstr("1.05 \u00d7 the assumed density"));
-  EXPECT_THAT(words(1.05, 2300), HasSubstr("consistent"));
-  EXPECT_THAT(words(0.25, 2300), HasSubstr("4.0 times too large"));
-  EXPECT_THAT(words(3.1, 20), HasSubstr("too little"));
+  EXPECT_EQ(words(nullptr), "Gyro: 3.10 \u00d7 the assumed density (redundancy 2300).");
+  EXPECT_THAT(words(&finding), HasSubstr("within the verdict's bounds"));
+  finding.level = VerdictLevel::kDoubtful;
+  EXPECT_THAT(words(&finding), HasSubstr("Raise it."));
 }
 
 TEST(WithPrecisionOf, ShowsTwoDigitsOfTheDeviation) {

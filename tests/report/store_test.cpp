@@ -1,197 +1,210 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The store gives back what it was given, bit for bit, and refuses what is not its own.
+// The store gives back what it was given, bit for bit; its document is the record's; a study can
+// query its rows; what is damaged, of another kind or version is refused.
 #include "report/store/store.h"
 
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/json_fields.h"
+#include "report/html/replay/page.h"
+#include "report/records/documents.h"
+#include "report/store/packed_fields.h"
 #include "tests/datasets/temporary_folder.h"
 #include "tests/report/synthetic_record.h"
+#include "tests/report/synthetic_replay.h"
+#include "tests/report/synthetic_studies.h"
 
 namespace plumbline {
 namespace {
 
-using test::syntheticRecord;
 using ::testing::HasSubstr;
+
+/// Every field of a record, arrays too, as bytes: equal where the records are equal bit for bit.
+template <class Record>
+std::string bytesOf(const Record& record) {
+  store_internal::Packer packer;
+  packer.pack(record);
+  return packer.take();
+}
+
+template <class Work>
+std::string complaintOf(const Work& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
 
 class StoreTest : public ::testing::Test {
  protected:
   std::filesystem::path file() const { return folder_.path("runs.sqlite"); }
+  void change(const std::string& sql) const {
+    SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec(sql);
+  }
+  double number(const std::string& sql) const {
+    return SQLite::Database(file().string()).execAndGet(sql).getDouble();
+  }
   std::string complaint() const {
-    try {
-      Store(file()).loadCalibration();
-    } catch (const InputError& error) {
-      return error.what();
+    return complaintOf([&] { Store(file()).loadCalibration(); });
+  }
+  /// What the store keeps of a record, and what its JSON alone does.
+  template <class Record, class Load>
+  void expectRoundTrips(const Record& saved, Load load) const {
+    const Store store(file());
+    const auto run = store.save(saved);
+    EXPECT_EQ(bytesOf((store.*load)(run)), bytesOf(saved));
+    EXPECT_EQ(store.document(run), documentOf(saved));
+    Record read;
+    fromJson(Json::parse(documentOf(saved)), read);
+    EXPECT_EQ(withoutSampleCounts(read), withoutSampleCounts(saved));
+    EXPECT_EQ(bytesOf(read) == bytesOf(saved), !hasSamples(saved));
+  }
+  /// The document, but for the numbers of samples, which are not in it.
+  template <class Record>
+  static Json withoutSampleCounts(const Record& record) {
+    Json json = Json::parse(documentOf(record));
+    if (json.contains("frames")) json.erase("frames");
+    if (json.contains("stages") && json["stages"].contains("camera_imu")) {
+      json["stages"]["camera_imu"].erase("frames_used");
     }
-    return "no complaint";
+    return json;
+  }
+  static bool hasSamples(const PerturbationRecord& /*record*/) { return false; }
+  template <class Record>
+  static bool hasSamples(const Record& /*record*/) {
+    return true;
   }
 
   TemporaryFolder folder_;
 };
 
-template <class A, class B>
-bool sameBits(const A& a, const B& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() &&
-         (a.size() == 0 ||
-          std::memcmp(a.data(), b.data(), sizeof(*a.data()) * static_cast<std::size_t>(a.size())) ==
-              0);
+TEST_F(StoreTest, GivesBackACalibration) {
+  expectRoundTrips(test::syntheticRecord(), &Store::loadCalibration);
+  expectRoundTrips(test::syntheticRecord({.camera_imu = false}), &Store::loadCalibration);
 }
 
-bool sameBits(const Transform& a, const Transform& b) {
-  return sameBits(a.R, b.R) && sameBits(a.t, b.t);
+TEST_F(StoreTest, GivesBackACalibrationOfGivenCameras) {
+  CalibrationRecord record = test::syntheticRecord();
+  record.camera.reset();
+  record.camera_resample.reset();
+  record.held.emplace();
+  record.held->file = "camchain.yaml";
+  record.held->scores = test::syntheticComparison().scores;
+  expectRoundTrips(record, &Store::loadCalibration);
 }
 
-void expectEqual(const std::vector<CornerResidual>& a, const std::vector<CornerResidual>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_TRUE(a[i].camera == b[i].camera && a[i].frame == b[i].frame &&
-                a[i].corner_id == b[i].corner_id && a[i].used == b[i].used &&
-                sameBits(a[i].uv, b[i].uv) && sameBits(a[i].error, b[i].error))
-        << "residual " << i;
-  }
+TEST_F(StoreTest, GivesBackAPerturbationStudy) {
+  expectRoundTrips(test::syntheticPerturbation(), &Store::loadPerturbation);
 }
 
-void expectEqual(const StageSummary& a, const StageSummary& b) {
-  EXPECT_EQ(a.reprojection.rmse_px, b.reprojection.rmse_px);
-  EXPECT_EQ(a.reprojection.count, b.reprojection.count);
-  EXPECT_TRUE(sameBits(a.reprojection.axis_std_px, b.reprojection.axis_std_px));
-  ASSERT_EQ(a.per_camera.size(), b.per_camera.size());
-  EXPECT_EQ(a.per_camera[1].median_px, b.per_camera[1].median_px);
-  EXPECT_EQ(a.corners_used, b.corners_used);
-  EXPECT_EQ(a.views_offered, b.views_offered);
-  EXPECT_EQ(a.converged, b.converged);
-  EXPECT_EQ(a.cost, b.cost);
-  EXPECT_EQ(a.covariance.names, b.covariance.names);
-  EXPECT_EQ(a.covariance.units, b.covariance.units);
-  EXPECT_TRUE(sameBits(a.covariance.matrix, b.covariance.matrix));
-  EXPECT_EQ(a.entropy_nats, b.entropy_nats);
-  EXPECT_EQ(a.seconds.detect, b.seconds.detect);
+TEST_F(StoreTest, GivesBackTrajectories) {
+  expectRoundTrips(test::syntheticTrajectories(), &Store::loadTrajectory);
 }
 
-void expectEqual(const CameraCalibration& a, const CameraCalibration& b) {
-  EXPECT_EQ(a.name, b.name);
-  EXPECT_EQ(a.rostopic, b.rostopic);
-  EXPECT_EQ(a.intrinsics.distortion_model, b.intrinsics.distortion_model);
-  EXPECT_EQ(a.intrinsics.resolution, b.intrinsics.resolution);
-  EXPECT_TRUE(sameBits(a.intrinsics.stacked(), b.intrinsics.stacked()));
-  EXPECT_TRUE(sameBits(a.T_C0Ci, b.T_C0Ci));
-  ASSERT_EQ(a.T_C0Ci_std.has_value(), b.T_C0Ci_std.has_value());
-  if (!a.T_C0Ci_std) return;
-  EXPECT_TRUE(sameBits(*a.T_C0Ci_std, *b.T_C0Ci_std));
+TEST_F(StoreTest, GivesBackAComparison) {
+  expectRoundTrips(test::syntheticComparison(), &Store::loadComparison);
 }
 
-TEST_F(StoreTest, GivesBackTheHeadOfARecord) {
-  const CalibrationRecord saved = syntheticRecord();
-  Store(file()).save(saved);
-  const CalibrationRecord loaded = Store(file()).loadCalibration();
-  EXPECT_EQ(loaded.name, saved.name);
-  EXPECT_EQ(loaded.provenance.version, saved.provenance.version);
-  EXPECT_EQ(loaded.provenance.command, saved.provenance.command);
-  EXPECT_EQ(loaded.provenance.input_hash, saved.provenance.input_hash);
-  EXPECT_EQ(loaded.provenance.date, saved.provenance.date);
-  EXPECT_EQ(loaded.provenance.options, saved.provenance.options);
-  EXPECT_EQ(loaded.verdict.level, VerdictLevel::kDoubtful);
-  ASSERT_EQ(loaded.verdict.findings.size(), saved.verdict.findings.size());
-  EXPECT_EQ(loaded.verdict.findings[1].evidence, saved.verdict.findings[1].evidence);
-  EXPECT_EQ(loaded.verdict.findings[1].threshold, saved.verdict.findings[1].threshold);
-  EXPECT_EQ(loaded.assumptions.loss, saved.assumptions.loss);
-  ASSERT_TRUE(loaded.assumptions.imu_noise.has_value());
-  EXPECT_EQ(loaded.assumptions.imu_noise->gyro_density, saved.assumptions.imu_noise->gyro_density);
-  EXPECT_EQ(loaded.target.tag_size, saved.target.tag_size);
-  ASSERT_EQ(loaded.counts.size(), 2U);
-  EXPECT_EQ(loaded.counts[1].tags, saved.counts[1].tags);
-  ASSERT_TRUE(loaded.camera_resample.has_value());
-  EXPECT_TRUE(sameBits(loaded.camera_resample->std, saved.camera_resample->std));
-  EXPECT_FALSE(loaded.camera_imu_resample.has_value());
+TEST_F(StoreTest, GivesBackAReplayAndItsPage) {
+  const ReplayRecord saved = test::syntheticReplay();
+  expectRoundTrips(saved, &Store::loadReplay);
+  EXPECT_TRUE(renderReplayPage(Store(file()).loadReplay()) == renderReplayPage(saved));
 }
 
-TEST_F(StoreTest, GivesBackTheCameraStageBitForBit) {
-  const CalibrationRecord saved = syntheticRecord();
-  Store(file()).save(saved);
-  const CalibrationRecord loaded = Store(file()).loadCalibration();
-  ASSERT_TRUE(loaded.camera.has_value());
-  expectEqual(loaded.camera->summary, saved.camera->summary);
-  expectEqual(loaded.camera->residuals, saved.camera->residuals);
-  ASSERT_EQ(loaded.camera->cameras.size(), 2U);
-  for (int i : {0, 1}) {
-    const auto k = static_cast<std::size_t>(i);
-    expectEqual(loaded.camera->cameras[k], saved.camera->cameras[k]);
-  }
-  ASSERT_EQ(loaded.camera->frames.size(), saved.camera->frames.size());
-  for (std::size_t i = 0; i < saved.camera->frames.size(); ++i) {
-    ASSERT_EQ(loaded.camera->frames[i].t, saved.camera->frames[i].t);
-    ASSERT_EQ(loaded.camera->frames[i].view, saved.camera->frames[i].view);
-    ASSERT_TRUE(sameBits(loaded.camera->T_FC0[i], saved.camera->T_FC0[i]));
-  }
-}
-
-TEST_F(StoreTest, GivesBackTheCameraImuStageBitForBit) {
-  const CalibrationRecord saved = syntheticRecord();
-  Store(file()).save(saved);
-  const CalibrationRecord loaded = Store(file()).loadCalibration();
-  ASSERT_TRUE(loaded.camera_imu.has_value());
-  const CameraImuStageResult& a = *loaded.camera_imu;
-  const CameraImuStageResult& b = *saved.camera_imu;
-  expectEqual(a.summary, b.summary);
-  expectEqual(a.residuals, b.residuals);
-  EXPECT_TRUE(sameBits(a.imu.T_SC0, b.imu.T_SC0));
-  EXPECT_EQ(a.imu.time_offset_s, b.imu.time_offset_s);
-  EXPECT_EQ(a.imu.time_offset_std_s, b.imu.time_offset_std_s);
-  EXPECT_TRUE(sameBits(a.gravity_F, b.gravity_F));
-  EXPECT_EQ(a.imu_summary.chi2, b.imu_summary.chi2);
-  EXPECT_EQ(a.imu_summary.dof, b.imu_summary.dof);
-  EXPECT_EQ(a.imu_summary.noise.gyro.expected_rms, b.imu_summary.noise.gyro.expected_rms);
-  EXPECT_EQ(a.imu_summary.noise.accel.factor, b.imu_summary.noise.accel.factor);
-  EXPECT_EQ(a.imu_summary.noise.accel_bias.redundancy, b.imu_summary.noise.accel_bias.redundancy);
-  EXPECT_EQ(a.imu_summary.noise.pose_pixel_sigma, b.imu_summary.noise.pose_pixel_sigma);
-  ASSERT_EQ(a.states.size(), b.states.size());
-  for (std::size_t i = 0; i < a.states.size(); ++i) {
-    ASSERT_TRUE(sameBits(a.states[i].T_FS, b.states[i].T_FS));
-    ASSERT_TRUE(sameBits(a.states[i].gyro_bias, b.states[i].gyro_bias));
-    ASSERT_TRUE(sameBits(a.states[i].accel_bias, b.states[i].accel_bias));
-  }
-  ASSERT_EQ(a.imu_residuals.size(), b.imu_residuals.size());
-  for (std::size_t i = 0; i < a.imu_residuals.size(); ++i) {
-    ASSERT_EQ(a.imu_residuals[i].t, b.imu_residuals[i].t);
-    ASSERT_TRUE(sameBits(a.imu_residuals[i].normalised, b.imu_residuals[i].normalised));
-    ASSERT_TRUE(sameBits(a.imu_residuals[i].velocity_m_s, b.imu_residuals[i].velocity_m_s));
-  }
-}
-
-TEST_F(StoreTest, KeepsNumbersThatAreNotFinite) {
-  CalibrationRecord record = syntheticRecord({.camera_imu = false});
+TEST_F(StoreTest, KnowsNothingOfNumbersThatAreNotFinite) {
+  CalibrationRecord record = test::syntheticRecord({.camera_imu = false});
   record.camera->summary.entropy_nats = -std::numeric_limits<double>::infinity();
   record.camera->summary.covariance.matrix(0, 0) = std::numeric_limits<double>::quiet_NaN();
   Store(file()).save(record);
+  EXPECT_THAT(Store(file()).document(1), HasSubstr("\"entropy_nats\": null"));
   const CalibrationRecord loaded = Store(file()).loadCalibration();
-  EXPECT_EQ(loaded.camera->summary.entropy_nats, -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(loaded.camera->summary.entropy_nats));
   EXPECT_TRUE(std::isnan(loaded.camera->summary.covariance.matrix(0, 0)));
-  EXPECT_FALSE(loaded.camera_imu.has_value());
+  EXPECT_EQ(number("SELECT count(*) FROM metrics WHERE name = 'entropy_nats' AND value IS NULL"),
+            1);
+}
+
+TEST_F(StoreTest, KeepsSuggestionsWhoseGainIsUnbounded) {
+  ReplayRecord record = test::syntheticReplay();
+  ASSERT_FALSE(record.suggestions.empty());
+  record.suggestions[0].suggestion.mi_nats = std::numeric_limits<double>::infinity();
+  expectRoundTrips(record, &Store::loadReplay);
+}
+
+TEST_F(StoreTest, HasRowsThatAStudyCanQuery) {
+  const Store store(file());
+  store.save(test::syntheticPerturbation());
+  store.save(test::syntheticTrajectories());
+  store.save(test::syntheticComparison());
+  const CalibrationRecord calibration = test::syntheticRecord({.frames = 5});
+  store.save(calibration);
+  const auto metric = [&](int run, const std::string& stage, const std::string& name) {
+    return number("SELECT value FROM metrics WHERE run_id = " + std::to_string(run) +
+                  " AND stage = '" + stage + "' AND name = '" + name + "'");
+  };
+  EXPECT_EQ(metric(1, "imu-shift +50 ms", "offset_error_s"),
+            test::syntheticPerturbation().cases[11].offset_error_s);
+  EXPECT_EQ(number("SELECT sum(1 - value) FROM metrics WHERE run_id = 1 AND name = 'solved'"), 1);
+  EXPECT_EQ(metric(2, "MH_01/a/1", "ate.translation_m.rmse"),
+            test::syntheticTrajectories().runs[0].ate_translation_m.rmse);
+  EXPECT_EQ(number("SELECT sum(value) FROM metrics WHERE run_id = 2 AND name = 'failed' AND stage "
+                   "IN (SELECT stage FROM metrics WHERE run_id = 2 AND name = 'completed')"),
+            1);
+  EXPECT_EQ(number("SELECT value FROM parameters WHERE run_id = 3 AND stage = 'kalibr' AND name = "
+                   "'cam0.fu'"),
+            *test::syntheticComparison().parameters[0].values[1]);
+  EXPECT_EQ(metric(4, "camera", "rmse_px"), calibration.camera->summary.reprojection.rmse_px);
+  EXPECT_EQ(metric(4, "camera_imu", "imu_noise.gyro.factor"),
+            calibration.camera_imu->imu_summary.noise.gyro.factor);
+  EXPECT_EQ(number("SELECT count(*) FROM findings WHERE run_id = 4"), 2);
+}
+
+TEST_F(StoreTest, DropsARunWithAllOfIt) {
+  Store(file()).save(test::syntheticRecord({.frames = 3}));
+  change("PRAGMA foreign_keys = ON; DELETE FROM runs WHERE id = 1");
+  for (const char* table : {"documents", "arrays", "metrics", "parameters", "findings"}) {
+    EXPECT_EQ(number(std::string("SELECT count(*) FROM ") + table), 0) << table;
+  }
 }
 
 TEST_F(StoreTest, KeepsRunsApartAndLoadsTheLatestByDefault) {
-  CalibrationRecord record = syntheticRecord({.frames = 3});
+  CalibrationRecord record = test::syntheticRecord({.frames = 3});
   const Store store(file());
   const auto first = store.save(record);
+  const std::string name = record.name;
   record.name = "second";
   const auto second = store.save(record);
   EXPECT_NE(first, second);
   EXPECT_EQ(store.runs().size(), 2U);
   EXPECT_EQ(store.loadCalibration().name, "second");
-  EXPECT_EQ(store.loadCalibration(first).name, syntheticRecord({.frames = 3}).name);
+  EXPECT_EQ(store.loadCalibration(first).name, name);
   EXPECT_THROW(store.loadCalibration(second + 7), InputError);
+}
+
+TEST_F(StoreTest, LoadsTheLatestOfAKindAndRefusesAnotherKind) {
+  const Store store(file());
+  const auto calibration = store.save(test::syntheticRecord({.frames = 3}));
+  const auto study = store.save(test::syntheticPerturbation());
+  EXPECT_EQ(store.summary().kind, RunKind::kPerturbation);
+  EXPECT_EQ(store.summary(calibration).kind, RunKind::kCalibration);
+  EXPECT_EQ(store.loadCalibration().name, test::syntheticRecord({.frames = 3}).name);
+  EXPECT_THAT(complaintOf([&] { store.loadCalibration(study); }),
+              HasSubstr("is of kind 'perturbation', expected 'calibration'"));
+  EXPECT_THAT(complaintOf([&] { store.loadComparison(); }), HasSubstr("no run of kind"));
 }
 
 TEST_F(StoreTest, LeavesNothingPartialWhenAFolderIsMissing) {
   const Store store(folder_.path("missing/runs.sqlite"));
-  EXPECT_THROW(store.save(syntheticRecord({.frames = 3})), InputError);
+  EXPECT_THROW(store.save(test::syntheticRecord({.frames = 3})), InputError);
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
@@ -201,13 +214,50 @@ TEST_F(StoreTest, RefusesWhatIsNoStore) {
       << "this is text, and long enough to be looked at as a header of a file....";
   EXPECT_THAT(complaint(), HasSubstr("runs.sqlite"));
   EXPECT_THAT(complaint(), HasSubstr("damaged or no store"));
-  EXPECT_THROW(Store(file()).save(syntheticRecord({.frames = 3})), InputError);
+  EXPECT_THROW(Store(file()).save(test::syntheticRecord({.frames = 3})), InputError);
 }
 
 TEST_F(StoreTest, RefusesADamagedStore) {
-  Store(file()).save(syntheticRecord());
+  Store(file()).save(test::syntheticRecord());
   std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
   EXPECT_THAT(complaint(), HasSubstr("damaged"));
+}
+
+TEST_F(StoreTest, RefusesDamagedRows) {
+  const auto after = [&](const char* damage) {
+    std::filesystem::remove(file());
+    Store(file()).save(test::syntheticTrajectories());
+    change(damage);
+    return complaintOf([&] { Store(file()).loadTrajectory(); });
+  };
+  EXPECT_THAT(after("UPDATE documents SET json = substr(json, 1, 100)"), HasSubstr("damaged"));
+  EXPECT_THAT(after("UPDATE documents SET json = replace(json, '\"status\": \"partial\"', "
+                    "'\"status\": \"lost\"')"),
+              HasSubstr("unknown word 'lost'"));
+  EXPECT_THAT(after("UPDATE arrays SET data = substr(data, 1, 13) WHERE length(data) > 13"),
+              HasSubstr("damaged"));
+  EXPECT_THAT(after("DELETE FROM arrays WHERE name = 'runs.3.error_m'"),
+              HasSubstr("runs.3.error_m"));
+  EXPECT_THAT(after("UPDATE arrays SET element = 'x:f32'"), HasSubstr("unknown form"));
+  EXPECT_THAT(after("DELETE FROM documents"), HasSubstr("document is missing"));
+}
+
+TEST_F(StoreTest, RefusesAStoreOfAnotherVersion) {
+  Store(file()).save(test::syntheticPerturbation());
+  EXPECT_EQ(number("PRAGMA user_version"), 1);
+  change("PRAGMA user_version = 2");
+  EXPECT_THAT(complaintOf([&] { Store(file()).runs(); }),
+              HasSubstr("has store version 2, this program knows 1"));
+}
+
+TEST(PackedFields, SayWhatAnElementHolds) {
+  EXPECT_EQ(store_internal::describe<CornerResidual>(),
+            "camera:i32 frame:i32 corner_id:i32 uv:f32[2] error:f32[2] used:u8");
+  EXPECT_EQ(store_internal::describe<Transform>(), "R:f64[9] t:f64[3]");
+  EXPECT_EQ(store_internal::describe<Frame>(), "t_ns:i64 view:[i32]");
+  EXPECT_EQ(store_internal::describe<ReplayFrame>(),
+            "t_ns:i64 corners:[[{i32 f64 f64}]] jpeg:[text]");
+  EXPECT_EQ(store_internal::describe<double>(), "f64");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "calibrator/base/lie.h"
+#include "evaluate/metrics/trajectory/run_comparison.h"
 #include "tests/report/synthetic_record.h"
 
 namespace plumbline::test {
@@ -123,6 +124,9 @@ ComparedParameter parameter(const std::string& name, const std::string& unit, do
   p.std = {std, std, std::nullopt};
   p.difference = {std::nullopt, sigmas * both, 0.5 * std};
   p.significance = {std::nullopt, std::abs(sigmas), std::nullopt};
+  p.levels.assign(3, VerdictLevel::kGood);
+  if (std::abs(sigmas) >= 2) p.levels[1] = VerdictLevel::kDoubtful;
+  if (std::abs(sigmas) >= 3) p.levels[1] = VerdictLevel::kBad;
   return p;
 }
 
@@ -235,6 +239,7 @@ TrajectoryRecord syntheticTrajectories() {
   partial.coverage = 0.41;
   partial.error_deg.clear();  // no orientations
   partial.ate_rotation_deg = {};
+  static_cast<TrajectoryStudy&>(r) = studyOf(std::move(r.runs));
   return r;
 }
 
@@ -270,7 +275,7 @@ ComparisonRecord syntheticComparison() {
                {"kalibr", 0.0123, std::nullopt, {}},
                {"yac", std::nullopt, std::nullopt, {}}};
   r.verdict = makeVerdict(r.calibrations[1].lint);
-  r.runs = syntheticTrajectories().runs;
+  r.trajectories = syntheticTrajectories();
   return r;
 }
 

@@ -23,6 +23,8 @@ NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
   record.lower = boost::math::quantile(sum_of_squares, tail) / n;
   record.upper = boost::math::quantile(boost::math::complement(sum_of_squares, tail)) / n;
   record.confidence = kConfidence;
+  if (record.mean > record.upper) record.reading = NeesReading::kOverconfident;
+  if (record.mean < record.lower) record.reading = NeesReading::kCautious;
   return record;
 }
 

@@ -155,30 +155,13 @@ FigureGroup biasFigures(const CameraImuStageResult& stage) {
            biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, "bias-accel")}};
 }
 
-std::string judgeDensity(const std::string& sensor, const ImuNoiseCheck& check) {
-  constexpr double kLeastRedundancy = 50;
-  constexpr double kBand = 1.3;
-  if (check.redundancy < kLeastRedundancy) {
-    return fmt::format("{}: this recording says too little of it (redundancy {:.0f}).", sensor,
-                       check.redundancy);
-  }
-  const std::string start =
-      fmt::format("{}: {:.2f} \u00d7 the assumed density (redundancy {:.0f}): ", sensor,
-                  check.factor, check.redundancy);
-  if (check.factor > kBand) {
-    return start + fmt::format(
-                       "the density in imu.yaml seems {:.1f} times too small for this recording, "
-                       "and the standard deviations here are optimistic. Raise it, or look for "
-                       "vibration, a wrong scale of the sensor and timing faults.",
-                       check.factor);
-  }
-  if (check.factor < 1 / kBand) {
-    return start + fmt::format(
-                       "the density in imu.yaml seems {:.1f} times too large; it is cautious, and "
-                       "the inertial data get less weight than they could bear.",
-                       1 / check.factor);
-  }
-  return start + "consistent.";
+std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,
+                          const Finding* judged) {
+  std::string text = fmt::format("{}: {:.2f} \u00d7 the assumed density (redundancy {:.0f})",
+                                 sensor, check.factor, check.redundancy);
+  if (judged == nullptr) return text + ".";
+  if (judged->level == VerdictLevel::kGood) return text + ": within the verdict's bounds.";
+  return text + ". " + judged->advice;
 }
 
 }  // namespace plumbline::html_internal

@@ -16,8 +16,9 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage);
 /// Both biases over time, each axis about its mean.
 FigureGroup biasFigures(const CameraImuStageResult& stage);
 
-/// What a check says of the noise density that was assumed, in a sentence: consistent within 30 %,
-/// or by how much the density is too small or too large, or too little redundancy to tell.
-std::string judgeDensity(const std::string& sensor, const ImuNoiseCheck& check);
+/// What a check says of the noise density that was assumed, with what the verdict made of it; null
+/// where the verdict has no finding on it.
+std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,
+                          const Finding* judged);
 
 }  // namespace plumbline::html_internal

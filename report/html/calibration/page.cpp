@@ -7,6 +7,7 @@
 #include "report/html/calibration/held_scores.h"
 #include "report/html/calibration/imu_figures.h"
 #include "report/html/calibration/reprojection_figures.h"
+#include "report/html/page.h"
 #include "report/html/page_data.h"
 #include "report/html/page_parts.h"
 #include "report/html/scene.h"
@@ -53,21 +54,30 @@ Section correlationSection(const CalibrationRecord& record) {
   return section;
 }
 
-std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise) {
+const Finding* findingOf(const Verdict& verdict, const std::string& rule) {
+  for (const Finding& finding : verdict.findings) {
+    if (finding.rule == rule) return &finding;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict& verdict) {
   if (noise.gyro.redundancy <= 0) return {};  // nobody asked
-  return {judgeDensity("Gyroscope noise", noise.gyro),
-          judgeDensity("Accelerometer noise", noise.accel),
-          judgeDensity("Gyroscope bias walk", noise.gyro_bias),
-          judgeDensity("Accelerometer bias walk", noise.accel_bias),
+  return {densityRemark("Gyroscope noise", noise.gyro,
+                        findingOf(verdict, "Noise density of the gyroscope")),
+          densityRemark("Accelerometer noise", noise.accel,
+                        findingOf(verdict, "Noise density of the accelerometer")),
+          densityRemark("Gyroscope bias walk", noise.gyro_bias, nullptr),
+          densityRemark("Accelerometer bias walk", noise.accel_bias, nullptr),
           fmt::format("The noise of the poses is that of corners of {:.2f} px.",
                       noise.pose_pixel_sigma)};
 }
 
-Section imuSection(const CameraImuStageResult& stage) {
+Section imuSection(const CameraImuStageResult& stage, const Verdict& verdict) {
   return {"imu-residuals", "Inertial residuals",
           "What is left between the inertial samples and the motion that explains them together "
           "with the corners, and what it says of the densities that were assumed.",
-          noiseRemarks(stage.imu_summary.noise), blocksOf(imuResidualFigures(stage))};
+          noiseRemarks(stage.imu_summary.noise, verdict), blocksOf(imuResidualFigures(stage))};
 }
 
 std::vector<Section> figureSections(const CalibrationRecord& record) {
@@ -91,7 +101,7 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
                         blocksOf({coverageFigures(stage)})});
   }
   if (record.camera_imu) {
-    sections.push_back(imuSection(*record.camera_imu));
+    sections.push_back(imuSection(*record.camera_imu, record.verdict));
     sections.push_back({"biases",
                         "Biases",
                         "Estimated offsets of the inertial sensors at every frame.",
@@ -108,129 +118,140 @@ std::string heldLead(const HeldCalibration& held) {
          "parameters with the cameras held.";
 }
 
-void setParameters(data& page, const CalibrationRecord& record) {
+std::string parametersLead(const CalibrationRecord& record) {
+  if (record.held) return heldLead(*record.held);
   const bool spread = record.camera_resample || record.camera_imu_resample;
-  page.set(
-      "parameters_lead",
-      record.held
-          ? heldLead(*record.held)
-          : std::string(
-                "Std is the formal standard deviation: it follows from the assumed noise and "
-                "holds only if model and noise are right. ") +
-                (spread
-                     ? "Spread is what resampled time segments of the recording gave; where it is "
-                       "several times the std, trust the spread."
-                     : "A resampled calibration (--resample) would show the real spread beside "
-                       "it."));
-  page.set("parameter_groups", listOf(parameterGroups(record), [](const ParameterGroup& group) {
-             data g{data::type::object};
-             g.set("heading", group.heading);
-             g.set("has_spread", flag(group.has_spread));
-             g.set("rows", listOf(group.rows, [](const ParameterRow& r) {
-                     return object({{"name", r.name},
-                                    {"value", r.value},
-                                    {"std", r.std},
-                                    {"unit", r.unit},
-                                    {"spread", r.spread},
-                                    {"ratio", r.ratio}});
-                   }));
-             return g;
-           }));
-  data matrices{data::type::list};
+  return std::string(
+             "Std is the formal standard deviation: it follows from the assumed noise and holds "
+             "only if model and noise are right. ") +
+         (spread ? "Spread is what resampled time segments of the recording gave; where it is "
+                   "several times the std, trust the spread."
+                 : "A resampled calibration (--resample) would show the real spread beside it.");
+}
+
+Block parameterBlock(const ParameterGroup& group) {
+  Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}, {"Unit"}},
+              {}};
+  if (group.has_spread) {
+    table.columns.push_back({"Spread", kNumber});
+    table.columns.push_back({"Spread / std", kNumber});
+  }
+  for (const ParameterRow& r : group.rows) {
+    std::vector<Cell> row = {code(r.name), number(r.value), number(r.std), {r.unit}};
+    if (group.has_spread) row.insert(row.end(), {number(r.spread), number(r.ratio)});
+    table.rows.push_back(std::move(row));
+  }
+  return {group.heading, "", std::move(table), {}, {}};
+}
+
+Section parametersSection(const CalibrationRecord& record) {
+  Section section{"parameters", "Parameters", parametersLead(record), {}, {}};
+  for (const ParameterGroup& group : parameterGroups(record)) {
+    section.blocks.push_back(parameterBlock(group));
+  }
+  Block matrices;
   if (record.camera_imu) {
-    matrices.push_back(
-        matrixData("T_SC0", record.camera_imu->imu.T_SC0, "Camera 0 to IMU: p_S = T_SC0 p_C0 [m]"));
+    matrices.matrices.push_back(
+        {"T_SC0", record.camera_imu->imu.T_SC0, "Camera 0 to IMU: p_S = T_SC0 p_C0 [m]"});
   }
   for (std::size_t i = 1; i < record.cameras().size(); ++i) {
     const std::string name = "T_C0C" + std::to_string(i);
-    matrices.push_back(
-        matrixData(name, record.cameras()[i].T_C0Ci,
-                   fmt::format("Camera {0} to camera 0: p_C0 = {1} p_C{0} [m]", i, name)));
+    matrices.matrices.push_back(
+        {name, record.cameras()[i].T_C0Ci,
+         fmt::format("Camera {0} to camera 0: p_C0 = {1} p_C{0} [m]", i, name)});
   }
-  page.set("matrices", matrices);
+  section.blocks.push_back(std::move(matrices));
+  return section;
 }
 
-void setOffset(data& page, const CalibrationRecord& record) {
-  page.set("has_offset", flag(record.camera_imu.has_value()));
-  page.set("has_imu", flag(record.camera_imu.has_value()));
-  if (!record.camera_imu) return;
-  const ImuCalibration& imu = record.camera_imu->imu;
-  page.set(
-      "offsets",
-      listOf(offsetRows(imu.time_offset_s, imu.time_offset_std_s), [](const OffsetRow& r) {
-        return object({{"tool", r.tool}, {"field", r.field}, {"value", r.value}, {"note", r.note}});
-      }));
+Section offsetSection(const ImuCalibration& imu) {
+  Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}, {"Value", kNumber}, {"Note"}}, {}};
+  for (const OffsetRow& r : offsetRows(imu.time_offset_s, imu.time_offset_std_s)) {
+    table.rows.push_back({{r.tool}, code(r.field), number(r.value), {r.note}});
+  }
+  return withTable({"time-offset",
+                    "Time offset in every tool's sign",
+                    "The convention here is t_imu = t_cam + t_d: a camera stamp plus the offset is "
+                    "the same instant on the IMU's clock.",
+                    {},
+                    {}},
+                   std::move(table));
 }
 
-void setScene(data& page, const CalibrationRecord& record) {
+Section sceneSection(const CalibrationRecord& record) {
   const Scene scene = buildScene(record);
-  page.set("scene_json", toJson(scene));
-  page.set("scene_still", toStillSvg(scene, "scene-still"));
-  page.set("scene_rmse_min", fmt::format("{:.2f}", scene.rmse.min));
-  page.set("scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max));
-  page.set("scene_seconds", fmt::format("{:.1f}", scene.seconds));
+  data values{data::type::object};
+  values.set("scene_json", toJson(scene));
+  values.set("scene_still", toStillSvg(scene, "scene-still"));
+  values.set("scene_rmse_min", fmt::format("{:.2f}", scene.rmse.min));
+  values.set("scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max));
+  values.set("scene_seconds", fmt::format("{:.1f}", scene.seconds));
+  values.set("has_imu", flag(record.camera_imu.has_value()));
   std::vector<Pair> layers = {{"target", "target"}, {"path", "path"}};
   for (std::size_t i = 0; i < record.cameras().size(); ++i) {
     layers.push_back({"cam" + std::to_string(i), record.cameras()[i].name});
   }
   if (record.camera_imu) layers.insert(layers.end(), {{"rig", "IMU"}, {"gravity", "gravity"}});
-  page.set("scene_layers", listOf(layers, [](const Pair& p) {
-             return object({{"layer", p.label}, {"label", p.value}});
-           }));
+  values.set("scene_layers", listOf(layers, [](const Pair& p) {
+               return object({{"layer", p.label}, {"label", p.value}});
+             }));
+  Block block;
+  block.html = renderTemplate(embedded::scene(), values);
+  return {"scene",
+          "Scene",
+          "The target and where the cameras were, in the target's frame. Drag to turn, scroll to "
+          "zoom, shift-drag to move. Good data surround the target: near and far, tilted about "
+          "both axes, and turned.",
+          {},
+          {std::move(block)}};
 }
 
-data timingRow(const std::string& stage, const StageSeconds& s) {
-  data row = object({{"stage", stage}});
-  const double all[] = {s.load, s.detect, s.initialise, s.solve, s.covariance, s.total};
-  row.set("cells", listOf(all, [](double v) { return data{fmt::format("{:.3f}", v)}; }));
+std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
+  std::vector<Cell> row = {{stage}};
+  for (const double v : {s.load, s.detect, s.initialise, s.solve, s.covariance, s.total}) {
+    row.push_back(number(fmt::format("{:.3f}", v)));
+  }
   return row;
 }
 
-void setProvenance(data& page, const CalibrationRecord& record) {
-  page.set("provenance", pairsData(provenanceRows(record)));
-  data timings{data::type::list};
-  if (record.camera) timings.push_back(timingRow("cameras", record.camera->summary.seconds));
-  if (record.camera_imu) {
-    timings.push_back(timingRow("camera-IMU", record.camera_imu->summary.seconds));
+std::vector<Block> timings(const CalibrationRecord& record) {
+  Table table{{{"Stage"}}, {}};
+  for (const char* part : {"load", "detect", "initialise", "solve", "covariance", "total"}) {
+    table.columns.push_back({part, kNumber});
   }
-  page.set("has_timings", flag(record.camera || record.camera_imu));
-  page.set("timings", timings);
+  if (record.camera) table.rows.push_back(timingRow("cameras", record.camera->summary.seconds));
+  if (record.camera_imu) {
+    table.rows.push_back(timingRow("camera-IMU", record.camera_imu->summary.seconds));
+  }
+  if (table.rows.empty()) return {};
+  return {{"Seconds", "", std::move(table), {}, {}}};
 }
 
-std::vector<Pair> contents(const CalibrationRecord& record, const std::vector<Section>& sections) {
-  std::vector<Pair> entries = {{"verdict", record.held ? "Summary" : "Verdict"},
-                               {"key-figures", "Key figures"},
-                               {"scene", "Scene"},
-                               {"parameters", "Parameters"}};
-  if (record.camera_imu) entries.push_back({"time-offset", "Time offset"});
-  for (const Section& section : sections) entries.push_back({section.id, section.title});
-  entries.push_back({"provenance", "Provenance"});
-  return entries;
+std::vector<Section> sectionsOf(const CalibrationRecord& record) {
+  std::vector<Section> sections = {sceneSection(record), parametersSection(record)};
+  if (record.camera_imu) sections.push_back(offsetSection(record.camera_imu->imu));
+  for (Section& section : figureSections(record)) sections.push_back(std::move(section));
+  return sections;
 }
 
 }  // namespace
 
 std::string renderCalibrationPage(const CalibrationRecord& record) {
-  const std::vector<Section> sections = figureSections(record);
-  data page = startPage({record.held ? "Calibration scored, not estimated" : "Calibration report",
-                         record.name, record.provenance});
-  page.set("viewer", embedded::scene_viewer_bundle_js());
-  page.set("footer", "Made by Plumbline " + record.provenance.version +
-                         " from its records alone. The 3D viewer contains vtk.js (BSD-3-Clause, "
-                         "Kitware); notices stand in the page's source.");
-  setContents(page, contents(record, sections));
-  if (record.held) {
-    for (const char* part : {"verdict", "has_concerns", "has_holds"}) page.set(part, flag(false));
-  } else {
-    setVerdict(page, record.verdict, verdictSentence(record.verdict));
-  }
-  page.set("cards", cardsData(keyFigures(record)));
-  setScene(page, record);
-  setParameters(page, record);
-  setOffset(page, record);
-  page.set("sections", sectionsData(sections));
-  setProvenance(page, record);
-  return renderTemplate(embedded::calibration_page(), page);
+  Page page{record.held ? "Calibration scored, not estimated" : "Calibration report",
+            record.name,
+            record.provenance,
+            record.verdict,
+            keyFigures(record),
+            sectionsOf(record),
+            record.assumptions};
+  if (record.held) page.verdict.reset();
+  page.sentence = verdictSentence(record.verdict);
+  page.more_rows = calibrationRows(record);
+  page.appendix = timings(record);
+  page.script = embedded::scene_viewer_bundle_js();
+  page.notice =
+      " The 3D viewer contains vtk.js (BSD-3-Clause, Kitware); notices stand in the page's source.";
+  return renderPage(page);
 }
 
 }  // namespace plumbline

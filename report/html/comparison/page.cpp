@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "report/html/comparison/sections.h"
-#include "report/html/study_page.h"
+#include "report/html/page.h"
 #include "report/html/text.h"
 #include "report/html/trajectory/sections.h"
 
@@ -60,8 +60,8 @@ std::vector<Section> sectionsOf(const ComparisonRecord& record) {
                                    transformsSection(record),   offsetsSection(record),
                                    scoresSection(record),       entropySection(record),
                                    differenceSection(record),   uncertaintySection(record)};
-  if (record.runs.empty()) return sections;
-  for (Section& section : trajectorySections(record.runs)) {
+  if (!record.trajectories) return sections;
+  for (Section& section : trajectorySections(*record.trajectories)) {
     section.title = "Trajectories: " + section.title;
     sections.push_back(std::move(section));
   }
@@ -71,8 +71,8 @@ std::vector<Section> sectionsOf(const ComparisonRecord& record) {
 }  // namespace
 
 std::string renderComparisonPage(const ComparisonRecord& record) {
-  return renderStudyPage({"Comparison of calibrations", record.name, record.provenance,
-                          record.verdict, cardsOf(record), sectionsOf(record), record.assumptions});
+  return renderPage({"Comparison of calibrations", record.name, record.provenance, record.verdict,
+                     cardsOf(record), sectionsOf(record), record.assumptions});
 }
 
 }  // namespace plumbline

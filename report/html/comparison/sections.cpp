@@ -12,8 +12,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr double kNotable = 2, kLarge = 3;  // [sigma]
-
 using Values = std::vector<std::optional<double>>;
 
 std::optional<double> at(const Values& column, std::size_t k) {
@@ -66,10 +64,11 @@ std::string estimateText(const ComparedParameter& p, std::size_t k, double facto
 Cell significanceCell(const ComparedParameter& p, std::size_t k) {
   const auto n = at(p.significance, k);
   if (n) {
+    const VerdictLevel judged = k < p.levels.size() ? p.levels[k] : VerdictLevel::kGood;
+    const char* words[] = {"", ", notable", ", differs"};
     std::optional<VerdictLevel> level;
-    if (*n >= kNotable) level = *n >= kLarge ? VerdictLevel::kBad : VerdictLevel::kDoubtful;
-    const char* word = *n >= kLarge ? ", differs" : *n >= kNotable ? ", notable" : "";
-    return {fmt::format("{:.1f} \u03c3{}", *n, word), kNumber, level};
+    if (judged != VerdictLevel::kGood) level = judged;
+    return {fmt::format("{:.1f} \u03c3{}", *n, words[static_cast<int>(judged)]), kNumber, level};
   }
   if (!at(p.values, k) || !at(p.values, 0)) return number(kDash);
   return number("\u2013 (no std)");

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "report/html/page.h"
 #include "report/html/perturbation/figures.h"
-#include "report/html/study_page.h"
 #include "report/html/text.h"
 
 namespace plumbline {
@@ -191,14 +191,14 @@ std::vector<Card> cardsOf(const PerturbationRecord& record) {
 
 std::string renderPerturbationPage(const PerturbationRecord& record) {
   const std::vector<CaseGroup> groups = groupedCases(record);
-  return renderStudyPage({"Perturbation study",
-                          record.name,
-                          record.provenance,
-                          record.verdict,
-                          cardsOf(record),
-                          {basinSection(record, groups), changeSection(record, groups),
-                           casesSection(record, groups), baseSection(record)},
-                          record.assumptions});
+  return renderPage({"Perturbation study",
+                     record.name,
+                     record.provenance,
+                     record.verdict,
+                     cardsOf(record),
+                     {basinSection(record, groups), changeSection(record, groups),
+                      casesSection(record, groups), baseSection(record)},
+                     record.assumptions});
 }
 
 }  // namespace plumbline

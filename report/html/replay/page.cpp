@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "generated/report/embedded.h"
+#include "report/html/page.h"
 #include "report/html/page_data.h"
 #include "report/html/replay/data.h"
 #include "report/html/replay/sections.h"
-#include "report/html/study_page.h"
 #include "report/html/text.h"
 
 namespace plumbline {
@@ -74,7 +74,7 @@ std::vector<Card> cardsOf(const ReplayRecord& record) {
 }  // namespace
 
 std::string renderReplayPage(const ReplayRecord& record, const ReplayPageOptions& options) {
-  StudyPage page{
+  Page page{
       "Guidance replay",
       record.name,
       record.provenance,
@@ -85,7 +85,7 @@ std::string renderReplayPage(const ReplayRecord& record, const ReplayPageOptions
       record.assumptions,
       playerOf(record, options)};
   if (!record.verdict.findings.empty()) page.verdict = record.verdict;
-  return renderStudyPage(page);
+  return renderPage(page);
 }
 
 }  // namespace plumbline

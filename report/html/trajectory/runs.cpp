@@ -59,46 +59,33 @@ Table runsTable(const std::vector<TrajectoryRun>& runs) {
   return withoutEmptyColumns(std::move(table));
 }
 
-/// What became of a calibration's runs.
-struct Completion {
-  std::size_t runs = 0, complete = 0, partial = 0, failed = 0;
-  std::vector<double> rmse_m;  ///< of the complete ones
-};
-
-Completion completionOf(const std::vector<TrajectoryRun>& runs, const std::string& calibration) {
-  Completion c;
-  for (const TrajectoryRun& run : runs) {
-    if (run.calibration != calibration) continue;
-    ++c.runs;
-    if (run.status == RunStatus::kPartial) ++c.partial;
-    if (run.status == RunStatus::kFailed) ++c.failed;
-    if (run.status != RunStatus::kComplete) continue;
-    ++c.complete;
-    if (run.ate_translation_m.n > 0) c.rmse_m.push_back(run.ate_translation_m.rmse);
+/// The summary of every calibration over all sequences.
+std::vector<RunsSummary> overall(const TrajectoryStudy& study) {
+  std::vector<RunsSummary> all;
+  for (const RunsSummary& s : study.summary) {
+    if (s.sequence.empty()) all.push_back(s);
   }
-  return c;
+  return all.empty() ? study.summary : all;  // one sequence is all there is
 }
 
-VerdictLevel levelOf(const Completion& c) {
-  if (c.failed > 0) return VerdictLevel::kBad;
-  return c.partial > 0 ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+std::string medianText(const RunsSummary& s) {
+  return s.ate_complete_median_m ? metres(*s.ate_complete_median_m) : kDash;
 }
 
-Table completionTable(const std::vector<TrajectoryRun>& runs) {
+Table completionTable(const TrajectoryStudy& study) {
   Table table{{{"Calibration"},
                {"Completed"},
                {"Partial", kNumber},
                {"Failed", kNumber},
                {"Median ATE RMSE of complete runs [m]", kNumber}},
               {}};
-  for (const std::string& name : calibrationsOf(runs)) {
-    const Completion c = completionOf(runs, name);
+  for (const RunsSummary& s : overall(study)) {
     table.rows.push_back(
-        {{name.empty() ? kDash : name},
-         {fmt::format("{} of {}", c.complete, c.runs), Cell::Kind::kText, levelOf(c)},
-         number(std::to_string(c.partial)),
-         number(std::to_string(c.failed)),
-         number(c.rmse_m.empty() ? kDash : metres(quantile(c.rmse_m, 0.5)))});
+        {{s.calibration.empty() ? kDash : s.calibration},
+         {fmt::format("{} of {}", s.complete, s.expected), Cell::Kind::kText, s.level},
+         number(std::to_string(s.partial)),
+         number(std::to_string(s.failed)),
+         number(medianText(s))});
   }
   return withoutEmptyColumns(std::move(table));
 }
@@ -139,21 +126,21 @@ Card oneRunCard(const TrajectoryRun& run) {
 
 }  // namespace
 
-std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs) {
+std::vector<Card> trajectoryCards(const TrajectoryStudy& study) {
+  if (study.runs.size() == 1) return {oneRunCard(study.runs.front())};
   std::vector<Card> cards;
-  for (const std::string& name : calibrationsOf(runs)) {
-    const Completion c = completionOf(runs, name);
-    if (runs.size() == 1) return {oneRunCard(runs.front())};
-    cards.push_back({"ATE, " + (name.empty() ? std::string("all runs") : name),
-                     c.rmse_m.empty() ? kDash : metres(quantile(c.rmse_m, 0.5)), "m",
-                     fmt::format("median RMSE of complete runs; {} of {} complete, {} partial, {} "
-                                 "failed",
-                                 c.complete, c.runs, c.partial, c.failed)});
+  for (const RunsSummary& s : overall(study)) {
+    cards.push_back(
+        {"ATE, " + (s.calibration.empty() ? std::string("all runs") : s.calibration), medianText(s),
+         "m",
+         fmt::format("median RMSE of complete runs; {} of {} complete, {} partial, {} failed",
+                     s.complete, s.expected, s.partial, s.failed)});
   }
   return cards;
 }
 
-Section runsSection(const std::vector<TrajectoryRun>& runs) {
+Section runsSection(const TrajectoryStudy& study) {
+  const std::vector<TrajectoryRun>& runs = study.runs;
   Section section{"runs",
                   runs.size() > 1 ? "Runs" : "Run",
                   runs.size() > 1 ? "Every run counts: those that failed or cover only a part of "
@@ -164,7 +151,7 @@ Section runsSection(const std::vector<TrajectoryRun>& runs) {
                   {}};
   if (runs.empty()) return section;
   if (runs.size() > 1) {
-    section.blocks.push_back({"Completion", "", completionTable(runs), {}, {}});
+    section.blocks.push_back({"Completion", "", completionTable(study), {}, {}});
   }
   section.blocks.push_back(
       {runs.size() > 1 ? "All runs" : "",

@@ -8,7 +8,6 @@
 
 #include "report/html/text.h"
 #include "report/html/trajectory/figures.h"
-#include "report/records/paired_differences.h"
 
 namespace plumbline::html_internal {
 namespace {
@@ -27,7 +26,6 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
             {"no pair is complete under both"}};
   }
   const bool interval = d.low_m && d.high_m;
-  const bool differs = interval && (*d.low_m > 0 || *d.high_m < 0);
   return {{d.b + " \u2212 " + d.a},
           number(n),
           number(std::to_string(d.left_out)),
@@ -36,9 +34,9 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
           number(fmt::format("{:+.4f}", d.median_m)),
           number(fmt::format("{} of {}", d.b_better, d.pairs)),
           number(fmt::format("{:.3g}", d.sign_test_p)),
-          {!interval  ? "too few pairs for an interval (five needed)"
-           : !differs ? "no difference at 95 %"
-                      : (d.mean_m < 0 ? d.b : d.a) + " is better"}};
+          {!interval          ? "too few pairs for an interval (five needed)"
+           : d.better.empty() ? "no difference at 95 %"
+                              : d.better + " is better"}};
 }
 
 std::vector<Cell> associationRow(const TrajectoryRun& run) {
@@ -77,18 +75,18 @@ std::vector<Cell> handEyeRow(const TrajectoryRun& run) {
 }
 
 std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
-  const bool low = n.mean<n.lower, high = n.mean> n.upper;
-  const std::string verdict = high  ? "overconfident: covariances too small"
-                              : low ? "cautious: covariances too large"
-                                    : "consistent";
-  return {
-      {runName(run)},
-      {n.part},
-      number(std::to_string(n.dof)),
-      number(fmt::format("{:.3f}", n.mean)),
-      number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
-      number(fmt::format("{:g}", 100 * n.confidence)),
-      {verdict, Cell::Kind::kText, high || low ? VerdictLevel::kDoubtful : VerdictLevel::kGood}};
+  const bool consistent = n.reading == NeesReading::kConsistent;
+  const char* why = n.reading == NeesReading::kOverconfident ? ": covariances too small"
+                    : n.reading == NeesReading::kCautious    ? ": covariances too large"
+                                                             : "";
+  return {{runName(run)},
+          {n.part},
+          number(std::to_string(n.dof)),
+          number(fmt::format("{:.3f}", n.mean)),
+          number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
+          number(fmt::format("{:g}", 100 * n.confidence)),
+          {toString(n.reading) + why, Cell::Kind::kText,
+           consistent ? VerdictLevel::kGood : VerdictLevel::kDoubtful}};
 }
 
 }  // namespace
@@ -111,7 +109,7 @@ std::string runName(const TrajectoryRun& run) {
   return name.empty() ? run.estimate : name;
 }
 
-Section pairedSection(const std::vector<TrajectoryRun>& runs) {
+Section pairedSection(const std::vector<PairedDifference>& differences) {
   Section section{
       "paired",
       "Paired differences",
@@ -131,7 +129,7 @@ Section pairedSection(const std::vector<TrajectoryRun>& runs) {
                {"p (sign test)", kNumber},
                {"Reading"}},
               {}};
-  for (const PairedDifference& d : pairedDifferences(runs)) table.rows.push_back(pairedRow(d));
+  for (const PairedDifference& d : differences) table.rows.push_back(pairedRow(d));
   return withTable(std::move(section), std::move(table));
 }
 
@@ -242,10 +240,12 @@ Table withoutEmptyColumns(Table table) {
   return table;
 }
 
-std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs) {
-  return {runsSection(runs), errorSection(runs),      pairedSection(runs), overlaySection(runs),
-          timeSection(runs), relativeSection(runs),   clockSection(runs),  handEyeSection(runs),
-          neesSection(runs), associationSection(runs)};
+std::vector<Section> trajectorySections(const TrajectoryStudy& study) {
+  const std::vector<TrajectoryRun>& runs = study.runs;
+  return {runsSection(study),      errorSection(runs),   pairedSection(study.paired),
+          overlaySection(runs),    timeSection(runs),    relativeSection(runs),
+          clockSection(runs),      handEyeSection(runs), neesSection(runs),
+          associationSection(runs)};
 }
 
 }  // namespace plumbline::html_internal

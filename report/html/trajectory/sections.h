@@ -12,15 +12,15 @@ namespace plumbline::html_internal {
 
 /// All sections of a trajectory page, for the comparison page too; sections that no run has
 /// anything for have no blocks.
-std::vector<Section> trajectorySections(const std::vector<TrajectoryRun>& runs);
+std::vector<Section> trajectorySections(const TrajectoryStudy& study);
 
 /// Runs, completion, and the median error of every calibration.
-std::vector<Card> trajectoryCards(const std::vector<TrajectoryRun>& runs);
+std::vector<Card> trajectoryCards(const TrajectoryStudy& study);
 
 /// Every run, complete or not, completion per calibration, and what was odd.
-Section runsSection(const std::vector<TrajectoryRun>& runs);
+Section runsSection(const TrajectoryStudy& study);
 /// Paired differences of the calibrations, with the tests.
-Section pairedSection(const std::vector<TrajectoryRun>& runs);
+Section pairedSection(const std::vector<PairedDifference>& differences);
 /// Clock offsets, hand-eye transforms, NEES.
 Section clockSection(const std::vector<TrajectoryRun>& runs);
 Section handEyeSection(const std::vector<TrajectoryRun>& runs);

@@ -40,6 +40,18 @@ class CommandCompare : public CommandLine {
   }
 };
 
+// truth.json is written with the field list that calibration.json is read by.
+TEST_F(CommandCompare, TakesTheTruthOfASimulation) {
+  const Outcome outcome = compare(ours() + " " + (session() / "truth/truth.json").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json parameters = document();
+  const json offset = row(parameters, "time_offset");
+  EXPECT_LT(std::abs(offset["difference"][1].get<double>()), 1e-4);
+  const json focal = row(parameters, "cam0.fu");
+  EXPECT_LT(std::abs(focal["difference"][1].get<double>()), 1);
+  EXPECT_TRUE(parameters["calibrations"][1]["imu"]["noise"]["gyroscope_noise_density"].is_number());
+}
+
 TEST_F(CommandCompare, TheSameCalibrationInTwoFormatsIsIdentical) {
   const Outcome outcome = compare(ours() + " " + kalibrs());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
@@ -101,7 +113,7 @@ TEST_F(CommandCompare, WithARecordingBothAreScored) {
   ASSERT_EQ(d["scores"].size(), 2u);
   // Corners have 0.2 px an axis: 0.28 px, under the estimate in sample and under the truth.
   for (const json& score : d["scores"]) {
-    EXPECT_NEAR(score["rmse_px"].get<double>(), 0.28, 0.02);
+    EXPECT_NEAR(score["reprojection"]["rmse_px"].get<double>(), 0.28, 0.02);
     EXPECT_EQ(score["entropy_parameters"].size(), 22u);
   }
   // The same corners, noise and list at nearly the same values.

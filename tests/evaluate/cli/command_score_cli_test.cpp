@@ -28,12 +28,6 @@ class EvaluateCalibration : public CommandLine {
   nlohmann::json document() const {
     return nlohmann::json::parse(read(scratch() / "out" / "evaluation.json"));
   }
-  // Our calibration with one piece of its text replaced.
-  std::string edited(const std::string& from, const std::string& to) const {
-    fs::create_directories(scratch());
-    write(scratch() / "edited.json", replaced(read(ours()), from, to));
-    return (scratch() / "edited.json").string();
-  }
 };
 
 TEST_F(EvaluateCalibration, OursAndItsKalibrFormScoreAlikeAsTheirOwnResult) {
@@ -46,8 +40,7 @@ TEST_F(EvaluateCalibration, OursAndItsKalibrFormScoreAlikeAsTheirOwnResult) {
               own.at("camera").at("rmse_px").get<double>(), 1e-6);
   EXPECT_NEAR(s.at("camera_imu").at("rmse_px").get<double>(),
               own.at("camera_imu").at("rmse_px").get<double>(), 1e-5);
-  EXPECT_NEAR(s.at("camera_imu").at("cost").get<double>(),
-              own.at("camera_imu").at("cost").get<double>(),
+  EXPECT_NEAR(s.at("camera_imu_cost").get<double>(), own.at("camera_imu").at("cost").get<double>(),
               1e-5 * own.at("camera_imu").at("cost").get<double>());
   EXPECT_EQ(s.at("held_out"), false);
   const Outcome kalibr = score((root_ / "own" / "camchain-imucam.yaml").string(), session());
@@ -86,7 +79,7 @@ TEST_F(EvaluateCalibration, ThePageAndTheFiguresAreMadeAgainFromTheRecord) {
                           HasSubstr("K-fold validation"), HasSubstr("all 2 folds")));
   EXPECT_EQ(page.find("this calibration can be used"), std::string::npos);
   const auto s = document().at("scores").at(0);
-  EXPECT_EQ(s.at("camera_imu").at("entropy_parameters").size(), 7u);
+  EXPECT_EQ(s.at("camera_imu_entropy_parameters").size(), 7u);
   const std::string again = (scratch() / "again").string();
   const Outcome outcome =
       plumbline("report " + out.string() + " --out " + again + ".html --json " + again + ".json");
@@ -106,7 +99,11 @@ TEST_F(EvaluateCalibration, AnotherResolutionIsRefusedByTheFilesName) {
 }
 
 TEST_F(EvaluateCalibration, AMissingCameraIsRefusedByTheFilesName) {
-  const std::string file = edited("\"name\": \"cam1\"", "\"name\": \"cam7\"");
+  auto json = nlohmann::json::parse(read(ours()));
+  json["cameras"][1]["name"] = "cam7";
+  fs::create_directories(scratch());
+  const std::string file = (scratch() / "edited.json").string();
+  write(file, json.dump());
   expectRefusal(score(file, session()), 2, AllOf(HasSubstr("edited.json"), HasSubstr("cam1")));
   expectRefusal(score((scratch() / "none.yaml").string(), session()), 2, HasSubstr("none.yaml"));
 }

@@ -9,8 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/studies/perturbation_document.h"
 #include "evaluate/studies/perturbation_findings.h"
+#include "evaluate/studies/summary.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -141,8 +142,7 @@ TEST(PerturbationStudy, DoesNotDependOnThreads) {
                                         {Kind::kCornerNoise, 0.1, 1},
                                         {Kind::kDroppedImu, 5, 1},
                                         {Kind::kImuShift, -10}};
-  EXPECT_EQ(perturbationDocument(study(true, cases, 1)),
-            perturbationDocument(study(true, cases, 3)));
+  EXPECT_EQ(documentOf(study(true, cases, 1)), documentOf(study(true, cases, 3)));
 }
 
 TEST(PerturbationStudy, SaysWhatASessionCannotGive) {

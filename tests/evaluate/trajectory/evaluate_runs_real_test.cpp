@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "evaluate/trajectory/evaluate_runs.h"
-#include "evaluate/trajectory/runs_document.h"
-#include "report/records/paired_differences.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -48,7 +47,7 @@ TEST(EvaluateRunsReal, WrongCalibrationsHaveLargerErrors) {
     EXPECT_GT(ateOf(record, wrong), nominal) << wrong;
   }
   for (const TrajectoryRun& run : record.runs) EXPECT_EQ(run.status, RunStatus::kComplete);
-  for (const PairedDifference& d : pairedDifferences(record.runs)) {
+  for (const PairedDifference& d : record.paired) {
     if (d.a == "nominal") {
       EXPECT_GT(d.mean_m, 0) << d.b;
     }
@@ -81,7 +80,7 @@ TEST(EvaluateRunsReal, KeyframesArePartialAndMissingRunsFailed) {
     }
   }
   EXPECT_EQ(missing, 6U);
-  for (const RunsSummary& s : summarised(record.runs)) {
+  for (const RunsSummary& s : record.summary) {
     EXPECT_EQ(s.expected, 3U);
     if (s.calibration == "stereo") {
       EXPECT_EQ(s.completion, 1);
@@ -91,7 +90,7 @@ TEST(EvaluateRunsReal, KeyframesArePartialAndMissingRunsFailed) {
 
 TEST(EvaluateRunsReal, DoesNotDependOnThreads) {
   const TrajectoryRecord one = judged(kOpenVins, 0.7, 1), four = judged(kOpenVins, 0.7, 4);
-  EXPECT_EQ(runsDocument(one), runsDocument(four));
+  EXPECT_EQ(documentOf(one), documentOf(four));
 }
 
 }  // namespace

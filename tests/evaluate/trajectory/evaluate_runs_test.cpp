@@ -13,8 +13,8 @@
 #include "calibrator/base/error.h"
 #include "datasets/trajectory/trajectory_writer.h"
 #include "evaluate/trajectory/run_pattern.h"
-#include "evaluate/trajectory/runs_document.h"
-#include "report/records/paired_differences.h"
+#include "evaluate/trajectory/summary.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -104,12 +104,12 @@ TEST_F(EvaluateRuns, BadPatternsAreRefused) {
 TEST_F(EvaluateRuns, CompleteRunsAreSummarisedAndPaired) {
   const TrajectoryRecord record = evaluateRuns(request());
   ASSERT_EQ(record.runs.size(), 12U);
-  const auto summary = summarised(record.runs);
+  const auto summary = record.summary;
   ASSERT_EQ(summary.size(), 6U);  // two sequences and all, of two calibrations
   for (const RunsSummary& s : summary) EXPECT_EQ(s.completion, 1);
   EXPECT_NEAR(*summary[0].ate_median_m, find(record, "good", "MH_01", "1").ate_translation_m.rmse,
               1e-15);
-  const auto paired = pairedDifferences(record.runs);
+  const auto paired = record.paired;
   ASSERT_EQ(paired.size(), 1U);
   EXPECT_EQ(paired[0].pairs, 6U);
   EXPECT_EQ(paired[0].b_better, 0U);
@@ -139,7 +139,7 @@ TEST_F(EvaluateRuns, NothingIsDropped) {
   expect("MH_01", "2", RunStatus::kPartial, "covers 74.9 %");
   expect("MH_02", "0", RunStatus::kFailed, "diverged");
   expect("V1_01", "0", RunStatus::kFailed, "no truth");
-  const auto summary = summarised(record.runs);
+  const auto summary = record.summary;
   EXPECT_EQ(summary[0].calibration, "good");
   EXPECT_EQ(summary[0].expected, 3U);
   EXPECT_EQ(summary[0].complete, 0U);
@@ -147,8 +147,8 @@ TEST_F(EvaluateRuns, NothingIsDropped) {
   EXPECT_EQ(summary[2].complete, 2U);  // MH_02: one diverged, the median is the worse of two
   EXPECT_NEAR(*summary[2].ate_median_m, find(record, "good", "MH_02", "2").ate_translation_m.rmse,
               1e-15);
-  EXPECT_EQ(pairedDifferences(record.runs)[0].pairs, 2U);
-  EXPECT_EQ(pairedDifferences(record.runs)[0].left_out, 5U);
+  EXPECT_EQ(record.paired[0].pairs, 2U);
+  EXPECT_EQ(record.paired[0].left_out, 5U);
 }
 
 TEST_F(EvaluateRuns, ThreadsDoNotMatterAndTheFilesSayAll) {
@@ -156,8 +156,8 @@ TEST_F(EvaluateRuns, ThreadsDoNotMatterAndTheFilesSayAll) {
   one.threads = 1;
   many.threads = 5;
   const TrajectoryRecord record = evaluateRuns(one);
-  EXPECT_EQ(runsDocument(record), runsDocument(evaluateRuns(many)));
-  const auto json = nlohmann::json::parse(runsDocument(record));
+  EXPECT_EQ(documentOf(record), documentOf(evaluateRuns(many)));
+  const auto json = nlohmann::json::parse(documentOf(record));
   EXPECT_EQ(json["runs"].size(), 12U);
   EXPECT_EQ(json["runs"][0]["status"], "complete");
   EXPECT_EQ(json["summary"].size(), 6U);

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/metrics/failure_text.h"
-#include "evaluate/trajectory/trajectory_document.h"
+#include "report/records/documents.h"
 
 namespace plumbline {
 namespace {
@@ -144,8 +144,8 @@ TEST(EvaluateTrajectories, WithoutOrientationsOnlyPositionsAreJudged) {
 TEST(TrajectoryDocument, HoldsTheFieldsThatScriptsRead) {
   TrajectoryMetricOptions options;
   options.rpe = {{2, RelativeDelta::Unit::kSeconds}};
-  const auto json = nlohmann::json::parse(
-      trajectoryDocument(*evaluateTrajectories(spiral(0), spiral(0), options)));
+  const auto json =
+      nlohmann::json::parse(documentOf(evaluateTrajectories(spiral(0), spiral(0), options)->run));
   EXPECT_EQ(json["n"], 200);
   EXPECT_EQ(json["association"], "one-to-one");
   EXPECT_EQ(json["alignment"], "se3");

@@ -129,11 +129,10 @@ TEST(UnlikeTimeOffsets, AreWrittenOrTheShiftIsNamed) {
 TEST(UnlikeTimeOffsets, AreReadFromOurCalibration) {
   std::ifstream file(PLUMBLINE_SOURCE_DIR "/third_party_configs/source/calibration.json");
   std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::string stages =
-      R"({"stages": {"camera_imu": {"camera_time_offsets_s": [0.0021, 0.5]}},)";
+  const std::string imu = "\"imu\": {", offsets = "\"camera_time_offsets_s\": [0.0021, 0.5],";
+  text.insert(text.find(imu) + imu.size(), offsets);
   const TemporaryFolder folder;
-  const Calibration read =
-      readCalibration(folder.write("calibration.json", text.replace(0, 1, stages)));
+  const Calibration read = readCalibration(folder.write("calibration.json", text));
   EXPECT_EQ(read.imu->camera_time_offsets_s, (std::vector<double>{0.0021, 0.5}));
 }
 

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/fields.h"
+#include "calibrator/base/frames.h"
+#include "calibrator/base/session.h"
+#include "calibrator/base/statistics.h"
+
+namespace plumbline {
+
+// Field lists (see fields.h) of what calibrations and sessions are made of, and of statistics.
+
+template <class V>
+void fields(V& v, AprilGrid& g) {
+  v("rows", g.rows, "tags along y");
+  v("cols", g.cols, "tags along x");
+  v("tag_size", g.tag_size, "m", "outer edge of a tag's black border");
+  v("spacing", g.spacing, "1", "gap between tags over `tag_size`");
+}
+
+inline auto elements(Resolution& r) { return std::tie(r.width, r.height); }
+
+inline auto elements(Corner& c) { return std::tie(c.id, c.uv.x(), c.uv.y()); }
+
+template <class V>
+void fields(V& v, ImuNoise& n) {  // Kalibr's words
+  v("gyroscope_noise_density", n.gyro_density, "rad/s/sqrt(Hz)", "white noise of the gyroscope");
+  v("gyroscope_random_walk", n.gyro_random_walk, "rad/s^2/sqrt(Hz)", "of its bias");
+  v("accelerometer_noise_density", n.accel_density, "m/s^2/sqrt(Hz)",
+    "white noise of the accelerometer");
+  v("accelerometer_random_walk", n.accel_random_walk, "m/s^3/sqrt(Hz)", "of its bias");
+  v("update_rate", n.rate_hz, "Hz", "nominal sample rate");
+}
+
+template <class V>
+void fields(V& v, Frame& f) {
+  v("t_ns", f.t, "ns", "stamp of the frame, camera 0's clock");
+  v("view", f.view, "of each camera, its view in the session; -1: none");
+}
+
+constexpr std::array<const char*, 4> enumWords(ProjectionModel /*of*/) {
+  return {"pinhole", "omni", "eucm", "ds"};
+}
+
+constexpr std::array<const char*, 4> enumWords(DistortionModel /*of*/) {
+  return {"none", "radtan", "equidistant", "fov"};
+}
+
+/// The two parts of intrinsics_std, empty without one; and the inverse.
+inline std::optional<Eigen::VectorXd> projectionStd(const CameraCalibration& c) {
+  if (!c.intrinsics_std) return std::nullopt;
+  return c.intrinsics_std->head(c.intrinsics.projection.size()).eval();
+}
+inline std::optional<Eigen::VectorXd> distortionStd(const CameraCalibration& c) {
+  if (!c.intrinsics_std) return std::nullopt;
+  return c.intrinsics_std->tail(c.intrinsics.distortion.size()).eval();
+}
+inline void setIntrinsicsStd(const std::optional<Eigen::VectorXd>& projection_std,
+                             const std::optional<Eigen::VectorXd>& distortion_std,
+                             CameraCalibration& c) {
+  c.intrinsics_std.reset();
+  if (!projection_std || !distortion_std) return;
+  c.intrinsics_std.emplace(projection_std->size() + distortion_std->size());
+  *c.intrinsics_std << *projection_std, *distortion_std;
+}
+
+template <class V>
+void fields(V& v, CameraCalibration& c) {
+  Intrinsics& k = c.intrinsics;
+  v("name", c.name, "as in the session");
+  v.ifSet("rostopic", c.rostopic, "left out where unknown");
+  v("model", k.projection_model, "Kalibr's words: `pinhole`, `omni`, `eucm`, `ds`");
+  v("distortion", k.distortion_model, "`radtan`, `equidistant`, `fov`, `none`");
+  v("resolution", k.resolution, "px", "`[width, height]`");
+  v("intrinsics", k.projection, "px",
+    "`[fu, fv, pu, pv]`, the model's own before them; (0, 0) is the centre of the first pixel");
+  v("distortion_coeffs", k.distortion, "1", "radtan `[k1, k2, p1, p2]`, equidistant `[k1 ... k4]`");
+  auto projection_std = projectionStd(c), distortion_std = distortionStd(c);
+  v("intrinsics_std", projection_std, "px", "left out for cameras that were given and kept fixed");
+  v("distortion_coeffs_std", distortion_std, "1", "likewise");
+  if constexpr (V::kReads) setIntrinsicsStd(projection_std, distortion_std, c);
+  v("T_C0Ci", c.T_C0Ci, "m", "4 x 4, rows: p_C0 = T_C0Ci p_Ci");
+  v("T_C0Ci_std", c.T_C0Ci_std, "m, rad",
+    "3 of the translation, 3 of the left tangent of the rotation; left out for camera 0");
+}
+
+template <class V>
+void fields(V& v, ImuCalibration& i) {
+  v("T_SC0", i.T_SC0, "m",
+    "4 x 4, rows: p_S = T_SC0 p_C0 (inverse of Kalibr's `T_cam_imu` of cam0)");
+  v("T_SC0_std", i.T_SC0_std, "m, rad",
+    "3 of the translation, 3 of the left tangent of the rotation");
+  v("time_offset_s", i.time_offset_s, "s", "t_d of camera 0: t_imu = t_cam + t_d");
+  v("time_offset_std_s", i.time_offset_std_s, "s", "its standard deviation");
+  v.ifSet("camera_time_offsets_s", i.camera_time_offsets_s,
+          "t_d of every camera [s]; only where their stamps differ");
+  v("gravity_m_s2", i.gravity_m_s2, "m/s^2", "magnitude that was assumed");
+  v.ifSet("rostopic", i.rostopic, "left out where unknown");
+  v("noise", i.noise, "densities that were assumed, in the words of Kalibr's `imu.yaml`");
+}
+
+template <class V>
+void fields(V& v, Calibration& c) {
+  v("cameras", c.cameras, "in the session's order; camera 0 is the reference");
+  v("imu", c.imu, "the IMU's calibration, where there is one");
+}
+
+/// A parameter's name and unit, as the documents list them.
+struct NamedUnit {
+  std::string name, unit;
+};
+
+template <class V>
+void fields(V& v, NamedUnit& p) {
+  v("name", p.name, "`cam0.fu`, `cam0.k1`, `T_C0C1.tx`, `T_SC0.rx`, `time_offset`, ...");
+  v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
+}
+
+template <class V>
+void fields(V& v, ParameterCovariance& c) {
+  std::vector<NamedUnit> parameters;
+  for (std::size_t i = 0; i < c.names.size(); ++i) parameters.push_back({c.names[i], c.units[i]});
+  v("parameters", parameters, "of the rows; everything else is marginalised");
+  v("matrix", c.matrix, "rows; formal: it follows from `assumptions`, no factor is fitted");
+  if constexpr (V::kReads) {
+    c.names.clear();
+    c.units.clear();
+    for (const NamedUnit& p : parameters) {
+      c.names.push_back(p.name);
+      c.units.push_back(p.unit);
+    }
+  }
+}
+
+template <class V>
+void fields(V& v, ErrorStatistics& s) {
+  v("rmse_px", s.rmse_px, "px", "sqrt(mean |e|^2) over corners, e = measured - projected");
+  v("mean_px", s.mean_px, "px", "mean of |e|");
+  v("median_px", s.median_px, "px", "median of |e|");
+  v("std_px", s.std_px, "px", "standard deviation of |e| (divisor n): rmse^2 = mean^2 + std^2");
+  v("axis_mean_px", s.axis_mean_px, "px", "`[u, v]`: mean of the components of e");
+  v("axis_std_px", s.axis_std_px, "px", "`[u, v]`: their standard deviation (divisor n)");
+  v("corners", s.count, "1", "number of corners that these figures stand on");
+}
+
+template <class V>
+void fields(V& v, SampleStatistics& s) {
+  v("n", s.n, "1", "number of samples; without any, the figures below are absent");
+  if (s.n == 0 && !V::kAll) return;
+  v("rmse", s.rmse, kSameUnit, "sqrt(sse / n)");
+  v("mean", s.mean, kSameUnit, "sum x / n");
+  v("median", s.median, kSameUnit, "mean of the middle two where n is even");
+  v("std", s.std, kSameUnit, "sqrt(sum (x - mean)^2 / (n - ddof))");
+  v("min", s.min, kSameUnit, "least");
+  v("max", s.max, kSameUnit, "greatest");
+  v("sse", s.sse, "sum x^2");
+  v.group("percentiles", [&](auto& g) {
+    constexpr std::array<const char*, kPercents.size()> kNames = {"1", "5", "25", "75", "95", "99"};
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      g(kNames[i], s.percentiles[i], kSameUnit, "percentile, by linear interpolation");
+    }
+  });
+}
+
+}  // namespace plumbline

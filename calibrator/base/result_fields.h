@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration_fields.h"
+#include "calibrator/base/results.h"
+
+namespace plumbline {
+
+// Field lists (see fields.h) of the stages' results.
+
+/// Standard deviation of each camera's offset [s]: of its own parameter ("time_offset.cam1"), else
+/// of the shared one; empty where the covariance has none.
+inline std::vector<std::optional<double>> timeOffsetDeviations(
+    const ParameterCovariance& covariance, std::size_t cameras) {
+  const auto deviation = [&](const std::string& name) -> std::optional<double> {
+    const auto found = std::find(covariance.names.begin(), covariance.names.end(), name);
+    if (found == covariance.names.end()) return std::nullopt;
+    const auto i = found - covariance.names.begin();
+    return std::sqrt(covariance.matrix(i, i));
+  };
+  std::vector<std::optional<double>> deviations;
+  for (std::size_t c = 0; c < cameras; ++c) {
+    const auto own = deviation("time_offset.cam" + std::to_string(c));
+    deviations.push_back(own ? own : deviation("time_offset"));
+  }
+  return deviations;
+}
+
+template <class V>
+void fields(V& v, CornerResidual& r) {
+  v("camera", r.camera, "its position");
+  v("frame", r.frame, "index into the stage's frames");
+  v("corner_id", r.corner_id, "4 tag + corner");
+  v("uv", r.uv, "px", "measured");
+  v("error", r.error, "px", "measured - projected");
+  v("used", r.used, "false: rejected as an outlier");
+}
+
+template <class V>
+void fields(V& v, StageSeconds& s) {
+  v("load", s.load, "s", "reading the session");
+  v("detect", s.detect, "s", "detection of corners");
+  v("initialise", s.initialise, "s", "start values");
+  v("solve", s.solve, "s", "optimisation");
+  v("covariance", s.covariance, "s", "covariance at the solution");
+  v("total", s.total, "s", "of the stage, without loading and detection");
+}
+
+/// All but the covariance, which calibration.json has apart, and the seconds, which only a stage
+/// has.
+template <class V>
+void figures(V& v, StageSummary& s) {
+  fields(v, s.reprojection);
+  v("per_camera", s.per_camera, "the same over each camera's used corners");
+  v("corners_used", s.corners_used, "1", "in the solution");
+  v("corners_offered", s.corners_offered, "1", "in the session");
+  v("views_used", s.views_used, "1", "(camera, frame) pairs with used corners");
+  v("views_offered", s.views_offered, "1", "all views of the session, whatever they saw");
+  v("entropy_nats", s.entropy_nats, "nat",
+    "0.5 log((2 pi e)^n |Sigma|), Sigma the stage's `covariance`; compare only under the same "
+    "parameter list, units and noise");
+  v("converged", s.converged, "1", "whether the solver ended at a minimum");
+  v("iterations", s.iterations, "1", "steps of the solver");
+  v("cost", s.cost, "1", "0.5 x sum of squared residuals over their sigma, after the loss");
+}
+
+template <class V>
+void fields(V& v, StageSummary& s) {
+  figures(v, s);
+  v("covariance", s.covariance, "of the calibration parameters");
+}
+
+template <class V>
+void fields(V& v, CameraStageResult& s) {
+  figures(v, s.summary);
+  v("seconds", s.summary.seconds, "wall clock");
+  v("cameras", s.cameras, "as this stage estimated them");
+  v.array("frames", s.frames, "frames of the solution");
+  v.array("T_FC0", s.T_FC0, "camera 0 in the target's frame, one per frame");
+  v.array("residuals", s.residuals, "corners' reprojection errors");
+}
+
+template <class V>
+void fields(V& v, ImuState& s) {
+  v("T_FS", s.T_FS, "m", "the IMU in the target's frame");
+  v("v_F", s.v_F, "m/s", "its velocity there");
+  v("gyro_bias", s.gyro_bias, "rad/s", "bias of the gyroscope");
+  v("accel_bias", s.accel_bias, "m/s^2", "bias of the accelerometer");
+}
+
+template <class V>
+void fields(V& v, ImuIntervalResidual& r) {
+  v("t_ns", r.t, "of the earlier frame, camera clock");
+  v("dt_s", r.dt_s, "s", "length of the interval");
+  v("rotation_rad", r.rotation_rad, "rad", "residual of the rotation");
+  v("velocity_m_s", r.velocity_m_s, "m/s", "of the velocity");
+  v("position_m", r.position_m, "m", "of the position");
+  v("normalised", r.normalised, "1", "rotation, velocity, position, bias walks over their noise");
+}
+
+template <class V>
+void fields(V& v, ImuNoiseCheck& c) {
+  v("expected_rms", c.expected_rms, "1",
+    "normalised RMS to expect; below 1, since states absorb part of the residual");
+  v("factor", c.factor, "1", "by which the density should be multiplied");
+  v("redundancy", c.redundancy, "1", "residuals' worth of evidence");
+}
+
+template <class V>
+void fields(V& v, ImuNoiseChecks& c) {
+  v("gyro", c.gyro, "gyroscope, from the rotation rows");
+  v("accel", c.accel, "accelerometer, from the velocity and position rows");
+  v("gyro_bias", c.gyro_bias, "random walk of the gyroscope's bias");
+  v("accel_bias", c.accel_bias, "random walk of the accelerometer's bias");
+  v("pose_pixel_sigma", c.pose_pixel_sigma, "px",
+    "standard deviation of a corner, per axis, that explains the noise of the poses");
+}
+
+template <class V>
+void fields(V& v, ImuResidualSummary& s) {
+  v("gyro_rms_rad_s", s.gyro_rms_rad_s, "rad/s", "RMS of |rotation residual| / interval");
+  v("accel_rms_m_s2", s.accel_rms_m_s2, "m/s^2", "RMS of |velocity residual| / interval");
+  v.group("imu_normalised_rms", [&](auto& g) {
+    g("gyro", s.gyro_normalised_rms, "1",
+      "RMS per component over the assumed noise, rotation rows; expect `imu_noise`'s");
+    g("accel", s.accel_normalised_rms, "1", "velocity and position rows");
+    g("gyro_bias", s.gyro_bias_normalised_rms, "1", "random walk of the gyroscope's bias");
+    g("accel_bias", s.accel_bias_normalised_rms, "1", "random walk of the accelerometer's bias");
+  });
+  v("imu_noise", s.noise, "what the residuals say of the assumed densities");
+  v("imu_chi2", s.chi2, "1", "sum of squared normalised residuals");
+  v("imu_dof", s.dof, "1", "their number");
+}
+
+template <class V>
+void fields(V& v, InertialCheck& c) {
+  v("target_scale", c.target_scale, "1", "metres per stated metre of the target");
+  v("target_scale_std", c.target_scale_std, "1", "its standard deviation");
+  v("gravity_m_s2", c.gravity_m_s2, "m/s^2", "magnitude as measured; 0: not known");
+}
+
+/// Of the stage alone: `imu` and `cameras` stand at the top of calibration.json.
+template <class V>
+void fields(V& v, CameraImuStageResult& s) {
+  figures(v, s.summary);
+  v("seconds", s.summary.seconds, "wall clock");
+  v.derived("time_offset_s", s.imu.time_offset_s, "s", "as in `imu`");
+  v.derived("time_offset_std_s", s.imu.time_offset_std_s, "s", "as in `imu`");
+  std::optional<std::vector<double>> offsets;
+  std::optional<std::vector<std::optional<double>>> deviations;
+  if (!s.imu.camera_time_offsets_s.empty()) {
+    offsets = s.imu.camera_time_offsets_s;
+    deviations = timeOffsetDeviations(s.summary.covariance, offsets->size());
+  }
+  v.derived("camera_time_offsets_s", offsets, "s", "as in `imu`");
+  v.derived("camera_time_offsets_std_s", deviations, "s", "camera by camera");
+  fields(v, s.imu_summary);
+  v.derived("frames_used", s.frames.size(), "1", "frames in the solution");
+  v("frames_without_imu", s.frames_without_imu, "1",
+    "left out: not covered by IMU samples, or alone between gaps");
+  v("frames_without_pose", s.frames_without_pose, "1",
+    "left out: no pose from the frame's own corners");
+  v("imu_gaps", s.imu_gaps, "1", "pauses of the IMU that broke the chain");
+  v("imu_rate_hz", s.imu_rate_hz, "Hz", "inverse of the median interval between IMU samples");
+  v("inertial_check", s.inertial_check, "linear fit before the batch");
+  v("gravity_F_m_s2", s.gravity_F, "m/s^2", "gravity in the target's frame, pointing down");
+  v.array("frames", s.frames, "frames of the solution");
+  v.array("states", s.states, "one per frame");
+  v.array("residuals", s.residuals, "corners' reprojection errors");
+  v.array("intervals", s.imu_residuals, "residuals of the IMU between consecutive frames");
+}
+
+}  // namespace plumbline

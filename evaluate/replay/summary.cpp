@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/summary.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/information/covariance.h"
+#include "evaluate/results/text.h"
+
+namespace plumbline {
+namespace {
+
+void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& s) {
+  add(text, "{} stage: {} of {} frames used", toString(s.stage), s.views_used, s.frames_offered);
+  if (s.stage == GuideStage::kCamera && s.kept_batch) {
+    add(text, " ({} redundant, {} missed)", s.views_redundant, s.views_missed);
+  }
+  if (s.frames_dropped > 0) add(text, ", {} dropped", s.frames_dropped);
+  add(text, "; {} suggestions, {} reached", s.suggestions, s.reached);
+  if (s.finished) {
+    add(text, "; finished at {:.1f} s", secondsBetween(record.frames.front().t, *s.finished));
+  }
+  add(text, "\n");
+  if (!s.kept_batch || !s.full_batch) return;
+  add(text, "  entropy {:.2f} nats ({:.2f} bits); of all frames {:.2f} nats ({:.2f} bits)\n",
+      s.kept_batch->entropy_nats, bitsFromNats(s.kept_batch->entropy_nats),
+      s.full_batch->entropy_nats, bitsFromNats(s.full_batch->entropy_nats));
+}
+
+void addCounterfactuals(Text& text, const Counterfactuals& c) {
+  if (!c.problem.empty()) add(text, "other choices of views: {}\n", c.problem);
+  if (c.bands.empty()) return;
+  add(text,
+      "views until the held-out error is within 10 % of that of all {} ({:.4f} px):", c.pool_frames,
+      c.full_pool_held_out_px);
+  for (const CounterfactualBand& band : c.bands) {
+    add(text, " {} {};", band.strategy,
+        band.views_needed ? fmt::format("{:.0f}", band.views_needed->median) : "not reached");
+  }
+  add(text, "\n");
+}
+
+}  // namespace
+
+std::string replaySummary(const ReplayRecord& record) {
+  Text text;
+  for (const ReplayStageSummary& stage : record.stages) addStage(text, record, stage);
+  if (record.counterfactuals) addCounterfactuals(text, *record.counterfactuals);
+  if (record.compliance) {
+    add(text, "operator: reached {} of {} suggestions, median {:.1f} s\n",
+        record.compliance->reached, record.compliance->suggestions.size(),
+        record.compliance->median_seconds_to_reach);
+  }
+  add(text, "\nVerdict: {}\n", toString(record.verdict.level));
+  for (const Finding& f : record.verdict.findings) {
+    add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

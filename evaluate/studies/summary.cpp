@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/studies/summary.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "evaluate/results/text.h"
+#include "evaluate/studies/perturbation.h"
+
+namespace plumbline {
+namespace {
+
+void addRow(Text& text, const PerturbationCase& c, std::size_t parameters) {
+  add(text, "{},{},{},{},{},{},{},{},{},{},{},{}", c.kind, c.amount, c.unit, c.seed,
+      c.problem.empty() ? "yes" : "no", c.rmse_px, c.frames, c.iterations, c.time_offset_s,
+      c.time_offset_std_s.value_or(0), c.offset_error_s, csvCell(c.problem));
+  for (std::size_t i = 0; i < parameters; ++i) {
+    add(text, ",{}", i < c.changes.size() ? fmt::format("{}", c.changes[i]) : "");
+  }
+  add(text, "\n");
+}
+
+// The parameter, other than the offset, that moved by most of its standard deviations.
+std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
+  std::size_t worst = record.parameters.size();
+  for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
+    if (record.parameters[i] == "time_offset" || !std::isfinite(c.changes_sigma[i])) continue;
+    if (worst == record.parameters.size() ||
+        std::abs(c.changes_sigma[i]) > std::abs(c.changes_sigma[worst])) {
+      worst = i;
+    }
+  }
+  if (worst == record.parameters.size()) return "-";
+  return fmt::format("{} {:+.2g} sigma", record.parameters[worst], c.changes_sigma[worst]);
+}
+
+void addLine(Text& text, const PerturbationRecord& record, const PerturbationCase& c) {
+  const std::string what = fmt::format("{} {:+g} {}", c.kind, c.amount, c.unit);
+  if (!c.problem.empty()) {
+    add(text, "{:<32} failed: {}\n", what, c.problem);
+    return;
+  }
+  add(text, "{:<32} {:>12.6f} {:>10.6f} {:>12.4f} {:>9.4f} {:>5}  {}\n", what,
+      1e3 * c.time_offset_s, 1e3 * c.time_offset_std_s.value_or(0), 1e6 * c.offset_error_s,
+      c.rmse_px, c.iterations, largestChange(record, c));
+}
+
+}  // namespace
+
+std::string perturbationTable(const PerturbationRecord& record) {
+  Text text;
+  add(text,
+      "#kind,amount,unit,seed,solved,rmse [px],frames,iterations,time_offset [s],"
+      "time_offset_std [s],offset_error [s],problem");
+  for (std::size_t i = 0; i < record.parameters.size(); ++i) {
+    add(text, ",change of {} [{}]", record.parameters[i], record.units[i]);
+  }
+  add(text, "\n");
+  addRow(text, record.base, record.parameters.size());
+  for (const PerturbationCase& c : record.cases) addRow(text, c, record.parameters.size());
+  return fmt::to_string(text);
+}
+
+std::string perturbationSummary(const PerturbationRecord& record) {
+  Text text;
+  add(text, "{:<32} {:>12} {:>10} {:>12} {:>9} {:>5}  {}\n", "", "offset [ms]", "std [ms]",
+      "error [us]", "RMSE [px]", "iter.", "largest other change");
+  PerturbationCase base = record.base;
+  add(text, "{:<32} {:>12.6f} {:>10.6f} {:>12} {:>9.4f} {:>5}\n", "as recorded",
+      1e3 * base.time_offset_s, 1e3 * base.time_offset_std_s.value_or(0), "", base.rmse_px,
+      base.iterations);
+  for (const PerturbationCase& c : record.cases) addLine(text, record, c);
+  add(text, "\nVerdict: {}\n", toString(record.verdict.level));
+  for (const Finding& f : record.verdict.findings) {
+    add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/page.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "generated/report/embedded.h"
+#include "report/html/page_data.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+std::string sentenceOf(const Verdict& verdict) {
+  const auto beyond =
+      std::count_if(verdict.findings.begin(), verdict.findings.end(),
+                    [](const Finding& f) { return f.level != VerdictLevel::kGood; });
+  if (beyond == 0) return fmt::format("All {} rules hold.", verdict.findings.size());
+  return fmt::format("{} of {} rules {}; the evidence stands below.", beyond,
+                     verdict.findings.size(),
+                     verdict.level == VerdictLevel::kBad ? "are violated or deserve attention"
+                                                         : "deserve attention");
+}
+
+std::vector<Pair> contentsOf(const Page& study, const std::vector<Section>& sections) {
+  std::vector<Pair> entries;
+  if (study.player) entries.push_back({study.player->id, study.player->title});
+  entries.push_back({"verdict", study.verdict ? "Verdict" : "Summary"});
+  if (!study.cards.empty()) entries.push_back({"key-figures", "Key figures"});
+  for (const Section& section : sections) entries.push_back({section.id, section.title});
+  entries.push_back({"provenance", "Provenance"});
+  return entries;
+}
+
+void setPlayer(data& page, const std::optional<PagePlayer>& player) {
+  page.set("player", player ? data{player->html} : flag(false));
+  if (!player) return;
+  page.set("css", embedded::page_css() + player->css);
+  page.set("viewer", player->script);
+}
+
+}  // namespace
+
+std::string renderPage(const Page& study) {
+  std::vector<Section> sections = study.sections;
+  std::erase_if(sections, [](const Section& s) { return s.blocks.empty(); });
+  data page = startPage({study.kicker, study.name, study.provenance});
+  if (!study.script.empty()) page.set("viewer", study.script);
+  setPlayer(page, study.player);
+  if (study.verdict) {
+    setVerdict(page, *study.verdict,
+               study.sentence.empty() ? sentenceOf(*study.verdict) : study.sentence);
+  } else {
+    for (const char* part : {"verdict", "has_concerns", "has_holds"}) page.set(part, flag(false));
+  }
+  setContents(page, contentsOf(study, sections));
+  page.set("has_cards", flag(!study.cards.empty()));
+  page.set("cards", cardsData(study.cards));
+  page.set("sections", sectionsData(sections));
+  std::vector<Pair> rows = provenanceRows(study.provenance);
+  const auto append = [&](const std::vector<Pair>& more) {
+    rows.insert(rows.end(), more.begin(), more.end());
+  };
+  if (study.assumptions) append(assumptionRows(*study.assumptions));
+  append(study.more_rows);
+  page.set("provenance", pairsData(rows));
+  page.set("appendix", blocksData(study.appendix));
+  page.set("footer", "Made by Plumbline " + study.provenance.version + " from its records alone." +
+                         study.notice);
+  return renderTemplate(embedded::page(), page);
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+#include "calibrator/base/fields.h"
+#include "calibrator/base/json_fields.h"
+
+namespace plumbline::store_internal {
+
+static_assert(std::endian::native == std::endian::little, "arrays are written as they lie");
+
+/// Samples as packed little-endian bytes, element after element without padding, fields in the
+/// order of their list. describe<T>() says what an element holds, so that other programs can read
+/// it: "camera:i32 uv:f32[2] used:u8"; `[...]` is an i32 count and as many elements, `?` a u8 and,
+/// where that is 1, the value, `text` an i32 size and bytes, matrices are row by row.
+class Packer {
+ public:
+  static constexpr bool kReads = false, kAll = false;
+
+  template <class T>
+  void operator()(const char* /*name*/, const T& value, const char* /*text*/) {
+    pack(value);
+  }
+  template <class T>
+  void operator()(const char* /*name*/, const T& value, const char* /*unit*/,
+                  const char* /*text*/) {
+    pack(value);
+  }
+  template <class T>
+  void ifSet(const char* /*name*/, const T& value, const char* /*text*/) {
+    pack(value);
+  }
+  template <class T>
+  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
+               const char* /*text*/) {}
+  template <class T>
+  void array(const char* /*name*/, const T& value, const char* /*text*/) {
+    pack(value);
+  }
+  template <class List>
+  void group(const char* /*name*/, const List& list) {
+    list(*this);
+  }
+
+  template <class T>
+  void pack(const T& value);
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  template <class T>
+  void put(const T& value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  void putSize(std::size_t size) { put(static_cast<std::int32_t>(size)); }
+
+  std::string bytes_;
+};
+
+/// The inverse. Throws std::runtime_error where the bytes end within an element.
+class Unpacker {
+ public:
+  static constexpr bool kReads = true, kAll = false;
+  explicit Unpacker(const std::string& bytes) : bytes_(bytes) {}
+
+  template <class T>
+  void operator()(const char* /*name*/, T& value, const char* /*text*/) {
+    unpack(value);
+  }
+  template <class T>
+  void operator()(const char* /*name*/, T& value, const char* /*unit*/, const char* /*text*/) {
+    unpack(value);
+  }
+  template <class T>
+  void ifSet(const char* /*name*/, T& value, const char* /*text*/) {
+    unpack(value);
+  }
+  template <class T>
+  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
+               const char* /*text*/) {}
+  template <class T>
+  void array(const char* /*name*/, T& value, const char* /*text*/) {
+    unpack(value);
+  }
+  template <class List>
+  void group(const char* /*name*/, const List& list) {
+    list(*this);
+  }
+
+  template <class T>
+  void unpack(T& value);
+  bool more() const { return at_ < bytes_.size(); }
+
+ private:
+  void take(void* to, std::size_t size) {
+    if (bytes_.size() - at_ < size) throw std::runtime_error("an array ends within an element");
+    std::memcpy(to, bytes_.data() + at_, size);
+    at_ += size;
+  }
+  template <class T>
+  T get() {
+    T value;
+    take(&value, sizeof(T));
+    return value;
+  }
+  /// No count is believed that the bytes left could not hold.
+  std::size_t getSize() {
+    const auto size = get<std::int32_t>();
+    if (size < 0 || static_cast<std::size_t>(size) > bytes_.size() - at_) {
+      throw std::runtime_error("an array counts more than it holds");
+    }
+    return static_cast<std::size_t>(size);
+  }
+
+  const std::string& bytes_;
+  std::size_t at_ = 0;
+};
+
+template <class T>
+void Packer::pack(const T& value) {
+  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
+    put(static_cast<std::uint8_t>(value));
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    put(value);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    putSize(value.size());
+    bytes_ += value;
+  } else if constexpr (std::is_same_v<T, Transform>) {
+    pack(value.R);
+    pack(value.t);
+  } else if constexpr (json_fields::IsOptional<T>::value) {
+    pack(value.has_value());
+    if (value) pack(*value);
+  } else if constexpr (json_fields::Matrix<T>) {
+    if constexpr (T::SizeAtCompileTime < 0) {
+      putSize(static_cast<std::size_t>(value.rows()));
+      putSize(static_cast<std::size_t>(value.cols()));
+    }
+    for (Eigen::Index i = 0; i < value.rows(); ++i) {
+      for (Eigen::Index j = 0; j < value.cols(); ++j) put(value(i, j));
+    }
+  } else if constexpr (json_fields::IsNamed<T>::value) {
+    putSize(value.size());
+    for (const auto& [name, element] : value) {
+      pack(name);
+      pack(element);
+    }
+  } else if constexpr (json_fields::List<T>) {
+    putSize(value.size());
+    for (const auto& element : value) pack(element);
+  } else if constexpr (ListedStruct<T>) {
+    std::apply([&](auto&... element) { (pack(element), ...); }, elements(const_cast<T&>(value)));
+  } else {
+    fields(*this, const_cast<T&>(value));  // a packer only reads
+  }
+}
+
+template <class T>
+void Unpacker::unpack(T& value) {
+  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
+    value = static_cast<T>(get<std::uint8_t>());
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    value = get<T>();
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    value.resize(getSize());
+    take(value.data(), value.size());
+  } else if constexpr (std::is_same_v<T, Transform>) {
+    unpack(value.R);
+    unpack(value.t);
+  } else if constexpr (json_fields::IsOptional<T>::value) {
+    value.reset();
+    if (get<std::uint8_t>() != 0) unpack(value.emplace());
+  } else if constexpr (json_fields::Matrix<T>) {
+    if constexpr (T::SizeAtCompileTime < 0) {
+      const std::size_t rows = getSize();
+      value.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(getSize()));
+    }
+    for (Eigen::Index i = 0; i < value.rows(); ++i) {
+      for (Eigen::Index j = 0; j < value.cols(); ++j) value(i, j) = get<typename T::Scalar>();
+    }
+  } else if constexpr (json_fields::IsNamed<T>::value) {
+    value.resize(getSize());
+    for (auto& [name, element] : value) {
+      unpack(name);
+      unpack(element);
+    }
+  } else if constexpr (json_fields::List<T>) {
+    const std::size_t size = getSize();
+    if constexpr (requires { value.resize(size); }) value.resize(size);
+    if (value.size() != size) throw std::runtime_error("a list has not the length it should");
+    for (auto& element : value) unpack(element);
+  } else if constexpr (ListedStruct<T>) {
+    std::apply([&](auto&... element) { (unpack(element), ...); }, elements(value));
+  } else {
+    fields(*this, value);
+  }
+}
+
+/// What describe() visits: every field of a struct as "name:form".
+class Describer {
+ public:
+  static constexpr bool kReads = false, kAll = true;
+
+  template <class T>
+  void operator()(const char* name, const T& /*value*/, const char* /*text*/) {
+    text_ += (text_.empty() ? "" : " ") + std::string(name) + ":" + form<T>();
+  }
+  template <class T>
+  void operator()(const char* name, const T& value, const char* /*unit*/, const char* text) {
+    (*this)(name, value, text);
+  }
+  template <class T>
+  void ifSet(const char* name, const T& value, const char* text) {
+    (*this)(name, value, text);
+  }
+  template <class T>
+  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
+               const char* /*text*/) {}
+  template <class T>
+  void array(const char* name, const T& value, const char* text) {
+    (*this)(name, value, text);
+  }
+  template <class List>
+  void group(const char* /*name*/, const List& list) {
+    list(*this);
+  }
+
+  template <class T>
+  static std::string form();
+  template <class T>
+  static std::string fieldsOf() {
+    Describer inner;
+    T value{};
+    fields(inner, value);
+    return inner.text_;
+  }
+
+ private:
+  std::string text_;
+};
+
+template <class T>
+std::string Describer::form() {
+  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
+    return "u8";
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    const char* kind = std::is_floating_point_v<T> ? "f" : std::is_signed_v<T> ? "i" : "u";
+    return kind + std::to_string(8 * sizeof(T));
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return "text";
+  } else if constexpr (std::is_same_v<T, Transform>) {
+    return "{R:f64[9] t:f64[3]}";
+  } else if constexpr (json_fields::IsOptional<T>::value) {
+    return "?" + form<typename T::value_type>();
+  } else if constexpr (json_fields::Matrix<T>) {
+    return form<typename T::Scalar>() + "[" + std::to_string(T::SizeAtCompileTime) + "]";
+  } else if constexpr (json_fields::List<T>) {
+    return "[" + form<typename T::value_type>() + "]";
+  } else if constexpr (ListedStruct<T>) {
+    T value{};
+    std::string text;
+    std::apply([&](auto&... e) { ((text += " " + form<std::remove_cvref_t<decltype(e)>>()), ...); },
+               elements(value));
+    return "{" + text.substr(1) + "}";
+  } else {
+    return "{" + fieldsOf<T>() + "}";
+  }
+}
+
+/// What one element of an array of T holds.
+template <class T>
+std::string describe() {
+  const std::string form = Describer::form<T>();
+  return form[0] == '{' ? form.substr(1, form.size() - 2) : form;
+}
+
+template <class T>
+std::string packArray(const std::vector<T>& values) {
+  Packer packer;
+  for (const T& value : values) packer.pack(value);
+  return packer.take();
+}
+
+template <class T>
+std::vector<T> unpackArray(const std::string& bytes) {
+  Unpacker unpacker(bytes);
+  std::vector<T> values;
+  while (unpacker.more()) unpacker.unpack(values.emplace_back());
+  return values;
+}
+
+}  // namespace plumbline::store_internal

@@ -1,2 +1,0 @@
--- SPDX-License-Identifier: BSD-3-Clause
-INSERT INTO arrays (run_id, name, element, data) VALUES (?, ?, ?, ?);

@@ -1,2 +1,0 @@
--- SPDX-License-Identifier: BSD-3-Clause
-INSERT INTO options (run_id, position, name, value) VALUES (?, ?, ?, ?);

@@ -1,2 +1,0 @@
--- SPDX-License-Identifier: BSD-3-Clause
-SELECT json FROM documents WHERE run_id = ? AND name = ?;
