@@ -158,7 +158,7 @@ TEST(DensityRemark, ShowsWhatTheVerdictJudged) {
   const auto words = [&](const Finding* judged) {
     return html_internal::densityRemark("Gyro", {0.5, 3.1, 2300}, judged);
   };
-  EXPECT_EQ(words(nullptr), "Gyro: 3.10 \u00d7 the assumed density (redundancy 2300).");
+  EXPECT_EQ(words(nullptr), "Gyro: 3.10 \u00d7 the assumed density (redundancy 2300): not judged.");
   EXPECT_THAT(words(&finding), HasSubstr("within the verdict's bounds"));
   finding.level = VerdictLevel::kDoubtful;
   EXPECT_THAT(words(&finding), HasSubstr("Raise it."));

@@ -159,7 +159,7 @@ std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,
                           const Finding* judged) {
   std::string text = fmt::format("{}: {:.2f} \u00d7 the assumed density (redundancy {:.0f})",
                                  sensor, check.factor, check.redundancy);
-  if (judged == nullptr) return text + ".";
+  if (judged == nullptr) return text + ": not judged.";
   if (judged->level == VerdictLevel::kGood) return text + ": within the verdict's bounds.";
   return text + ". " + judged->advice;
 }
