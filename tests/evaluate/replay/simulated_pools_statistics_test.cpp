@@ -8,6 +8,7 @@
 
 #include "calibrator/base/statistics.h"
 #include "evaluate/replay/curves.h"
+#include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {
 namespace {
