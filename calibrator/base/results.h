@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/fault_diagnosis.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/base/transform.h"
@@ -149,6 +150,7 @@ struct CameraImuStageResult {
   double imu_rate_hz = 0;       ///< inverse of the median interval between IMU samples
   InertialCheck inertial_check;
   std::optional<ImuStateCovariances> state_covariances;  ///< if asked for
+  std::optional<FaultDiagnosis> faults;                  ///< if asked for, and long enough
   StageSummary summary;
 };
 

@@ -33,6 +33,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
          judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", t));
   append(findings, judgeRejected(stage.residuals, "camera-IMU", t));
   append(findings, judgeFramesAndGaps(stage, t));
+  append(findings, judgeFaults(stage, t));
   append(findings, judgeStatements(record, t));
   append(findings, judgeImuStd(record, t));
   append(findings, judgePlausibility(stage, t));

@@ -41,7 +41,9 @@ struct VerdictThresholds {
   Bound imu_gaps{0, 50};               ///< pauses of the IMU, above
   Bound imu_rate{0.2, 4};              ///< |measured / stated rate - 1|, above
   Bound target_scale{0.01, 0.03};      ///< |size by the IMU / stated - 1|, above
-  Bound gravity{0.01, 0.03};           ///< |gravity as measured / assumed - 1|, above
+  /// What an unmodelled fault moves the calibration by, in its standard deviations, above.
+  Bound fault_sigma{1, 50};
+  Bound gravity{0.003, 0.03};  ///< |gravity as measured / assumed - 1|, above
   /// By what factor an assumed density of the IMU is too small, above; below 1 / 5 (too large) it
   /// is doubtful as well, never bad.
   Bound imu_noise_factor{2, 10};

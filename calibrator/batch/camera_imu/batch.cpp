@@ -8,6 +8,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/stopwatch.h"
+#include "calibrator/batch/camera_imu/diagnosis.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/batch/camera_imu/start.h"
@@ -228,6 +229,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  if (options.diagnose_faults) result.value().faults = diagnoseFaults(problem, solution);
   if (options.noise_check) {
     result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
   }

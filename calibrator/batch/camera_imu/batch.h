@@ -49,6 +49,10 @@ struct CameraImuOptions : MeasurementModel {
   /// ImuResidualSummary::noise says nothing (redundancies 0).
   bool noise_check = true;
 
+  /// Look for faults of the recording that the batch does not model (score tests): a tenth of the
+  /// batch's time.
+  bool diagnose_faults = true;
+
   int threads = 1;  ///< results do not depend on it
   int max_iterations = 50;
   /// The last step is shorter than this, in standard deviations of all parameters together

@@ -95,4 +95,8 @@ Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThres
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
                       const VerdictThresholds& t);
 
+// ---- faults that the calibration does not model (fault_rules.cpp)
+/// What the score tests name, and whether it moves the calibration by more than its deviations.
+Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds& t);
+
 }  // namespace plumbline
