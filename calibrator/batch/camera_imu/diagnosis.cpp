@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera_imu/effective_scores.h"
 
 namespace plumbline {
@@ -301,13 +301,12 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
 }  // namespace
 
 void DiagnosisOptions::check() const {
-  const bool ok = block_s > 0 && fewest_blocks >= 4 && significance > 0 && significance_since > 0 &&
-                  most_causes >= 0 && alike > 0 && alike <= 1;
-  if (!ok) {
-    throw InputError(
-        "DiagnosisOptions: block_s, significances and alike (at most 1) must be positive, "
-        "fewest_blocks at least 4, most_causes not negative");
-  }
+  requirePositive("DiagnosisOptions.block_s", block_s);
+  requireAtLeast(4, "DiagnosisOptions.fewest_blocks", fewest_blocks);
+  requirePositive("DiagnosisOptions.significance", significance);
+  requirePositive("DiagnosisOptions.significance_since", significance_since);
+  requireAtLeast(0, "DiagnosisOptions.most_causes", most_causes);
+  requireWithin(0, 1, "DiagnosisOptions.alike", alike);
 }
 
 std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,

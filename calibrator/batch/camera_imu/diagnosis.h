@@ -16,6 +16,7 @@ struct DiagnosisOptions {
   int most_causes = 3;
   double alike = 0.9;  ///< share of the first cause's chi2 that an alternative explains
 
+  /// Throws InputError that names the field whose rule is violated.
   void check() const;
 };
 
