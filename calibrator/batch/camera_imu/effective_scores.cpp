@@ -2,9 +2,14 @@
 #include "calibrator/batch/camera_imu/effective_scores.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <utility>
 
+#include "calibrator/base/lie.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/linear/block_arrow.h"
 #include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
@@ -13,6 +18,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+constexpr int kChunk = 64;  // views, links
 using StateRows = Eigen::Matrix<double, Eigen::Dynamic, kChainBlock>;
 
 /// Whitened rows of the link from frame `at` to the next.
@@ -176,7 +182,7 @@ class Terms {
   TimeNs middle_ = 0;
 };
 
-void addView(const ViewTerms& v, int line_delay, BorderedChain& chain) {
+void addView(const ViewTerms& v, int line_delay, BlockArrow& chain) {
   const MatrixXd HA = v.H * v.A_B;
   const MatrixXd AxH = v.A_x.transpose() * v.H;
   chain.diagonal[v.frame] += AxH * v.A_x;
@@ -196,7 +202,7 @@ void addView(const ViewTerms& v, int line_delay, BorderedChain& chain) {
   chain.border_gradient(line_delay) += v.twist.dot(v.b_row);
 }
 
-void addLink(const LinkTerms& t, BorderedChain& chain) {
+void addLink(const LinkTerms& t, BlockArrow& chain) {
   const Index n = t.J_B.cols();
   chain.diagonal[t.at] += t.J_i.transpose() * t.J_i;
   chain.next[t.at] += t.J_i.transpose() * t.J_j;
@@ -216,7 +222,7 @@ VectorXd columnScales(const MatrixXd& border_block) {
 }
 
 /// W_i = dx_i / dB of every state.
-std::optional<std::vector<MatrixXd>> responses(BorderedChain chain, int threads) {
+std::optional<std::vector<MatrixXd>> responses(BlockArrow chain, int threads) {
   const Index n = chain.border();
   const VectorXd scale = columnScales(chain.border_block);
   chain.border_block = scale.asDiagonal() * chain.border_block * scale.asDiagonal();
@@ -234,6 +240,46 @@ std::optional<std::vector<MatrixXd>> responses(BorderedChain chain, int threads)
   for (const auto& covariance : inverse->covariance.to_border)
     W.push_back(covariance * to_unscaled);
   return W;
+}
+
+std::vector<ViewTerms> viewTerms(const CameraImuProblem& problem, const Terms& terms) {
+  std::vector<ViewIndex> list;
+  for (std::size_t i = 0; i < problem.frames.size(); ++i) {
+    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+      if (problem.frames[i].view[c] >= 0) list.push_back({i, c});
+    }
+  }
+  std::vector<ViewTerms> out(list.size());
+  forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      out[at] = terms.view(list[at].frame, list[at].camera);
+    }
+  });
+  return out;
+}
+
+/// Of every link that is not broken; empty where samples do not cover one.
+std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
+                                                const Terms& terms) {
+  std::vector<std::size_t> list;
+  for (std::size_t k = 0; k < problem.links.size(); ++k) {
+    if (problem.links[k] != FrameLink::kBroken) list.push_back(k);
+  }
+  std::vector<LinkTerms> out(list.size());
+  std::atomic<bool> covered{true};
+  forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      auto link = terms.link(list[static_cast<std::size_t>(k)]);
+      if (link) {
+        out[static_cast<std::size_t>(k)] = std::move(*link);
+      } else {
+        covered = false;
+      }
+    }
+  });
+  if (!covered) return std::nullopt;
+  return out;
 }
 
 void addTo(ScoreBlock& block, const ViewTerms& v, const MatrixXd& W, int line_delay) {
@@ -274,19 +320,12 @@ std::optional<std::vector<ScoreBlock>> effectiveScores(const CameraImuProblem& p
                                                        const FaultColumns& columns,
                                                        double block_s) {
   const Terms terms(problem, solution, columns);
-  std::vector<LinkTerms> links;
-  std::vector<ViewTerms> views;
-  BorderedChain chain(problem.frameCount(), columns.size);
-  for (std::size_t i = 0; i < problem.frames.size(); ++i) {
-    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
-      if (problem.frames[i].view[c] < 0) continue;
-      addView(views.emplace_back(terms.view(i, c)), columns.line_delay, chain);
-    }
-    if (i + 1 == problem.frames.size() || problem.links[i] == FrameLink::kBroken) continue;
-    auto link = terms.link(i);
-    if (!link) return std::nullopt;
-    addLink(links.emplace_back(std::move(*link)), chain);
-  }
+  const auto views = viewTerms(problem, terms);
+  const auto links = linkTerms(problem, terms);
+  if (!links) return std::nullopt;
+  BlockArrow chain(problem.frameCount(), columns.size);
+  for (const ViewTerms& v : views) addView(v, columns.line_delay, chain);
+  for (const LinkTerms& t : *links) addLink(t, chain);
   const auto W = responses(std::move(chain), problem.threads);
   if (!W) return std::nullopt;
   const TimeNs begin = problem.frames.front().t;
@@ -302,7 +341,7 @@ std::optional<std::vector<ScoreBlock>> effectiveScores(const CameraImuProblem& p
     return blocks[static_cast<std::size_t>((problem.frames[frame].t - begin) / length)];
   };
   for (const ViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame], columns.line_delay);
-  for (const LinkTerms& t : links) {
+  for (const LinkTerms& t : *links) {
     const MatrixXd U = t.J_B + t.J_i * (*W)[t.at] + t.J_j * (*W)[t.at + 1];
     ScoreBlock& block = blockOf(t.at);
     block.information += U.transpose() * U;

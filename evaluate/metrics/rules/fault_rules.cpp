@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/fault_diagnosis.h"
-#include "evaluate/metrics/rules/rule.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
