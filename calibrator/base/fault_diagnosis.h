@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -26,6 +27,13 @@ enum class UnmodelledFault {
   kClockStep,          ///< change of the time offset from an instant on [s]
   kCameraMoved,        ///< change of T_C0Ci from an instant on (3 m, 3 rad)
 };
+
+/// Words of the documents, in the order above.
+inline constexpr std::array<const char*, 13> enumWords(UnmodelledFault) {
+  return {"accel-scale", "accel-misalignment", "gyro-scale",  "gyro-misalignment", "g-sensitivity",
+          "imu-delay",   "clock-drift",        "line-delay",  "target-size",       "camera-delay",
+          "imu-moved",   "clock-step",         "camera-moved"};
+}
 
 /// A score test: is the fault there, how large is it, and what does it do to the calibration?
 struct FaultTest {

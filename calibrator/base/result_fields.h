@@ -146,6 +146,29 @@ void fields(V& v, InertialCheck& c) {
   v("gravity_m_s2", c.gravity_m_s2, "m/s^2", "magnitude as measured; 0: not known");
 }
 
+template <class V>
+void fields(V& v, FaultTest& t) {
+  v("fault", t.fault, "what was tested");
+  v("camera", t.camera, "its position; -1: no camera's own fault");
+  v("since_ns", t.since, "instant from which it holds, camera clock");
+  v("estimate", t.estimate, "size to first order, SI units (calibrator/base/fault_diagnosis.h)");
+  v("std", t.std, "its cluster-robust standard deviation");
+  v("chi2", t.chi2, "of the estimate against zero");
+  v("dof", t.dof, "number of its parameters");
+  v("significance", t.significance, "chi2 as a deviate of the normal distribution");
+  v("shift", t.shift, "what modelling it would add to T_SC0 (3 m, 3 rad) and the offset [s]");
+  v("shift_sigma", t.shift_sigma, "the largest of these in robust standard deviations");
+}
+
+template <class V>
+void fields(V& v, FaultDiagnosis& d) {
+  v("causes", d.causes, "significant faults, most important first, each beside those before it");
+  v("alternative", d.alternative, "explains the residuals as well as the first cause");
+  v("tests", d.tests, "every fault alone");
+  v("robust_std", d.robust_std, "cluster-robust, of T_SC0 (3 m, 3 rad) and the offset [s]");
+  v("formal_std", d.formal_std, "formal ones");
+}
+
 /// Of the stage alone: `imu` and `cameras` stand at the top of calibration.json.
 template <class V>
 void fields(V& v, CameraImuStageResult& s) {
@@ -170,6 +193,7 @@ void fields(V& v, CameraImuStageResult& s) {
   v("imu_gaps", s.imu_gaps, "1", "pauses of the IMU that broke the chain");
   v("imu_rate_hz", s.imu_rate_hz, "Hz", "inverse of the median interval between IMU samples");
   v("inertial_check", s.inertial_check, "linear fit before the batch");
+  v("faults", s.faults, "score tests of faults that the batch does not model");
   v("gravity_F_m_s2", s.gravity_F, "m/s^2", "gravity in the target's frame, pointing down");
   v.array("frames", s.frames, "frames of the solution");
   v.array("states", s.states, "one per frame");
