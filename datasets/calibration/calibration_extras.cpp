@@ -22,8 +22,9 @@ ParameterCovariance covarianceOf(const YamlMap& map) {
   const bool square = rows.size() == n && std::all_of(rows.begin(), rows.end(),
                                                       [n](const auto& r) { return r.size() == n; });
   if (!square) {
-    throw map.fault("matrix", {"the covariance does not fit its parameters",
-                               fmt::format("{} rows of {} numbers", n, n), "copy the file again"});
+    throw map.fault("matrix",
+                    {InputFault::kContradiction, "the covariance does not fit its parameters",
+                     fmt::format("{} rows of {} numbers", n, n), "copy the file again"});
   }
   out.matrix.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   for (std::size_t i = 0; i < n; ++i) {

@@ -15,7 +15,8 @@ template <class Model>
 Model modelOf(const YamlMap& map, const std::string& key, const std::string& word,
               const std::optional<Model>& model, const std::string& known) {
   if (model) return *model;
-  throw map.fault(key, {"unknown " + key + " '" + word + "'", "one of " + known, ""});
+  throw map.fault(
+      key, {InputFault::kUnknownWord, "unknown " + key + " '" + word + "'", "one of " + known, ""});
 }
 
 // Sixteen numbers, row by row; others where the key holds another matrix.
@@ -45,7 +46,7 @@ Transform transformField(const YamlMap& map, const std::string& key) {
   if (T.allFinite() && rotation && T.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1))) {
     return Transform::fromMatrix(T);
   }
-  throw map.fault(key, {key + " is not a rigid transform", kMatrixRows,
+  throw map.fault(key, {InputFault::kNotRigid, key + " is not a rigid transform", kMatrixRows,
                         "copy the matrix again without rounding; its upper left 3x3 block must be "
                         "a rotation"});
 }
@@ -56,14 +57,16 @@ Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std:
   if (values.size() == count) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(count));
   }
-  throw map.fault(key, {fmt::format("{} has {} numbers", key, values.size()),
-                        fmt::format("{} for this model", count), "copy the line again"});
+  throw map.fault(key,
+                  {InputFault::kBadNumber, fmt::format("{} has {} numbers", key, values.size()),
+                   fmt::format("{} for this model", count), "copy the line again"});
 }
 
 Resolution resolutionField(const YamlMap& map, const std::string& key) {
   const auto size = map.numbers(key, "[width, height] in pixels");
   if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
-    throw map.fault(key, {key + " is not two positive numbers", "[width, height]", ""});
+    throw map.fault(
+        key, {InputFault::kBadNumber, key + " is not two positive numbers", "[width, height]", ""});
   }
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }

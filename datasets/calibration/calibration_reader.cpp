@@ -71,7 +71,8 @@ class YamlReader {
     const std::string word = map_.text(name, text);
     const auto known = enumFrom<E>(word);
     if (!known)
-      throw map_.fault(name, {"unknown " + std::string(name) + " '" + word + "'", text, ""});
+      throw map_.fault(name, {InputFault::kUnknownWord,
+                              "unknown " + std::string(name) + " '" + word + "'", text, ""});
     value = *known;
   }
   void read(const char* name, ImuNoise& value, const char* text) {
@@ -92,7 +93,8 @@ CameraCalibration ourCamera(const YamlMap& map) {
 
 Calibration readOurs(const YamlMap& file) {
   if (file.integer("schema", "1") != 1) {
-    throw file.fault("schema", {"unknown schema", "1", "use the version that wrote the file"});
+    throw file.fault("schema", {InputFault::kUnknownFile, "unknown schema", "1",
+                                "use the version that wrote the file"});
   }
   Calibration calibration;
   for (const YamlMap& camera : file.maps("cameras", "a list of cameras")) {
@@ -118,7 +120,8 @@ Calibration readCalibration(const std::string& path) {
   if (isBasaltCalibration(file)) return readBasaltCalibration(file);
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
   if (file.has("schema") && file.has("cameras")) return readOurs(file);
-  throw badInput(path, 1, {"this is no calibration that is known", what, ""});
+  throw badInput(path, 1,
+                 {InputFault::kUnknownFile, "this is no calibration that is known", what, ""});
 }
 
 bool statesImuNoise(const std::string& path) {

@@ -18,7 +18,8 @@ Transform poseOf(const YamlMap& map) {
   const auto number = [&](const char* key) { return map.number(key, kPose); };
   const Eigen::Quaterniond q(number("qw"), number("qx"), number("qy"), number("qz"));
   if (std::abs(q.norm() - 1) > 1e-3) {
-    throw map.fault("qw", {fmt::format("the quaternion's length is {:.4f}", q.norm()), "1", ""});
+    throw map.fault("qw", {InputFault::kNotRigid,
+                           fmt::format("the quaternion's length is {:.4f}", q.norm()), "1", ""});
   }
   return {q, Eigen::Vector3d(number("px"), number("py"), number("pz"))};
 }
@@ -33,8 +34,9 @@ Eigen::VectorXd numbersOf(const YamlMap& map, std::initializer_list<const char*>
 void refuseRational(const YamlMap& map) {
   for (const char* key : {"k3", "k4", "k5", "k6"}) {
     if (map.numberOr(key, 0) == 0) continue;
-    throw map.fault(key, {"a distortion with k3 to k6", "k3 to k6 zero: radtan has four parameters",
-                          "calibrate with kb4 or with radtan"});
+    throw map.fault(
+        key, {InputFault::kUnsupported, "a distortion with k3 to k6",
+              "k3 to k6 zero: radtan has four parameters", "calibrate with kb4 or with radtan"});
   }
 }
 
@@ -77,8 +79,9 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
   } else if (type == "pinhole") {
     setModel(k, ProjectionModel::kPinhole, DistortionModel::kNone);
   } else if (type != "ds" && type != "eucm") {
-    throw camera.fault("camera_type", {"unknown camera_type '" + type + "'",
-                                       "pinhole, pinhole-radtan8, kb4, ds, eucm or ucm", ""});
+    throw camera.fault("camera_type",
+                       {InputFault::kUnknownWord, "unknown camera_type '" + type + "'",
+                        "pinhole, pinhole-radtan8, kb4, ds, eucm or ucm", ""});
   }
   return k;
 }
@@ -86,7 +89,8 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
 double firstOf(const YamlMap& map, const std::string& key) {
   const auto values = map.numbers(key, "three numbers, one for each axis");
   if (!values.empty()) return values.front();
-  throw map.fault(key, {key + " is empty", "three numbers, one for each axis", ""});
+  throw map.fault(key,
+                  {InputFault::kEmpty, key + " is empty", "three numbers, one for each axis", ""});
 }
 
 ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
@@ -137,14 +141,16 @@ Calibration readBasaltCalibration(const YamlMap& file) {
   const auto cameras = value.maps("intrinsics", "one entry for each camera");
   const auto sizes = value.rows("resolution", "[width, height] for each camera");
   if (poses.size() != cameras.size() || sizes.size() != cameras.size() || poses.empty()) {
-    throw value.fault("intrinsics", {fmt::format("{} poses, {} cameras, {} resolutions",
+    throw value.fault("intrinsics", {InputFault::kContradiction,
+                                     fmt::format("{} poses, {} cameras, {} resolutions",
                                                  poses.size(), cameras.size(), sizes.size()),
                                      "one of each for each camera", ""});
   }
   const Transform T_SC0 = poseOf(poses.front());
   Calibration calibration;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (sizes[i].size() != 2) throw value.fault("resolution", {"no size", "[width, height]", ""});
+    if (sizes[i].size() != 2)
+      throw value.fault("resolution", {InputFault::kBadNumber, "no size", "[width, height]", ""});
     CameraCalibration camera;
     camera.name = fmt::format("cam{}", i);
     camera.intrinsics = intrinsicsOf(cameras[i]);

@@ -12,6 +12,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "calibrator/base/error.h"
 #include "datasets/files/bad_input.h"
@@ -26,18 +27,20 @@ struct Descriptor {
   }
 };
 
-InputError unreadable(const std::string& path) {
-  return badInput(path, 0,
-                  {"cannot be read (" + std::string(std::strerror(errno)) + ")", "a readable file",
-                   "check the name and its permissions"});
+BadInput unreadable(const std::string& path) {
+  return badInput(
+      path, 0,
+      {InputFault::kMissingFile, "cannot be read (" + std::string(std::strerror(errno)) + ")",
+       "a readable file", "check the name and its permissions"});
 }
 
-InputError unwritable(const std::string& path, int error) {
-  return badInput(path, 0,
-                  {"cannot be written (" + std::string(std::strerror(error)) + ")",
-                   "a writable folder with free space",
-                   "check the folder, its permissions and the "
-                   "disk"});
+BadInput unwritable(const std::string& path, int error) {
+  return badInput(
+      path, 0,
+      {InputFault::kUnwritable, "cannot be written (" + std::string(std::strerror(error)) + ")",
+       "a writable folder with free space",
+       "check the folder, its permissions and the "
+       "disk"});
 }
 
 std::string temporaryName(const std::string& path) {
@@ -67,7 +70,9 @@ MappedFile::MappedFile(const std::string& path) {
   struct stat status {};
   if (file.number < 0 || ::fstat(file.number, &status) != 0) throw unreadable(path);
   if (!S_ISREG(status.st_mode)) {
-    throw badInput(path, 0, {"is not a regular file", "a file", "give the path of a file"});
+    throw badInput(
+        path, 0,
+        {InputFault::kMissingFile, "is not a regular file", "a file", "give the path of a file"});
   }
   size_ = static_cast<std::size_t>(status.st_size);
   if (size_ == 0) return;  // nothing to map; text() is empty
@@ -78,6 +83,10 @@ MappedFile::MappedFile(const std::string& path) {
 
 MappedFile::~MappedFile() {
   if (size_ > 0) ::munmap(const_cast<char*>(data_), size_);
+}
+
+std::string contentHash(std::string_view bytes) {
+  return fmt::format("{:016x}", XXH64(bytes.data(), bytes.size(), 0));
 }
 
 void writeFileAtomically(const std::string& path, std::string_view content) {
@@ -98,8 +107,8 @@ PendingFolder::PendingFolder(const fs::path& final_path) : final_(final_path.lex
   std::error_code fault;
   const bool exists = fs::exists(final_, fault);
   if (exists && !(fs::is_directory(final_, fault) && fs::is_empty(final_, fault))) {
-    throw InputError(final_.string(), 0,
-                     "exists already; expected a new or empty folder; choose another or remove it");
+    throw BadInput(InputFault::kUnwritable, final_.string(), 0,
+                   "exists already; expected a new or empty folder; choose another or remove it");
   }
   const fs::path parent = fs::absolute(final_).parent_path();
   pending_ = parent / fmt::format(".{}.partial-{}", final_.filename().string(), getpid());
@@ -114,13 +123,17 @@ PendingFolder::~PendingFolder() {
 void PendingFolder::create(const fs::path& folder) const {
   std::error_code fault;
   fs::create_directories(folder, fault);
-  if (fault) throw InputError(final_.string(), 0, "cannot be created: " + fault.message());
+  if (fault)
+    throw BadInput(InputFault::kUnwritable, final_.string(), 0,
+                   "cannot be created: " + fault.message());
 }
 
 void PendingFolder::commit() {
   std::error_code fault;
   fs::rename(pending_, final_, fault);
-  if (fault) throw InputError(final_.string(), 0, "cannot be written: " + fault.message());
+  if (fault)
+    throw BadInput(InputFault::kUnwritable, final_.string(), 0,
+                   "cannot be written: " + fault.message());
   pending_.clear();
 }
 

@@ -24,6 +24,9 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
+/// XXH64 of the bytes as 16 hexadecimal digits: the same on every machine. Not for secrets.
+std::string contentHash(std::string_view bytes);
+
 /// Writes `content` (text or bytes) to `path`, whole or not at all: under a temporary name in the
 /// same folder, then renamed over `path`. The folder must exist. Throws
 /// InputError where it cannot be written; the temporary file is then removed and an older `path` is

@@ -2,7 +2,6 @@
 #include "datasets/files/numbers.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -12,10 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                                 1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
 // A decimal as mantissa * 10^exponent. Digits beyond the 19 that fit are dropped and counted.
@@ -23,7 +18,6 @@ struct Decimal {
   std::uint64_t mantissa = 0;
   int exponent = 0;
   bool negative = false;
-  bool exact = true;
   const char* next = nullptr;
 };
 
@@ -38,10 +32,7 @@ const char* takeDigits(const char* at, const char* end, int per_digit, Decimal& 
   }
   number.mantissa = mantissa;
   number.exponent += per_digit * static_cast<int>(at - first);
-  for (; at != end && isDigit(*at); ++at) {
-    number.exact = number.exact && *at == '0';
-    number.exponent += per_digit + 1;
-  }
+  for (; at != end && isDigit(*at); ++at) number.exponent += per_digit + 1;
   return at;
 }
 
@@ -74,20 +65,6 @@ Decimal scanDecimal(const char* at, const char* end) {
   return number;
 }
 
-// mantissa * 10^exponent where both are exact doubles, so that one operation rounds correctly.
-bool fitsExactly(const Decimal& number) {
-  return number.exact && number.mantissa <= (std::uint64_t{1} << 53) && number.exponent >= -22 &&
-         number.exponent <= 22;
-}
-
-double exactValue(const Decimal& number) {
-  const auto mantissa = static_cast<double>(number.mantissa);
-  const double magnitude = number.exponent < 0
-                               ? mantissa / kPowersOfTen[static_cast<std::size_t>(-number.exponent)]
-                               : mantissa * kPowersOfTen[static_cast<std::size_t>(number.exponent)];
-  return number.negative ? -magnitude : magnitude;
-}
-
 std::optional<std::uint64_t> scaledUp(std::uint64_t mantissa, int power) {
   for (; power > 0 && mantissa != 0; --power) {
     if (mantissa > kRoomForOneMore) return std::nullopt;
@@ -105,15 +82,15 @@ std::uint64_t scaledDown(std::uint64_t mantissa, int power) {
 }  // namespace
 
 ScannedNumber scanNumber(const char* at, const char* end) {
-  const Decimal number = scanDecimal(at, end);
-  if (number.next != nullptr && fitsExactly(number)) return {exactValue(number), number.next};
-  if (at != end && *at == '+') ++at;
+  const char* const first = at != end && *at == '+' ? at + 1 : at;
   ScannedNumber scanned;
-  const auto [stop, error] = std::from_chars(at, end, scanned.value);
+  const auto [stop, error] = std::from_chars(first, end, scanned.value);
+  if (error == std::errc::invalid_argument || (first != at && *first == '-')) return {};
   if (error == std::errc::result_out_of_range) {  // then from_chars leaves the value alone
+    const Decimal number = scanDecimal(first, end);
     scanned.value = number.exponent > 0 ? std::numeric_limits<double>::infinity() : 0.0;
   }
-  if (error != std::errc::invalid_argument) scanned.next = stop;
+  scanned.next = stop;
   return scanned;
 }
 

@@ -16,8 +16,8 @@ struct ScannedNumber {
   const char* next = nullptr;
 };
 
-/// The decimal number (or nan, inf) that begins at `at`, rounded correctly. Numbers whose digits
-/// fit a double exactly take one multiplication or division; others go to std::from_chars.
+/// The decimal number (or nan, inf) that begins at `at`, rounded correctly: std::from_chars
+/// with a leading '+', and with infinity or 0 for what no double holds.
 ScannedNumber scanNumber(const char* at, const char* end);
 
 /// A whole text as one number; nothing where it is not one.

@@ -10,10 +10,11 @@
 namespace plumbline {
 namespace {
 
-InputError wrongKind(const std::string& path, const YAML::Node& node, const std::string& key,
-                     const std::string& expected) {
+BadInput wrongKind(const std::string& path, const YAML::Node& node, const std::string& key,
+                   const std::string& expected) {
   return badInput(path, node.Mark().line + 1,
-                  {"the value of '" + key + "' is not usable", expected, "correct the value"});
+                  {InputFault::kBadNumber, "the value of '" + key + "' is not usable", expected,
+                   "correct the value"});
 }
 
 double finiteNumber(const std::string& path, const YAML::Node& node, const std::string& key,
@@ -39,9 +40,10 @@ YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(pat
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second) {
-      throw badInput(path_, entry.first.Mark().line + 1,
-                     {"the key '" + entry.first.Scalar() + "' is given twice", "each key once",
-                      "delete one of them"});
+      throw badInput(
+          path_, entry.first.Mark().line + 1,
+          {InputFault::kDuplicate, "the key '" + entry.first.Scalar() + "' is given twice",
+           "each key once", "delete one of them"});
     }
   }
 }
@@ -52,13 +54,15 @@ YamlMap YamlMap::load(const std::string& path, const std::string& what) {
   try {
     top = YAML::Load(std::string(file.text()));
   } catch (const YAML::Exception& error) {
-    throw badInput(path, error.mark.line + 1,
-                   {"YAML syntax error (" + error.msg + ")", what, "correct the file"});
+    throw badInput(
+        path, error.mark.line + 1,
+        {InputFault::kSyntax, "YAML syntax error (" + error.msg + ")", what, "correct the file"});
   }
   if (!top.IsMap()) {
     throw badInput(
         path, 0,
-        {file.text().empty() ? "is empty" : "is not a YAML mapping", what, "correct the file"});
+        {InputFault::kUnknownFile, file.text().empty() ? "is empty" : "is not a YAML mapping", what,
+         "correct the file"});
   }
   return {path, top};
 }
@@ -88,7 +92,9 @@ std::vector<std::string> YamlMap::keys() const {
 
 YAML::Node YamlMap::require(const std::string& key, const std::string& expected) const {
   if (!has(key)) {
-    throw badInput(path_, line(), {"the key '" + key + "' is missing", expected, "add it"});
+    throw badInput(
+        path_, line(),
+        {InputFault::kMissingKey, "the key '" + key + "' is missing", expected, "add it"});
   }
   return node(key);
 }

@@ -41,7 +41,7 @@ class YamlMap {
   std::string textOr(const std::string& key, const std::string& otherwise) const;
 
   /// An InputError at a key's value.
-  InputError fault(const std::string& key, const Complaint& complaint) const {
+  BadInput fault(const std::string& key, const Complaint& complaint) const {
     return badInput(path_, lineOf(key), complaint);
   }
   /// The raw node; undefined where the key is missing.

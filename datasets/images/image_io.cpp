@@ -62,8 +62,8 @@ GrayImage decode(const std::string& path, std::string_view bytes) {
   if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return decodePng(bytes);
   if (startsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes);
   throw badInput(path, 0,
-                 {bytes.empty() ? "is empty" : "is neither PNG nor JPEG", "an image",
-                  "copy it again or convert it to PNG"});
+                 {InputFault::kSyntax, bytes.empty() ? "is empty" : "is neither PNG nor JPEG",
+                  "an image", "copy it again or convert it to PNG"});
 }
 
 }  // namespace
@@ -73,15 +73,18 @@ GrayImage readGrayImage(const std::string& path) {
   try {
     return decode(path, file.text());
   } catch (const DecodeError& error) {
-    throw badInput(path, 0,
-                   {"the image is damaged or cut short (" + error.message + ")",
-                    "a whole PNG or JPEG", "copy it again or delete it from the recording"});
+    throw badInput(
+        path, 0,
+        {InputFault::kSyntax, "the image is damaged or cut short (" + error.message + ")",
+         "a whole PNG or JPEG", "copy it again or delete it from the recording"});
   }
 }
 
 void writePng(const std::string& path, const GrayImage& image) {
   if (image.empty()) {
-    throw badInput(path, 0, {"an empty image cannot be written", "at least one pixel", ""});
+    throw badInput(
+        path, 0,
+        {InputFault::kUnwritable, "an empty image cannot be written", "at least one pixel", ""});
   }
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -91,7 +94,9 @@ void writePng(const std::string& path, const GrayImage& image) {
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.data(), 0, nullptr) == 0) {
-    throw badInput(path, 0, {"cannot be encoded (" + std::string(png.message) + ")", "", ""});
+    throw badInput(
+        path, 0,
+        {InputFault::kUnwritable, "cannot be encoded (" + std::string(png.message) + ")", "", ""});
   }
   writeFileAtomically(path, std::string_view(bytes).substr(0, size));
 }

@@ -10,7 +10,7 @@
 
 #include <jpeglib.h>
 
-#include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
 
 namespace plumbline {
 namespace {
@@ -130,7 +130,8 @@ std::string encodeJpeg(const GrayImage& image, int quality) {
   jpeg_destroy_compress(&encoder.info);
   std::free(encoder.bytes);
   if (!done)
-    throw InputError(std::string("an image cannot be written as JPEG: ") + encoder.message);
+    throw BadInput(InputFault::kUnwritable,
+                   std::string("an image cannot be written as JPEG: ") + encoder.message);
   return jpeg;
 }
 

@@ -10,7 +10,8 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/camera_models.h"
-#include "datasets/files/csv_table.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/stamps.h"
 
@@ -24,8 +25,9 @@ Resolution resolutionOf(const YamlMap& file) {
   const std::vector<double> size = file.numbers("resolution", expected);
   const auto pixels = [](double v) { return v >= 1 && v <= 100000 && v == std::floor(v); };
   if (size.size() != 2 || !pixels(size[0]) || !pixels(size[1])) {
-    throw file.fault("resolution", {"the resolution is not two positive integers", expected,
-                                    "correct the value"});
+    throw file.fault("resolution",
+                     {InputFault::kBadNumber, "the resolution is not two positive integers",
+                      expected, "correct the value"});
   }
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }
@@ -35,8 +37,9 @@ std::string cameraModel(const YamlMap& file) {
   if (word.empty()) return "";
   const auto model = projectionModelFrom(word);
   if (model) return toString(*model);
-  throw file.fault("camera_model", {"the camera model '" + word + "' is not known",
-                                    "camera_model: pinhole", "correct the value or delete it"});
+  throw file.fault("camera_model",
+                   {InputFault::kUnknownWord, "the camera model '" + word + "' is not known",
+                    "camera_model: pinhole", "correct the value or delete it"});
 }
 
 std::string distortionModel(const YamlMap& file) {
@@ -45,7 +48,7 @@ std::string distortionModel(const YamlMap& file) {
   const auto model = distortionModelFrom(word);
   if (model) return toString(*model);
   throw file.fault("distortion_model",
-                   {"the distortion model '" + word + "' is not known",
+                   {InputFault::kUnknownWord, "the distortion model '" + word + "' is not known",
                     "distortion_model: radtan (radial-tangential) or equidistant",
                     "correct the value or delete it"});
 }
@@ -55,20 +58,23 @@ void refuseUnsupported(const YamlMap& file, const CameraDescription& camera) {
   const auto projection = *projectionModelFrom(camera.camera_model);
   const auto distortion = *distortionModelFrom(camera.distortion_model);
   if (canBeCalibrated(projection, distortion)) return;
-  throw InputError(file.path(), file.lineOf("camera_model"),
-                   unsupportedModelText(camera.camera_model, camera.distortion_model));
+  throw BadInput(InputFault::kUnsupportedModel, file.path(), file.lineOf("camera_model"),
+                 unsupportedModelText(camera.camera_model, camera.distortion_model));
 }
 
 namespace fs = std::filesystem;
+constexpr const char* kListLayout = "timestamp [ns], filename";
 
-void checkAscending(const CsvTable& table, TimeNs t, const std::vector<ImageFile>& before) {
+void checkAscending(const TextTable& table, TimeNs t, const std::vector<ImageFile>& before) {
   if (before.empty() || t > before.back().t) return;
   if (table.truncatedHere()) {
-    throw table.fault({fmt::format("the last line, '{}', is cut", t), "a whole last line",
+    throw table.fault({InputFault::kTruncated, fmt::format("the last line, '{}', is cut", t),
+                       "a whole last line",
                        "the file is truncated: copy it again or delete this line"});
   }
   const bool twice = t == before.back().t;
-  throw table.fault({twice ? fmt::format("the stamp {} is given twice", t)
+  throw table.fault({InputFault::kBadOrder,
+                     twice ? fmt::format("the stamp {} is given twice", t)
                            : fmt::format("the stamp {} is earlier than that of the row above", t),
                      "stamps that ascend strictly", twice ? duplicateCure(t) : "sort the rows"});
 }
@@ -93,14 +99,14 @@ TimeNs stampOfName(const fs::path& path) {
   const auto [stop, error] = std::from_chars(stem.data(), stem.data() + stem.size(), t);
   if (error == std::errc() && stop == stem.data() + stem.size() && t >= 0) return t;
   throw badInput(path.string(), 0,
-                 {"the name is not a stamp", "<nanoseconds>.png (or .jpg)",
+                 {InputFault::kBadNumber, "the name is not a stamp", "<nanoseconds>.png (or .jpg)",
                   "rename it, or list the images in data.csv beside the folder"});
 }
 
-void checkExists(const CsvTable& table, const std::string& path) {
+void checkExists(const TextTable& table, const std::string& path) {
   if (fs::is_regular_file(path)) return;
-  throw table.fault({"the image " + path + " does not exist", "the file of each row in data/",
-                     "copy the images again or delete the row"});
+  throw table.fault({InputFault::kMissingFile, "the image " + path + " does not exist",
+                     "the file of each row in data/", "copy the images again or delete the row"});
 }
 
 std::vector<ImageFile> imagesByName(const fs::path& data) {
@@ -115,8 +121,8 @@ std::vector<ImageFile> imagesByName(const fs::path& data) {
   for (std::size_t i = 1; i < images.size(); ++i) {
     if (images[i].t != images[i - 1].t) continue;
     throw badInput(images[i].path, 0,
-                   {"has the same stamp as " + images[i - 1].path, "one image for each stamp",
-                    "delete one of them"});
+                   {InputFault::kDuplicate, "has the same stamp as " + images[i - 1].path,
+                    "one image for each stamp", "delete one of them"});
   }
   return images;
 }
@@ -126,9 +132,10 @@ std::vector<ImageFile> imagesByName(const fs::path& data) {
 CameraDescription readCameraDescription(const std::string& path, bool supported_models_only) {
   const YamlMap file = YamlMap::load(path, kSensorKeys);
   if (file.numberOr("line_delay", 0) != 0) {
-    throw file.fault("line_delay",
-                     {"rolling shutter (line_delay other than 0) is not supported yet",
-                      "a global shutter, line_delay: 0", "record with a global-shutter camera"});
+    throw file.fault(
+        "line_delay",
+        {InputFault::kUnsupported, "rolling shutter (line_delay other than 0) is not supported yet",
+         "a global shutter, line_delay: 0", "record with a global-shutter camera"});
   }
   CameraDescription camera;
   if (file.has("resolution")) camera.resolution = resolutionOf(file);
@@ -140,12 +147,15 @@ CameraDescription readCameraDescription(const std::string& path, bool supported_
 }
 
 std::vector<ImageFile> readFrameList(const std::string& folder) {
-  CsvTable table(folder + "/data.csv", "timestamp [ns], filename");
+  const std::string path = folder + "/data.csv";
+  const MappedFile file(path);
+  TextTable table(path, file.text(), kListLayout);
+  table.readHeader();
   std::vector<ImageFile> frames;
-  while (table.next()) {
+  while (table.nextRow()) {
     const TimeNs t = table.stamp();
     checkAscending(table, t, frames);
-    const bool named = table.moreFields();
+    const bool named = table.moreCells();
     const std::string name = named ? std::string(table.word("filename")) : "";
     table.endRow();
     frames.push_back({t, name.empty() ? "" : folder + "/data/" + name});
@@ -159,12 +169,15 @@ std::vector<ImageFile> listImages(const std::string& folder) {
   if (fs::exists(list)) {
     if (!fs::is_directory(fs::path(folder) / "data")) {
       throw badInput(folder, 0,
-                     {"holds neither corners.csv nor the images (data/) that its data.csv lists",
+                     {InputFault::kEmpty,
+                      "holds neither corners.csv nor the images (data/) that its data.csv lists",
                       "corners.csv, or data/<ns>.png", "copy the recording again"});
     }
-    CsvTable table(list.string(), "timestamp [ns], filename");
+    const MappedFile file(list.string());
+    TextTable table(list.string(), file.text(), kListLayout);
+    table.readHeader();
     std::vector<ImageFile> images;
-    while (table.next()) {
+    while (table.nextRow()) {
       const TimeNs t = table.stamp();
       checkAscending(table, t, images);
       images.push_back({t, folder + "/data/" + std::string(table.word("filename"))});
@@ -177,7 +190,7 @@ std::vector<ImageFile> listImages(const std::string& folder) {
   std::vector<ImageFile> images = imagesByName(fs::path(folder) / "data");
   if (images.empty()) {
     throw badInput(folder + "/data", 0,
-                   {"holds no image", "<nanoseconds>.png or .jpg",
+                   {InputFault::kEmpty, "holds no image", "<nanoseconds>.png or .jpg",
                     "copy the images there, or give corners.csv beside it"});
   }
   checkUnit(folder + "/data", images);

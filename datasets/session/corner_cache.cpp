@@ -7,9 +7,9 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include "datasets/files/bad_input.h"
-#include "datasets/files/content_hash.h"
 #include "datasets/files/file_io.h"
 
 namespace plumbline {
@@ -34,14 +34,14 @@ std::string encode(const std::vector<Corner>& corners) {
     const StoredCorner stored{corner.id, corner.uv.x(), corner.uv.y()};
     body.append(reinterpret_cast<const char*>(&stored), sizeof stored);
   }
-  return std::string(kMagic) + toHex(contentHash(body)) + "\n" + body;
+  return std::string(kMagic) + contentHash(body) + "\n" + body;
 }
 
 std::optional<std::vector<Corner>> decode(std::string_view text) {
   const std::size_t head = kMagic.size() + 17;  // magic, hash, newline
   if (text.size() < head || text.substr(0, kMagic.size()) != kMagic) return std::nullopt;
   const std::string_view body = text.substr(head);
-  if (text.substr(kMagic.size(), 16) != toHex(contentHash(body))) return std::nullopt;
+  if (text.substr(kMagic.size(), 16) != contentHash(body)) return std::nullopt;
   if (body.size() % sizeof(StoredCorner) != 0) return std::nullopt;
   std::vector<Corner> corners;
   for (std::size_t at = 0; at < body.size(); at += sizeof(StoredCorner)) {
@@ -65,17 +65,18 @@ CornerCache::CornerCache(std::string folder, const AprilGrid& target,
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error || !fs::is_directory(folder_)) {
-    throw badInput(folder_, 0,
-                   {"the cache folder cannot be made (" + error.message() + ")",
-                    "a writable folder", "give another (--cache) or none (--no-cache)"});
+    throw badInput(
+        folder_, 0,
+        {InputFault::kNoCache, "the cache folder cannot be made (" + error.message() + ")",
+         "a writable folder", "give another folder, or none"});
   }
 }
 
 std::string CornerCache::keyOf(const std::string& image_path) const {
   const MappedFile image(image_path);
-  const std::uint64_t bytes = contentHash(image.text());
-  const std::uint64_t seed = contentHash(settings_);
-  return toHex(contentHash(image.text(), seed)) + toHex(bytes ^ (seed * 31));
+  const std::uint64_t seed = XXH64(settings_.data(), settings_.size(), 0);
+  const XXH128_hash_t hash = XXH3_128bits_withSeed(image.text().data(), image.text().size(), seed);
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 std::string CornerCache::fileOf(const std::string& key) const {

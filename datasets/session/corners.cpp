@@ -3,7 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/csv_table.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/table.h"
 #include "datasets/session/camera_stream.h"
 #include "datasets/session/stamps.h"
 
@@ -15,7 +16,7 @@ constexpr const char* kLayout = "timestamp [ns], corner_id, u [px], v [px]";
 // Turns rows into views; a view's corners gather in one buffer, so that each is allocated once.
 class ViewBuilder {
  public:
-  ViewBuilder(CsvTable& table, const CornerLimits& limits)
+  ViewBuilder(TextTable& table, const CornerLimits& limits)
       : table_(table),
         limits_(limits),
         last_seen_(static_cast<std::size_t>(limits.corner_count), -1) {}
@@ -42,7 +43,8 @@ class ViewBuilder {
  private:
   void startView(TimeNs t) {
     if (views_seen_ > 0 && t < t_) {
-      throw table_.fault({fmt::format("the stamp {} is earlier than {} above it", t, t_),
+      throw table_.fault({InputFault::kBadOrder,
+                          fmt::format("the stamp {} is earlier than {} above it", t, t_),
                           "frames that ascend in time, the rows of a frame together",
                           "sort the rows by time (sort -t, -k1,1n -k2,2n)"});
     }
@@ -64,13 +66,15 @@ class ViewBuilder {
 
   void checkId(int id) {
     if (id < 0 || id >= limits_.corner_count) {
-      throw table_.fault({fmt::format("corner_id {} is not on the target", id),
+      throw table_.fault({InputFault::kOutOfRange,
+                          fmt::format("corner_id {} is not on the target", id),
                           fmt::format("4 * tag + corner, from 0 to {}", limits_.corner_count - 1),
                           "is target.yaml that of this recording (tagRows, tagCols)?"});
     }
     int& seen = last_seen_[static_cast<std::size_t>(id)];
     if (seen == views_seen_) {
-      throw table_.fault({fmt::format("corner_id {} is given twice for the stamp {}", id, t_),
+      throw table_.fault({InputFault::kDuplicate,
+                          fmt::format("corner_id {} is given twice for the stamp {}", id, t_),
                           "each corner once in a frame", duplicateCure(t_)});
     }
     seen = views_seen_;
@@ -84,12 +88,13 @@ class ViewBuilder {
       return;
     }
     throw table_.fault(
-        {fmt::format("the corner ({:g}, {:g}) lies outside the image", uv.x(), uv.y()),
+        {InputFault::kOutOfRange,
+         fmt::format("the corner ({:g}, {:g}) lies outside the image", uv.x(), uv.y()),
          fmt::format("a position within {} x {} pixels", size.width, size.height),
          "is the resolution in sensor.yaml (or by option) that of this camera?"});
   }
 
-  CsvTable& table_;
+  TextTable& table_;
   const CornerLimits& limits_;
   std::vector<int> last_seen_;  // of each id: the view in which it came last
   std::vector<ImageView> views_;
@@ -102,10 +107,12 @@ class ViewBuilder {
 }  // namespace
 
 std::vector<ImageView> readCorners(const std::string& path, const CornerLimits& limits) {
-  using NoRows = CsvTable::NoRows;
-  CsvTable table(path, kLayout, limits.may_be_empty ? NoRows::kAccept : NoRows::kRefuse);
+  using NoRows = TextTable::NoRows;
+  const MappedFile file(path);
+  TextTable table(path, file.text(), kLayout);
+  table.readHeader(limits.may_be_empty ? NoRows::kAccept : NoRows::kRefuse);
   ViewBuilder builder(table, limits);
-  while (table.next()) builder.addRow();
+  while (table.nextRow()) builder.addRow();
   std::vector<ImageView> views = builder.finish();
   std::vector<TimeNs> stamps;
   for (const ImageView& view : views) stamps.push_back(view.t);

@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/csv_table.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/stamps.h"
 
@@ -24,7 +25,8 @@ constexpr const char* kRefusedModel =
 double positive(const YamlMap& imu, const std::string& key, const std::string& unit) {
   const double value = imu.number(key, "a positive number [" + unit + "]");
   if (value > 0) return value;
-  throw imu.fault(key, {fmt::format("{} is {:g}", key, value), "a positive number [" + unit + "]",
+  throw imu.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value),
+                        "a positive number [" + unit + "]",
                         "take it from the data sheet or an Allan deviation; it weighs the IMU"});
 }
 
@@ -41,7 +43,8 @@ void refuseMatrix(const YamlMap& imu, const std::string& sensor, const std::stri
   if (!imu.has(sensor)) return;
   const YamlMap map = imu.map(sensor, "a mapping");
   if (map.has(key) && !isIdentity(map.rows(key, "a 3x3 matrix, as rows"))) {
-    throw map.fault(key, {sensor + "." + key + " is not the identity", "model: calibrated",
+    throw map.fault(key, {InputFault::kUnsupported, sensor + "." + key + " is not the identity",
+                          "model: calibrated",
                           std::string(kRefusedModel) + "; calibrate with model: calibrated"});
   }
 }
@@ -49,8 +52,9 @@ void refuseMatrix(const YamlMap& imu, const std::string& sensor, const std::stri
 void refuseModels(const YamlMap& imu) {
   const std::string model = imu.textOr("model", "calibrated");
   if (model != "calibrated") {
-    throw imu.fault("model", {"the IMU model is '" + model + "'", "model: calibrated",
-                              std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+    throw imu.fault(
+        "model", {InputFault::kUnsupported, "the IMU model is '" + model + "'", "model: calibrated",
+                  std::string(kRefusedModel) + "; calibrate with model: calibrated"});
   }
   refuseMatrix(imu, "accelerometers", "M");
   refuseMatrix(imu, "gyroscopes", "M");
@@ -59,8 +63,9 @@ void refuseModels(const YamlMap& imu) {
 YamlMap unwrapped(const YamlMap& file) {
   for (const std::string& key : file.keys()) {
     if (key.rfind("imu", 0) == 0 && key != "imu0" && file.node(key).IsMap()) {
-      throw file.fault(key, {"the file describes a second IMU ('" + key + "')", "one IMU, imu0",
-                             "delete the other IMUs"});
+      throw file.fault(key,
+                       {InputFault::kUnsupported, "the file describes a second IMU ('" + key + "')",
+                        "one IMU, imu0", "delete the other IMUs"});
     }
   }
   return file.has("imu0") ? file.map("imu0", kImuKeys) : file;
@@ -68,7 +73,8 @@ YamlMap unwrapped(const YamlMap& file) {
 
 constexpr const char* kLayout = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2]";
 
-std::string lowered(std::string text) {
+std::string lowered(std::string_view name) {
+  std::string text(name);
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
@@ -83,31 +89,33 @@ bool namesAccel(const std::string& name) {
   return startsWith(name, {"a_", "ax", "ay", "az", "acc", "lin", "f_"});
 }
 
-void refuseUnits(const CsvTable& table, const std::string& name) {
+void refuseUnits(const std::string& path, const std::string& name) {
   const bool degrees = name.find("deg") != std::string::npos;
   const bool gravities = name.find("[g]") != std::string::npos;
   if (!degrees && !gravities) return;
-  throw badInput(table.path(), 1,
-                 {"the header states '" + name + "'", "rad/s and m/s^2",
+  throw badInput(path, 1,
+                 {InputFault::kWrongUnit, "the header states '" + name + "'", "rad/s and m/s^2",
                   degrees ? "multiply the rates by pi / 180" : "multiply by 9.80665"});
 }
 
 // Whether the header puts the accelerations before the rates.
-bool accelerationFirst(const CsvTable& table) {
-  if (table.header().size() != 7) return false;
+bool accelerationFirst(const std::string& path, const std::vector<std::string_view>& header) {
+  if (header.empty()) return false;
   std::vector<std::string> names;
-  for (const std::string& name : table.header()) names.push_back(lowered(name));
-  for (std::size_t i = 1; i < 7; ++i) refuseUnits(table, names[i]);
+  for (const std::string_view name : csvCells(header.front())) names.push_back(lowered(name));
+  if (names.size() != 7) return false;
+  for (std::size_t i = 1; i < 7; ++i) refuseUnits(path, names[i]);
   const auto all = [&](std::size_t first, bool (*is)(const std::string&)) {
     return is(names[first]) && is(names[first + 1]) && is(names[first + 2]);
   };
   return all(1, namesAccel) && all(4, namesGyro);
 }
 
-void checkOrder(const CsvTable& table, TimeNs t, TimeNs before) {
+void checkOrder(const TextTable& table, TimeNs t, TimeNs before) {
   if (t > before) return;
   const bool twice = t == before;
-  throw table.fault({twice ? fmt::format("the stamp {} is given twice", t)
+  throw table.fault({InputFault::kBadOrder,
+                     twice ? fmt::format("the stamp {} is given twice", t)
                            : fmt::format("the stamp {} is earlier than that of the row above", t),
                      "stamps that ascend strictly",
                      twice ? duplicateCure(t) : "sort the rows by time; was the clock set back?"});
@@ -132,11 +140,12 @@ ImuDescription readImuDescription(const std::string& path) {
 }
 
 std::vector<ImuSample> readImuSamples(const std::string& path) {
-  CsvTable table(path, kLayout);
-  const bool accel_first = accelerationFirst(table);
+  const MappedFile file(path);
+  TextTable table(path, file.text(), kLayout);
+  const bool accel_first = accelerationFirst(path, table.readHeader());
   std::vector<ImuSample> samples;
   std::vector<TimeNs> stamps;
-  while (table.next()) {
+  while (table.nextRow()) {
     ImuSample sample;
     sample.t = table.stamp();
     if (!samples.empty()) checkOrder(table, sample.t, samples.back().t);

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "datasets/files/bad_input.h"
-#include "datasets/files/content_hash.h"
 #include "datasets/files/file_io.h"
 
 namespace plumbline {
@@ -48,7 +47,7 @@ class Manifest {
  public:
   void addContent(const std::string& path, const std::string& name) {
     if (!fs::exists(path)) return;
-    lines_.push_back(fmt::format("{} {}\n", name, toHex(contentHash(MappedFile(path).text()))));
+    lines_.push_back(fmt::format("{} {}\n", name, contentHash(MappedFile(path).text())));
   }
 
   void addSizes(const std::string& folder, const std::string& name) {
@@ -64,7 +63,7 @@ class Manifest {
     std::sort(lines_.begin(), lines_.end());
     std::string all;
     for (const std::string& line : lines_) all += line;
-    return "xxh64:" + toHex(contentHash(all));
+    return "xxh64:" + contentHash(all);
   }
 
  private:
@@ -83,10 +82,14 @@ void addCamera(Manifest& manifest, const std::string& camera) {
 
 SessionFolder findSession(const std::string& path) {
   if (!fs::exists(path)) {
-    throw badInput(path, 0, {"does not exist", kLayout, "check the path of the session"});
+    throw badInput(
+        path, 0,
+        {InputFault::kMissingFile, "does not exist", kLayout, "check the path of the session"});
   }
   if (!fs::is_directory(path)) {
-    throw badInput(path, 0, {"is not a folder", kLayout, "give the session's folder"});
+    throw badInput(
+        path, 0,
+        {InputFault::kMissingFile, "is not a folder", kLayout, "give the session's folder"});
   }
   const fs::path top = fs::weakly_canonical(path);
   const bool is_mav = top.filename() == "mav0";
@@ -99,9 +102,9 @@ SessionFolder findSession(const std::string& path) {
   if (is_mav) folder.beside.push_back(top.parent_path().string());
   folder.cameras = camerasIn(folder.root);
   if (folder.cameras.empty()) {
-    throw badInput(
-        folder.root, 0,
-        {"holds no camera folder (cam0, cam1, ...)", kLayout, "give the folder that holds cam0"});
+    throw badInput(folder.root, 0,
+                   {InputFault::kEmpty, "holds no camera folder (cam0, cam1, ...)", kLayout,
+                    "give the folder that holds cam0"});
   }
   const fs::path imu = fs::path(folder.root) / "imu0";
   if (fs::is_directory(imu)) folder.imu = imu.string();

@@ -19,10 +19,10 @@ std::string targetPath(const SessionFolder& folder, const SessionReadOptions& op
   const auto path = findBeside(folder.beside, "target.yaml");
   if (path) return *path;
   throw badInput(folder.beside.front() + "/target.yaml", 0,
-                 {"does not exist",
+                 {InputFault::kNoTarget, "does not exist",
                   "Kalibr's target.yaml (target_type: aprilgrid, tagRows, tagCols, tagSize, "
                   "tagSpacing)",
-                  "put it into the session's folder or give it by option (--target)"});
+                  "put it into the session's folder or name it by itself"});
 }
 
 CameraDescription descriptionOf(const std::string& camera, const SessionReadOptions& options) {
@@ -34,8 +34,8 @@ CameraDescription descriptionOf(const std::string& camera, const SessionReadOpti
   if (!description.resolution && images) description.resolution = Resolution{};
   if (description.resolution) return description;
   throw badInput(path, 0,
-                 {"the camera's resolution is not known", "resolution: [width, height]",
-                  "write it there or give it by option (--resolution WxH)"});
+                 {InputFault::kNoResolution, "the camera's resolution is not known",
+                  "resolution: [width, height]", "write it there"});
 }
 
 // Adds the frames that the list names and the corners do not: they saw no target.
@@ -73,10 +73,10 @@ void readCamera(const std::string& path, const SessionReadOptions& options, Reco
     images = listImages(path);
     for (const ImageFile& image : images) camera.views.push_back({image.t, {}});
   } else {
-    throw badInput(
-        path, 0,
-        {"holds neither corners nor images", "corners.csv, or data.csv and data/<ns>.png",
-         "copy the recording again or delete this camera's folder"});
+    throw badInput(path, 0,
+                   {InputFault::kEmpty, "holds neither corners nor images",
+                    "corners.csv, or data.csv and data/<ns>.png",
+                    "copy the recording again or delete this camera's folder"});
   }
   recording.session.cameras.push_back(std::move(camera));
   recording.images.push_back(std::move(images));
@@ -87,10 +87,11 @@ ImuStream readImu(const SessionFolder& folder, const SessionReadOptions& options
   if (!path) path = findBeside(folder.beside, "imu.yaml");
   if (!path) path = findBeside({*folder.imu}, "sensor.yaml");
   if (!path) {
-    throw badInput(folder.beside.front() + "/imu.yaml", 0,
-                   {"does not exist, nor does " + *folder.imu + "/sensor.yaml",
-                    "the IMU's noise densities, as Kalibr's imu.yaml has them",
-                    "put imu.yaml into the session's folder or give it by option (--imu)"});
+    throw badInput(
+        folder.beside.front() + "/imu.yaml", 0,
+        {InputFault::kNoImuNoise, "does not exist, nor does " + *folder.imu + "/sensor.yaml",
+         "the IMU's noise densities, as Kalibr's imu.yaml has them",
+         "put imu.yaml into the session's folder or name it by itself"});
   }
   ImuDescription description = readImuDescription(*path);
   return {std::move(description.rostopic), description.noise,
@@ -102,9 +103,10 @@ void refuseMissingImu(const SessionFolder& folder, const SessionReadOptions& opt
   auto described = options.imu_path;
   if (!described) described = findBeside(folder.beside, "imu.yaml");
   if (folder.imu || !described) return;
-  throw badInput(folder.root + "/imu0/data.csv", 0,
-                 {"does not exist, though " + *described + " describes an IMU", "the IMU's samples",
-                  "copy the recording again, or leave the IMU out (--no-imu)"});
+  throw badInput(
+      folder.root + "/imu0/data.csv", 0,
+      {InputFault::kNoImuSamples, "does not exist, though " + *described + " describes an IMU",
+       "the IMU's samples", "copy the recording again, or leave the IMU out"});
 }
 
 }  // namespace
@@ -114,6 +116,7 @@ bool Recording::needsDetection() const {
 }
 
 Recording readRecording(const std::string& path, const SessionReadOptions& options) {
+  options.check();
   const SessionFolder folder = findSession(path);
   Recording recording;
   recording.session.name = folder.name;
@@ -133,8 +136,8 @@ Session readSession(const std::string& path, const SessionReadOptions& options) 
   Recording recording = readRecording(path, options);
   if (recording.needsDetection()) {
     throw badInput(path, 0,
-                   {"the recording has images and no corners yet", "camN/corners.csv",
-                    "run plumbline detect on it first"});
+                   {InputFault::kNoCorners, "the recording has images and no corners yet",
+                    "camN/corners.csv", "find the corners first"});
   }
   return std::move(recording.session);
 }

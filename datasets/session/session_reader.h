@@ -27,6 +27,9 @@ struct SessionReadOptions {
   double imu_margin_s = 2;  ///< IMU samples kept before from_s and after to_s [s]
   /// Views of different cameras at most this far apart [ns] are one frame to from_s, to_s, stride.
   TimeNs sync_tolerance = FrameOptions().tolerance;
+
+  /// Throws InputError for a value out of its range.
+  void check() const;
 };
 
 /// A recording as its folder holds it.

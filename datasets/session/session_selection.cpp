@@ -5,25 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
+#include "datasets/files/bad_input.h"
 #include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {
-
-void checkOptions(const SessionReadOptions& options) {
-  if (options.stride < 1) {
-    throw InputError(fmt::format("--stride is {}; expected 1 or more; 2 keeps every second frame",
-                                 options.stride));
-  }
-  if (!(options.from_s >= 0) || !(options.to_s > options.from_s)) {
-    throw InputError(
-        fmt::format("--from {:g} --to {:g} is no interval; expected 0 <= from < to, "
-                    "in seconds after the first frame; correct them",
-                    options.from_s, options.to_s));
-  }
-}
 
 // The instant `seconds` after `start`; the largest stamp for infinity.
 TimeNs instant(TimeNs start, double seconds) {
@@ -70,8 +57,26 @@ void trimImu(ImuStream& imu, TimeNs first_frame, const SessionReadOptions& optio
 
 }  // namespace
 
+void SessionReadOptions::check() const {
+  const auto refuse = [](const std::string& text) { throw BadInput(InputFault::kBadOption, text); };
+  if (stride < 1) {
+    refuse(fmt::format("stride is {}; expected 1 or more; 2 keeps every second frame", stride));
+  }
+  if (!(from_s >= 0) || !(to_s > from_s)) {
+    refuse(
+        fmt::format("from {:g} to {:g} is no interval; expected 0 <= from < to, in seconds "
+                    "after the first frame; correct them",
+                    from_s, to_s));
+  }
+  if (!(imu_margin_s >= 0) || sync_tolerance < 0) {
+    refuse("the IMU's margin and the tolerance of frames are 0 or more");
+  }
+  if (resolution && (resolution->width < 1 || resolution->height < 1)) {
+    refuse("the resolution is two positive numbers of pixels");
+  }
+}
+
 void selectFrames(Recording& recording, const SessionReadOptions& options) {
-  checkOptions(options);
   if (options.from_s == 0 && std::isinf(options.to_s) && options.stride == 1) return;
   Session& session = recording.session;
   const std::vector<Frame> frames = pairFrames(session.cameras, {options.sync_tolerance, 0});
@@ -85,10 +90,10 @@ void selectFrames(Recording& recording, const SessionReadOptions& options) {
   }
   if (left == 0) {
     const double length = secondsBetween(frames.front().t, frames.back().t);
-    throw InputError(
-        fmt::format("--from {:g} --to {:g} leaves no frame; expected an interval "
-                    "within the recording's {:.1f} s; correct them",
-                    options.from_s, options.to_s, length));
+    throw BadInput(InputFault::kNothingSelected,
+                   fmt::format("from {:g} to {:g} leaves no frame; expected an interval "
+                               "within the recording's {:.1f} s; correct them",
+                               options.from_s, options.to_s, length));
   }
   const bool whole = options.from_s == 0 && std::isinf(options.to_s);
   if (session.imu && !whole) trimImu(*session.imu, frames.front().t, options);

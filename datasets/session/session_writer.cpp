@@ -13,8 +13,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "calibrator/base/error.h"
 #include "datasets/calibration/kalibr_writer.h"
+#include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
 #include "datasets/session/simulated_truth.h"
@@ -83,7 +83,9 @@ void writeText(const PendingFolder& folder, const TextFile& file) {
   std::ofstream out(path, std::ios::binary);
   out.write(file.text.data(), static_cast<std::streamsize>(file.text.size()));
   out.close();
-  if (!out) throw InputError(path.string(), 0, "cannot be written; is the disk full?");
+  if (!out)
+    throw BadInput(InputFault::kUnwritable, path.string(), 0,
+                   "cannot be written; is the disk full?");
 }
 
 void writePng(const fs::path& path, const GrayImage& image) {
@@ -94,7 +96,8 @@ void writePng(const fs::path& path, const GrayImage& image) {
   png.format = PNG_FORMAT_GRAY;
   png.flags = PNG_IMAGE_FLAG_FAST;  // half the time for a file a little larger
   if (png_image_write_to_file(&png, path.c_str(), 0, image.data(), image.width(), nullptr) == 0) {
-    throw InputError(path.string(), 0, std::string("cannot be written: ") + png.message);
+    throw BadInput(InputFault::kUnwritable, path.string(), 0,
+                   std::string("cannot be written: ") + png.message);
   }
 }
 
@@ -164,8 +167,14 @@ std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz
   return files;
 }
 
+void SimulatedSessionFormat::check() const {
+  if (threads >= 0) return;
+  throw BadInput(InputFault::kBadOption, "the number of threads is 0 (all cores) or more");
+}
+
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const fs::path& folder, const SimulatedSessionFormat& format) {
+  format.check();
   if (format.views == ViewFormat::kImages) checkRendered(options.faults);
   PendingFolder pending(folder);
   for (const TextFile& file :

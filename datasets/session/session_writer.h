@@ -36,6 +36,9 @@ struct SimulatedSessionFormat {
   int threads = 0;       ///< that render; 0: all cores. The bytes written do not depend on it.
   /// Called with the number of images done and of all, from any thread, one call at a time.
   std::function<void(std::size_t, std::size_t)> progress;
+
+  /// Throws InputError for a value out of its range.
+  void check() const;
 };
 
 /// Writes a simulated session as a recording that `plumbline calibrate` reads, with its truth

@@ -36,7 +36,8 @@ void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, 
   const TimeNs middle = middleOf(std::move(gaps));
   if (middle >= shortest) return;
   throw badInput(path, 0,
-                 {fmt::format("the {} are {} ns apart, so the stamps look like {}", things, middle,
+                 {InputFault::kWrongUnit,
+                  fmt::format("the {} are {} ns apart, so the stamps look like {}", things, middle,
                               likelyUnit(middle, shortest)),
                   "stamps in nanoseconds", "multiply them to nanoseconds"});
 }

@@ -32,13 +32,14 @@ std::vector<std::pair<std::string, std::string>> readStudyDefinition(
   std::vector<std::pair<std::string, std::string>> definition;
   for (const std::string& key : file.keys()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw file.fault(key, {fmt::format("unknown name '{}'", key),
+      throw file.fault(key, {InputFault::kUnknownWord, fmt::format("unknown name '{}'", key),
                              fmt::format("one of {}", fmt::join(known, ", ")), ""});
     }
     std::string text = valueText(file, key);
     if (text.empty()) {
-      throw file.fault(key, {fmt::format("{} has no value", key), "a number, a range or a list",
-                             "for instance [100, 10, 1] or -500:50:500"});
+      throw file.fault(key,
+                       {InputFault::kBadNumber, fmt::format("{} has no value", key),
+                        "a number, a range or a list", "for instance [100, 10, 1] or -500:50:500"});
     }
     definition.emplace_back(key, std::move(text));
   }

@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "datasets/files/csv_table.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/table.h"
 
 namespace plumbline {
 namespace {
@@ -14,24 +15,26 @@ namespace {
 constexpr const char* kLayout = "t_ns, stage, id, T_FC0 (tx ty tz qx qy qz qw, or a 4x4 matrix)";
 constexpr double kUnitTolerance = 1e-3;
 
-GuideStage stageFrom(CsvTable& table) {
+GuideStage stageFrom(TextTable& table) {
   const std::string word(table.word("stage"));
   for (const GuideStage stage : {GuideStage::kCamera, GuideStage::kCameraImu}) {
     if (word == toString(stage)) return stage;
   }
-  throw table.fault({"the stage is '" + word + "'", "camera or camera-imu", ""});
+  throw table.fault(
+      {InputFault::kUnknownWord, "the stage is '" + word + "'", "camera or camera-imu", ""});
 }
 
-Transform fromQuaternion(const CsvTable& table, const std::vector<double>& n) {
+Transform fromQuaternion(const TextTable& table, const std::vector<double>& n) {
   const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
   if (std::abs(q.norm() - 1) > kUnitTolerance) {
-    throw table.fault({fmt::format("the quaternion has norm {:.6g}", q.norm()), "norm 1",
+    throw table.fault({InputFault::kNotRigid,
+                       fmt::format("the quaternion has norm {:.6g}", q.norm()), "norm 1",
                        "columns are tx ty tz qx qy qz qw, the real part last"});
   }
   return {q, {n[0], n[1], n[2]}};
 }
 
-Transform fromRows(const CsvTable& table, const std::vector<double>& n) {
+Transform fromRows(const TextTable& table, const std::vector<double>& n) {
   Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
   for (int row = 0; row < 3; ++row) {
     for (int col = 0; col < 4; ++col) T(row, col) = n[static_cast<std::size_t>(4 * row + col)];
@@ -39,15 +42,15 @@ Transform fromRows(const CsvTable& table, const std::vector<double>& n) {
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (off > kUnitTolerance || R.determinant() < 0) {
-    throw table.fault({"the upper left 3x3 of T_FC0 is no rotation", "orthonormal rows",
-                       "write the matrix row by row"});
+    throw table.fault({InputFault::kNotRigid, "the upper left 3x3 of T_FC0 is no rotation",
+                       "orthonormal rows", "write the matrix row by row"});
   }
   return Transform::fromMatrix(T);
 }
 
-Transform poseFrom(CsvTable& table) {
+Transform poseFrom(TextTable& table) {
   std::vector<double> numbers;
-  while (table.moreFields()) numbers.push_back(table.number("T_FC0"));
+  while (table.moreCells()) numbers.push_back(table.number("T_FC0"));
   switch (numbers.size()) {
     case 7:
       return fromQuaternion(table, numbers);
@@ -55,27 +58,32 @@ Transform poseFrom(CsvTable& table) {
     case 16:
       return fromRows(table, numbers);
     default:
-      throw table.fault({fmt::format("T_FC0 has {} numbers", numbers.size()), "7, 12 or 16", ""});
+      throw table.fault({InputFault::kBadNumber,
+                         fmt::format("T_FC0 has {} numbers", numbers.size()), "7, 12 or 16", ""});
   }
 }
 
 }  // namespace
 
 std::vector<Suggestion> readSuggestions(const std::string& path) {
-  CsvTable table(path, kLayout, CsvTable::NoRows::kAccept);
+  const MappedFile file(path);
+  TextTable table(path, file.text(), kLayout);
+  table.readHeader(TextTable::NoRows::kAccept);
   std::vector<Suggestion> suggestions;
   std::set<std::pair<GuideStage, int>> ids;
-  while (table.next()) {
+  while (table.nextRow()) {
     Suggestion s;
     s.t = table.stamp();
     if (!suggestions.empty() && s.t < suggestions.back().t) {
-      throw table.fault({fmt::format("the stamp {} is earlier than that of the row above", s.t),
+      throw table.fault({InputFault::kBadOrder,
+                         fmt::format("the stamp {} is earlier than that of the row above", s.t),
                          "ascending stamps", "sort the rows by time"});
     }
     s.stage = stageFrom(table);
     s.id = table.integer("id");
     if (!ids.insert({s.stage, s.id}).second) {
-      throw table.fault({fmt::format("the id {} is given twice in this stage", s.id),
+      throw table.fault({InputFault::kDuplicate,
+                         fmt::format("the id {} is given twice in this stage", s.id),
                          "one row per suggestion", "delete one of the rows"});
     }
     s.candidate = fmt::format("{}", s.id);

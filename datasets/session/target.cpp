@@ -18,18 +18,20 @@ void checkType(const YamlMap& file) {
   const std::string type = file.text("target_type", kTargetKeys);
   if (type == "aprilgrid") return;
   if (type == "checkerboard" || type == "circlegrid") {
-    throw file.fault("target_type", {"targets of type '" + type + "' are not supported yet",
-                                     "target_type: aprilgrid",
-                                     "record with an AprilGrid (Kalibr's aprilgrid target)"});
+    throw file.fault(
+        "target_type",
+        {InputFault::kUnsupported, "targets of type '" + type + "' are not supported yet",
+         "target_type: aprilgrid", "record with an AprilGrid (Kalibr's aprilgrid target)"});
   }
-  throw file.fault("target_type", {"the target type '" + type + "' is not known",
-                                   "target_type: aprilgrid", "correct the value"});
+  throw file.fault("target_type",
+                   {InputFault::kUnknownWord, "the target type '" + type + "' is not known",
+                    "target_type: aprilgrid", "correct the value"});
 }
 
 int tagCount(const YamlMap& file, const std::string& key) {
   const int count = file.integer(key, "the number of tags, a positive integer");
   if (count < 1 || count > kFamilySize) {
-    throw file.fault(key, {fmt::format("{} is {}", key, count),
+    throw file.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {}", key, count),
                            "a number of tags from 1 to " + std::to_string(kFamilySize),
                            "count the tags of your target"});
   }
@@ -43,7 +45,7 @@ double tagSize(const YamlMap& file) {
       size > kLargestTag
           ? fmt::format("it looks like millimetres: write tagSize: {:g}", size / 1000)
           : "measure the edge of a tag's black square";
-  throw file.fault("tagSize", {fmt::format("tagSize is {:g}", size),
+  throw file.fault("tagSize", {InputFault::kOutOfRange, fmt::format("tagSize is {:g}", size),
                                "the edge of a tag in metres, above 0 and below 5", cure});
 }
 
@@ -53,7 +55,7 @@ double tagSpacing(const YamlMap& file, double size) {
   const bool metres = spacing > 0 && spacing < kSmallestSpacing;
   throw file.fault(
       "tagSpacing",
-      {fmt::format("tagSpacing is {:g}", spacing),
+      {InputFault::kOutOfRange, fmt::format("tagSpacing is {:g}", spacing),
        fmt::format("the gap between tags as a ratio of tagSize, from {:g} to {:g} (Kalibr's own "
                    "targets: 0.3)",
                    kSmallestSpacing, kLargestSpacing),
@@ -73,7 +75,7 @@ AprilGrid readTarget(const std::string& path) {
   grid.spacing = tagSpacing(file, grid.tag_size);
   if (grid.tagCount() > kFamilySize) {
     throw file.fault("tagRows",
-                     {fmt::format("the grid has {} tags", grid.tagCount()),
+                     {InputFault::kOutOfRange, fmt::format("the grid has {} tags", grid.tagCount()),
                       fmt::format("at most {}, the size of the family tag36h11", kFamilySize),
                       "correct tagRows and tagCols"});
   }

@@ -52,18 +52,21 @@ TrajectoryBuilder::TrajectoryBuilder(const TrajectorySource& source, TrajectoryF
 
 void TrajectoryBuilder::add(const StampedPose& pose, int line) {
   if (!isFinite(pose)) {
-    throw source_.fault(line, {"the pose is not finite (nan or inf)", "seven finite numbers",
+    throw source_.fault(line, {InputFault::kNotFinite, "the pose is not finite (nan or inf)",
+                               "seven finite numbers",
                                "the estimator diverged or lost track here: delete these rows"});
   }
   const double norm = pose.q.norm();
   if (norm == 0) {
-    throw source_.fault(line, {"the quaternion is all zeros", "a unit quaternion",
-                               "the source had no orientation here: delete these rows"});
+    throw source_.fault(line,
+                        {InputFault::kNotRigid, "the quaternion is all zeros", "a unit quaternion",
+                         "the source had no orientation here: delete these rows"});
   }
   if (!(std::abs(norm - 1) <= kQuaternionTolerance)) {
-    throw source_.fault(line, {fmt::format("the quaternion's length is {:.6g}", norm),
-                               fmt::format("a unit quaternion within {}", kQuaternionTolerance),
-                               "are the columns in another order, or are these Euler angles?"});
+    throw source_.fault(
+        line, {InputFault::kNotRigid, fmt::format("the quaternion's length is {:.6g}", norm),
+               fmt::format("a unit quaternion within {}", kQuaternionTolerance),
+               "are the columns in another order, or are these Euler angles?"});
   }
   checkOrder(pose, line);
   if (first_line_ == 0) first_line_ = line;
@@ -74,7 +77,8 @@ void TrajectoryBuilder::checkOrder(const StampedPose& pose, int line) {
   if (poses().empty() || pose.t > poses().back().t) return;
   if (pose.t < poses().back().t) {
     throw source_.fault(line,
-                        {fmt::format("the stamp is {:.9f} s before that of the pose before it",
+                        {InputFault::kBadOrder,
+                         fmt::format("the stamp is {:.9f} s before that of the pose before it",
                                      secondsBetween(pose.t, poses().back().t)),
                          "stamps that do not descend",
                          "sort the rows by time; or were two runs written into one file?"});
@@ -84,8 +88,9 @@ void TrajectoryBuilder::checkOrder(const StampedPose& pose, int line) {
 
 TrajectoryFile TrajectoryBuilder::finish() && {
   if (poses().empty()) {
-    throw source_.fault(0, {source_.text.empty() ? "is empty" : "has no poses", "rows of poses",
-                            "was the recording or the copy interrupted? Export the file again"});
+    throw source_.fault(
+        0, {InputFault::kEmpty, source_.text.empty() ? "is empty" : "has no poses", "rows of poses",
+            "was the recording or the copy interrupted? Export the file again"});
   }
   if (equal_stamps_ > 0) {
     remark(fmt::format("{} pose{} the stamp of the pose before (first in line {})", equal_stamps_,

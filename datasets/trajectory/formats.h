@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,7 +18,7 @@ struct TrajectorySource {
   std::string path;
   std::string_view text;
 
-  InputError fault(int line, const Complaint& complaint) const {
+  BadInput fault(int line, const Complaint& complaint) const {
     return badInput(path, line, complaint);
   }
 };
@@ -80,6 +81,18 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
 /// with `power`, naming the unit in which it would be.
 void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
                         int power, int line);
+
+/// What the header line of a table of poses states; columns count from 0.
+struct TableHeader {
+  std::optional<int> stamp_power;                ///< 10^power nanoseconds are the stamps' unit
+  std::optional<int> position;                   ///< column of x; y and z follow
+  std::optional<std::array<int, 4>> quaternion;  ///< columns of x, y, z, w
+};
+
+/// Reads "# timestamp(s) tx ty tz qx qy qz qw", "#timestamp [ns], p_RS_R_x [m], ..., q_RS_w [],
+/// ..." and their kind: a name of time, then names separated by commas or blanks, units in
+/// brackets. Nothing where the line is some other comment.
+std::optional<TableHeader> parseTableHeader(std::string_view line);
 
 /// Rows of stamp, position and quaternion, separated by commas or blanks: TUM, OpenVINS, EuRoC.
 ///

@@ -3,8 +3,8 @@
 
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
+#include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
-#include "datasets/trajectory/table.h"
 
 namespace plumbline {
 namespace {
@@ -12,42 +12,33 @@ namespace {
 constexpr int kPoseColumns = 12;
 constexpr double kOrthonormal = 1e-2;  // largest entry of R^T R - I
 
-// The next line with content; false at the end.
-bool nextContent(TextLines& lines) {
-  while (lines.next()) {
-    if (!lines.text().empty() && lines.text()[0] != '#') return true;
-  }
-  return false;
-}
-
 std::vector<TimeNs> readTimes(const std::string& path) {
   const MappedFile file(path);
-  TextLines lines(file.text());
+  TextTable table(path, file.text());
   std::vector<TimeNs> times;
-  while (nextContent(lines)) {
-    const std::optional<TimeNs> t = parseStamp(lines.text(), 9);
+  while (table.nextRow()) {
+    const std::optional<TimeNs> t = parseStamp(table.row(), 9);
     if (!t) {
-      throw badInput(path, lines.number(),
-                     {"is no stamp", "one number of seconds a line",
-                      "give KITTI's times.txt of the same sequence"});
+      throw table.fault({InputFault::kBadNumber, "is no stamp", "one number of seconds a line",
+                         "give KITTI's times.txt of the same sequence"});
     }
     times.push_back(*t);
   }
   return times;
 }
 
-StampedPose poseOf(const TrajectorySource& source, const TextLines& line, const TableRow& row) {
-  checkColumns(source, line, row, kPoseColumns);
+StampedPose poseOf(const TextTable& table, const NumberRow& row) {
+  table.expectColumns(row, kPoseColumns);
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> T(row.values.data());
   const Eigen::Matrix3d R = T.leftCols<3>();
   const double deviation = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!T.allFinite()) {
-    throw source.fault(line.number(), {"the pose is not finite (nan or inf)", "12 finite numbers",
-                                       "the estimator diverged here: delete these rows"});
+    throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)",
+                       "12 finite numbers", "the estimator diverged here: delete these rows"});
   }
   if (!(deviation <= kOrthonormal && R.determinant() > 0)) {
-    throw source.fault(line.number(), {"the 3x3 block is no rotation", "an orthonormal matrix",
-                                       "are the numbers the 3x4 matrix row by row?"});
+    throw table.fault({InputFault::kNotRigid, "the 3x3 block is no rotation",
+                       "an orthonormal matrix", "are the numbers the 3x4 matrix row by row?"});
   }
   return {0, T.col(3), Eigen::Quaterniond(R).normalized()};
 }
@@ -59,9 +50,9 @@ struct Row {
 
 std::vector<Row> readRows(const TrajectorySource& source) {
   std::vector<Row> rows;
-  TextLines lines(source.text);
-  while (nextContent(lines)) {
-    rows.push_back({poseOf(source, lines, parseTableRow(source, lines)), lines.number()});
+  TextTable table(source.path, source.text);
+  while (table.nextRow()) {
+    rows.push_back({poseOf(table, table.numbers()), table.line()});
   }
   return rows;
 }
@@ -78,7 +69,8 @@ std::vector<TimeNs> stampsFor(const TrajectorySource& source, std::size_t poses,
   if (times.size() == poses) return times;
   throw badInput(
       times_path, 0,
-      {fmt::format("has {} stamps for the {} poses of {}", times.size(), poses, source.path),
+      {InputFault::kContradiction,
+       fmt::format("has {} stamps for the {} poses of {}", times.size(), poses, source.path),
        "one stamp for each pose", "give the times.txt of the same sequence"});
 }
 

@@ -7,13 +7,12 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/numbers.h"
-#include "datasets/files/text_lines.h"
+#include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
 
 namespace plumbline {
 namespace {
 
-using Cells = std::vector<std::string_view>;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 // Columns of a rigid body: position x y z and quaternion x y z w.
@@ -35,7 +34,7 @@ std::string cellAt(const Cells& cells, std::size_t i) {
 const std::string& property(const TrajectorySource& source, const Take& take, const char* name) {
   const auto found = take.properties.find(name);
   if (found != take.properties.end()) return found->second;
-  throw source.fault(1, {fmt::format("the header has no '{}'", name),
+  throw source.fault(1, {InputFault::kMissingKey, fmt::format("the header has no '{}'", name),
                          "Motive's CSV with its header", "export again with the header"});
 }
 
@@ -45,20 +44,22 @@ double lengthDivisor(const TrajectorySource& source, const Take& take) {
   if (units == "Meters") return 1;
   if (units == "Centimeters") return 100;
   if (units == "Millimeters") return 1000;
-  throw source.fault(1, {fmt::format("the length unit is '{}'", units),
+  throw source.fault(1, {InputFault::kWrongUnit, fmt::format("the length unit is '{}'", units),
                          "Meters, Centimeters or Millimeters", "export again in one of these"});
 }
 
 void checkConventions(const TrajectorySource& source, const Take& take) {
   const std::string& rotation = property(source, take, "Rotation Type");
   if (rotation != "Quaternion") {
-    throw source.fault(1, {fmt::format("the rotation type is '{}'", rotation), "Quaternion",
-                           "export again with quaternions"});
+    throw source.fault(
+        1, {InputFault::kUnknownWord, fmt::format("the rotation type is '{}'", rotation),
+            "Quaternion", "export again with quaternions"});
   }
   const auto space = take.properties.find("Coordinate Space");
   if (space != take.properties.end() && space->second != "Global") {
-    throw source.fault(1, {fmt::format("the coordinate space is '{}'", space->second), "Global",
-                           "export again in global coordinates"});
+    throw source.fault(
+        1, {InputFault::kUnknownWord, fmt::format("the coordinate space is '{}'", space->second),
+            "Global", "export again in global coordinates"});
   }
 }
 
@@ -66,8 +67,9 @@ double rateOf(const TrajectorySource& source, const Take& take) {
   const std::string& text = property(source, take, "Export Frame Rate");
   const std::optional<double> rate = parseNumber(text);
   if (rate && *rate > 0 && std::isfinite(*rate)) return *rate;
-  throw source.fault(1, {fmt::format("the export frame rate is '{}'", text),
-                         "frames per second above 0", "export again"});
+  throw source.fault(1,
+                     {InputFault::kOutOfRange, fmt::format("the export frame rate is '{}'", text),
+                      "frames per second above 0", "export again"});
 }
 
 // Where `kind` and `axis` belong in Body::columns; kNone: elsewhere (Mean Marker Error).
@@ -104,20 +106,21 @@ void takeColumns(Take& take, const std::vector<Cells>& rows) {
 }
 
 // Up to and with the row of axes.
-Take readHeader(const TrajectorySource& source, TextLines& lines) {
+Take readHeader(const TrajectorySource& source, TextTable& table) {
   Take take;
-  lines.next();
-  const Cells pairs = csvCells(lines.text());
+  table.nextLine();
+  const Cells pairs = table.cells();
   for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
     take.properties.emplace(pairs[i], pairs[i + 1]);
   }
   std::vector<Cells> rows;
   while (rows.empty() || rows.back().front() != "Frame") {
-    if (!lines.next() || rows.size() > 10) {
-      throw source.fault(lines.number(), {"no row 'Frame,Time (Seconds),...' follows the header",
-                                          "Motive's CSV with its header", "export again"});
+    if (!table.nextLine() || rows.size() > 10) {
+      throw source.fault(table.line(), {InputFault::kMissingKey,
+                                        "no row 'Frame,Time (Seconds),...' follows the header",
+                                        "Motive's CSV with its header", "export again"});
     }
-    if (!lines.text().empty()) rows.push_back(csvCells(lines.text()));
+    if (!table.row().empty()) rows.push_back(table.cells());
   }
   if (rows.size() >= 4) takeColumns(take, rows);
   return take;
@@ -126,7 +129,8 @@ Take readHeader(const TrajectorySource& source, TextLines& lines) {
 const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::string& wanted) {
   if (take.bodies.empty()) {
     throw source.fault(
-        0, {fmt::format("has no rigid body ({} columns of markers or others)", take.other_columns),
+        0, {InputFault::kMissingKey,
+            fmt::format("has no rigid body ({} columns of markers or others)", take.other_columns),
             "columns of type Rigid Body",
             "define a rigid body in Motive, solve the take, export with rigid bodies"});
   }
@@ -134,8 +138,9 @@ const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::
   for (const Body& body : take.bodies) names.push_back(body.name);
   const Body& body = take.bodies[chooseBody(source, names, wanted)];
   if (std::count(body.columns.begin(), body.columns.end(), kNone) == 0) return body;
-  throw source.fault(0, {fmt::format("the rigid body '{}' lacks columns", body.name),
-                         "Rotation X Y Z W and Position X Y Z", "export again with both"});
+  throw source.fault(
+      0, {InputFault::kMissingKey, fmt::format("the rigid body '{}' lacks columns", body.name),
+          "Rotation X Y Z W and Position X Y Z", "export again with both"});
 }
 
 struct BodyFrame {
@@ -145,38 +150,24 @@ struct BodyFrame {
   int line = 0;
 };
 
-double numberAt(const TrajectorySource& source, const TextLines& line, const Cells& cells,
-                std::size_t column) {
-  const std::optional<double> value =
-      column < cells.size() ? parseNumber(cells[column]) : std::nullopt;
-  if (value) return *value;
-  throw source.fault(
-      line.number(),
-      {fmt::format("column {} is '{}'", column + 1, cellAt(cells, column)), "a number",
-       line.ended() ? "repair or delete this line"
-                    : "the file is truncated: copy it again or delete this line"});
-}
-
-std::optional<StampedPose> poseOf(const TrajectorySource& source, const TextLines& line,
-                                  const Cells& cells, const Body& body) {
+std::optional<StampedPose> poseOf(const TextTable& table, const Cells& cells, const Body& body) {
   const auto empty = [&](std::size_t c) { return c < cells.size() && cells[c].empty(); };
   if (std::all_of(body.columns.begin(), body.columns.end(), empty)) return std::nullopt;
   std::array<double, 7> v{};
-  for (std::size_t i = 0; i < 7; ++i) v[i] = numberAt(source, line, cells, body.columns[i]);
+  for (std::size_t i = 0; i < 7; ++i) v[i] = table.numberIn(cells, body.columns[i]);
   return StampedPose{0, {v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
 }
 
-std::vector<BodyFrame> readFrames(const TrajectorySource& source, TextLines& lines,
-                                  const Body& body) {
+std::vector<BodyFrame> readFrames(TextTable& table, const Body& body) {
   std::vector<BodyFrame> frames;
-  while (lines.next()) {
-    if (lines.text().empty()) continue;
-    const Cells cells = csvCells(lines.text());
+  while (table.nextLine()) {
+    if (table.row().empty()) continue;
+    const Cells cells = table.cells();
     BodyFrame frame;
-    frame.number = std::lround(numberAt(source, lines, cells, 0));
-    frame.seconds = numberAt(source, lines, cells, 1);
-    frame.pose = poseOf(source, lines, cells, body);
-    frame.line = lines.number();
+    frame.number = std::lround(table.numberIn(cells, 0));
+    frame.seconds = table.numberIn(cells, 1);
+    frame.pose = poseOf(table, cells, body);
+    frame.line = table.line();
     frames.push_back(frame);
   }
   return frames;
@@ -189,7 +180,8 @@ void checkTimes(const TrajectorySource& source, const std::vector<BodyFrame>& fr
   const double stated = frames.back().seconds - frames.front().seconds;
   if (std::abs(span - stated) <= 2e-3) return;
   throw source.fault(frames.back().line,
-                     {fmt::format("the frames span {:.3f} s at {} frames per second, but the Time "
+                     {InputFault::kContradiction,
+                      fmt::format("the frames span {:.3f} s at {} frames per second, but the Time "
                                   "column {:.3f} s",
                                   span, rate, stated),
                       "frame numbers that count at the export frame rate", "export again"});
@@ -204,20 +196,21 @@ std::size_t chooseBody(const TrajectorySource& source, const std::vector<std::st
     return static_cast<std::size_t>(found - names.begin());
   }
   if (wanted.empty() && names.size() == 1) return 0;
-  throw source.fault(0, {wanted.empty() ? fmt::format("has {} bodies", names.size())
+  throw source.fault(0, {InputFault::kAmbiguous,
+                         wanted.empty() ? fmt::format("has {} bodies", names.size())
                                         : fmt::format("has no body '{}'", wanted),
                          fmt::format("the name of one of: {}", fmt::join(names, ", ")),
                          "choose the body by its name"});
 }
 
 TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOptions& options) {
-  TextLines lines(source.text);
-  const Take take = readHeader(source, lines);
+  TextTable table(source.path, source.text);
+  const Take take = readHeader(source, table);
   const Body& body = bodyOf(source, take, options.body);
   checkConventions(source, take);
   const double divisor = lengthDivisor(source, take);
   const double rate = rateOf(source, take);
-  const std::vector<BodyFrame> frames = readFrames(source, lines, body);
+  const std::vector<BodyFrame> frames = readFrames(table, body);
   checkTimes(source, frames, rate);
   TrajectoryBuilder builder(source, TrajectoryFormat::kMotive, true);
   std::size_t occluded = 0;

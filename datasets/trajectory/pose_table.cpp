@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "datasets/files/numbers.h"
+#include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
-#include "datasets/trajectory/table.h"
 
 namespace plumbline {
 namespace {
@@ -29,7 +28,7 @@ struct Layout {
 
 constexpr std::array<std::size_t, 4> kScalarFirst = {5, 6, 7, 4};
 
-TrajectoryFormat formatOf(const TableRow& row, const std::optional<TableHeader>& header) {
+TrajectoryFormat formatOf(const NumberRow& row, const std::optional<TableHeader>& header) {
   if (header && header->quaternion) {
     const auto& q = *header->quaternion;
     return q[3] < q[0] || (row.commas && header->stamp_power == 0) ? TrajectoryFormat::kEuroc
@@ -50,7 +49,7 @@ void takeHeader(Layout& layout, const TableHeader& header) {
   layout.order_is_stated = true;
 }
 
-bool knownCount(const TableRow& row, const Layout& layout) {
+bool knownCount(const NumberRow& row, const Layout& layout) {
   if (layout.order_is_stated) {
     const auto last = std::max(*std::max_element(layout.q.begin(), layout.q.end()), layout.p + 2);
     return static_cast<std::size_t>(row.columns) > last;
@@ -60,7 +59,7 @@ bool knownCount(const TableRow& row, const Layout& layout) {
                                                    : row.columns == kOpenVinsColumns;
 }
 
-Layout layoutOf(const TableRow& row, const std::optional<TableHeader>& header,
+Layout layoutOf(const NumberRow& row, const std::optional<TableHeader>& header,
                 const std::optional<TrajectoryFormat>& asked) {
   Layout layout;
   layout.format = asked.value_or(formatOf(row, header));
@@ -73,25 +72,25 @@ Layout layoutOf(const TableRow& row, const std::optional<TableHeader>& header,
   return layout;
 }
 
-void checkLayout(const TrajectorySource& source, int line, const TableRow& row,
+void checkLayout(const TrajectorySource& source, int line, const NumberRow& row,
                  const Layout& layout) {
   if (knownCount(row, layout)) return;
   throw source.fault(
-      line, {fmt::format("the row has {} columns", row.columns),
+      line, {InputFault::kBadColumns, fmt::format("the row has {} columns", row.columns),
              "8 (t x y z qx qy qz qw; with OpenVINS' covariances 20), EuRoC's 4, 8, 11 or 17, or "
              "KITTI's 12",
              "name the columns in a first line '# timestamp [s] tx ty tz qx qy qz qw'"});
 }
 
 // Rows of the upper triangle that begins at `column`, as a symmetric matrix.
-Eigen::Matrix3d symmetric(const TableRow& row, std::size_t column) {
+Eigen::Matrix3d symmetric(const NumberRow& row, std::size_t column) {
   const double* v = &row.values[column];
   Eigen::Matrix3d m;
   m << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
   return m;
 }
 
-Matrix6d openVinsCovariance(const TableRow& row, const StampedPose& pose) {
+Matrix6d openVinsCovariance(const NumberRow& row, const StampedPose& pose) {
   const Eigen::Matrix3d R = pose.transform().R;
   Matrix6d covariance = Matrix6d::Zero();
   covariance.topLeftCorner<3, 3>() = symmetric(row, 14);
@@ -99,7 +98,7 @@ Matrix6d openVinsCovariance(const TableRow& row, const StampedPose& pose) {
   return covariance;
 }
 
-StampedPose poseOf(const TableRow& row, const Layout& layout, TimeNs t) {
+StampedPose poseOf(const NumberRow& row, const Layout& layout, TimeNs t) {
   const auto& v = row.values;
   StampedPose pose;
   pose.t = t;
@@ -126,7 +125,8 @@ void checkQuaternionOrder(const TrajectorySource& source, TrajectoryBuilder& bui
       scalar_last ? "qw qx qy qz' or '... qx qy qz qw" : "qx qy qz qw' or '... qw qx qy qz");
   if (std::abs(suspect(poses.front())) == 1 && !asked) {
     throw source.fault(builder.firstLine(),
-                       {fmt::format("the first orientation is half a turn; read as {} it would be "
+                       {InputFault::kContradiction,
+                        fmt::format("the first orientation is half a turn; read as {} it would be "
                                     "the identity, so the quaternions look like {}",
                                     other, other),
                         scalar_last ? "qx qy qz qw" : "qw qx qy qz", cure});
@@ -142,56 +142,47 @@ void checkQuaternionOrder(const TrajectorySource& source, TrajectoryBuilder& bui
 class TableReader {
  public:
   TableReader(const TrajectorySource& source, const TrajectoryReadOptions& options)
-      : source_(source), options_(options), lines_(source.text) {}
+      : source_(source), options_(options), table_(source.path, source.text, "poses") {}
 
   TrajectoryFile read() {
-    if (!nextRow()) return TrajectoryBuilder(source_, TrajectoryFormat::kTum, true).finish();
-    const TableRow first = parseTableRow(source_, lines_);
+    for (const std::string_view line : table_.readHeader()) {
+      if (std::optional<TableHeader> header = parseTableHeader(line); header) header_ = header;
+    }
+    table_.nextRow();
+    const NumberRow first = table_.numbers();
     const Layout layout = layoutOf(first, header_, options_.format);
-    checkLayout(source_, lines_.number(), first, layout);
+    checkLayout(source_, table_.line(), first, layout);
     const StampUnit unit =
-        decideStampUnit(source_, {lines_.number(), first.values[0], layout.stated_power,
+        decideStampUnit(source_, {table_.line(), first.values[0], layout.stated_power,
                                   layout.format == TrajectoryFormat::kEuroc ? 0 : 9});
     TrajectoryBuilder builder(source_, layout.format, layout.has_orientation);
-    builder.reserve(source_.text.size() / std::max<std::size_t>(lines_.text().size(), 1) + 1);
+    builder.reserve(source_.text.size() / std::max<std::size_t>(table_.row().size(), 1) + 1);
     add(builder, layout, first, unit.power);
-    while (nextRow()) add(builder, layout, parseTableRow(source_, lines_), unit.power);
+    while (table_.nextRow()) add(builder, layout, table_.numbers(), unit.power);
     return checked(std::move(builder), layout, unit);
   }
 
  private:
-  // The next line with numbers; headers on the way are kept.
-  bool nextRow() {
-    while (lines_.next()) {
-      const std::string_view text = lines_.text();
-      if (text.empty()) continue;
-      const bool words = header_lines_ == 0 && std::isalpha(static_cast<unsigned char>(text[0]));
-      if (text[0] != '#' && !(words && text.substr(0, 3) != "nan")) return true;
-      ++header_lines_;
-      if (std::optional<TableHeader> header = parseTableHeader(text); header) header_ = header;
-    }
-    return false;
-  }
-
-  void add(TrajectoryBuilder& builder, const Layout& layout, const TableRow& row, int power) const {
-    checkColumns(source_, lines_, row, layout.columns);
+  void add(TrajectoryBuilder& builder, const Layout& layout, const NumberRow& row,
+           int power) const {
+    table_.expectColumns(row, layout.columns);
     const std::optional<TimeNs> t = parseStamp(row.stamp, power);
     if (!t) {
-      throw source_.fault(lines_.number(),
-                          {fmt::format("the stamp '{}' is no time", row.stamp),
-                           "a decimal number within 292 years of 0", "repair or delete this line"});
+      throw table_.fault({InputFault::kBadNumber,
+                          fmt::format("the stamp '{}' is no time", row.stamp),
+                          "a decimal number within 292 years of 0", "repair or delete this line"});
     }
     const StampedPose pose = poseOf(row, layout, *t);
-    builder.add(pose, lines_.number());
+    builder.add(pose, table_.line());
     if (layout.has_covariance) builder.addCovariance(covarianceOf(row, pose));
   }
 
-  Matrix6d covarianceOf(const TableRow& row, const StampedPose& pose) const {
+  Matrix6d covarianceOf(const NumberRow& row, const StampedPose& pose) const {
     const Matrix6d covariance = openVinsCovariance(row, pose);
     if (covariance.allFinite()) return covariance;
-    throw source_.fault(lines_.number(), {"the covariance is not finite (nan or inf)",
-                                          "twelve finite numbers behind the quaternion",
-                                          "the estimator diverged here: delete these rows"});
+    throw table_.fault({InputFault::kNotFinite, "the covariance is not finite (nan or inf)",
+                        "twelve finite numbers behind the quaternion",
+                        "the estimator diverged here: delete these rows"});
   }
 
   TrajectoryFile checked(TrajectoryBuilder builder, const Layout& layout,
@@ -206,9 +197,8 @@ class TableReader {
 
   const TrajectorySource& source_;
   const TrajectoryReadOptions& options_;
-  TextLines lines_;
+  TextTable table_;
   std::optional<TableHeader> header_;
-  int header_lines_ = 0;
 };
 
 }  // namespace

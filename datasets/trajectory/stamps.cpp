@@ -69,12 +69,13 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
       fmt::format("the stamp {:.17g} is no time of our century in {}: it looks like {} since 1970",
                   evidence.first, unitName(power), unitName(*epoch));
   if (evidence.stated) {
-    throw source.fault(evidence.line,
-                       {what, fmt::format("{}, as the header states", unitName(power)),
-                        "correct the header's unit or convert the stamps"});
+    throw source.fault(evidence.line, {InputFault::kWrongUnit, what,
+                                       fmt::format("{}, as the header states", unitName(power)),
+                                       "correct the header's unit or convert the stamps"});
   }
   if (*epoch == 3 || *epoch == 6) {
-    throw source.fault(evidence.line, {what, unitName(power), headerCure(*epoch)});
+    throw source.fault(evidence.line,
+                       {InputFault::kWrongUnit, what, unitName(power), headerCure(*epoch)});
   }
   return {*epoch, fmt::format("stamps are read as {} where the format has {}", unitName(*epoch),
                               unitName(power))};
@@ -86,7 +87,7 @@ void checkPoseIntervals(const TrajectorySource& source, const std::vector<Stampe
   const TimeNs interval = medianInterval(poses);
   if (interval >= kShortestInterval && interval <= kLongestInterval) return;
   if (interval == 0 && power == 9) {
-    throw source.fault(line, {"most stamps are equal to the one before",
+    throw source.fault(line, {InputFault::kWrongUnit, "most stamps are equal to the one before",
                               "stamps with at least six decimals of a second",
                               "the stamps lost their digits when they were written: export them "
                               "again with more"});
@@ -94,12 +95,14 @@ void checkPoseIntervals(const TrajectorySource& source, const std::vector<Stampe
   const bool too_short = interval < kShortestInterval;
   if (too_short && power == 9) {
     throw source.fault(
-        line, {fmt::format("the poses are {:.3g} s apart", static_cast<double>(interval) * 1e-9),
+        line, {InputFault::kWrongUnit,
+               fmt::format("the poses are {:.3g} s apart", static_cast<double>(interval) * 1e-9),
                "at least 0.2 ms between poses", "check the unit of the stamps"});
   }
   const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
   throw source.fault(
-      line, {fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",
+      line, {InputFault::kWrongUnit,
+             fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",
                          unitName(power), static_cast<double>(interval) * 1e-9, unitName(likely)),
              fmt::format("stamps in {}", unitName(power)), headerCure(likely)});
 }

@@ -4,9 +4,8 @@
 #include <algorithm>
 
 #include "datasets/files/file_io.h"
-#include "datasets/files/text_lines.h"
+#include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
-#include "datasets/trajectory/table.h"
 
 namespace plumbline {
 namespace {
@@ -47,8 +46,15 @@ std::optional<TrajectoryFormat> formatOf(std::string_view text) {
 
 }  // namespace
 
+void TrajectoryReadOptions::check() const {
+  if (times.empty() || !format || *format == TrajectoryFormat::kKitti) return;
+  throw BadInput(InputFault::kBadOption, times.string(), 0,
+                 "stamps in a file of their own belong to KITTI's poses");
+}
+
 TrajectoryFile readTrajectory(const std::filesystem::path& path,
                               const TrajectoryReadOptions& options) {
+  options.check();
   const MappedFile file(path.string());
   const TrajectorySource source{path.string(), file.text()};
   const auto format = options.format ? options.format : formatOf(source.text);

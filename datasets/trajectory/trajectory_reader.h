@@ -23,6 +23,9 @@ struct TrajectoryReadOptions {
   std::optional<TrajectoryFormat> format;  ///< none: told from the content
   std::string body;             ///< rigid body of a mocap export; needed where it has several
   std::filesystem::path times;  ///< KITTI's times.txt [s]; without it frame i is at i seconds
+
+  /// Throws InputError where the options contradict each other.
+  void check() const;
 };
 
 struct TrajectoryFile {

@@ -6,13 +6,12 @@
 #include <fmt/format.h>
 
 #include "datasets/files/numbers.h"
-#include "datasets/files/text_lines.h"
+#include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
 
 namespace plumbline {
 namespace {
 
-using Cells = std::vector<std::string_view>;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 constexpr const char* kExport = "Vicon's CSV: 'Objects', the rate, names, columns, units";
 
@@ -34,38 +33,40 @@ std::string_view cellAt(const Cells& cells, std::size_t i) {
   return i < cells.size() ? cells[i] : std::string_view();
 }
 
-Cells nextCells(const TrajectorySource& source, TextLines& lines) {
-  if (lines.next()) return csvCells(lines.text());
-  throw source.fault(lines.number(), {"the file ends in its header", kExport,
-                                      "the file is truncated: export it again"});
+Cells nextCells(const TrajectorySource& source, TextTable& table) {
+  if (table.nextLine()) return table.cells();
+  throw source.fault(table.line(), {InputFault::kTruncated, "the file ends in its header", kExport,
+                                    "the file is truncated: export it again"});
 }
 
 // Moves behind the line that begins the section of poses.
-void findSection(const TrajectorySource& source, TextLines& lines) {
-  while (lines.next()) {
-    const Cells cells = csvCells(lines.text());
+void findSection(const TrajectorySource& source, TextTable& table) {
+  while (table.nextLine()) {
+    const Cells cells = table.cells();
     if (cells[0] == "Objects" || cells[0] == "Segments") return;
   }
-  throw source.fault(0, {"has no section 'Objects' or 'Segments'", kExport,
+  throw source.fault(0, {InputFault::kMissingKey, "has no section 'Objects' or 'Segments'", kExport,
                          "trajectories of markers carry no orientation: export the objects"});
 }
 
-Header readHeader(const TrajectorySource& source, TextLines& lines) {
-  findSection(source, lines);
+Header readHeader(const TrajectorySource& source, TextTable& table) {
+  findSection(source, table);
   Header header;
-  const Cells rate = nextCells(source, lines);
+  const Cells rate = nextCells(source, table);
   header.rate = parseNumber(rate[0]).value_or(0);
   if (!(header.rate > 0 && std::isfinite(header.rate))) {
-    throw source.fault(lines.number(), {fmt::format("the rate is '{}'", rate[0]),
-                                        "frames per second above 0", "export again"});
+    throw source.fault(table.line(),
+                       {InputFault::kOutOfRange, fmt::format("the rate is '{}'", rate[0]),
+                        "frames per second above 0", "export again"});
   }
-  header.names = nextCells(source, lines);
-  header.columns = nextCells(source, lines);
+  header.names = nextCells(source, table);
+  header.columns = nextCells(source, table);
   if (cellAt(header.columns, 0) != "Frame" || cellAt(header.columns, 1) != "Sub Frame") {
-    throw source.fault(lines.number(),
-                       {"is no row 'Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ'", kExport, "export again"});
+    throw source.fault(table.line(),
+                       {InputFault::kMissingKey, "is no row 'Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ'",
+                        kExport, "export again"});
   }
-  header.units = nextCells(source, lines);
+  header.units = nextCells(source, table);
   return header;
 }
 
@@ -94,7 +95,7 @@ double unitFactor(const TrajectorySource& source, int line, std::string_view uni
   if (unit == "m" || unit == "rad") return 1;
   if (unit == "mm") return 1e-3;
   if (unit == "deg") return std::numbers::pi / 180;
-  throw source.fault(line, {fmt::format("the unit '{}' is unknown", unit),
+  throw source.fault(line, {InputFault::kWrongUnit, fmt::format("the unit '{}' is unknown", unit),
                             "mm or m for TX TY TZ, rad or deg for RX RY RZ", "export again"});
 }
 
@@ -107,8 +108,9 @@ Object chooseObject(const TrajectorySource& source, const Header& header,
   const auto missing = std::count(object.translation.begin(), object.translation.end(), kNone) +
                        std::count(object.rotation.begin(), object.rotation.begin() + 3, kNone);
   if (missing == 0) return object;
-  throw source.fault(0, {fmt::format("the object '{}' lacks columns", object.name),
-                         "RX RY RZ TX TY TZ", "export the objects' rotations and translations"});
+  throw source.fault(
+      0, {InputFault::kMissingKey, fmt::format("the object '{}' lacks columns", object.name),
+          "RX RY RZ TX TY TZ", "export the objects' rotations and translations"});
 }
 
 Eigen::Quaterniond fromVector(const Eigen::Vector3d& v) {
@@ -121,18 +123,18 @@ class ViconReader {
  public:
   ViconReader(const TrajectorySource& source, const std::string& wanted)
       : source_(source),
-        lines_(source.text),
-        header_(readHeader(source, lines_)),
+        table_(source.path, source.text),
+        header_(readHeader(source, table_)),
         object_(chooseObject(source, header_, wanted)),
         builder_(source, TrajectoryFormat::kVicon, true) {
-    const int line = lines_.number();
+    const int line = table_.line();
     length_ = unitFactor(source_, line, cellAt(header_.units, object_.translation[0]));
     if (isVector()) angle_ = unitFactor(source_, line, cellAt(header_.units, object_.rotation[0]));
   }
 
   TrajectoryFile read() {
     int frames = 0;
-    for (; lines_.next() && !lines_.text().empty(); ++frames) takeFrame();
+    for (; table_.nextLine() && !table_.row().empty(); ++frames) takeFrame();
     builder_.remark(fmt::format("object '{}'; stamps count from frame 0 at {} frames per second",
                                 object_.name, header_.rate));
     if (isVector()) {
@@ -151,13 +153,7 @@ class ViconReader {
   bool isVector() const { return object_.rotation[3] == kNone; }
 
   double number(const Cells& cells, std::size_t column) const {
-    const std::optional<double> value = parseNumber(cellAt(cells, column));
-    if (value) return *value;
-    throw source_.fault(
-        lines_.number(),
-        {fmt::format("column {} is '{}'", column + 1, cellAt(cells, column)), "a number",
-         lines_.ended() ? "repair or delete this line"
-                        : "the file is truncated: copy it again or delete this line"});
+    return table_.numberIn(cells, column);
   }
 
   bool seen(const Cells& cells) const {
@@ -174,8 +170,9 @@ class ViconReader {
     const Eigen::Vector3d v = angle_ * Eigen::Vector3d(at(0), at(1), at(2));
     if (v.allFinite() && v.norm() > 2 * std::numbers::pi * 1.001) {
       throw source_.fault(
-          lines_.number(),
-          {fmt::format("the rotation vector is {:.3f} rad long", v.norm()), "at most a full turn",
+          table_.line(),
+          {InputFault::kNotRigid, fmt::format("the rotation vector is {:.3f} rad long", v.norm()),
+           "at most a full turn",
            "are RX RY RZ Euler angles, or is their unit another? Export with "
            "helical angles or quaternions"});
     }
@@ -184,14 +181,14 @@ class ViconReader {
 
   TimeNs stamp(const Cells& cells) const {
     if (number(cells, 1) != 0) {
-      throw source_.fault(lines_.number(), {"the sub frame is not 0", "whole frames",
-                                            "export at the cameras' rate"});
+      throw source_.fault(table_.line(), {InputFault::kOutOfRange, "the sub frame is not 0",
+                                          "whole frames", "export at the cameras' rate"});
     }
     return std::llround(static_cast<long double>(number(cells, 0)) * 1e9L / header_.rate);
   }
 
   void takeFrame() {
-    const Cells cells = csvCells(lines_.text());
+    const Cells cells = table_.cells();
     const TimeNs t = stamp(cells);
     if (!seen(cells)) {
       ++occluded_;
@@ -200,11 +197,11 @@ class ViconReader {
     const auto& columns = object_.translation;
     const Eigen::Vector3d p(number(cells, columns[0]), number(cells, columns[1]),
                             number(cells, columns[2]));
-    builder_.add({t, length_ * p, rotation(cells)}, lines_.number());
+    builder_.add({t, length_ * p, rotation(cells)}, table_.line());
   }
 
   const TrajectorySource& source_;
-  TextLines lines_;
+  TextTable table_;
   Header header_;
   Object object_;
   TrajectoryBuilder builder_;

@@ -11,7 +11,7 @@
 #include <fmt/core.h>
 #include <malloc.h>
 
-#include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
 #include "evaluate/cli/commands.h"
 #include "generated/version.h"
 
@@ -34,9 +34,42 @@ std::string chosenWords(const CLI::App& app) {
   return words;
 }
 
+// The option that puts right what the libraries, which know no options, found wrong; "": none does.
+std::string optionFor(InputFault code) {
+  switch (code) {
+    case InputFault::kNoTarget:
+      return "; --target FILE names it";
+    case InputFault::kNoResolution:
+      return "; --resolution WxH states it";
+    case InputFault::kNoCorners:
+      return "; run plumbline detect on it first";
+    case InputFault::kNoImuNoise:
+      return "; --imu imu.yaml gives its noise densities";
+    case InputFault::kNoImuSamples:
+      return "; --no-imu leaves the IMU out";
+    case InputFault::kNoCache:
+      return "; --cache DIR names another, --no-cache none";
+    case InputFault::kNothingSelected:
+      return "; correct --from and --to";
+    case InputFault::kUnsupportedModel:
+      return "; --models chooses it";
+    case InputFault::kUnknownCamera:
+      return "; correct --only";
+    case InputFault::kTooManyCameras:
+      return "; --only chooses cameras, e.g. --only cam0,cam1";
+    case InputFault::kBadCameraRate:
+      return "; correct --camera-rate";
+    default:
+      return "";
+  }
+}
+
 int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
   try {
     return handlers.at(app.get_subcommands().front()->get_name())();
+  } catch (const BadInput& error) {
+    fmt::print(stderr, "plumbline: {}{}\n", error.what(), optionFor(error.code()));
+    return kBadInput;
   } catch (const InputError& error) {
     fmt::print(stderr, "plumbline: {}\n", error.what());
     return kBadInput;

@@ -7,7 +7,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/camera_models.h"
-#include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
 
 namespace plumbline {
 namespace {
@@ -87,10 +87,10 @@ void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
   for (const CameraCalibration& camera : cameras) {
     const Intrinsics& k = camera.intrinsics;
     if (canBeCalibrated(k.projection_model, k.distortion_model)) continue;
-    throw InputError(path, 0,
-                     fmt::format("{}: {}", camera.name,
-                                 unsupportedModelText(toString(k.projection_model),
-                                                      toString(k.distortion_model))));
+    throw BadInput(InputFault::kUnsupportedModel, path, 0,
+                   fmt::format("{}: {}", camera.name,
+                               unsupportedModelText(toString(k.projection_model),
+                                                    toString(k.distortion_model))));
   }
 }
 

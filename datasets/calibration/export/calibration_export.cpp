@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrator/base/error.h"
 #include "datasets/calibration/export/tools.h"
 #include "datasets/calibration/kalibr_writer.h"
+#include "datasets/files/bad_input.h"
 
 namespace plumbline {
 namespace {
@@ -47,9 +48,9 @@ const CameraCalibration& named(const Calibration& calibration, const std::string
   for (const CameraCalibration& camera : calibration.cameras) {
     if (camera.name == name) return camera;
   }
-  throw InputError(path, 0,
-                   fmt::format("has no camera '{}'; expected some of {}; correct --only", name,
-                               namesOf(calibration)));
+  throw BadInput(
+      InputFault::kUnknownCamera, path, 0,
+      fmt::format("has no camera '{}'; expected some of {}", name, namesOf(calibration)));
 }
 
 // Of the cameras chosen, where the cameras have offsets of their own; the first one's is that of
@@ -84,10 +85,17 @@ std::vector<ExportTool> exportTools() {
   return tools;
 }
 
+void ExportOptions::check() const {
+  if (!camera_rate_hz || (*camera_rate_hz > 0 && std::isfinite(*camera_rate_hz))) return;
+  throw BadInput(InputFault::kBadCameraRate, source, 0, "the rate of the images is not positive");
+}
+
 ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
                                 const ExportOptions& options) {
+  options.check();
   if (calibration.cameras.empty()) {
-    throw InputError(options.source, 0, "has no camera; expected a calibration of one or more");
+    throw BadInput(InputFault::kEmpty, options.source, 0,
+                   "has no camera; expected a calibration of one or more");
   }
   return entryOf(tool).write(calibration, options);
 }
@@ -100,8 +108,7 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
   if (!with_imu) return out;
   if (!options.noise_known) {
     out.warnings.push_back(
-        "imu.yaml is not written: this file does not state the IMU's noise densities (give them "
-        "with --imu imu.yaml).");
+        "imu.yaml is not written: this file does not state the IMU's noise densities.");
     return out;
   }
   out.files.push_back(
@@ -116,8 +123,8 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
   Calibration chosen{{}, calibration.imu};
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1) {
-      throw InputError(path, 0,
-                       fmt::format("camera '{}' is asked for twice; correct --only", name));
+      throw BadInput(InputFault::kUnknownCamera, path, 0,
+                     fmt::format("camera '{}' is asked for twice", name));
     }
     chosen.cameras.push_back(named(calibration, name, path));
   }

@@ -25,6 +25,9 @@ struct ExportOptions {
   std::string version;  ///< of Plumbline, for the line of provenance
   bool noise_known = true;               ///< false: the IMU's noise densities are not measured
   std::optional<double> camera_rate_hz;  ///< ORB-SLAM3 wants one; 20 with a warning where empty
+
+  /// Throws InputError for a value out of its range.
+  void check() const;
 };
 
 struct ExportFile {

@@ -71,7 +71,9 @@ ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptio
   for (const CameraCalibration& camera : calibration.cameras) {
     const std::string name = plainName(camera.name) + ".yaml";
     for (const ExportFile& file : out.files) {
-      if (file.name == name) checks.refuse("two cameras are called " + camera.name, "rename one");
+      if (file.name == name)
+        checks.refuse(InputFault::kDuplicate, "two cameras are called " + camera.name,
+                      "rename one");
     }
     out.files.push_back({name, commentHeader(options, out.warnings) +
                                    cameraText(camera, distortionOf(camera, checks))});

@@ -67,10 +67,8 @@ std::vector<std::string> warningsOf(const Calibration& calibration, const Export
         "you judge a stereo calibration with it.");
   }
   if (!options.camera_rate_hz) {
-    warnings.push_back(
-        fmt::format("Camera.fps is assumed to be {:.0f} Hz; give the rate of the images with "
-                    "--camera-rate.",
-                    kAssumedRate));
+    warnings.push_back(fmt::format(
+        "Camera.fps is assumed to be {:.0f} Hz; set it to the rate of the images.", kAssumedRate));
   }
   return warnings;
 }
@@ -132,7 +130,8 @@ ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions
   const ExportChecks checks(calibration, options, "ORB-SLAM3");
   check(calibration, checks);
   if (options.camera_rate_hz && std::lround(*options.camera_rate_hz) < 1) {
-    checks.refuse("Camera.fps must be a whole number, 1 or more", "correct --camera-rate");
+    checks.refuse(InputFault::kBadCameraRate, "Camera.fps must be a whole number, 1 or more",
+                  "correct the rate of the images");
   }
   ExportedFiles out;
   out.warnings = warningsOf(calibration, options);

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
 #include "datasets/files/numbers.h"
 
 namespace plumbline {
@@ -45,15 +45,16 @@ std::string wrappedParagraph(const std::string& paragraph, const std::string& pr
 
 }  // namespace
 
-void ExportChecks::refuse(const std::string& what, const std::string& cure) const {
-  throw InputError(options_.source, 0, fmt::format("{}: {}; {}", tool_, what, cure));
+void ExportChecks::refuse(InputFault code, const std::string& what, const std::string& cure) const {
+  throw BadInput(code, options_.source, 0, fmt::format("{}: {}; {}", tool_, what, cure));
 }
 
 void ExportChecks::atMostCameras(std::size_t count) const {
   if (calibration_.cameras.size() <= count) return;
-  refuse(fmt::format("it takes at most {} cameras, this calibration has {}", count,
+  refuse(InputFault::kTooManyCameras,
+         fmt::format("it takes at most {} cameras, this calibration has {}", count,
                      calibration_.cameras.size()),
-         "choose with --only, e.g. --only cam0,cam1");
+         "choose the cameras, e.g. cam0 and cam1");
 }
 
 void ExportChecks::oneResolution() const {
@@ -61,10 +62,11 @@ void ExportChecks::oneResolution() const {
   for (const CameraCalibration& camera : calibration_.cameras) {
     const Resolution& size = camera.intrinsics.resolution;
     if (size == first) continue;
-    refuse(fmt::format("it takes one image size, {} has {}x{} and {} has {}x{}",
+    refuse(InputFault::kTooManyCameras,
+           fmt::format("it takes one image size, {} has {}x{} and {} has {}x{}",
                        calibration_.cameras.front().name, first.width, first.height, camera.name,
                        size.width, size.height),
-           "export one camera with --only");
+           "export one camera");
   }
 }
 
@@ -72,15 +74,16 @@ void ExportChecks::oneModel() const {
   const CameraCalibration& first = calibration_.cameras.front();
   for (const CameraCalibration& camera : calibration_.cameras) {
     if (modelName(camera.intrinsics) == modelName(first.intrinsics)) continue;
-    refuse(fmt::format("it takes one camera model, {} is {} and {} is {}", first.name,
+    refuse(InputFault::kTooManyCameras,
+           fmt::format("it takes one camera model, {} is {} and {} is {}", first.name,
                        modelName(first.intrinsics), camera.name, modelName(camera.intrinsics)),
-           "calibrate both cameras with the same model, or export one camera with --only");
+           "calibrate both cameras with the same model, or export one camera");
   }
 }
 
 const ImuCalibration& ExportChecks::neededImu() const {
   if (!calibration_.imu) {
-    refuse("it needs an IMU, and this calibration has none",
+    refuse(InputFault::kMissingKey, "it needs an IMU, and this calibration has none",
            "calibrate with the recording's IMU, or export to kalibr, orbslam3 or camera_info");
   }
   knownNoise();
@@ -90,20 +93,22 @@ const ImuCalibration& ExportChecks::neededImu() const {
 void ExportChecks::knownNoise() const {
   if (!calibration_.imu) return;
   if (!options_.noise_known) {
-    refuse("it needs the IMU's noise densities, and this file does not state them",
-           "give them with --imu imu.yaml (Kalibr's)");
+    refuse(InputFault::kNoImuNoise,
+           "it needs the IMU's noise densities, and this file does not state them",
+           "give Kalibr's imu.yaml with it");
   }
   const ImuNoise& n = calibration_.imu->noise;
   const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
                         n.accel_random_walk > 0 && n.rate_hz > 0;
   if (!positive) {
-    refuse("a noise density or the IMU's rate is not positive",
-           "correct the calibration, or give --imu imu.yaml");
+    refuse(InputFault::kNoImuNoise, "a noise density or the IMU's rate is not positive",
+           "correct the calibration, or give Kalibr's imu.yaml with it");
   }
 }
 
 void ExportChecks::refuseModel(const CameraCalibration& camera, const std::string& known) const {
-  refuse(fmt::format("it cannot represent {}, which is {}; it has {}", camera.name,
+  refuse(InputFault::kUnsupported,
+         fmt::format("it cannot represent {}, which is {}; it has {}", camera.name,
                      modelName(camera.intrinsics), known),
          "calibrate this camera with a model that it has, or export to another tool "
          "(docs/export.md)");

@@ -8,6 +8,7 @@
 
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/export/calibration_export.h"
+#include "datasets/files/bad_input.h"
 
 namespace plumbline {
 
@@ -45,7 +46,7 @@ class ExportChecks {
   void knownNoise() const;
   /// A camera whose model the tool does not have; `known` lists those that it has.
   [[noreturn]] void refuseModel(const CameraCalibration& camera, const std::string& known) const;
-  [[noreturn]] void refuse(const std::string& what, const std::string& cure) const;
+  [[noreturn]] void refuse(InputFault code, const std::string& what, const std::string& cure) const;
 
  private:
   const Calibration& calibration_;

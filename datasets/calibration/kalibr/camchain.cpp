@@ -68,13 +68,14 @@ std::string suspectText(ChainContradiction::Suspect suspect, const KalibrCamera&
   return "one of them may be from another calibration";
 }
 
-InputError contradictionFault(const KalibrCamchain& chain, std::size_t i,
-                              const ChainContradiction& found) {
+BadInput contradictionFault(const KalibrCamchain& chain, std::size_t i,
+                            const ChainContradiction& found) {
   const bool by_chain = found.suspect == ChainContradiction::Suspect::kChain;
   const KalibrCamera& camera = chain.cameras[i];
   return badInput(
       chain.path, by_chain ? camera.T_cn_cnm1_line : camera.T_cam_imu_line,
-      {fmt::format("T_cam_imu and T_cn_cnm1 contradict each other by {:.1f} mm and {:.2f} degrees",
+      {InputFault::kContradiction,
+       fmt::format("T_cam_imu and T_cn_cnm1 contradict each other by {:.1f} mm and {:.2f} degrees",
                    1e3 * found.translation_m, found.rotation_rad / kDegree),
        "T_cam_imu mapping IMU to camera, T_cn_cnm1 the previous camera to this one",
        suspectText(found.suspect, camera, chain.cameras[i - 1])});
@@ -88,7 +89,7 @@ Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibrati
   const auto& T_C0S = chain.cameras.front().T_cam_imu;
   if (T_C0S && camera.T_cam_imu) return *T_C0S * camera.T_cam_imu->inverse();
   throw badInput(chain.path, camera.line,
-                 {"neither T_cn_cnm1 nor T_cam_imu is there", kMatrixRows,
+                 {InputFault::kMissingKey, "neither T_cn_cnm1 nor T_cam_imu is there", kMatrixRows,
                   "without one of them this camera's place is unknown"});
 }
 
@@ -120,8 +121,8 @@ void refuseRollingShutter(const KalibrCamchain& chain) {
   for (const KalibrCamera& camera : chain.cameras) {
     if (camera.line_delay_s == 0) continue;
     throw badInput(chain.path, camera.line_delay_line,
-                   {"a rolling shutter (line_delay is not 0)", "a global shutter",
-                    "rolling shutters are not supported yet"});
+                   {InputFault::kUnsupported, "a rolling shutter (line_delay is not 0)",
+                    "a global shutter", "rolling shutters are not supported yet"});
   }
 }
 
@@ -130,8 +131,8 @@ constexpr const char* kWhat = "Kalibr's imu.yaml (update_rate and noise densitie
 double positive(const YamlMap& map, const std::string& key, const std::string& unit) {
   const double value = map.number(key, "a positive number [" + unit + "]");
   if (value > 0) return value;
-  throw map.fault(key,
-                  {fmt::format("{} is {:g}", key, value), "a positive number [" + unit + "]", ""});
+  throw map.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value),
+                        "a positive number [" + unit + "]", ""});
 }
 
 std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& sensor,
@@ -141,9 +142,12 @@ std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& s
   if (!map.has(key)) return std::nullopt;
   const auto rows = map.rows(key, "a 3x3 matrix, as rows");
   Eigen::Matrix3d M;
-  if (rows.size() != 3) throw map.fault(key, {key + " is not 3x3", "three rows of three", ""});
+  if (rows.size() != 3)
+    throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three", ""});
   for (int r = 0; r < 3; ++r) {
-    if (rows[r].size() != 3) throw map.fault(key, {key + " is not 3x3", "three rows of three", ""});
+    if (rows[r].size() != 3)
+      throw map.fault(key,
+                      {InputFault::kBadNumber, key + " is not 3x3", "three rows of three", ""});
     for (int c = 0; c < 3; ++c) M(r, c) = rows[r][c];
   }
   return M;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -13,7 +13,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
-#include "datasets/files/text_lines.h"
+#include "datasets/files/table.h"
 
 namespace plumbline {
 namespace {
@@ -23,29 +23,22 @@ constexpr double kUnitTolerance = 1e-3;
 constexpr double kLooking = 0.8;  // share of poses that must look at the target
 constexpr double kSharper = 0.5;  // an order that brings the aims this much closer is the right one
 
-StampedPose poseOf(const std::string& path, const TextLines& lines) {
-  const auto cells = csvCells(lines.text());
-  if (cells.size() != 8) {
-    throw badInput(path, lines.number(), {fmt::format("{} columns", cells.size()), kRow, ""});
-  }
-  const auto t = parseStamp(cells[0], 0);
-  if (!t) throw badInput(path, lines.number(), {"the stamp is no number", kRow, ""});
-  std::array<double, 7> v{};
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const auto value = parseNumber(cells[i + 1]);
-    if (!value || !std::isfinite(*value)) {
-      throw badInput(path, lines.number(),
-                     {fmt::format("'{}' is not a finite number", cells[i + 1]), kRow, ""});
-    }
-    v[i] = *value;
+StampedPose poseOf(TextTable& table) {
+  const NumberRow row = table.numbers();
+  table.expectColumns(row, 8);
+  const auto t = parseStamp(row.stamp, 0);
+  if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is no time", kRow, ""});
+  const double* const v = &row.values[1];
+  if (!std::all_of(v, v + 7, [](double value) { return std::isfinite(value); })) {
+    throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)", kRow, ""});
   }
   StampedPose pose;
   pose.t = *t;
   pose.p = {v[0], v[1], v[2]};
   pose.q = Eigen::Quaterniond(v[6], -v[3], -v[4], -v[5]);
   if (std::abs(pose.q.norm() - 1) > kUnitTolerance) {
-    throw badInput(path, lines.number(),
-                   {fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1", ""});
+    throw table.fault({InputFault::kNotRigid,
+                       fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1", ""});
   }
   return pose;
 }
@@ -100,7 +93,8 @@ void requireLooking(const std::string& path, const Trajectory& trajectory) {
   if (aim.share >= kLooking && !other_is_better) return;
   throw badInput(
       path, 0,
-      {fmt::format("{:.0f} % of the cameras look at the target, {:.2f} m apart{}", 100 * aim.share,
+      {InputFault::kContradiction,
+       fmt::format("{:.0f} % of the cameras look at the target, {:.2f} m apart{}", 100 * aim.share,
                    aim.spread_m,
                    other_is_better
                        ? fmt::format("; as the header says, {:.2f} m apart", other.spread_m)
@@ -114,18 +108,19 @@ void requireLooking(const std::string& path, const Trajectory& trajectory) {
 
 Trajectory readKalibrPoses(const std::string& path) {
   const MappedFile file(path);
-  TextLines lines(file.text());
+  TextTable table(path, file.text(), kRow);
   Trajectory trajectory;
   trajectory.name = std::filesystem::path(path).stem().string();
-  while (lines.next()) {
-    if (lines.text().empty() || lines.text().front() == '#') continue;
-    trajectory.poses.push_back(poseOf(path, lines));
+  while (table.nextRow()) {
+    trajectory.poses.push_back(poseOf(table));
     const auto& poses = trajectory.poses;
     if (poses.size() > 1 && poses.back().t <= poses[poses.size() - 2].t) {
-      throw badInput(path, lines.number(), {"the stamps do not ascend", "ascending stamps", ""});
+      throw table.fault(
+          {InputFault::kBadOrder, "the stamps do not ascend", "ascending stamps", ""});
     }
   }
-  if (trajectory.poses.empty()) throw badInput(path, 0, {"holds no poses", kRow, ""});
+  if (trajectory.poses.empty())
+    throw badInput(path, 0, {InputFault::kEmpty, "holds no poses", kRow, ""});
   requireLooking(path, trajectory);
   return trajectory;
 }

@@ -17,7 +17,8 @@ KalibrTextCamera& cameraNamed(KalibrResults& results, const ResultsLines& lines)
   for (KalibrTextCamera& camera : results.cameras) {
     if (camera.name == name) return camera;
   }
-  if (name.empty()) throw lines.fault("no camera is named here", "cam0, cam1, ...");
+  if (name.empty())
+    throw lines.fault("no camera is named here", "cam0, cam1, ...", InputFault::kMissingKey);
   results.cameras.emplace_back();
   results.cameras.back().name = name;
   return results.cameras.back();
@@ -187,7 +188,7 @@ KalibrResults readKalibrResults(const std::string& path) {
   results.path = path;
   if (!lines.next() || !lines.startsWith("Calibration results")) {
     throw lines.fault("this is no results text of Kalibr",
-                      "'Calibration results' in its first line");
+                      "'Calibration results' in its first line", InputFault::kUnknownFile);
   }
   const bool cameras = file.text().find("Camera-system parameters") != std::string_view::npos;
   results.tool = cameras ? KalibrResults::Tool::kCameras : KalibrResults::Tool::kCameraImu;

@@ -10,7 +10,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/numbers.h"
-#include "datasets/files/text_lines.h"
+#include "datasets/files/table.h"
 
 namespace plumbline {
 namespace {
@@ -83,9 +83,10 @@ double ResultsLines::number(std::string_view text) const {
   const auto value = parseNumber(text);
   if (!value) throw fault(fmt::format("'{}' is not a number", text), "a number");
   if (std::isfinite(*value)) return *value;
-  throw badInput(path_, index_ + 1,
-                 {fmt::format("a result is {}: the optimisation diverged", text), "finite numbers",
-                  "nothing in this file can be used: calibrate again"});
+  throw badInput(
+      path_, index_ + 1,
+      {InputFault::kNotFinite, fmt::format("a result is {}: the optimisation diverged", text),
+       "finite numbers", "nothing in this file can be used: calibrate again"});
 }
 
 double ResultsLines::numberAfter(std::string_view key, std::string_view other) const {
@@ -94,7 +95,8 @@ double ResultsLines::numberAfter(std::string_view key, std::string_view other) c
   const std::string_view used = first ? key : other;
   const std::size_t at = line().find(used);
   if (at == std::string_view::npos) {
-    throw fault(fmt::format("'{}' is missing", used), "a line as Kalibr writes it");
+    throw fault(fmt::format("'{}' is missing", used), "a line as Kalibr writes it",
+                InputFault::kMissingKey);
   }
   std::string_view rest = trimmedText(line().substr(at + used.size()));
   const std::size_t end = std::min(rest.find_first_of(" ,_[\t"), rest.size());
@@ -127,14 +129,16 @@ std::vector<double> ResultsLines::bracket(std::size_t count) {
   throw fault("no list in brackets", "[ numbers ]");
 }
 
-InputError ResultsLines::fault(const std::string& what, const std::string& expected) const {
+BadInput ResultsLines::fault(const std::string& what, const std::string& expected,
+                             InputFault code) const {
   const int shown = std::clamp(index_ + 1, 1, std::max<int>(1, static_cast<int>(lines_.size())));
-  return badInput(path_, shown, {what, expected, kAgain});
+  return badInput(path_, shown, {code, what, expected, kAgain});
 }
 
-InputError ResultsLines::ended(const std::string& missing) const {
+BadInput ResultsLines::ended(const std::string& missing) const {
   return badInput(path_, static_cast<int>(lines_.size()),
-                  {"the file ends before " + missing, "the whole results text of Kalibr", kAgain});
+                  {InputFault::kTruncated, "the file ends before " + missing,
+                   "the whole results text of Kalibr", kAgain});
 }
 
 }  // namespace plumbline

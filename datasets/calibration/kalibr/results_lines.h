@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
 
 namespace plumbline {
 
@@ -37,9 +37,10 @@ class ResultsLines {
   /// The numbers of the next [...] from here on, nested or not, `count` of them if that is not 0.
   std::vector<double> bracket(std::size_t count = 0);
 
-  InputError fault(const std::string& what, const std::string& expected) const;
+  BadInput fault(const std::string& what, const std::string& expected,
+                 InputFault code = InputFault::kBadNumber) const;
   /// The file ends before something that it should hold.
-  InputError ended(const std::string& missing) const;
+  BadInput ended(const std::string& missing) const;
 
  private:
   std::string_view line() const;

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "datasets/files/file_io.h"
-#include "datasets/files/text_lines.h"
+#include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {
@@ -146,8 +146,8 @@ std::optional<KalibrCamchain> chainOf(const std::vector<std::string>& paths,
     }
   }
   throw badInput(path, 0,
-                 {"holds several runs of Kalibr (" + namesOf(paths) + ")", "one run",
-                  "name the camchain that is meant"});
+                 {InputFault::kAmbiguous, "holds several runs of Kalibr (" + namesOf(paths) + ")",
+                  "one run", "name the camchain that is meant"});
 }
 
 void addStandardDeviations(Calibration& calibration, const KalibrResults& text) {
@@ -200,7 +200,7 @@ KalibrRun readKalibrRun(const std::string& path) {
   if (!folder && !kalibrFileKind(path)) {
     (void)MappedFile(path);  // a missing file says so
     throw badInput(path, 0,
-                   {"this is no output of Kalibr",
+                   {InputFault::kUnknownFile, "this is no output of Kalibr",
                     "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv", ""});
   }
   Files files = filesIn(folder ? fs::path(path) : fs::absolute(path).parent_path());
@@ -210,7 +210,7 @@ KalibrRun readKalibrRun(const std::string& path) {
   run.cameras = chainOf(files[Kind::kCamchain], named);
   if (!run.camera_imu && !run.cameras) {
     throw badInput(path, 0,
-                   {"no camchain of Kalibr is here", "camchain*.yaml",
+                   {InputFault::kUnknownFile, "no camchain of Kalibr is here", "camchain*.yaml",
                     "a results text is rounded: the values are in the YAML"});
   }
   if (run.cameras) {

@@ -118,14 +118,4 @@ inline const char* const kImuYaml = R"(imu0:
   update_rate: 200.0
 )";
 
-// What reading says of a fault.
-inline std::string complaint(const std::function<void()>& read) {
-  try {
-    read();
-    return "was accepted";
-  } catch (const InputError& error) {
-    return error.what();
-  }
-}
-
 }  // namespace plumbline

@@ -9,13 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "tests/datasets/refusal.h"
 
 namespace plumbline {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::Pair;
 
 const std::vector<std::string> kKnown{"offsets-ms", "corner-noise-px", "seed"};
@@ -35,21 +34,26 @@ TEST(StudyDefinition, ValuesAndListsBecomeText) {
 }
 
 TEST(StudyDefinition, FaultsNameTheirLine) {
-  for (const auto& [text, words] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"seed: 1\noffset-ms: 1\n", ":2: unknown name 'offset-ms'"},
-           {"seed: 1\noffsets-ms:\n", "offsets-ms has no value"},
-           {"offsets-ms: {from: 1}\n", ":1: offsets-ms has no value"},
-           {"offsets-ms: [[1, 2]]\n", ":1: offsets-ms has no value"},
-           {"offsets-ms: [1\n", "study_reader_test.yaml"}}) {
+  struct Case {
+    const char* text;
+    int line;
+    InputFault code;
+  };
+  for (const auto& [text, line, code] :
+       {Case{"seed: 1\noffset-ms: 1\n", 2, InputFault::kUnknownWord},
+        Case{"seed: 1\noffsets-ms:\n", 1, InputFault::kBadNumber},
+        Case{"offsets-ms: {from: 1}\n", 1, InputFault::kBadNumber},
+        Case{"offsets-ms: [[1, 2]]\n", 1, InputFault::kBadNumber},
+        Case{"offsets-ms: [1\n", 2, InputFault::kSyntax}}) {
     const std::string path = fileWith(text);
-    try {
-      (void)readStudyDefinition(path, kKnown);
-      ADD_FAILURE() << text;
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), AllOf(HasSubstr(path), HasSubstr(words))) << text;
-    }
+    const auto refusal = refusalOf([&] { (void)readStudyDefinition(path, kKnown); });
+    ASSERT_TRUE(refusal) << text;
+    EXPECT_EQ(refusal->path(), path);
+    EXPECT_EQ(refusal->line(), line) << refusal->what();
+    EXPECT_EQ(refusal->code(), code) << refusal->what();
   }
-  EXPECT_THROW((void)readStudyDefinition("no/such/file.yaml", kKnown), InputError);
+  EXPECT_EQ(faultOf([] { (void)readStudyDefinition("no/such/file.yaml", kKnown); }),
+            InputFault::kMissingFile);
 }
 
 }  // namespace

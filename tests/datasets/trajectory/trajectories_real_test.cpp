@@ -13,8 +13,8 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/trajectory/trajectory_reader.h"
-#include "datasets/trajectory/trajectory_writer.h"
 #include "tests/datasets/temporary_folder.h"
+#include "tests/datasets/trajectory/write_tum.h"
 
 namespace plumbline {
 namespace {

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "datasets/files/numbers.h"
-#include "datasets/files/text_lines.h"
-#include "datasets/trajectory/table.h"
+#include "datasets/files/table.h"
+#include "datasets/trajectory/formats.h"
 
 namespace plumbline {
 namespace {

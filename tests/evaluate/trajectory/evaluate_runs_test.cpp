@@ -11,10 +11,10 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/trajectory/trajectory_writer.h"
 #include "evaluate/trajectory/run_pattern.h"
 #include "evaluate/trajectory/summary.h"
 #include "report/records/documents.h"
+#include "tests/datasets/trajectory/write_tum.h"
 
 namespace plumbline {
 namespace {

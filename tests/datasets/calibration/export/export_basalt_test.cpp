@@ -80,7 +80,7 @@ TEST(ExportBasalt, PosesOffsetAndNoiseReadBack) {
     EXPECT_EQ(json["resolution"][i], (Json{512, 512}));
   }
   ASSERT_TRUE(json["cam_time_offset_ns"].is_number_integer());
-  EXPECT_EQ(json["cam_time_offset_ns"], -3700000);
+  EXPECT_EQ(json["cam_time_offset_ns"], -3700000);  // t_imu = t_cam + this
   const ImuNoise& noise = truth.imu->noise;
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_EQ(json["accel_noise_std"][axis], noise.accel_density);
@@ -94,13 +94,15 @@ TEST(ExportBasalt, PosesOffsetAndNoiseReadBack) {
   EXPECT_TRUE(json["vignette"].is_array());
 }
 
-TEST(ExportBasalt, FisheyeIsKb4) {
+TEST(ExportBasalt, FisheyeIsKb4WithTheSamePixels) {
   const Calibration truth = rig("tumvi");
-  const Json camera = exported(truth)["intrinsics"][1];
-  EXPECT_EQ(camera["camera_type"], "kb4");
-  const Eigen::VectorXd all = truth.cameras[1].intrinsics.stacked();
-  const char* keys[] = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4"};
-  for (int i = 0; i < 8; ++i) EXPECT_EQ(camera["intrinsics"][keys[i]], all[i]) << keys[i];
+  const Json json = exported(truth);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(json["intrinsics"][i]["camera_type"], "kb4");
+    const Json& k = json["intrinsics"][i]["intrinsics"];
+    expectPixels(truth, i, pose(json["T_imu_cam"][i]), {k["fx"], k["fy"], k["cx"], k["cy"]},
+                 {k["k1"], k["k2"], k["k3"], k["k4"]});
+  }
 }
 
 // radtan8: x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + tangential.
@@ -164,23 +166,32 @@ TEST(ExportBasalt, OmniIsUcmWithTheSamePixels) {
   }
 }
 
-TEST(ExportBasalt, DoubleSphereAndEucmKeepTheirNames) {
+// Usenko et al. 2018: double sphere (eq. 40 to 42) and extended unified (eq. 17) cameras.
+double depthOf(const Json& k, const std::string& type, const Eigen::Vector3d& p) {
+  const double alpha = k["alpha"];
+  if (type == "eucm") {
+    const double d = std::sqrt(k["beta"].get<double>() * p.head<2>().squaredNorm() + p.z() * p.z());
+    return alpha * d + (1 - alpha) * p.z();
+  }
+  const double moved = k["xi"].get<double>() * p.norm() + p.z();
+  return alpha * std::hypot(p.head<2>().norm(), moved) + (1 - alpha) * moved;
+}
+
+TEST(ExportBasalt, DoubleSphereAndEucmMeetTheSamePixels) {
   const auto values = (Eigen::VectorXd(6) << 0.1, 0.6, 300, 301, 370, 250).finished();
-  const auto camera = [&](ProjectionModel model) {
-    return exported(singleCamera(model, DistortionModel::kNone, values, {}))["intrinsics"][0];
-  };
-  const Json ds = camera(ProjectionModel::kDs);
-  EXPECT_EQ(ds["camera_type"], "ds");
-  EXPECT_EQ(ds["intrinsics"], (Json{{"fx", 300.0},
-                                    {"fy", 301.0},
-                                    {"cx", 370.0},
-                                    {"cy", 250.0},
-                                    {"xi", 0.1},
-                                    {"alpha", 0.6}}));
-  const Json eucm = camera(ProjectionModel::kEucm);
-  EXPECT_EQ(eucm["camera_type"], "eucm");
-  EXPECT_EQ(eucm["intrinsics"]["alpha"], 0.1);
-  EXPECT_EQ(eucm["intrinsics"]["beta"], 0.6);
+  for (const auto& [model, type] :
+       {std::pair{ProjectionModel::kDs, "ds"}, std::pair{ProjectionModel::kEucm, "eucm"}}) {
+    const Calibration truth = singleCamera(model, DistortionModel::kNone, values, {});
+    const Json camera = exported(truth)["intrinsics"][0];
+    EXPECT_EQ(camera["camera_type"], type);
+    const Json& k = camera["intrinsics"];
+    for (const Eigen::Vector3d& p : pointsInView()) {
+      const double depth = depthOf(k, type, p);
+      const Eigen::Vector2d uv(k["fx"].get<double>() * p.x() / depth + k["cx"].get<double>(),
+                               k["fy"].get<double>() * p.y() / depth + k["cy"].get<double>());
+      EXPECT_LT((uv - *project(truth.cameras[0].intrinsics, p)).norm(), 1e-10) << type;
+    }
+  }
 }
 
 TEST(ExportBasalt, NotesStandBesideIt) {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is written as TUM is read with the same bits.
-#include "datasets/trajectory/trajectory_writer.h"
-
 #include <fstream>
 #include <limits>
 #include <random>
@@ -14,6 +12,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/trajectory/trajectory_reader.h"
 #include "tests/datasets/temporary_folder.h"
+#include "tests/datasets/trajectory/write_tum.h"
 
 namespace plumbline {
 namespace {
@@ -70,11 +69,6 @@ TEST(WriteTum, ReachesTheEndsOfTime) {
   const TrajectoryFile file = readTrajectory(folder.path("out.txt"));
   EXPECT_EQ(file.trajectory.poses[0].t, trajectory.poses[0].t);
   EXPECT_EQ(file.trajectory.poses[1].t, trajectory.poses[1].t);
-}
-
-TEST(WriteTum, AFolderThatIsMissingIsNamed) {
-  const TemporaryFolder folder;
-  EXPECT_THROW(writeTum(folder.path("none/out.txt"), Trajectory()), InputError);
 }
 
 }  // namespace
