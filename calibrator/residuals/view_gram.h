@@ -25,7 +25,7 @@ struct GramOptions {
   double triggs_clamp = 0.7;
 };
 
-/// Squared error [px^2] charged for a corner that cannot be projected (depth not above 1e-9 m,
+/// Cost [px^2] of a corner that cannot be projected (depth not above 1e-9 m,
 /// parameters that are not finite) or misses by more than 1e5 px; such a corner has no gradient and
 /// no loss is applied. It makes a step that puts the target behind the camera cost so much that it
 /// is rejected, where a NaN would go through comparisons. The fold of the distortion is not checked

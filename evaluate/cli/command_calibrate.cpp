@@ -55,7 +55,7 @@ void declareOutput(CLI::App& app, CalibrateOptions& o) {
   app.add_flag("--residuals", o.residuals, "Also write residuals.csv, a row for each corner");
   app.add_flag("--no-report", o.no_report, "Write no report.html");
   app.add_option("--threshold", o.thresholds,
-                 "Threshold of the verdict, NAME=DOUBTFUL,BAD, e.g. rmse_px=1,2; repeatable")
+                 "Threshold of the verdict, NAME=CAUTION,BAD, e.g. rmse_px=1,2; repeatable")
       ->allow_extra_args(false);
 }
 

@@ -218,17 +218,17 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
   const auto values = equals == std::string::npos ? std::vector<std::string>()
                                                   : split(assignment.substr(equals + 1), ',');
   if (member != thresholdMembers().end() && values.size() == 2) {
-    const auto doubtful = number(values[0]);
+    const auto caution = number(values[0]);
     const auto bad = number(values[1]);
-    if (doubtful && bad) {
-      thresholds.*(member->second) = {*doubtful, *bad};
+    if (caution && bad) {
+      thresholds.*(member->second) = {*caution, *bad};
       return;
     }
   }
   std::vector<std::string> names;
   for (const auto& [name, unused] : thresholdMembers()) names.push_back(name);
   refuse("--threshold", assignment,
-         fmt::format("NAME=DOUBTFUL,BAD with NAME one of {}", fmt::join(names, ", ")));
+         fmt::format("NAME=CAUTION,BAD with NAME one of {}", fmt::join(names, ", ")));
 }
 
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds) {

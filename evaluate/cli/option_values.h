@@ -38,7 +38,7 @@ Resolution resolutionFrom(const std::string& word, const char* option = "--resol
 /// "full", "pure-rotation", "single-axis", "planar", "static" or "fronto-parallel".
 MotionKind motionFrom(const std::string& word);
 
-/// "rmse_px=1.5,3" (doubtful, bad) changes one threshold of the verdict.
+/// "rmse_px=1.5,3" (caution, bad) changes one threshold of the verdict.
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds);
 
 /// Milliseconds as written on the command line to nanoseconds, rounded to the nearest. Anything

@@ -46,7 +46,7 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
   if (beyond.size() > kMostNamed) names.push_back("...");
   Finding f;
   f.rule = "Parameters of " + pairName(record, i);
-  f.level = beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kDoubtful;
+  f.level = beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kCaution;
   if (known == 0) {
     f.evidence = "no parameter has a standard deviation under both: no significance";
   } else if (beyond.empty()) {
@@ -102,7 +102,7 @@ Finding differenceFinding(const ImageMap& map, const ComparisonThresholds& bound
       std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : "infinity";
   f.rule = fmt::format("Projection of {} at {}, {}", map.camera, range, map.label);
   f.level = worst > bounds.difference_bad_px ? VerdictLevel::kBad
-            : worst > bounds.difference_px   ? VerdictLevel::kDoubtful
+            : worst > bounds.difference_px   ? VerdictLevel::kCaution
                                              : VerdictLevel::kGood;
   f.evidence =
       fmt::format("{:.3f} px at the centre, {:.3f} px at the worst corner, {:.3f} px at most",
@@ -138,7 +138,7 @@ void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings)
     if (score.problem.empty()) continue;
     Finding f;
     f.rule = fmt::format("{} on {}", score.label, score.session);
-    f.level = VerdictLevel::kDoubtful;
+    f.level = VerdictLevel::kCaution;
     f.evidence = "not scored: " + score.problem;
     findings.push_back(std::move(f));
   }
@@ -166,7 +166,7 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
   if (parts.empty()) return;
   Finding f;
   f.rule = "Models of " + pairName(record, i);
-  f.level = VerdictLevel::kDoubtful;
+  f.level = VerdictLevel::kCaution;
   f.evidence = fmt::format("{}", fmt::join(parts, "; "));
   findings.push_back(std::move(f));
 }

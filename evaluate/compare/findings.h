@@ -10,7 +10,7 @@ namespace plumbline {
 /// When a difference is worth a person's attention.
 struct ComparisonThresholds {
   double significance = 3;       ///< of a parameter's difference [standard deviations]
-  double difference_px = 1;      ///< worst projection difference, doubtful above
+  double difference_px = 1;      ///< worst projection difference, caution above
   double difference_bad_px = 5;  ///< and bad above
   double prediction_sigmas = 3;  ///< of a paired prediction
 };

@@ -30,7 +30,7 @@ const CalibrationParameter* find(const std::vector<CalibrationParameter>& list,
 VerdictLevel levelOf(double sigmas) {
   constexpr double kNotable = 2, kLarge = 3;
   if (sigmas >= kLarge) return VerdictLevel::kBad;
-  return sigmas >= kNotable ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+  return sigmas >= kNotable ? VerdictLevel::kCaution : VerdictLevel::kGood;
 }
 
 void addSignificance(ComparedParameter& row) {

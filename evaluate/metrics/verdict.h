@@ -5,9 +5,9 @@
 
 namespace plumbline {
 
-/// From where on a figure is doubtful, and from where on bad.
+/// From where on a figure is caution, and from where on bad.
 struct Bound {
-  double doubtful = 0;
+  double caution = 0;
   double bad = 0;
 };
 
@@ -45,7 +45,7 @@ struct VerdictThresholds {
   Bound fault_sigma{1, 50};
   Bound gravity{0.003, 0.03};  ///< |gravity as measured / assumed - 1|, above
   /// By what factor an assumed density of the IMU is too small, above; below 1 / 5 (too large) it
-  /// is doubtful as well, never bad.
+  /// is caution as well, never bad.
   Bound imu_noise_factor{2, 10};
 };
 

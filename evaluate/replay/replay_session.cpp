@@ -34,7 +34,7 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   Finding f;
   f.rule = ruleName(s.stage, "start");
   if (s.frames_offered == 0) {
-    f.level = VerdictLevel::kDoubtful;
+    f.level = VerdictLevel::kCaution;
     f.evidence = "not played: " + s.problem;
     f.advice = "give the cameras (--cameras FILE) to play this stage over the whole recording";
     return f;
@@ -52,7 +52,7 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
     f.evidence += fmt::format(", {} came while the guide was busy", s.frames_dropped);
   }
   if (!s.problem.empty()) {
-    f.level = VerdictLevel::kDoubtful;
+    f.level = VerdictLevel::kCaution;
     f.evidence += "; " + s.problem;
   }
   return f;
@@ -67,14 +67,14 @@ Finding stopFinding(const StopAudit& audit) {
     case StopAudit::Verdict::kRight:
       break;
     case StopAudit::Verdict::kNotJudged:
-      f.level = VerdictLevel::kDoubtful;
+      f.level = VerdictLevel::kCaution;
       break;
     case StopAudit::Verdict::kNeverStopped:
-      f.level = VerdictLevel::kDoubtful;
+      f.level = VerdictLevel::kCaution;
       f.advice = "the guide still had something to ask for when the recording ended";
       break;
     case StopAudit::Verdict::kEarly:
-      f.level = VerdictLevel::kDoubtful;
+      f.level = VerdictLevel::kCaution;
       f.advice = "lower the threshold, or ask for more views (--min-views)";
       break;
     case StopAudit::Verdict::kLate:

@@ -12,9 +12,9 @@ namespace {
 
 bool isShift(const PerturbationCase& c) { return c.kind == toString(PerturbationKind::kImuShift); }
 
-VerdictLevel levelAbove(double value, double doubtful, double bad) {
+VerdictLevel levelAbove(double value, double caution, double bad) {
   if (value > bad) return VerdictLevel::kBad;
-  return value > doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+  return value > caution ? VerdictLevel::kCaution : VerdictLevel::kGood;
 }
 
 std::vector<const PerturbationCase*> solvedShifts(const PerturbationRecord& record) {
@@ -37,7 +37,7 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
   const ConvergenceBasin basin = convergenceBasin(record, bounds.offset_error_bad_s);
   Finding f;
   f.rule = "Injected time offsets recovered";
-  f.level = levelAbove(error, bounds.offset_error_doubtful_s, bounds.offset_error_bad_s);
+  f.level = levelAbove(error, bounds.offset_error_caution_s, bounds.offset_error_bad_s);
   f.evidence = fmt::format(
       "{} injected offsets; the worst, {:+g} ms, is recovered to {:.3g} us (recovered - injected - "
       "base). Unbroken range around zero: {:+g} to {:+g} ms",
@@ -47,7 +47,7 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
         "the recording hardly ties the clocks together; record brisker rotation about all axes";
   }
   f.value = error;
-  f.threshold = bounds.offset_error_doubtful_s;
+  f.threshold = bounds.offset_error_caution_s;
   f.unit = "s";
   return f;
 }
@@ -69,14 +69,14 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   if (largest < 0) return std::nullopt;
   Finding f;
   f.rule = "Other parameters under moved IMU stamps";
-  f.level = levelAbove(largest, bounds.change_doubtful_sigma, bounds.change_bad_sigma);
+  f.level = levelAbove(largest, bounds.change_caution_sigma, bounds.change_bad_sigma);
   f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
                            name, largest, amount);
   if (f.level != VerdictLevel::kGood) {
     f.advice = "the offset leaks into other parameters; record motion that separates them";
   }
   f.value = largest;
-  f.threshold = bounds.change_doubtful_sigma;
+  f.threshold = bounds.change_caution_sigma;
   f.unit = "sigma";
   return f;
 }
@@ -90,7 +90,7 @@ Finding failuresFinding(const PerturbationRecord& record) {
   }
   Finding f;
   f.rule = "Cases that were solved";
-  f.level = failed == 0 ? VerdictLevel::kGood : VerdictLevel::kDoubtful;
+  f.level = failed == 0 ? VerdictLevel::kGood : VerdictLevel::kCaution;
   f.evidence =
       fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size());
   if (first != nullptr) {

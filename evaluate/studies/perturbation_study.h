@@ -14,11 +14,11 @@
 
 namespace plumbline {
 
-/// From where on a study's findings are doubtful and bad.
+/// From where on a study's findings are caution and bad.
 struct PerturbationThresholds {
-  double offset_error_doubtful_s = 1e-6;  ///< |recovered - injected - base|
+  double offset_error_caution_s = 1e-6;  ///< |recovered - injected - base|
   double offset_error_bad_s = 1e-3;
-  double change_doubtful_sigma = 0.1;  ///< of another parameter under moved IMU stamps
+  double change_caution_sigma = 0.1;  ///< of another parameter under moved IMU stamps
   double change_bad_sigma = 1;
 };
 

@@ -219,7 +219,7 @@ std::string verdictSentence(const Verdict& verdict) {
     case VerdictLevel::kGood:
       return fmt::format("All {} rules hold: this calibration can be used.",
                          verdict.findings.size());
-    case VerdictLevel::kDoubtful:
+    case VerdictLevel::kCaution:
       return count + " deserve attention; read the evidence below before relying on the result.";
     case VerdictLevel::kBad:
       return count +

@@ -19,9 +19,9 @@
 namespace plumbline {
 
 /// How far a calibration may be trusted; ordered, so that the worst finding is the maximum.
-enum class VerdictLevel { kGood = 0, kDoubtful = 1, kBad = 2 };
+enum class VerdictLevel { kGood = 0, kCaution = 1, kBad = 2 };
 constexpr std::array<const char*, 3> enumWords(VerdictLevel /*of*/) {
-  return {"good", "doubtful", "bad"};
+  return {"good", "caution", "bad"};
 }
 
 /// One rule applied to the result: what was measured, against which bound, and what to do.
@@ -38,7 +38,7 @@ struct Finding {
 template <class V>
 void fields(V& v, Finding& f) {
   v("rule", f.rule, "short and stable, e.g. `Reprojection RMSE of cam0`");
-  v("level", f.level, "`good`, `doubtful` or `bad`");
+  v("level", f.level, "`good`, `caution` or `bad`");
   v("evidence", f.evidence, "a sentence with the numbers that decided it");
   v("advice", f.advice, "what to do; empty where nothing needs doing");
   v("value", f.value, "what was compared");

@@ -56,7 +56,7 @@ void fields(V& v, ComparedParameter& p) {
   v("std", p.std, "formal, where the calibration carries one");
   v("difference", p.difference, "to the first calibration");
   v("significance", p.significance, "|difference| / sqrt(std^2 + std of the first^2)");
-  v("levels", p.levels, "of the significance: `doubtful` from 2, `bad` from 3 sigma");
+  v("levels", p.levels, "of the significance: `caution` from 2, `bad` from 3 sigma");
 }
 
 /// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:

@@ -239,7 +239,7 @@ void fields(V& v, RunsSummary& s) {
     "median ATE over the expected runs, one that is not complete counts as larger than any; absent "
     "where the median is such a one");
   v("ate_complete_median_m", s.ate_complete_median_m, "m", "the same over the complete runs alone");
-  v("level", s.level, "`bad` where a run failed, `doubtful` where one is partial");
+  v("level", s.level, "`bad` where a run failed, `caution` where one is partial");
 }
 
 /// Two calibrations over the same sequences and runs: d = ATE under b - ATE under a, where ATE is

@@ -34,7 +34,7 @@ TEST(CalibrationPage, HasEverySectionAndAnEntryForIt) {
         "reprojection-camera-imu", "coverage", "imu-residuals", "biases", "provenance"}) {
     EXPECT_TRUE(hasSection(page, id)) << id;
   }
-  EXPECT_THAT(page, HasSubstr("class=\"verdict doubtful\""));
+  EXPECT_THAT(page, HasSubstr("class=\"verdict caution\""));
   EXPECT_THAT(page, HasSubstr("Raise the gyroscope"));
   EXPECT_THAT(page, HasSubstr("sha256:0f3a9c"));
 }
@@ -160,7 +160,7 @@ TEST(DensityRemark, ShowsWhatTheVerdictJudged) {
   };
   EXPECT_EQ(words(nullptr), "Gyro: 3.10 \u00d7 the assumed density (redundancy 2300): not judged.");
   EXPECT_THAT(words(&finding), HasSubstr("within the verdict's bounds"));
-  finding.level = VerdictLevel::kDoubtful;
+  finding.level = VerdictLevel::kCaution;
   EXPECT_THAT(words(&finding), HasSubstr("Raise it."));
 }
 

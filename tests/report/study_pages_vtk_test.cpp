@@ -250,7 +250,7 @@ TEST(ComparisonPage, SaysWhyAValueIsMissing) {
 TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
   const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("<span class=\"dot bad\"></span>10.0 \u03c3, differs"));
-  EXPECT_THAT(page, HasSubstr("<span class=\"dot doubtful\"></span>2.5 \u03c3, notable"));
+  EXPECT_THAT(page, HasSubstr("<span class=\"dot caution\"></span>2.5 \u03c3, notable"));
   EXPECT_THAT(page, HasSubstr("plumbline predicts better, by 7.8 \u03c3"));
   EXPECT_THAT(page, HasSubstr("no difference (0.2 \u03c3)"));
 }

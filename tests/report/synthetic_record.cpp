@@ -228,7 +228,7 @@ CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
   record.verdict = makeVerdict(
       {{"Reprojection error", VerdictLevel::kGood, "RMSE is 0.49 px, the bound is 0.8 px.", "",
         0.49, 0.8, "px"},
-       {"IMU noise densities", VerdictLevel::kDoubtful,
+       {"IMU noise densities", VerdictLevel::kCaution,
         "The normalised RMS of the gyroscope is 1.15, expected is 1 within 0.1.",
         "Raise the gyroscope's noise density by 15 %, or look for vibration.", 1.15, 1.1, "-"}});
   return record;

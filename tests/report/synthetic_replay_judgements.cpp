@@ -95,7 +95,7 @@ void addJudgements(ReplayRecord& record) {
                          1.5, 0.5, -20, -22, "8 % worse than the batch over all"}};
   record.counterfactuals = counterfactuals();
   record.verdict =
-      makeVerdict({{"Finish of the camera stage", VerdictLevel::kDoubtful, "3.5 s late",
+      makeVerdict({{"Finish of the camera stage", VerdictLevel::kCaution, "3.5 s late",
                     "raise the threshold", 3.5, 2, "s"},
                    {"Suggestions reached", VerdictLevel::kGood, "3 of 5", "", 0.6, 0.5, "-"}});
 }

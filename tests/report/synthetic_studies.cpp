@@ -125,7 +125,7 @@ ComparedParameter parameter(const std::string& name, const std::string& unit, do
   p.difference = {std::nullopt, sigmas * both, 0.5 * std};
   p.significance = {std::nullopt, std::abs(sigmas), std::nullopt};
   p.levels.assign(3, VerdictLevel::kGood);
-  if (std::abs(sigmas) >= 2) p.levels[1] = VerdictLevel::kDoubtful;
+  if (std::abs(sigmas) >= 2) p.levels[1] = VerdictLevel::kCaution;
   if (std::abs(sigmas) >= 3) p.levels[1] = VerdictLevel::kBad;
   return p;
 }
@@ -217,7 +217,7 @@ PerturbationRecord syntheticPerturbation() {
   r.cases.push_back(r.cases.back());  // asked for twice
   r.verdict = makeVerdict(
       {{"Injected time offsets recovered", VerdictLevel::kGood, "All.", "", 1e-10, 1e-6, "s"},
-       {"Cases that were solved", VerdictLevel::kDoubtful, "One failed.", "Look at it.", 1, 0,
+       {"Cases that were solved", VerdictLevel::kCaution, "One failed.", "Look at it.", 1, 0,
         "cases"}});
   return r;
 }

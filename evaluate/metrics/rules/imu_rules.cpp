@@ -27,11 +27,11 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
       "small until then."};
   VerdictLevel level = levelAbove(check.factor, rule.bound);
   if (check.factor < kPessimisticFactor) {
-    rule.bound.doubtful = kPessimisticFactor;
+    rule.bound.caution = kPessimisticFactor;
     rule.advice =
         "The density in imu.yaml is larger than this recording needs: its inertial data get less "
         "weight than they could bear.";
-    level = VerdictLevel::kDoubtful;
+    level = VerdictLevel::kCaution;
   }
   findings.push_back(finding(
       rule, level, check.factor,
@@ -122,12 +122,13 @@ Findings judgeStatements(const CalibrationRecord& record, const VerdictThreshold
   const InertialCheck& check = stage.inertial_check;
   if (check.gravity_m_s2 <= 0) return findings;
   const double assumed = record.assumptions.gravity_m_s2;
-  findings.push_back(above(
-      {"Gravity by the accelerometer", "-", t.gravity,
-       "The accelerometer's scale is off, or its axes are not square to each other; the lever arm "
-       "takes the blame."},
-      std::abs(check.gravity_m_s2 / assumed - 1),
-      fmt::format("measured {:.3f} m/s^2, assumed {:.3f}", check.gravity_m_s2, assumed)));
+  findings.push_back(
+      above({"Gravity by the accelerometer", "-", t.gravity,
+             "The accelerometer's scale is off, or its axes are not square to each other; T_SC0's "
+             "translation "
+             "is biased by it."},
+            std::abs(check.gravity_m_s2 / assumed - 1),
+            fmt::format("measured {:.3f} m/s^2, assumed {:.3f}", check.gravity_m_s2, assumed)));
   findings.push_back(above(
       {"Size of the target by the IMU", "-", t.target_scale,
        "Measure the target again (tagSize and tagSpacing in target.yaml); a wrong focal length or "

@@ -132,7 +132,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
     findings.push_back(
         above({"Spacing of the target's tags", "-", t.tag_spacing,
                "Measure tag and gap on the target and correct tagSpacing (gap / tagSize) in "
-               "target.yaml: a wrong one bends every estimate."},
+               "target.yaml: a wrong one biases every estimate."},
               std::abs(*shown.spacing / target.spacing - 1),
               fmt::format("the corners show gaps of {:.4f} times the tags' size, target.yaml "
                           "states {:g}",

@@ -10,19 +10,19 @@ namespace {
 
 VerdictLevel levelBelow(double value, const Bound& bound) {
   if (!(value >= bound.bad)) return VerdictLevel::kBad;
-  return value < bound.doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+  return value < bound.caution ? VerdictLevel::kCaution : VerdictLevel::kGood;
 }
 
 // The bound that decided: the one crossed, or the nearer one if none was.
 double decisive(VerdictLevel level, const Bound& bound) {
-  return level == VerdictLevel::kBad ? bound.bad : bound.doubtful;
+  return level == VerdictLevel::kBad ? bound.bad : bound.caution;
 }
 
 }  // namespace
 
 VerdictLevel levelAbove(double value, const Bound& bound) {
   if (!(value <= bound.bad)) return VerdictLevel::kBad;  // NaN is bad
-  return value > bound.doubtful ? VerdictLevel::kDoubtful : VerdictLevel::kGood;
+  return value > bound.caution ? VerdictLevel::kCaution : VerdictLevel::kGood;
 }
 
 Finding finding(const Rule& rule, VerdictLevel level, double value, std::string evidence) {

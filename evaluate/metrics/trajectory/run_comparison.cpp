@@ -133,7 +133,7 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
     s.completion = static_cast<double>(s.complete) / static_cast<double>(s.expected);
   }
   if (!ate.empty()) s.ate_complete_median_m = quantile(ate, 0.5);
-  if (s.partial > 0) s.level = VerdictLevel::kDoubtful;
+  if (s.partial > 0) s.level = VerdictLevel::kCaution;
   if (s.failed > 0) s.level = VerdictLevel::kBad;
   s.ate_median_m = medianOf(std::move(ate), s.expected);
   return s;

@@ -51,7 +51,7 @@ std::vector<Cell> scoreRow(const CalibrationScore& s) {
       optionalCell(with_imu, decimals),
       optionalCell(gyro, [](double v) { return fmt::format("{:.2f}", v); }),
       optionalCell(s.accel_rms_m_s2, decimals),
-      s.problem.empty() ? Cell{} : Cell{s.problem, Cell::Kind::kText, VerdictLevel::kDoubtful}};
+      s.problem.empty() ? Cell{} : Cell{s.problem, Cell::Kind::kText, VerdictLevel::kCaution}};
 }
 
 Table scoresTable(const std::vector<CalibrationScore>& scores) {

@@ -102,7 +102,7 @@ std::string endText(const SuggestionOutcome& o) {
 std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
   if (end == SuggestionEvent::kReached) return VerdictLevel::kGood;
   if (end == SuggestionEvent::kWithdrawn) return std::nullopt;  // nothing was missed
-  return end == SuggestionEvent::kExpired ? VerdictLevel::kBad : VerdictLevel::kDoubtful;
+  return end == SuggestionEvent::kExpired ? VerdictLevel::kBad : VerdictLevel::kCaution;
 }
 
 std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome& o) {
@@ -140,13 +140,13 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
 Cell verdictCell(StopAudit::Verdict verdict) {
   switch (verdict) {
     case StopAudit::Verdict::kNotJudged:
-      return {"not judged", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+      return {"not judged", Cell::Kind::kTight, VerdictLevel::kCaution};
     case StopAudit::Verdict::kNeverStopped:
-      return {"never stopped", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+      return {"never stopped", Cell::Kind::kTight, VerdictLevel::kCaution};
     case StopAudit::Verdict::kEarly:
       return {"too early", Cell::Kind::kTight, VerdictLevel::kBad};
     case StopAudit::Verdict::kLate:
-      return {"late", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+      return {"late", Cell::Kind::kTight, VerdictLevel::kCaution};
     case StopAudit::Verdict::kRight:
       return {"right", Cell::Kind::kTight, VerdictLevel::kGood};
   }

@@ -18,7 +18,7 @@ Cell statusCell(const TrajectoryRun& run) {
     case RunStatus::kComplete:
       return {"complete", Cell::Kind::kTight, VerdictLevel::kGood};
     case RunStatus::kPartial:
-      return {"partial", Cell::Kind::kTight, VerdictLevel::kDoubtful};
+      return {"partial", Cell::Kind::kTight, VerdictLevel::kCaution};
     case RunStatus::kFailed:
       break;
   }

@@ -86,7 +86,7 @@ std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
           number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
           number(fmt::format("{:g}", 100 * n.confidence)),
           {toString(n.reading) + why, Cell::Kind::kText,
-           consistent ? VerdictLevel::kGood : VerdictLevel::kDoubtful}};
+           consistent ? VerdictLevel::kGood : VerdictLevel::kCaution}};
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ CREATE TABLE runs (
   input TEXT NOT NULL,
   input_hash TEXT NOT NULL,
   date TEXT NOT NULL,
-  verdict TEXT NOT NULL CHECK (verdict IN ('good', 'doubtful', 'bad'))
+  verdict TEXT NOT NULL CHECK (verdict IN ('good', 'caution', 'bad'))
 );
 CREATE TABLE documents (
   run_id INTEGER PRIMARY KEY REFERENCES runs (id) ON DELETE CASCADE,
@@ -57,7 +57,7 @@ CREATE TABLE findings (
   run_id INTEGER NOT NULL REFERENCES runs (id) ON DELETE CASCADE,
   position INTEGER NOT NULL,
   rule TEXT NOT NULL,
-  level TEXT NOT NULL CHECK (level IN ('good', 'doubtful', 'bad')),
+  level TEXT NOT NULL CHECK (level IN ('good', 'caution', 'bad')),
   evidence TEXT NOT NULL,
   advice TEXT NOT NULL,
   value REAL,

@@ -71,10 +71,10 @@ TEST(ResolutionOption, IsWidthByHeight) {
 TEST(ThresholdOption, ChangesOneRuleAndNamesThemAll) {
   VerdictThresholds thresholds;
   setThreshold("rmse_px=1.5,3", thresholds);
-  EXPECT_EQ(thresholds.rmse_px.doubtful, 1.5);
+  EXPECT_EQ(thresholds.rmse_px.caution, 1.5);
   EXPECT_EQ(thresholds.rmse_px.bad, 3);
   EXPECT_THAT(complaint([&] { setThreshold("rmse=1,2", thresholds); }), HasSubstr("lever_arm_m"));
-  EXPECT_THAT(complaint([&] { setThreshold("rmse_px=1", thresholds); }), HasSubstr("DOUBTFUL,BAD"));
+  EXPECT_THAT(complaint([&] { setThreshold("rmse_px=1", thresholds); }), HasSubstr("CAUTION,BAD"));
 }
 
 TEST(ShiftOption, IsExactInNanoseconds) {

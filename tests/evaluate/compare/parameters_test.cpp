@@ -160,7 +160,7 @@ TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
   ImageMap map{"cam0", "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 0.1, 1, 1, 1, 6}, {}, {}};
   record.differences = {map};
   const auto findings = comparisonFindings(record);
-  EXPECT_EQ(find(findings, "Parameters of b")->level, VerdictLevel::kDoubtful);
+  EXPECT_EQ(find(findings, "Parameters of b")->level, VerdictLevel::kCaution);
   EXPECT_NE(find(findings, "Parameters of b")->evidence.find("cam0.fu (3.5)"), std::string::npos);
   EXPECT_NE(find(findings, "Transforms")->evidence.find("0.500 mm"), std::string::npos);
   EXPECT_EQ(find(findings, "Projection of cam0")->level, VerdictLevel::kBad);

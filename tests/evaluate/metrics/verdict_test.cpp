@@ -75,7 +75,7 @@ TEST(Verdict, IsGoodForAGoodRecording) {
 TEST(Verdict, WorstFindingDecides) {
   const Verdict verdict = judge(cameraRecord(3.0, 0.3));
   EXPECT_EQ(levelOf(verdict, "Reprojection"), VerdictLevel::kBad);
-  EXPECT_EQ(levelOf(verdict, "Tilt"), VerdictLevel::kDoubtful);
+  EXPECT_EQ(levelOf(verdict, "Tilt"), VerdictLevel::kCaution);
   EXPECT_EQ(verdict.level, VerdictLevel::kBad);
   for (const Finding& finding : verdict.findings) {
     EXPECT_EQ(finding.advice.empty(), finding.level == VerdictLevel::kGood) << finding.rule;
@@ -93,7 +93,7 @@ TEST(Verdict, SystematicErrorIsSeenThroughASmallRmse) {
   for (CornerResidual& residual : record.camera->residuals) {
     if (residual.corner_id == 0) residual.error = {1.5F, 0.0F};  // one image region is off
   }
-  EXPECT_EQ(levelOf(judge(record), "Systematic"), VerdictLevel::kDoubtful);
+  EXPECT_EQ(levelOf(judge(record), "Systematic"), VerdictLevel::kCaution);
 }
 
 TEST(Verdict, NotANumberIsBad) {
@@ -115,7 +115,7 @@ TEST(Verdict, ResampledSpreadOverrulesAFormalDeviation) {
   EXPECT_EQ(levelOf(judge(record), "Focal length"), VerdictLevel::kGood);
   record.camera_resample = ResampleSpread{20, 0, {"cam0.fu"}, Eigen::VectorXd::Constant(1, 4.5)};
   const Verdict verdict = judge(record);
-  EXPECT_EQ(levelOf(verdict, "Focal length"), VerdictLevel::kDoubtful);
+  EXPECT_EQ(levelOf(verdict, "Focal length"), VerdictLevel::kCaution);
 }
 
 TEST(Verdict, DensitiesAreJudgedWhereResidualsSayEnough) {
@@ -127,10 +127,10 @@ TEST(Verdict, DensitiesAreJudgedWhereResidualsSayEnough) {
     return levelOf(judge(record), "Noise density of the gyroscope");
   };
   EXPECT_EQ(levelAt(1.9), VerdictLevel::kGood);
-  EXPECT_EQ(levelAt(2.1), VerdictLevel::kDoubtful);
+  EXPECT_EQ(levelAt(2.1), VerdictLevel::kCaution);
   EXPECT_EQ(levelAt(11), VerdictLevel::kBad);
   EXPECT_EQ(levelAt(0.21), VerdictLevel::kGood);
-  EXPECT_EQ(levelAt(0.001), VerdictLevel::kDoubtful);  // cautious, never bad
+  EXPECT_EQ(levelAt(0.001), VerdictLevel::kCaution);  // cautious, never bad
   gyro = {0.5, 11, 40};
   for (const Finding& finding : judge(record).findings) {
     EXPECT_EQ(finding.rule.find("Noise density"), std::string::npos);
@@ -179,7 +179,7 @@ TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
   record.camera_imu->imu.camera_time_offsets_s = {1e-3, 1.4e-3};
   EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kGood);
   record.camera_imu->imu.camera_time_offsets_s = {1e-3, -2e-3};
-  EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kDoubtful);
+  EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kCaution);
   for (const Finding& finding : judge(record).findings) {
     if (finding.rule != rule) continue;
     EXPECT_DOUBLE_EQ(finding.value, 3);
@@ -193,9 +193,9 @@ TEST(Verdict, SpacingOfTheTagsIsMeasured) {
   EXPECT_LT(findingOf(judge(gridRecord(truth, truth)), rule).value, 1e-4);
   AprilGrid stated = truth;
   stated.spacing = 0.28;
-  const Finding doubtful = findingOf(judge(gridRecord(truth, stated)), rule);
-  EXPECT_NEAR(doubtful.value, 0.3 / 0.28 - 1, 1e-4);
-  EXPECT_EQ(doubtful.level, VerdictLevel::kDoubtful);
+  const Finding caution = findingOf(judge(gridRecord(truth, stated)), rule);
+  EXPECT_NEAR(caution.value, 0.3 / 0.28 - 1, 1e-4);
+  EXPECT_EQ(caution.level, VerdictLevel::kCaution);
   stated.spacing = 0.25;
   EXPECT_EQ(findingOf(judge(gridRecord(truth, stated)), rule).level, VerdictLevel::kBad);
 }
@@ -207,7 +207,7 @@ TEST(Verdict, RowsThatNeverShowedAreCounted) {
   EXPECT_EQ(findingOf(judge(gridRecord(truth, stated)), rule).level, VerdictLevel::kGood);
   stated.rows = 8;
   const Finding finding = findingOf(judge(gridRecord(truth, stated)), rule);
-  EXPECT_EQ(finding.level, VerdictLevel::kDoubtful);
+  EXPECT_EQ(finding.level, VerdictLevel::kCaution);
   EXPECT_EQ(finding.value, 2);
   EXPECT_NE(finding.evidence.find("35 of 0 to 47"), std::string::npos) << finding.evidence;
 }
@@ -238,7 +238,7 @@ TEST(Verdict, ResolutionLargerThanTheImageIsSeenByTheEmptyStrip) {
   EXPECT_EQ(findingOf(judge(record), rule).level, VerdictLevel::kGood);
   record.camera->cameras[0].intrinsics.resolution = {880, 600};
   const Finding finding = findingOf(judge(record), rule);
-  EXPECT_EQ(finding.level, VerdictLevel::kDoubtful);
+  EXPECT_EQ(finding.level, VerdictLevel::kCaution);
   EXPECT_NEAR(finding.value, (879.0 - 795) / 880, 1e-6);
   // Corners that end early around an optical centre in the middle: coverage, not resolution.
   record.camera->cameras[0].intrinsics.projection[2] = 440;

@@ -93,7 +93,7 @@ TEST(PerturbationStudy, ALargerTargetWidensTheBaselineInProportion) {
 TEST(PerturbationStudy, ATargetOfImpossibleSizeIsRefusedAndKeptAsAFailure) {
   const auto record = study(false, {{Kind::kTargetSize, 100}});
   EXPECT_THAT(record.cases[0].problem, HasSubstr("target"));
-  EXPECT_EQ(record.verdict.level, VerdictLevel::kDoubtful);
+  EXPECT_EQ(record.verdict.level, VerdictLevel::kCaution);
   EXPECT_THAT(record.verdict.findings.back().evidence, HasSubstr("0 of 1"));
 }
 
