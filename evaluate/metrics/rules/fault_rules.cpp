@@ -110,6 +110,32 @@ double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis) {
   return test.shift.cwiseAbs().cwiseQuotient(diagnosis.formal_std).maxCoeff();
 }
 
+/// The recording has no single value of something that the calibration states one of.
+bool contradictsStatedValue(UnmodelledFault fault) {
+  switch (fault) {
+    case UnmodelledFault::kClockDrift:
+    case UnmodelledFault::kCameraDelay:
+    case UnmodelledFault::kImuMoved:
+    case UnmodelledFault::kClockStep:
+    case UnmodelledFault::kCameraMoved:
+      return true;
+    default:
+      return false;
+  }
+}
+
+Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const Rule& rule,
+                  const std::string& evidence) {
+  const double sigma = effectInSigma(cause, diagnosis);
+  VerdictLevel level = levelAbove(sigma, rule.bound);
+  if (level == VerdictLevel::kGood && contradictsStatedValue(cause.fault)) {
+    level = VerdictLevel::kCaution;
+  }
+  return finding(
+      rule, level, sigma,
+      fmt::format("{}; {} ({:.1f} of its standard deviations)", evidence, effect(cause), sigma));
+}
+
 }  // namespace
 
 Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds& t) {
@@ -137,9 +163,7 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
     }
     const Rule rule{first ? "Fault of the recording" : "Further fault of the recording", "sigma",
                     t.fault_sigma, std::move(advice)};
-    findings.push_back(above(rule, effectInSigma(cause, diagnosis),
-                             fmt::format("{}; {} ({:.1f} of its standard deviations)", evidence,
-                                         effect(cause), effectInSigma(cause, diagnosis))));
+    findings.push_back(findingOf(cause, diagnosis, rule, evidence));
   }
   return findings;
 }

@@ -3,12 +3,14 @@
 // clean recording names none. Sizes are right to first order and within the deviations stated. Not
 // proven here: faults that the tests do not know, and recordings too short or too still to show
 // one.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/fault_diagnosis.h"
+#include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/faults/fault.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
@@ -109,16 +111,28 @@ TEST(CameraImuDiagnosis, DriftAndStepOfTheClock) {
   expectCause(diagnosis, UnmodelledFault::kClockStep, {5e-3}, 1e-3);
 }
 
-TEST(CameraImuDiagnosis, ImuThatSlipsAndCameraThatIsBumped) {
+TEST(CameraImuDiagnosis, ImuThatSlips) {
   Fault slip = faultOf(FaultKind::kSlip, 0.2 * kDegree);
   slip.at_s = 12;
   slip.axis = 2;
   const FaultDiagnosis slipped = diagnosisOf({slip});
   ASSERT_FALSE(slipped.causes.empty());
   EXPECT_EQ(slipped.causes.front().fault, UnmodelledFault::kImuMoved);
+}
+
+TEST(CameraImuDiagnosis, CameraThatIsBumped) {
   Fault bump = faultOf(FaultKind::kBump, 0.1 * kDegree);
   bump.at_s = 12;
-  const FaultDiagnosis bumped = diagnosisOf({bump});
+  // Cameras as this recording gives them: a mean of before and after.
+  SimulationOptions simulation = testing::noisyRecording(3, kDuration);
+  simulation.faults = {bump};
+  const SimulatedSession simulated = testing::simulate(simulation);
+  const auto cameras = calibrateCameras(simulated.session);
+  ASSERT_TRUE(cameras);
+  const auto result = calibrateCameraImu(simulated.session, cameras->cameras,
+                                         testing::matchedOptions(simulated, 0.2));
+  ASSERT_TRUE(result && result->faults);
+  const FaultDiagnosis& bumped = *result->faults;
   ASSERT_FALSE(bumped.causes.empty());
   EXPECT_EQ(bumped.causes.front().fault, UnmodelledFault::kCameraMoved);
   EXPECT_EQ(bumped.causes.front().camera, 1);
