@@ -121,7 +121,8 @@ class ScoreTests {
         gradient_(scores.gradient(model_)) {
     MatrixXd V = MatrixXd::Zero(S_.rows(), S_.cols());
     for (std::size_t b = 0; b < scores.count(); ++b) {
-      const VectorXd s = scores.gradient(model_, b);
+      const VectorXd s =
+          scores.gradient(model_, b) - scores.information(model_, model_, b) * (S_ * gradient_);
       V += s * s.transpose();
     }
     const auto n = static_cast<double>(scores.count());
@@ -158,17 +159,17 @@ class ScoreTests {
     return std::exp(2 * ratio.log().mean());
   }
 
-  /// Sum of s s' over blocks of the fault's scores, the fault taken out.
+  /// Sum of s s' over blocks of the fault's scores, with fault and model at their estimates.
   MatrixXd scatter(const Terms& fault, const MatrixXd& P, const VectorXd& estimate) const {
     MatrixXd V = MatrixXd::Zero(P.cols(), P.cols());
+    const VectorXd step = -S_ * gradient_ - P * estimate;  // of the model, with the fault
     for (std::size_t b = 0; b < scores_.count(); ++b) {
       const MatrixXd I = scores_.information(fault, model_, b);
-      const MatrixXd M = scores_.information(model_, model_, b);
-      const VectorXd response = P * estimate;
-      const VectorXd explained = scores_.information(fault, fault, b) * estimate - I * response -
-                                 P.transpose() * (I.transpose() * estimate - M * response);
-      const VectorXd s =
-          scores_.gradient(fault, b) - P.transpose() * scores_.gradient(model_, b) + explained;
+      const VectorXd of_fault =
+          scores_.gradient(fault, b) + I * step + scores_.information(fault, fault, b) * estimate;
+      const VectorXd of_model = scores_.gradient(model_, b) + I.transpose() * estimate +
+                                scores_.information(model_, model_, b) * step;
+      const VectorXd s = of_fault - P.transpose() * of_model;
       V += s * s.transpose();
     }
     const auto n = static_cast<double>(scores_.count());
