@@ -100,7 +100,7 @@ std::string sentence(const FaultTest& test, TimeNs begin) {
 
 std::string effect(const FaultTest& test) {
   return fmt::format(
-      "without it T_SC0 would move by {:.2g} mm and {:.2g} deg, the time offset by {:.2g} ms",
+      "modelling it would move T_SC0 by {:.2g} mm and {:.2g} deg, the time offset by {:.2g} ms",
       1e3 * test.shift.head<3>().norm(), kDegrees * test.shift.segment<3>(3).norm(),
       1e3 * std::abs(test.shift(6)));
 }
@@ -156,13 +156,17 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
   for (const FaultTest& cause : diagnosis.causes) {
     const bool first = &cause == &diagnosis.causes.front();
     std::string evidence = sentence(cause, begin);
+    if (first) {
+      evidence = fmt::format("best explanation of the residuals among {} faults tested: {}",
+                             diagnosis.tests.size(), evidence);
+    }
     std::string advice = wordsOf(cause.fault).cure;
     if (first && diagnosis.alternative) {
       evidence += "; or else " + sentence(*diagnosis.alternative, begin) +
                   ": this recording cannot tell the two apart";
     }
-    const Rule rule{first ? "Fault of the recording" : "Further fault of the recording", "sigma",
-                    t.fault_sigma, std::move(advice)};
+    const Rule rule{first ? "Unmodelled fault" : "Further unmodelled fault", "sigma", t.fault_sigma,
+                    std::move(advice)};
     findings.push_back(findingOf(cause, diagnosis, rule, evidence));
   }
   return findings;
