@@ -83,7 +83,7 @@ TEST(CameraImuGuideInput, ASensorAtRestIsNotEnoughToStart) {
   EXPECT_GT(count(r.decisions, GuideReason::kInitialiseFailed), 2);
   EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 0);
   const Decision* failed = testing::firstWith(r.decisions, GuideReason::kInitialiseFailed);
-  EXPECT_FALSE(failed->detail.empty());
+  EXPECT_TRUE(failed->failure);
   EXPECT_TRUE(failed->accepted);  // kept for the next try
   EXPECT_EQ(r.decisions.back().mode, GuideMode::kInitialising);
 }

@@ -234,14 +234,14 @@ TEST(Detector, NamesTheOptionThatIsOutOfRange) {
     }
     return std::string("accepted");
   };
-  EXPECT_THAT(message({}, {.border_bits = 3}), HasSubstr("border_bits = 3"));
+  EXPECT_THAT(message({}, {.border_bits = 3}), HasSubstr("border_bits is 3"));
   EXPECT_THAT(message({}, {.decimation = 0.5}), HasSubstr("decimation is 0.5"));
-  EXPECT_THAT(message({}, {.max_hamming = 3}), HasSubstr("max_hamming = 3"));
+  EXPECT_THAT(message({}, {.max_hamming = 3}), HasSubstr("max_hamming is 3"));
   EXPECT_THAT(message({}, {.min_border_distance_px = -1}), HasSubstr("min_border_distance_px"));
   EXPECT_THAT(message({}, {.min_edge_px = 1}), HasSubstr("min_edge_px"));
   EXPECT_THAT(message({}, {.max_grid_error_px = NAN}), HasSubstr("max_grid_error_px"));
-  EXPECT_THAT(message({}, {.min_contrast = 0}), HasSubstr("min_contrast = 0"));
-  EXPECT_THAT(message({}, {.min_tags = 1}), HasSubstr("min_tags = 1"));
+  EXPECT_THAT(message({}, {.min_contrast = 0}), HasSubstr("min_contrast is 0"));
+  EXPECT_THAT(message({}, {.min_tags = 1}), HasSubstr("min_tags is 1"));
   EXPECT_THAT(message({.rows = 30, .cols = 20}, {}), HasSubstr("30 x 20 tags"));
   EXPECT_EQ(message({}, {}), "accepted");
 }
