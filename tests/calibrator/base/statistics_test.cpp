@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Statistics of scalar errors, by hand.
+#include "calibrator/base/statistics.h"
+
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "calibrator/base/statistics.h"
 
 namespace plumbline {
 namespace {
