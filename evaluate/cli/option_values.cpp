@@ -82,6 +82,7 @@ const ThresholdMembers& thresholdMembers() {
       {"camera_shift_ms", &VerdictThresholds::camera_shift_ms},
       {"imu_rate", &VerdictThresholds::imu_rate},
       {"target_scale", &VerdictThresholds::target_scale},
+      {"fault_sigma", &VerdictThresholds::fault_sigma},
       {"gravity", &VerdictThresholds::gravity},
       {"imu_noise_factor", &VerdictThresholds::imu_noise_factor}};
   return kMembers;
