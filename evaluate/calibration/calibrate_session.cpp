@@ -152,7 +152,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
       return locate(*failure, loaded, request.load.session);
     }
   }
-  record.verdict = judge(record, request.thresholds);
+  record.verdict = with_imu ? judge(record, request.thresholds, loaded.session.imu->samples)
+                            : judge(record, request.thresholds);
   return record;
 }
 

@@ -83,6 +83,9 @@ const ThresholdMembers& thresholdMembers() {
       {"imu_rate", &VerdictThresholds::imu_rate},
       {"target_scale", &VerdictThresholds::target_scale},
       {"fault_sigma", &VerdictThresholds::fault_sigma},
+      {"clipped_samples", &VerdictThresholds::clipped_samples},
+      {"isolated_residual", &VerdictThresholds::isolated_residual},
+      {"long_residuals", &VerdictThresholds::long_residuals},
       {"gravity", &VerdictThresholds::gravity},
       {"imu_noise_factor", &VerdictThresholds::imu_noise_factor}};
   return kMembers;

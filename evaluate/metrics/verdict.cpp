@@ -34,6 +34,8 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeRejected(stage.residuals, "camera-IMU", t));
   append(findings, judgeFramesAndGaps(stage, t));
   append(findings, judgeFaults(stage, t));
+  append(findings, judgeIsolatedResiduals(stage, t));
+  append(findings, judgeLongResiduals(stage, t));
   append(findings, judgeStatements(record, t));
   append(findings, judgeImuStd(record, t));
   append(findings, judgePlausibility(stage, t));
@@ -44,10 +46,12 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
 
 }  // namespace
 
-Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t) {
+Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t,
+              const std::vector<ImuSample>& samples) {
   Findings findings;
   if (record.camera) append(findings, cameraFindings(record, t));
   if (record.camera_imu) append(findings, cameraImuFindings(record, t));
+  if (record.camera_imu && !samples.empty()) append(findings, judgeSamples(samples, t));
   return makeVerdict(std::move(findings));
 }
 

@@ -41,6 +41,9 @@ struct VerdictThresholds {
   Bound imu_gaps{0, 50};               ///< pauses of the IMU, above
   Bound imu_rate{0.2, 4};              ///< |measured / stated rate - 1|, above
   Bound target_scale{0.01, 0.03};      ///< |size by the IMU / stated - 1|, above
+  Bound clipped_samples{0, 1e6};       ///< samples of a channel at the end of its range, above
+  Bound isolated_residual{30, 1e6};    ///< largest inertial residual over their median, above
+  Bound long_residuals{2, 1e6};        ///< inertial residuals over what segments explain, above
   /// What an unmodelled fault moves the calibration by, in its standard deviations, above.
   Bound fault_sigma{1, 50};
   Bound gravity{0.003, 0.03};  ///< |gravity as measured / assumed - 1|, above
@@ -52,6 +55,8 @@ struct VerdictThresholds {
 /// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU
 /// rules where that stage ran. Where a bootstrap std is known, the larger of it and the formal
 /// standard deviation is judged, since formal standard deviations are not accuracy.
-Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {});
+/// `samples`: the IMU's, where they are at hand.
+Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {},
+              const std::vector<ImuSample>& samples = {});
 
 }  // namespace plumbline

@@ -95,6 +95,18 @@ Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThres
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
                       const VerdictThresholds& t);
 
+// ---- single samples (sample_rules.cpp)
+/// Channels whose largest reading repeats in a row and far more often than the next ones: cut off
+/// at the sensor's range.
+Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresholds& t);
+/// The largest whitened residual of an interval, per sensor, over the median of all: spikes, jumps
+/// of a bias, wrong stamps.
+Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// RMS of the whitened residuals of the whole chain over what the noise check, which cuts it into
+/// segments with biases of their own, expects of them: above 1 where the segments do not fit
+/// together.
+Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t);
+
 // ---- faults that the calibration does not model (fault_rules.cpp)
 /// What the score tests name, and whether it moves the calibration by more than its deviations.
 Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds& t);

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rules over single samples and intervals: readings cut off at the range, and residuals far off the
+// others. Not proven here: how large a cut or a jump has to be to bias a calibration.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A swinging sensor, 200 Hz for 10 s: up to 14 m/s^2 and 2 rad/s.
+std::vector<ImuSample> swinging() {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.005 * k;
+    samples.push_back({5'000'000LL * k,
+                       {2 * std::sin(3 * t), std::cos(5 * t), std::sin(2 * t + 1)},
+                       {4 * std::sin(4 * t), 9.8 + 4 * std::sin(2.7 * t), 3 * std::cos(3.1 * t)}});
+  }
+  return samples;
+}
+
+TEST(SampleRules, ASwingingSensorIsNotCutOff) {
+  const Findings findings = judgeSamples(swinging(), {});
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().level, VerdictLevel::kGood);
+}
+
+TEST(SampleRules, ReadingsCutOffAreFoundWithChannelAndLimit) {
+  std::vector<ImuSample> samples = swinging();
+  for (ImuSample& s : samples) s.accel.y() = std::clamp(s.accel.y(), -12.0, 12.0);
+  const Findings findings = judgeSamples(samples, {});
+  EXPECT_EQ(findings.front().level, VerdictLevel::kCaution);
+  EXPECT_THAT(findings.front().evidence, HasSubstr("accelerometer y at 12"));
+}
+
+TEST(SampleRules, ASensorAtRestRepeatsItsLargestReadingRightly) {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k < 2000; ++k) {  // three steps of a coarse converter
+    const double step = 0.02 * static_cast<double>((k / 3) % 3 - 1);
+    samples.push_back({5'000'000LL * k, {step, 0, -step}, {step, 9.8 + step, 0}});
+  }
+  EXPECT_EQ(judgeSamples(samples, {}).front().level, VerdictLevel::kGood);
+}
+
+CameraImuStageResult stageWithResiduals(double largest) {
+  CameraImuStageResult stage;
+  for (int k = 0; k < 200; ++k) {
+    stage.frames.push_back({50'000'000LL * k, {k}});
+    ImuIntervalResidual r;
+    r.t = 50'000'000LL * k;
+    r.dt_s = 0.05;
+    r.normalised.setConstant(0.1 + 0.01 * (k % 7));
+    if (k == 120) r.normalised(1) = largest;
+    stage.imu_residuals.push_back(r);
+  }
+  return stage;
+}
+
+TEST(SampleRules, AnIsolatedResidualIsFoundWithItsInstant) {
+  EXPECT_EQ(judgeIsolatedResiduals(stageWithResiduals(1), {}).front().level, VerdictLevel::kGood);
+  const Findings findings = judgeIsolatedResiduals(stageWithResiduals(50), {});
+  EXPECT_EQ(findings.front().level, VerdictLevel::kCaution);
+  EXPECT_THAT(findings.front().evidence, HasSubstr("rotation (gyroscope)"));
+  EXPECT_THAT(findings.front().evidence, HasSubstr("6.00 s"));
+  EXPECT_TRUE(judgeIsolatedResiduals({}, {}).empty());
+}
+
+TEST(SampleRules, PartsThatDoNotFitTogetherAreFound) {
+  CameraImuStageResult stage;
+  stage.imu_summary.gyro_normalised_rms = 0.2;
+  stage.imu_summary.noise.gyro = {.expected_rms = 0.22, .factor = 1, .redundancy = 300};
+  ASSERT_EQ(judgeLongResiduals(stage, {}).size(), 1U);  // nothing is known of the accelerometer
+  EXPECT_EQ(judgeLongResiduals(stage, {}).front().level, VerdictLevel::kGood);
+  stage.imu_summary.gyro_normalised_rms = 8;
+  EXPECT_EQ(judgeLongResiduals(stage, {}).front().level, VerdictLevel::kCaution);
+}
+
+}  // namespace
+}  // namespace plumbline
