@@ -50,7 +50,8 @@ const Row kRows[] = {
      "gyroscope and camera rotation do not correlate under any time offset in range (best "
      "{correlation:.2f}, expected above {needed:.2f})",
      "check that both are of the same recording, that their stamps are of one clock (a larger "
-     "offset can be given by --imu-shift-ms) and that each gyroscope column is what it should be"},
+     "offset can be given by --imu-shift-ms), that each gyroscope column is what it should be, and "
+     "that neither single samples (spikes) nor tag ids are wrong"},
     {Code::kGyroscopeMirrored,
      "the gyroscope's axes are permuted or mirrored: its rates fit the camera's only after a "
      "reflection (correlation {mirrored:.3f} against {rotated:.3f} for a rotation)",
@@ -73,9 +74,11 @@ const Row kRows[] = {
      "gravity comes out as {measured:.2f} m/s^2 in place of {expected:.2f}",
      "check units, scale, order and signs of the accelerometer's columns"},
     {Code::kScaleDisagrees,
-     "the target's tagSize ({tag_size:.4g} m) seems to be {times:.3g} times too {size}: the IMU "
-     "says about {measured:.4g} m (+- {measured_std:.1g})",
-     "measure a tag's black square and the gap between tags, and correct tagSize or tagSpacing"},
+     "target and IMU disagree about scale: by the IMU, tagSize ({tag_size:.4g} m) is {times:.3g} "
+     "times too {size}, {measured:.4g} m (+- {measured_std:.1g}) would fit",
+     "measure a tag's black square and the gap between tags; only if they differ from target.yaml "
+     "correct tagSize or tagSpacing, else look for the fault in the IMU (scale, axes, a delay "
+     "between its sensors, spikes, stamps)"},
 
     {Code::kTooFewRates,
      "{rates} pairs of neighbouring frames show how the camera turns; {needed} are needed to find "

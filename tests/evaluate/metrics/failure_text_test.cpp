@@ -97,10 +97,13 @@ TEST(FailureText, SaysWhereAndWhatToDo) {
   Failure scale{FailureCode::kScaleDisagrees,
                 {{"scale", 0.5}, {"scale_std", 0.001}, {"tag_size", 0.2}}};
   scale.where = "target.yaml:4";
-  EXPECT_EQ(problemOf(scale),
-            "target.yaml:4: the target's tagSize (0.2 m) seems to be 2 times too large: the IMU "
-            "says about 0.1 m (+- 0.0002); measure a tag's black square and the gap between tags, "
-            "and correct tagSize or tagSpacing");
+  EXPECT_EQ(
+      problemOf(scale),
+      "target.yaml:4: target and IMU disagree about scale: by the IMU, tagSize (0.2 m) is 2 "
+      "times too large, 0.1 m (+- 0.0002) would fit; measure a tag's black square and the gap "
+      "between tags; only if they differ from target.yaml correct tagSize or tagSpacing, else "
+      "look for the fault in the IMU (scale, axes, a delay between its sensors, spikes, "
+      "stamps)");
   const Failure one{FailureCode::kRotationAboutOneAxis,
                     {{"axis", Eigen::Vector3d(Eigen::Vector3d::UnitX())}, {"rms", 0.01}}};
   EXPECT_THAT(
