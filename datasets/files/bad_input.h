@@ -13,6 +13,8 @@ enum class InputFault {
   kBadOption,      ///< an option of the caller is out of its range, or contradicts another
   kMissingFile,    ///< a file or folder is not there, is of another kind, or cannot be read
   kUnwritable,     ///< a file or folder cannot be written, or stands in the way
+  kForeignFiles,   ///< what stands where an output belongs is not ours, or was changed
+  kInputInTheWay,  ///< an output would be written over an input
   kEmpty,          ///< a file or folder without content
   kTruncated,      ///< the content ends early
   kSyntax,         ///< YAML, JSON or an image that cannot be decoded
@@ -36,6 +38,7 @@ enum class InputFault {
   kNoCorners,         ///< images without corners where corners are needed
   kNoImuNoise,        ///< no description of the IMU, or one without noise densities
   kNoImuSamples,      ///< an IMU that is described, without samples
+  kResultExists,      ///< an earlier output of ours
   kNoCache,           ///< a folder for what was found before cannot be made
   kNothingSelected,   ///< the interval that was asked for holds nothing
   kUnsupportedModel,  ///< a camera model that cannot be calibrated

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/files/file_io.h"
 
-#include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -43,13 +44,10 @@ BadInput unwritable(const std::string& path, int error) {
        "disk"});
 }
 
-std::string temporaryName(const std::string& path) {
-  static std::atomic<unsigned> counter{0};
-  return path + ".partial-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-}
+constexpr std::string_view kTemporary = ".partial-";
 
-// 0, or the errno of what failed. Closes the file in any case.
-int writeAndClose(int file, std::string_view content) {
+// 0, or the errno of what failed.
+int writeAll(int file, std::string_view content) {
   int error = 0;
   while (!content.empty() && error == 0) {
     const ssize_t written = ::write(file, content.data(), content.size());
@@ -59,21 +57,26 @@ int writeAndClose(int file, std::string_view content) {
       error = errno;
     }
   }
-  if (::close(file) != 0 && error == 0) error = errno;
   return error;
+}
+
+BadInput irregular(const std::string& path) {
+  return badInput(
+      path, 0,
+      {InputFault::kMissingFile, "is not a regular file", "a file", "give the path of a file"});
 }
 
 }  // namespace
 
 MappedFile::MappedFile(const std::string& path) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  // A pipe or a device is not even opened, which could wait for ever or move a tape; and a pipe
+  // that takes the file's place meanwhile is not waited for.
   struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) throw unreadable(path);
+  if (!S_ISREG(status.st_mode)) throw irregular(path);
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   if (file.number < 0 || ::fstat(file.number, &status) != 0) throw unreadable(path);
-  if (!S_ISREG(status.st_mode)) {
-    throw badInput(
-        path, 0,
-        {InputFault::kMissingFile, "is not a regular file", "a file", "give the path of a file"});
-  }
+  if (!S_ISREG(status.st_mode)) throw irregular(path);
   size_ = static_cast<std::size_t>(status.st_size);
   if (size_ == 0) return;  // nothing to map; text() is empty
   void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
@@ -89,52 +92,46 @@ std::string contentHash(std::string_view bytes) {
   return fmt::format("{:016x}", XXH64(bytes.data(), bytes.size(), 0));
 }
 
+void writeNewFile(const std::filesystem::path& path, std::string_view content,
+                  const std::string& shown) {
+  std::error_code fault;
+  std::filesystem::create_directories(path.parent_path(), fault);
+  if (fault) throw unwritable(shown, fault.value());
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) throw unwritable(shown, errno);
+  int error = writeAll(file, content);
+  if (::close(file) != 0 && error == 0) error = errno;
+  if (error != 0) throw unwritable(shown, error);
+}
+
 void writeFileAtomically(const std::string& path, std::string_view content) {
-  const std::string temporary = temporaryName(path);
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw unwritable(path, errno);
-  int error = writeAndClose(file, content);
+  std::string temporary = path + std::string(kTemporary) + "XXXXXX";
+  // Held by a lock as long as it is written, so that it can be told from a dead writer's.
+  const Descriptor file{::mkostemp(temporary.data(), O_CLOEXEC)};
+  if (file.number < 0) throw unwritable(path, errno);
+  (void)::flock(file.number, LOCK_EX | LOCK_NB);
+  int error = writeAll(file.number, content);
+  if (error == 0 && ::fchmod(file.number, 0644) != 0) error = errno;
   if (error == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
   if (error == 0) return;
   ::unlink(temporary.c_str());
   throw unwritable(path, error);
 }
 
-namespace fs = std::filesystem;
-
-PendingFolder::PendingFolder(const fs::path& final_path) : final_(final_path.lexically_normal()) {
-  if (!final_.has_filename()) final_ = final_.parent_path();
+void removeDeadTemporaries(const std::filesystem::path& folder) {
   std::error_code fault;
-  const bool exists = fs::exists(final_, fault);
-  if (exists && !(fs::is_directory(final_, fault) && fs::is_empty(final_, fault))) {
-    throw BadInput(InputFault::kUnwritable, final_.string(), 0,
-                   "exists already; expected a new or empty folder; choose another or remove it");
+  for (std::filesystem::directory_iterator it(folder, fault), end; !fault && it != end;
+       it.increment(fault)) {
+    const std::string name = it->path().filename().string();
+    const std::size_t at = name.rfind(kTemporary);
+    if (at == std::string::npos || name.size() != at + kTemporary.size() + 6) continue;
+    const Descriptor file{
+        ::open(it->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
+    struct stat status {};
+    const bool ours = file.number >= 0 && ::fstat(file.number, &status) == 0 &&
+                      S_ISREG(status.st_mode) && status.st_uid == ::geteuid();
+    if (ours && ::flock(file.number, LOCK_EX | LOCK_NB) == 0) ::unlink(it->path().c_str());
   }
-  const fs::path parent = fs::absolute(final_).parent_path();
-  pending_ = parent / fmt::format(".{}.partial-{}", final_.filename().string(), getpid());
-  create(pending_);
-}
-
-PendingFolder::~PendingFolder() {
-  std::error_code ignored;
-  if (!pending_.empty()) fs::remove_all(pending_, ignored);
-}
-
-void PendingFolder::create(const fs::path& folder) const {
-  std::error_code fault;
-  fs::create_directories(folder, fault);
-  if (fault)
-    throw BadInput(InputFault::kUnwritable, final_.string(), 0,
-                   "cannot be created: " + fault.message());
-}
-
-void PendingFolder::commit() {
-  std::error_code fault;
-  fs::rename(pending_, final_, fault);
-  if (fault)
-    throw BadInput(InputFault::kUnwritable, final_.string(), 0,
-                   "cannot be written: " + fault.message());
-  pending_.clear();
 }
 
 }  // namespace plumbline

@@ -27,32 +27,20 @@ class MappedFile {
 /// XXH64 of the bytes as 16 hexadecimal digits: the same on every machine. Not for secrets.
 std::string contentHash(std::string_view bytes);
 
+/// Writes a file that is not there yet, and the missing folders above it: for outputs that get
+/// their names when they are complete (output.h). Throws InputError, naming `shown`, where it
+/// cannot.
+void writeNewFile(const std::filesystem::path& path, std::string_view content,
+                  const std::string& shown);
+
 /// Writes `content` (text or bytes) to `path`, whole or not at all: under a temporary name in the
 /// same folder, then renamed over `path`. The folder must exist. Throws
 /// InputError where it cannot be written; the temporary file is then removed and an older `path` is
-/// as it was. Safe from several threads and processes: the last writer's content stays.
+/// as it was. Safe from several threads and processes: the last writer's content stays. For files
+/// of a cache; results are outputs (output.h).
 void writeFileAtomically(const std::string& path, std::string_view content);
 
-/// A folder that is filled under a hidden name of its own beside its final one; gone unless
-/// committed, so that a folder of results is complete or not there.
-class PendingFolder {
- public:
-  /// Throws InputError where the final folder exists and is not empty, or cannot be made.
-  explicit PendingFolder(const std::filesystem::path& final_path);
-  PendingFolder(const PendingFolder&) = delete;
-  PendingFolder& operator=(const PendingFolder&) = delete;
-  ~PendingFolder();
-
-  /// Where to write before commit().
-  const std::filesystem::path& path() const { return pending_; }
-  /// Makes a folder, with those above it; throws InputError where it cannot.
-  void create(const std::filesystem::path& folder) const;
-  /// Renames the folder to its final name.
-  void commit();
-
- private:
-  std::filesystem::path final_;
-  std::filesystem::path pending_;
-};
+/// Removes the temporary files that writers died over in a folder; those being written stay.
+void removeDeadTemporaries(const std::filesystem::path& folder);
 
 }  // namespace plumbline

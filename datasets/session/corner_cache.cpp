@@ -70,6 +70,7 @@ CornerCache::CornerCache(std::string folder, const AprilGrid& target,
         {InputFault::kNoCache, "the cache folder cannot be made (" + error.message() + ")",
          "a writable folder", "give another folder, or none"});
   }
+  removeDeadTemporaries(folder_);
 }
 
 std::string CornerCache::keyOf(const std::string& image_path) const {

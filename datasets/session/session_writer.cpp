@@ -2,7 +2,6 @@
 #include "datasets/session/session_writer.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <mutex>
 #include <string>
@@ -77,17 +76,6 @@ std::string noiseYaml(const ImuNoise& noise) {
 
 namespace fs = std::filesystem;
 
-void writeText(const PendingFolder& folder, const TextFile& file) {
-  const fs::path path = folder.path() / file.path;
-  folder.create(path.parent_path());
-  std::ofstream out(path, std::ios::binary);
-  out.write(file.text.data(), static_cast<std::streamsize>(file.text.size()));
-  out.close();
-  if (!out)
-    throw BadInput(InputFault::kUnwritable, path.string(), 0,
-                   "cannot be written; is the disk full?");
-}
-
 void writePng(const fs::path& path, const GrayImage& image) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -108,16 +96,16 @@ struct ImageJob {
 };
 
 /// `target` is the real one, which the session may state wrongly.
-void writeImages(const SimulatedSession& simulated, const AprilGrid& target,
-                 const PendingFolder& folder, const SimulatedSessionFormat& format) {
+void writeImages(const SimulatedSession& simulated, const AprilGrid& target, const fs::path& folder,
+                 const SimulatedSessionFormat& format) {
   std::vector<TargetRenderer> renderers;
   std::vector<fs::path> folders;
   std::vector<ImageJob> jobs;
   for (std::size_t i = 0; i < simulated.session.cameras.size(); ++i) {
     const CameraStream& camera = simulated.session.cameras[i];
     renderers.emplace_back(simulated.truth.cameras[i].intrinsics, target, format.render);
-    folders.push_back(folder.path() / "mav0" / camera.name / "data");
-    folder.create(folders.back());
+    folders.push_back(folder / "mav0" / camera.name / "data");
+    fs::create_directories(folders.back());
     for (std::size_t k = 0; k < camera.views.size(); ++k) {
       jobs.push_back({static_cast<int>(i), k});
     }
@@ -172,20 +160,26 @@ void SimulatedSessionFormat::check() const {
   throw BadInput(InputFault::kBadOption, "the number of threads is 0 (all cores) or more");
 }
 
+void writeSession(const Session& session, double camera_rate_hz, ViewFormat views,
+                  const fs::path& folder) {
+  for (const TextFile& file : sessionFiles(session, camera_rate_hz, views)) {
+    writeNewFile(folder / file.path, file.text, (folder / file.path).string());
+  }
+}
+
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const fs::path& folder, const SimulatedSessionFormat& format) {
   format.check();
   if (format.views == ViewFormat::kImages) checkRendered(options.faults);
-  PendingFolder pending(folder);
-  for (const TextFile& file :
-       sessionFiles(simulated.session, simulated.camera_rate_hz, format.views)) {
-    writeText(pending, file);
+  writeSession(simulated.session, simulated.camera_rate_hz, format.views, folder);
+  const TextFile truths[] = {{"camchain-imucam.yaml", kalibrCamchainText(simulated.truth)},
+                             {"trajectory.csv", trajectoryCsv(simulated)},
+                             {"truth.json", truthJson(simulated, options)}};
+  for (const TextFile& file : truths) {
+    const fs::path path = folder / "truth" / file.path;
+    writeNewFile(path, file.text, path.string());
   }
-  writeText(pending, {"truth/camchain-imucam.yaml", kalibrCamchainText(simulated.truth)});
-  writeText(pending, {"truth/trajectory.csv", trajectoryCsv(simulated)});
-  writeText(pending, {"truth/truth.json", truthJson(simulated, options)});
-  if (format.views == ViewFormat::kImages) writeImages(simulated, options.target, pending, format);
-  pending.commit();
+  if (format.views == ViewFormat::kImages) writeImages(simulated, options.target, folder, format);
 }
 
 }  // namespace plumbline

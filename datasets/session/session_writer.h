@@ -41,6 +41,11 @@ struct SimulatedSessionFormat {
   void check() const;
 };
 
+/// Writes the text files of a session into a folder of its own (output.h), as `plumbline calibrate`
+/// reads them. Throws InputError where one cannot be written.
+void writeSession(const Session& session, double camera_rate_hz, ViewFormat views,
+                  const std::filesystem::path& folder);
+
 /// Writes a simulated session as a recording that `plumbline calibrate` reads, with its truth
 /// beside it:
 ///   FOLDER/mav0/{cam0,cam1,...,imu0}/...    see sessionFiles()
@@ -48,9 +53,8 @@ struct SimulatedSessionFormat {
 ///   FOLDER/truth/camchain-imucam.yaml       Kalibr's format
 ///   FOLDER/truth/trajectory.csv             see trajectoryCsv()
 ///   FOLDER/truth/truth.json                 see truthJson()
-/// `options` are those the session was simulated with. Everything is written beside FOLDER under a
-/// temporary name and renamed at the end, so FOLDER is complete or not there. Throws InputError
-/// where FOLDER exists and is not empty, or cannot be written.
+/// `options` are those the session was simulated with. FOLDER is one of its own (output.h), made if
+/// it is missing. Throws InputError where a file cannot be written.
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const std::filesystem::path& folder,
                            const SimulatedSessionFormat& format = {});

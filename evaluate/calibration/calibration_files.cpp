@@ -100,15 +100,14 @@ std::string residualsTable(const CalibrationRecord& record) {
 }  // namespace
 
 std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals) {
-  using Content = std::optional<std::string>;
   const Calibration calibration = calibrationOf(record);
-  const std::string camchain = kalibrCamchainText(calibration);
   const auto& imu = calibration.imu;
-  return {{"calibration.json", documentOf(record)},
-          {"camchain-imucam.yaml", imu ? Content(camchain) : Content()},
-          {"camchain.yaml", imu ? Content() : Content(camchain)},
-          {"imu.yaml", imu ? Content(kalibrImuText(imu->noise, imu->rostopic)) : Content()},
-          {"residuals.csv", residuals ? Content(residualsTable(record)) : Content()}};
+  std::vector<ResultFile> files{
+      {"calibration.json", documentOf(record)},
+      {imu ? "camchain-imucam.yaml" : "camchain.yaml", kalibrCamchainText(calibration)}};
+  if (imu) files.push_back({"imu.yaml", kalibrImuText(imu->noise, imu->rostopic)});
+  if (residuals) files.push_back({"residuals.csv", residualsTable(record)});
+  return files;
 }
 
 std::string calibrationSummary(const CalibrationRecord& record) {

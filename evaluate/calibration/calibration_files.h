@@ -10,8 +10,7 @@
 namespace plumbline {
 
 /// The documents of a calibration: calibration.json, camchain-imucam.yaml (camchain.yaml without
-/// IMU), imu.yaml, and residuals.csv if `residuals`; every other name that a run may write comes
-/// without a text.
+/// IMU), imu.yaml, and residuals.csv if `residuals`.
 std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals);
 
 /// What a person wants to see on the terminal after a calibration: the parameters with their

@@ -13,8 +13,10 @@
 #include "evaluate/calibration/calibration_files.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"
@@ -25,7 +27,7 @@ namespace {
 struct CalibrateOptions {
   SessionOptions session;
   EstimationOptions estimation;
-  std::string out;
+  OutputOptions output;
   std::optional<std::string> select_views;
   bool free_cameras = false, joint = false, no_report = false, residuals = false;
   double imu_shift_ms = 0;
@@ -51,7 +53,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
 }
 
 void declareOutput(CLI::App& app, CalibrateOptions& o) {
-  app.add_option("--out", o.out, "Folder for the results")->required();
+  o.output.declare(app)->required();
   app.add_flag("--residuals", o.residuals, "Also write residuals.csv, a row for each corner");
   app.add_flag("--no-report", o.no_report, "Write no report.html");
   app.add_option("--threshold", o.thresholds,
@@ -93,18 +95,18 @@ CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app
 
 int calibrate(const CalibrateOptions& o, const CLI::App& app) {
   ProgressBar bar;
-  refuseUnwritable(o.out);
-  refuseInside(o.out, o.session.session, "--out");
-  const auto record = calibrateSession(calibrateRequest(o, app), bar.sink());
+  const CalibrateRequest request = calibrateRequest(o, app);
+  OutputFolder out(o.output.request("calibration", o.session, givenInputs({o.estimation.cameras})));
+  const auto record = calibrateSession(request, bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
   bar.update("writing", -1);
-  writeResults(o.out, *record, calibrationFiles(*record, o.residuals),
+  writeResults(out, *record, calibrationFiles(*record, o.residuals),
                pageUnless(o.no_report, [&] { return renderCalibrationPage(*record); }));
   bar.clear();
-  fmt::print("{}", calibrationSummary(*record));
-  const std::string page = o.out + (o.no_report ? "/calibration.json" : "/report.html");
-  fmt::print("\n{}: {}\n", o.no_report ? "Result" : "Report", page);
+  say("{}", calibrationSummary(*record));
+  const std::string page = o.output.out + (o.no_report ? "/calibration.json" : "/report.html");
+  say("\n{}: {}\n", o.no_report ? "Result" : "Report", page);
   return kDone;
 }
 

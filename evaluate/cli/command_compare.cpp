@@ -13,8 +13,10 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/compare/summary.h"
@@ -31,7 +33,7 @@ namespace {
 struct CompareOptions {
   std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
   SessionOptions session;
-  std::string out;
+  OutputOptions output;
   std::string grid = "31x21";
   std::string uncertainty = "cross-reprojection";
   std::string fit = "squares";
@@ -90,7 +92,7 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
                  "{calibration}, {sequence} and {run}");
   app.add_option("--truth", o.runs.truth, "Their ground truths, with {sequence}; or one file");
   declareCoverage(app, o.metrics);
-  app.add_option("--out", o.out, "Folder for the results")->required();
+  o.output.declare(app)->required();
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
 
@@ -173,20 +175,28 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   return evaluateRuns(request);
 }
 
+OutputRequest comparisonOutput(const CompareOptions& o) {
+  std::vector<std::string> inputs = o.calibrations;
+  for (const std::string& pattern : {o.runs.runs, o.runs.truth}) {
+    for (std::string& file : filesOf(pattern)) inputs.push_back(std::move(file));
+  }
+  return o.output.request("comparison", o.session, std::move(inputs));
+}
+
 int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
-  refuseUnwritable(o.out);
-  if (!o.session.session.empty()) refuseInside(o.out, o.session.session, "--out");
+  const CompareRequest request = compareRequest(o, app);
+  OutputFolder out(comparisonOutput(o));
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
-  ComparisonRecord record = compareCalibrations(compareRequest(o, app), bar.sink());
+  ComparisonRecord record = compareCalibrations(request, bar.sink());
   record.trajectories = std::move(trajectories);
   bar.clear();
   writeResults(
-      o.out, record,
+      out, record,
       {{"comparison.json", documentOf(record)}, {"comparison.csv", comparisonTable(record)}},
       pageUnless(o.no_report, [&] { return renderComparisonPage(record); }));
-  fmt::print("{}", comparisonSummary(record));
-  fmt::print("\nReport: {}/{}\n", o.out, o.no_report ? "comparison.json" : "report.html");
+  say("{}", comparisonSummary(record));
+  say("\nReport: {}/{}\n", o.output.out, o.no_report ? "comparison.json" : "report.html");
   return kDone;
 }
 

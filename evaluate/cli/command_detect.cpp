@@ -7,10 +7,11 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/files/file_io.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/detect_corners.h"
 #include "evaluate/session/load_session.h"
@@ -21,7 +22,7 @@ namespace {
 
 struct DetectOptions {
   SessionOptions session;
-  std::string out;
+  OutputOptions output;
 };
 
 // What a machine wants to know of the detection: counts of every camera and the input's hash.
@@ -46,18 +47,20 @@ std::string detectionDocument(const LoadedSession& loaded) {
 
 int detect(const DetectOptions& o) {
   ProgressBar bar;
-  refuseInside(o.out, o.session.session, "--out");
-  const LoadedSession loaded = loadSession(o.session.request(), bar.sink());
+  const LoadRequest request = o.session.request();
+  OutputFolder out(o.output.request("session of corners", o.session));
+  const LoadedSession loaded = loadSession(request, bar.sink());
   bar.clear();
   checkTargetLayout(loaded, {});
-  writeCornerSession(loaded.session, o.out);
-  writeFileAtomically(o.out + "/detection.json", detectionDocument(loaded));
+  writeCornerSession(loaded.session, out.path());
+  out.write("detection.json", detectionDocument(loaded));
+  out.commit();
   for (std::size_t i = 0; i < loaded.counts.size(); ++i) {
     const CameraCounts& counts = loaded.counts[i];
-    fmt::print("{}: {} corners of {} tags in {} of {} images\n", loaded.session.cameras[i].name,
-               counts.corners, counts.tags, counts.views_with_corners, counts.views_offered);
+    say("{}: {} corners of {} tags in {} of {} images\n", loaded.session.cameras[i].name,
+        counts.corners, counts.tags, counts.views_with_corners, counts.views_offered);
   }
-  fmt::print("Session of corners: {}\n", o.out);
+  say("Session of corners: {}\n", o.output.out);
   return kDone;
 }
 
@@ -68,8 +71,7 @@ Command detectCommand() {
           "plumbline detect session --out corners", [](CLI::App& app) {
             auto options = std::make_shared<DetectOptions>();
             options->session.declare(app);
-            app.add_option("--out", options->out, "Folder to write; must not exist, or be empty")
-                ->required();
+            options->output.declare(app, "Folder to write")->required();
             return std::function<int()>([options] { return detect(*options); });
           }};
 }

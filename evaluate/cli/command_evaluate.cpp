@@ -13,8 +13,10 @@
 #include "evaluate/calibration/evaluate_calibration.h"
 #include "evaluate/calibration/summary.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"
@@ -36,7 +38,7 @@ struct EvaluateCalibrationOptions {
   SessionOptions session;
   EstimationOptions estimation;
   std::vector<std::string> held_out;
-  std::string out;
+  OutputOptions output;
   int folds = 0;
 };
 
@@ -57,7 +59,7 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
                  "K: recalibrate K times without a K-th of the session, with the calibration's "
                  "models, and score that part")
       ->check(CLI::Range(2, kMostFolds));
-  app.add_option("--out", o.out, "Folder for the results")->required();
+  o.output.declare(app)->required();
 }
 
 EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
@@ -80,17 +82,19 @@ EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationO
 
 int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App& app) {
   ProgressBar bar;
-  refuseUnwritable(o.out);
-  refuseInside(o.out, o.session.session, "--out");
-  const auto result = evaluateCalibration(evaluateCalibrationRequest(o, app), bar.sink());
+  const EvaluateCalibrationRequest request = evaluateCalibrationRequest(o, app);
+  std::vector<std::string> inputs = o.held_out;
+  inputs.push_back(o.calibration);
+  OutputFolder out(o.output.request("scores of a calibration", o.session, std::move(inputs)));
+  const auto result = evaluateCalibration(request, bar.sink());
   bar.clear();
   if (!result) {
-    fmt::print(stderr, "plumbline: {}\n", problemOf(result.failure()));
+    complain(problemOf(result.failure()));
     return kFailed;
   }
-  writeResults(o.out, *result, {{"evaluation.json", documentOf(*result)}},
+  writeResults(out, *result, {{"evaluation.json", documentOf(*result)}},
                renderCalibrationPage(*result));
-  fmt::print("{}\nReport: {}/report.html\n", evaluationSummary(*result), o.out);
+  say("{}\nReport: {}/report.html\n", evaluationSummary(*result), o.output.out);
   return kDone;
 }
 

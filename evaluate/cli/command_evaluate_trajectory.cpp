@@ -10,10 +10,11 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/files/file_io.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
@@ -30,7 +31,8 @@ struct EvaluateTrajectoryOptions {
   std::string estimate, truth;
   std::string body, estimate_format, format;
   TrajectoryMetricWords metrics;
-  std::optional<std::string> json, out;
+  std::optional<std::string> json;
+  OutputOptions output;
 };
 
 void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
@@ -42,7 +44,7 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   app.add_option("--estimate-format", o.estimate_format, "Format of the estimate, as --format");
   app.add_option("--body", o.body, "Rigid body of a motion-capture export");
   app.add_option("--json", o.json, "File to write the figures to; - for standard output");
-  app.add_option("--out", o.out, "Folder for the report, the figures and the records");
+  o.output.declare(app, "Folder for the report, the figures and the records");
 }
 
 TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) {
@@ -60,8 +62,8 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
   return request;
 }
 
-void writeStudy(const TrajectoryEvaluation& evaluation, const EvaluateTrajectoryOptions& o,
-                const CLI::App& app) {
+void writeStudy(OutputFolder& out, const TrajectoryEvaluation& evaluation,
+                const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
   auto given = givenOptions(app);
   std::erase_if(given, [](const auto& option) {
@@ -71,26 +73,34 @@ void writeStudy(const TrajectoryEvaluation& evaluation, const EvaluateTrajectory
   record.provenance.input =
       fmt::format("{} against {}", std::filesystem::path(o.estimate).filename().string(),
                   std::filesystem::path(o.truth).filename().string());
-  writeResults(*o.out, record,
+  writeResults(out, record,
                {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                renderTrajectoryPage(record));
 }
 
 int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
-  if (o.out) refuseUnwritable(*o.out);
-  const Result<TrajectoryEvaluation> result = evaluateTrajectory(evaluateTrajectoryRequest(o));
+  const TrajectoryRequest request = evaluateTrajectoryRequest(o);
+  const std::vector<std::string> inputs{o.estimate, o.truth};
+  const bool piped = o.json == kStandardOutput;
+  std::optional<OutputFolder> out;
+  std::optional<OutputFile> json;
+  if (!o.output.out.empty()) out.emplace(o.output.request("errors of trajectories", inputs));
+  if (o.json && !piped) {
+    OutputRequest file = o.output.file(*o.json, inputs);
+    if (out) file.inputs.push_back(o.output.out);  // no part of the folder, and not its place
+    json.emplace(file, kTrajectoryMark);
+  }
+  const Result<TrajectoryEvaluation> result = evaluateTrajectory(request);
   if (!result) return tellFailure(result.failure());
-  if (o.out) writeStudy(*result, o, app);
-  if (o.json == kStandardOutput) {
-    fmt::print("{}", documentOf(result->run));
+  if (out) writeStudy(*out, *result, o, app);
+  if (json) json->write(documentOf(result->run));
+  if (piped) {
+    writeOut(documentOf(result->run));
     return kDone;
   }
-  fmt::print("{}", trajectorySummary(*result));
-  if (o.json) {
-    writeFileAtomically(*o.json, documentOf(result->run));
-    fmt::print("\nFigures: {}\n", *o.json);
-  }
-  if (o.out) fmt::print("\nReport: {}/report.html\n", *o.out);
+  say("{}", trajectorySummary(*result));
+  if (json) say("\nFigures: {}\n", *o.json);
+  if (out) say("\nReport: {}/report.html\n", o.output.out);
   return kDone;
 }
 
@@ -98,7 +108,8 @@ struct EvaluateTrajectoriesOptions {
   RunsRequest request;
   TrajectoryMetricWords metrics;
   double max_ate_m = 0;
-  std::string out, body;
+  std::string body;
+  OutputOptions output;
 };
 
 void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) {
@@ -107,7 +118,7 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
       ->required();
   app.add_option("--truth", o.request.truth, "Ground truths, with {sequence}; or one file")
       ->required();
-  app.add_option("--out", o.out, "Folder for the results")->required();
+  o.output.declare(app)->required();
   declareCoverage(app, o.metrics);
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: what never moving would reach)")
@@ -131,15 +142,18 @@ RunsRequest evaluateTrajectoriesRequest(const EvaluateTrajectoriesOptions& o) {
 }
 
 int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App& app) {
-  refuseUnwritable(o.out);
-  TrajectoryRecord record = evaluateRuns(evaluateTrajectoriesRequest(o));
-  record.name = std::filesystem::path(o.out).filename().string();
+  const RunsRequest request = evaluateTrajectoriesRequest(o);
+  std::vector<std::string> inputs = filesOf(request.runs);
+  for (std::string& file : filesOf(request.truth)) inputs.push_back(std::move(file));
+  OutputFolder out(o.output.request("errors of trajectories", std::move(inputs)));
+  TrajectoryRecord record = evaluateRuns(request);
+  record.name = std::filesystem::path(o.output.out).filename().string();
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
   record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
-  writeResults(o.out, record,
+  writeResults(out, record,
                {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                renderTrajectoryPage(record));
-  fmt::print("{}\nReport: {}/report.html\n", runsSummary(record), o.out);
+  say("{}\nReport: {}/report.html\n", runsSummary(record), o.output.out);
   return kDone;
 }
 

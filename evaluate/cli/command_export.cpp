@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -14,12 +16,15 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/output_options.h"
+#include "evaluate/cli/terminal.h"
 
 namespace plumbline {
 namespace {
 
 struct ExportFilesOptions {
   ExportRequest request;
+  OutputOptions output;
   std::string to;
   bool json = false;
 };
@@ -37,7 +42,7 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
                  "result of yac")
       ->required();
   app.add_option("--to", o.to, "Tool: " + knownTools())->required();
-  app.add_option("--out", r.out, "Folder for the files")->required();
+  o.output.declare(app, "Folder for the files")->required();
   app.add_option("--imu", r.imu,
                  "Kalibr's imu.yaml, for noise densities that the calibration does not state");
   app.add_option("--only", r.only, "Cameras to export, e.g. cam0,cam1 (default: all)")
@@ -61,15 +66,24 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
 }
 
 int exportFiles(const ExportFilesOptions& o) {
-  const ExportOutcome outcome = exportCalibrationFile(exportRequest(o));
+  const ExportRequest request = exportRequest(o);
+  std::vector<std::string> inputs = givenInputs({request.calibration, request.imu});
+  OutputFolder out(o.output.request("export", std::move(inputs)));
+  const ExportedFiles exported = exportCalibrationFile(request);
+  std::vector<std::string> paths;
+  for (const ExportFile& file : exported.files) {
+    out.write(file.name, file.text);
+    paths.push_back((std::filesystem::path(o.output.out) / file.name).string());
+  }
+  out.commit();
   if (o.json) {
     const nlohmann::ordered_json json{
-        {"tool", o.to}, {"files", outcome.paths}, {"warnings", outcome.warnings}};
-    fmt::print("{}\n", json.dump(2));
+        {"tool", o.to}, {"files", paths}, {"warnings", exported.warnings}};
+    writeOut(json.dump(2) + "\n");
     return kDone;
   }
-  for (const std::string& path : outcome.paths) fmt::print("{}\n", path);
-  for (const std::string& warning : outcome.warnings) fmt::print("warning: {}\n", warning);
+  for (const std::string& path : paths) say("{}\n", path);
+  for (const std::string& warning : exported.warnings) say("warning: {}\n", warning);
   return kDone;
 }
 

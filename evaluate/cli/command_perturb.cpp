@@ -12,8 +12,10 @@
 #include "datasets/session/study_reader.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/studies/perturbation_study.h"
@@ -52,7 +54,7 @@ struct PerturbOptions {
   std::string study;
   SessionOptions session;
   EstimationOptions estimation;
-  std::string out;
+  OutputOptions output;
   std::vector<std::string> amounts = std::vector<std::string>(std::size(kKinds));
   int repeats = 1;
   std::uint64_t seed = 1;
@@ -73,7 +75,7 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   o.estimation.declare(app);
-  app.add_option("--out", o.out, "Folder for the results")->required();
+  o.output.declare(app)->required();
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
 
@@ -125,17 +127,18 @@ PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
 
 int perturb(const PerturbOptions& o, const CLI::App& app) {
   ProgressBar bar;
-  refuseUnwritable(o.out);
-  refuseInside(o.out, o.session.session, "--out");
-  const auto record = perturbSession(perturbRequest(o, app), bar.sink());
+  const PerturbRequest request = perturbRequest(o, app);
+  OutputFolder out(o.output.request("perturbation study", o.session,
+                                    givenInputs({o.estimation.cameras, o.study})));
+  const auto record = perturbSession(request, bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
-  writeResults(o.out, *record,
+  writeResults(out, *record,
                {{"perturbation.json", documentOf(*record)},
                 {"perturbation.csv", perturbationTable(*record)}},
                pageUnless(o.no_report, [&] { return renderPerturbationPage(*record); }));
-  fmt::print("{}", perturbationSummary(*record));
-  fmt::print("\nResult: {}/{}\n", o.out, o.no_report ? "perturbation.json" : "report.html");
+  say("{}", perturbationSummary(*record));
+  say("\nResult: {}/{}\n", o.output.out, o.no_report ? "perturbation.json" : "report.html");
   return kDone;
 }
 

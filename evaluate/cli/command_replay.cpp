@@ -16,8 +16,10 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/replay/decision_log.h"
 #include "evaluate/replay/replay_session.h"
 #include "evaluate/replay/summary.h"
@@ -176,7 +178,7 @@ struct ReplayOptions {
   EstimationOptions estimation;
   GuideOptionSet guide;
   std::optional<std::string> suggestions;
-  std::string out;
+  OutputOptions output;
   bool no_counterfactuals = false;
   int random_orders = 5;
   std::uint64_t seed = 1;
@@ -202,7 +204,7 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
                  "A stop this much after the views were enough is still right [s]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--out", o.out, "Folder for the results")->required();
+  o.output.declare(app)->required();
   app.add_flag("--no-images", o.no_images, "Keep no small copies of the images for the page");
   app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
@@ -231,17 +233,18 @@ ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
 
 int replay(const ReplayOptions& o, const CLI::App& app) {
   ProgressBar bar;
-  refuseUnwritable(o.out);
-  refuseInside(o.out, o.session.session, "--out");
-  const ReplayRecord record = replaySession(replayRequest(o, app), bar.sink());
+  const ReplayRequest request = replayRequest(o, app);
+  OutputFolder out(
+      o.output.request("replay", o.session, givenInputs({o.estimation.cameras, o.suggestions})));
+  const ReplayRecord record = replaySession(request, bar.sink());
   bar.sink()("writing", -1);
   writeResults(
-      o.out, record,
+      out, record,
       {{"decisions.jsonl", decisionLog(record.decisions)}, {"replay.json", documentOf(record)}},
       pageUnless(o.no_report, [&] { return renderReplayPage(record); }));
   bar.clear();
-  fmt::print("{}", replaySummary(record));
-  fmt::print("\nResult: {}/{}\n", o.out, o.no_report ? "replay.json" : "report.html");
+  say("{}", replaySummary(record));
+  say("\nResult: {}/{}\n", o.output.out, o.no_report ? "replay.json" : "report.html");
   return kDone;
 }
 

@@ -9,8 +9,9 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/files/file_io.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/output_options.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"
 #include "report/html/comparison/page.h"
@@ -24,7 +25,7 @@ namespace {
 
 struct ReportOptions {
   std::string input;
-  std::optional<std::string> out;
+  OutputOptions output;
   std::optional<std::string> json;
   std::optional<std::int64_t> run;
 };
@@ -62,22 +63,25 @@ std::string pageOf(const Store& store, const RunSummary& run) {
 
 // What was written is named, unless standard output is the document's.
 int report(const ReportOptions& o) {
-  if (!o.out && !o.json) {
+  if (o.output.out.empty() && !o.json) {
     throw InputError("nothing to make: expected --out PAGE.html, --json FILE, or both");
   }
   const bool piped = o.json == kStandardOutput;
-  const Store store(storeOf(o.input));
+  const std::filesystem::path path = storeOf(o.input);
+  std::optional<OutputFile> page, json;
+  if (!o.output.out.empty()) page.emplace(o.output.file(o.output.out, {path.string()}), kPageMark);
+  if (o.json && !piped) json.emplace(o.output.file(*o.json, {path.string()}), kDocumentMark);
+  const Store store(path);
   const RunSummary run = store.summary(o.run);
-  if (o.out) {
-    writeFileAtomically(*o.out, pageOf(store, run));
-    if (!piped) fmt::print("{}\n", *o.out);
+  if (page) {
+    page->write(pageOf(store, run));
+    if (!piped) say("{}\n", o.output.out);
   }
-  if (piped) {
-    fmt::print("{}", store.document(run.id));
-  } else if (o.json) {
-    writeFileAtomically(*o.json, store.document(run.id));
-    fmt::print("{}\n", *o.json);
+  if (json) {
+    json->write(store.document(run.id));
+    say("{}\n", *o.json);
   }
+  if (piped) writeOut(store.document(run.id));
   return kDone;
 }
 
@@ -88,7 +92,7 @@ Command reportCommand() {
           "plumbline report result --out page.html", [](CLI::App& app) {
             auto options = std::make_shared<ReportOptions>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
-            app.add_option("--out", options->out, "HTML file to write");
+            options->output.declare(app, "HTML file to write");
             app.add_option("--json", options->json,
                            "File for the figures (calibration.json, evaluation.json, "
                            "trajectory.json, comparison.json, perturbation.json, replay.json); - "

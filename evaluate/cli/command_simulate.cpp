@@ -15,13 +15,15 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/fault_words.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
+#include "evaluate/cli/terminal.h"
 
 namespace plumbline {
 namespace {
 
 struct SimulateOptions {
-  std::string out;
+  OutputOptions output;
   std::string rig = "euroc";
   std::string motion = "full";
   bool images = false;
@@ -33,8 +35,7 @@ struct SimulateOptions {
 
 void declareSimulate(CLI::App& app, SimulateOptions& o) {
   auto& s = o.simulation;
-  app.add_option("--out", o.out,
-                 "Folder to write; must not exist, or be empty (required but for --fault list)");
+  o.output.declare(app, "Folder to write (required but for --fault list)");
   app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
       ->capture_default_str();
   app.add_option("--motion", o.motion,
@@ -67,17 +68,19 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
 int simulate(SimulateOptions o) {
   for (const std::string& spec : o.faults) {
     if (spec == "list") {
-      fmt::print("{}", faultList());
+      say("{}", faultList());
       return kDone;
     }
     o.simulation.faults.push_back(faultFrom(spec));
   }
-  if (o.out.empty()) throw InputError("--out is required; name the folder to write");
+  if (o.output.out.empty()) throw InputError("--out is required; name the folder to write");
   if (o.images) checkRendered(o.simulation.faults);
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);
   if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
-  const SimulatedSession simulated = simulateSession(simulatedRig(o.rig), o.simulation);
+  const SimulatedRig rig = simulatedRig(o.rig);
+  OutputFolder out(o.output.request("session"));
+  const SimulatedSession simulated = simulateSession(rig, o.simulation);
   ProgressBar bar;
   SimulatedSessionFormat format;
   format.views = o.images ? ViewFormat::kImages : ViewFormat::kCorners;
@@ -86,11 +89,12 @@ int simulate(SimulateOptions o) {
   format.progress = [&bar](std::size_t done, std::size_t all) {
     bar.update("rendering", static_cast<double>(done) / static_cast<double>(all));
   };
-  writeSimulatedSession(simulated, o.simulation, o.out, format);
+  writeSimulatedSession(simulated, o.simulation, out.path(), format);
+  out.commit();
   bar.clear();
-  fmt::print("Simulated {:.0f} s of rig {} (seed {}) in {}\n", o.simulation.duration_s, o.rig,
-             o.simulation.seed, o.out);
-  fmt::print("The truth is in {}/truth\n", o.out);
+  say("Simulated {:.0f} s of rig {} (seed {}) in {}\n", o.simulation.duration_s, o.rig,
+      o.simulation.seed, o.output.out);
+  say("The truth is in {}/truth\n", o.output.out);
   return kDone;
 }
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdio>
 #include <functional>
 #include <optional>
 #include <string>
 
 #include <CLI/App.hpp>
-#include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
@@ -54,7 +53,7 @@ Command evaluateCalibrationCommand();
 /// Prints a failure with its cure in one line and returns the command's exit code: data that
 /// contradict what a file states are bad input.
 inline int tellFailure(const Failure& failure) {
-  fmt::print(stderr, "plumbline: {}\n", problemOf(failure));
+  complain(problemOf(failure));
   return failure.reason() == FailureReason::kImplausible ? kBadInput : kFailed;
 }
 

@@ -13,6 +13,8 @@
 
 #include "datasets/files/bad_input.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/interruption.h"
+#include "evaluate/cli/terminal.h"
 #include "generated/version.h"
 
 namespace plumbline {
@@ -47,6 +49,8 @@ std::string optionFor(InputFault code) {
       return "; --imu imu.yaml gives its noise densities";
     case InputFault::kNoImuSamples:
       return "; --no-imu leaves the IMU out";
+    case InputFault::kResultExists:
+      return "; --force replaces it";
     case InputFault::kNoCache:
       return "; --cache DIR names another, --no-cache none";
     case InputFault::kNothingSelected:
@@ -64,22 +68,35 @@ std::string optionFor(InputFault code) {
   }
 }
 
+// Where a signal ends the process, what fails does so for that reason.
+int failed(const std::string& message, int exit_code) {
+  waitIfEnding();
+  complain(message);
+  return exit_code;
+}
+
+// Names go into documents, which are UTF-8.
+void refuseOtherThanUtf8(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (isUtf8(argv[i])) continue;
+    throw InputError(argv[i], 0,
+                     "is not UTF-8; expected a name in UTF-8; rename it, or link to it");
+  }
+}
+
 int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
   try {
     return handlers.at(app.get_subcommands().front()->get_name())();
   } catch (const BadInput& error) {
-    fmt::print(stderr, "plumbline: {}{}\n", error.what(), optionFor(error.code()));
-    return kBadInput;
+    return failed(error.what() + std::string(optionFor(error.code())), kBadInput);
   } catch (const InputError& error) {
-    fmt::print(stderr, "plumbline: {}\n", error.what());
-    return kBadInput;
+    return failed(error.what(), kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "plumbline: {}: {}; check the path and its permissions\n",
-               error.path1().string(), error.code().message());
-    return kBadInput;
+    return failed(fmt::format("{}: {}; check the path and its permissions", error.path1().string(),
+                              error.code().message()),
+                  kBadInput);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "plumbline: unexpected failure: {}\n", error.what());
-    return kFailed;
+    return failed(fmt::format("unexpected failure: {}", error.what()), kFailed);
   }
 }
 
@@ -90,6 +107,7 @@ void returnFreedArrays() { mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 
 int run(int argc, char** argv) {
   returnFreedArrays();
+  endInOrderOnSignals();
   CLI::App app{"Calibrates and judges camera-IMU rigs from recordings of an AprilGrid.",
                "plumbline"};
   app.set_version_flag("--version", kVersion);
@@ -101,13 +119,20 @@ int run(int argc, char** argv) {
     handlers[command.name] = command.configure(*sub);
   }
   try {
+    refuseOtherThanUtf8(argc, argv);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // help, version
-    fmt::print(stderr, "plumbline: {}; see plumbline{} --help\n", error.what(), chosenWords(app));
-    return kBadInput;
+    if (error.get_exit_code() == 0) {  // help, version
+      app.exit(error);
+      return closeOutput() ? kDone : kFailed;
+    }
+    return failed(fmt::format("{}; see plumbline{} --help", error.what(), chosenWords(app)),
+                  kBadInput);
+  } catch (const InputError& error) {
+    return failed(error.what(), kBadInput);
   }
-  return runChosen(app, handlers);
+  const int exit_code = runChosen(app, handlers);
+  return closeOutput() || exit_code != kDone ? exit_code : kFailed;
 }
 
 }  // namespace

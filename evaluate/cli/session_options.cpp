@@ -93,10 +93,23 @@ LoadRequest SessionOptions::request() const {
   request.read.sync_tolerance =
       nanosecondsFromMilliseconds("--sync-tolerance-ms", sync_tolerance_ms);
   request.detector.border_bits = border_bits;
-  if (!no_cache) request.cache = cache ? cache : defaultCacheFolder();
+  request.cache = cacheFolder();
   request.only = only;
   request.threads = threads;
   return request;
+}
+
+std::vector<std::string> SessionOptions::inputs() const {
+  std::vector<std::string> given;
+  if (!session.empty()) given.push_back(session);
+  if (target) given.push_back(*target);
+  if (imu) given.push_back(*imu);
+  return given;
+}
+
+std::optional<std::string> SessionOptions::cacheFolder() const {
+  if (no_cache) return std::nullopt;
+  return cache ? cache : defaultCacheFolder();
 }
 
 void EstimationOptions::declare(CLI::App& app) {
@@ -148,7 +161,9 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
   std::vector<std::pair<std::string, std::string>> given;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name(false, false);
-    if (option->count() == 0 || name == "--out" || name == "session") continue;
+    if (option->count() == 0 || name == "--out" || name == "--force" || name == "session") {
+      continue;
+    }
     given.emplace_back(name, option->get_expected_max() == 0
                                  ? "yes"
                                  : fmt::format("{}", fmt::join(option->results(), ",")));

@@ -32,6 +32,10 @@ struct SessionOptions {
   void declareOptional(CLI::App& app);
   /// Checks the values and turns them into what the workflow asks for.
   LoadRequest request() const;
+  /// Files and folders that were given to be read.
+  std::vector<std::string> inputs() const;
+  /// Where found corners are kept; empty: nowhere.
+  std::optional<std::string> cacheFolder() const;
 
  private:
   void declareDetails(CLI::App& app);

@@ -12,7 +12,6 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics.h"
-#include "datasets/files/file_io.h"
 #include "datasets/images/image_io.h"
 #include "datasets/session/corner_cache.h"
 #include "datasets/session/session_writer.h"
@@ -139,14 +138,8 @@ std::optional<double> detectCorners(Recording& recording, const DetectRequest& r
   return medianSpacing(workers);
 }
 
-void writeCornerSession(const Session& session, const std::string& folder) {
-  PendingFolder pending{std::filesystem::path(folder)};
-  for (const TextFile& file : sessionFiles(session, frameRate(session), ViewFormat::kCorners)) {
-    const auto path = pending.path() / file.path;
-    pending.create(path.parent_path());
-    writeFileAtomically(path.string(), file.text);
-  }
-  pending.commit();
+void writeCornerSession(const Session& session, const std::filesystem::path& folder) {
+  writeSession(session, frameRate(session), ViewFormat::kCorners, folder);
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -27,8 +28,8 @@ struct DetectRequest {
 std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
                                     const ProgressSink& progress);
 
-/// Writes a session with its corners as a EuRoC folder that `plumbline calibrate` reads. The folder
-/// appears complete or not at all; throws InputError where it exists and is not empty.
-void writeCornerSession(const Session& session, const std::string& folder);
+/// Writes a session with its corners as a EuRoC folder that `plumbline calibrate` reads. Throws
+/// InputError where it cannot be written.
+void writeCornerSession(const Session& session, const std::filesystem::path& folder);
 
 }  // namespace plumbline

@@ -12,6 +12,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/stopwatch.h"
+#include "datasets/files/bad_input.h"
 #include "datasets/session/session_folder.h"
 #include "evaluate/session/detect_corners.h"
 
@@ -70,14 +71,6 @@ std::optional<std::string> defaultCacheFolder() {
   return std::nullopt;
 }
 
-void refuseInside(const std::string& path, const std::string& session, const std::string& option) {
-  if (!isInside(path, session)) return;
-  throw InputError(path, 0,
-                   fmt::format("is inside the recording, which is never written to; give {} "
-                               "another folder",
-                               option));
-}
-
 void LoadRequest::check() const {
   detector.check();
   if (read.stride < 1) throw InputError(fmt::format("stride {}: expected 1 or more", read.stride));
@@ -95,7 +88,10 @@ void LoadRequest::check() const {
 
 LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress) {
   request.check();
-  if (request.cache) refuseInside(*request.cache, request.session, "--cache");
+  if (request.cache && isInside(*request.cache, request.session)) {
+    throw BadInput(InputFault::kNoCache, *request.cache, 0,
+                   "the cache is inside the recording, which is never written to");
+  }
   progress("reading", -1);
   const Stopwatch reading;
   Recording recording = readRecording(request.session, request.read);

@@ -42,10 +42,6 @@ struct LoadedSession {
   double detect_s = 0;                  ///< and of detection
 };
 
-/// Throws InputError where `path`, which the option `option` names, lies in the recording: that is
-/// never written to.
-void refuseInside(const std::string& path, const std::string& session, const std::string& option);
-
 /// Reads a recording and finds the corners of its images, unless they were found before. Throws
 /// InputError for bad input, and where the request's check() does.
 LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progress);

@@ -27,7 +27,7 @@ class CommandCompare : public CommandLine {
   static std::string truth() { return (session() / "truth/camchain-imucam.yaml").string(); }
 
   Outcome compare(const std::string& arguments) const {
-    return plumbline("compare " + arguments + " --out " + (scratch() / "out").string() +
+    return plumbline("compare --force " + arguments + " --out " + (scratch() / "out").string() +
                      " --no-cache --no-report");
   }
   json document() const { return json::parse(read(scratch() / "out/comparison.json")); }

@@ -32,8 +32,8 @@ class CompareEuroc : public testing::Test {
   static void TearDownTestSuite() { fs::remove_all(root_); }
 
   static json compared(const std::string& arguments) {
-    const Outcome outcome =
-        plumbline("compare " + arguments + " --no-report --out " + (root_ / "out").string());
+    const Outcome outcome = plumbline("compare --force " + arguments + " --no-report --out " +
+                                      (root_ / "out").string());
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
     return json::parse(read(root_ / "out/comparison.json"));
   }

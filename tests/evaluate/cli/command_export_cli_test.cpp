@@ -67,19 +67,24 @@ TEST_F(CommandExport, JsonListsFilesAndWarnings) {
   EXPECT_EQ(json["warnings"].size(), 3U) << outcome.text;  // time, camera 2, rate
 }
 
-TEST_F(CommandExport, ReplacesItsOwnFilesAndNoOthers) {
+TEST_F(CommandExport, ReplacesItsOwnFolderOnlyIfToldToAndNoOthers) {
   ASSERT_EQ(exportedSource("--to basalt").exit_code, 0);
-  EXPECT_EQ(exportedSource("--to basalt").exit_code, 0);
-  write(out() / "orbslam3.yaml", "mine");
-  const auto before = contents(out());
-  const Outcome outcome = exportedSource("--to orbslam3");
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.text, AllOf(HasSubstr("orbslam3.yaml"), HasSubstr("--out")));
-  EXPECT_EQ(contents(out()), before);
-  // A JSON file has no mark of its own: without its notes it is somebody's.
-  fs::remove(out() / "basalt_notes.txt");
-  EXPECT_EQ(exportedSource("--to basalt").exit_code, 2);
-  EXPECT_FALSE(fs::exists(out() / "basalt_notes.txt"));
+  const auto first = contents(out());
+  const Outcome again = exportedSource("--to basalt");
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.text, AllOf(HasSubstr("holds an earlier result"), HasSubstr("--force")));
+  EXPECT_EQ(exportedSource("--to orbslam3 --force").exit_code, 0);
+  EXPECT_EQ(contents(out()).count("orbslam3.yaml"), 1U);
+  EXPECT_EQ(contents(out()).size(), 1U);
+  for (const auto& [name, text] : {std::pair("notes.txt", "mine"), {"orbslam3.yaml", "edited"}}) {
+    const std::string before = read(out() / name);
+    write(out() / name, text);
+    const Outcome outcome = exportedSource("--to orbslam3 --force");
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.text, HasSubstr((out() / name).string()));
+    EXPECT_EQ(read(out() / name), text);
+    if (before.empty()) fs::remove(out() / name);
+  }
 }
 
 TEST_F(CommandExport, KalibrsCamchainNeedsTheNoise) {

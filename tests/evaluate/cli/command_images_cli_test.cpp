@@ -28,8 +28,9 @@ class CommandImages : public CommandLine {
   // Calibrates cam0's images (or corners) without the IMU into scratch()/`out`.
   Outcome calibrateCam0(const fs::path& folder, const std::string& out,
                         const std::string& options) const {
-    return plumbline("calibrate " + folder.string() + " --only cam0 --no-imu --no-report --out " +
-                     (scratch() / out).string() + " " + options);
+    return plumbline("calibrate --force " + folder.string() +
+                     " --only cam0 --no-imu --no-report --out " + (scratch() / out).string() + " " +
+                     options);
   }
   // fu of the first camera of a camchain.
   static double focalOf(const fs::path& camchain) {

@@ -43,10 +43,11 @@ inline void write(const fs::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
+/// The files of a folder by name; of a result without its manifest.
 inline std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) {
+    if (entry.is_regular_file() && entry.path().filename() != "plumbline.json") {
       files[fs::relative(entry.path(), folder).string()] = read(entry.path());
     }
   }
@@ -89,7 +90,7 @@ class CommandLine : public testing::Test {
   }
   Outcome calibrate(const fs::path& folder, const std::string& options = "") const {
     return plumbline("calibrate " + folder.string() + " --out " + (scratch() / "out").string() +
-                     " --no-cache " + options);
+                     " --no-cache --force " + options);
   }
   // Refused with this exit code, these words, and nothing left behind.
   void expectRefusal(const Outcome& outcome, int exit_code,

@@ -203,17 +203,16 @@ TEST_F(CommandLine, ReportGivesTheDocumentAgainToMachines) {
 
 TEST_F(CommandLine, ResultsAreWrittenTogetherOrNotAtAll) {
   const fs::path out = scratch() / "out";
-  fs::create_directories(out / "report.html");  // in the way of the last file
+  fs::create_directories(out / "report.html");
   write(out / "calibration.json", "earlier");
   const Outcome outcome = calibrate(session());
   EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
-  EXPECT_THAT(outcome.text, HasSubstr("report.html: is a folder"));
+  EXPECT_THAT(outcome.text, HasSubstr("calibration.json: was not written by plumbline"));
   EXPECT_EQ(read(out / "calibration.json"), "earlier");
   EXPECT_EQ(contents(out).size(), 1U);
-  fs::remove(out / "report.html");
+  fs::remove_all(out);
   ASSERT_EQ(calibrate(session()).exit_code, 0);
   for (const auto& [name, text] : contents(out)) EXPECT_EQ(name.find('.') == 0, false) << name;
-  EXPECT_NE(read(out / "calibration.json"), "earlier");
   ASSERT_EQ(calibrate(session(), "--no-imu --no-report").exit_code, 0);
   for (const char* name : {"report.html", "imu.yaml", "camchain-imucam.yaml"}) {
     EXPECT_FALSE(fs::exists(out / name)) << name << " is of an earlier run";

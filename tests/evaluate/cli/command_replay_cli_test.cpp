@@ -26,7 +26,7 @@ class CommandReplay : public CommandLine {
   fs::path out() const { return scratch() / "out"; }
   Outcome replay(const fs::path& folder, const std::string& options = "") const {
     fs::create_directories(scratch());
-    return plumbline("replay " + folder.string() + " --out " + out().string() +
+    return plumbline("replay --force " + folder.string() + " --out " + out().string() +
                      " --no-cache --no-counterfactuals " + options);
   }
   /// Rewrites a file of the spoiled session's mav0, keeping the rows that `keep` accepts.
@@ -159,7 +159,7 @@ TEST_F(CommandReplay, ATargetLostForLongIsSaidAndTheReplayGoesOn) {
 
 TEST_F(CommandReplay, OtherOrdersNameTheRecordingsFrames) {
   const fs::path folder = withTargetLost();
-  const Outcome run = plumbline("replay " + folder.string() + " --out " + out().string() +
+  const Outcome run = plumbline("replay --force " + folder.string() + " --out " + out().string() +
                                 " --no-cache --no-report --no-imu --random-orders 1");
   ASSERT_EQ(run.exit_code, 0) << run.text;
   const auto decisions = lines(out() / "decisions.jsonl");

@@ -22,8 +22,8 @@ class EvaluateCalibration : public CommandLine {
 
   Outcome score(const std::string& calibration, const fs::path& folder,
                 const std::string& options = "") const {
-    return plumbline("evaluate calibration " + calibration + " " + folder.string() + " --out " +
-                     (scratch() / "out").string() + " --no-cache " + options);
+    return plumbline("evaluate calibration --force " + calibration + " " + folder.string() +
+                     " --out " + (scratch() / "out").string() + " --no-cache " + options);
   }
   nlohmann::json document() const {
     return nlohmann::json::parse(read(scratch() / "out" / "evaluation.json"));

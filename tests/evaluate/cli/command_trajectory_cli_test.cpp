@@ -139,7 +139,7 @@ TEST_F(CommandTrajectory, AnEstimateThatStartsLateIsPartialUnlessItsStartUpIsLef
   std::string late = circle(100, 1);
   late.erase(0, late.find("101.500000000"));  // 30 of 100 poses
   write(folder_ / "estimate.txt", late);
-  const std::string out = " --out " + (folder_ / "study").string();
+  const std::string out = " --force --out " + (folder_ / "study").string();
   const auto statusOf = [&](const std::string& options) {
     EXPECT_EQ(run(options + out).exit_code, 0);
     return nlohmann::json::parse(read(folder_ / "study/trajectory.json"))["runs"][0];

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/files/manifest.h"
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHashName = "xxh64:";
+
+// Everything within a folder, sorted; links are not followed.
+std::vector<fs::path> entriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    entries.push_back(entry.path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+ManifestEntry entryOf(const fs::path& file) {
+  const MappedFile content(file.string());
+  return {content.text().size(), kHashName + contentHash(content.text())};
+}
+
+// The size first: it needs no reading.
+bool isAsListed(const fs::path& file, const ManifestEntry& listed) {
+  std::error_code error;
+  if (fs::file_size(file, error) != listed.bytes || error) return false;
+  try {
+    return entryOf(file).hash == listed.hash;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+// Folders that the listed files lie in.
+std::set<std::string> foldersOf(const Manifest& manifest) {
+  std::set<std::string> folders;
+  for (const auto& [name, entry] : manifest.files) {
+    for (fs::path at = fs::path(name).parent_path(); !at.empty(); at = at.parent_path()) {
+      folders.insert(at.generic_string());
+    }
+  }
+  return folders;
+}
+
+std::optional<Manifest> parse(std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  try {
+    if (json.at("program") != "plumbline" || json.at("schema") != 1) return std::nullopt;
+    Manifest manifest{json.at("version"), json.at("kind"), {}};
+    for (const auto& [name, entry] : json.at("files").items()) {
+      manifest.files[name] = {entry.at("bytes"), entry.at("hash")};
+    }
+    return manifest;
+  } catch (const nlohmann::json::exception&) {  // not of this form: not ours
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Manifest manifestOf(const fs::path& folder, const std::string& version, const std::string& kind) {
+  Manifest manifest{version, kind, {}};
+  for (const fs::path& path : entriesOf(folder)) {
+    if (!fs::is_regular_file(fs::symlink_status(path))) continue;
+    manifest.files[fs::relative(path, folder).generic_string()] = entryOf(path);
+  }
+  return manifest;
+}
+
+std::string manifestText(const Manifest& manifest) {
+  nlohmann::ordered_json files = nlohmann::ordered_json::object();
+  for (const auto& [name, entry] : manifest.files) {
+    files[name] = {{"bytes", entry.bytes}, {"hash", entry.hash}};
+  }
+  return nlohmann::ordered_json{{"schema", 1},
+                                {"program", "plumbline"},
+                                {"version", manifest.version},
+                                {"kind", manifest.kind},
+                                {"files", files}}
+             .dump(2) +
+         "\n";
+}
+
+std::optional<Manifest> readManifest(const fs::path& folder) {
+  const fs::path path = folder / kManifestFile;
+  if (!fs::is_regular_file(fs::symlink_status(path))) return std::nullopt;
+  try {
+    return parse(MappedFile(path.string()).text());
+  } catch (const InputError&) {  // gone meanwhile, or unreadable
+    return std::nullopt;
+  }
+}
+
+std::optional<ForeignEntry> firstForeign(const fs::path& folder, const Manifest& manifest) {
+  const std::set<std::string> folders = foldersOf(manifest);
+  for (const fs::path& path : entriesOf(folder)) {
+    const std::string name = path.lexically_relative(folder).generic_string();
+    const fs::file_status status = fs::symlink_status(path);
+    if (fs::is_directory(status)) {
+      if (folders.count(name) == 0) return ForeignEntry{path, false};
+      continue;
+    }
+    if (fs::is_regular_file(status) && name == kManifestFile) continue;
+    const auto listed = manifest.files.find(name);
+    if (listed == manifest.files.end()) return ForeignEntry{path, false};
+    if (!fs::is_regular_file(status) || !isAsListed(path, listed->second)) {
+      return ForeignEntry{path, true};
+    }
+  }
+  return std::nullopt;
+}
+
+void removeListed(const fs::path& folder, const Manifest& manifest) {
+  std::error_code ignored;
+  // The manifest goes last: as long as a file is there, it says whose it is.
+  const std::vector<fs::path> entries = entriesOf(folder);
+  for (const fs::path& path : entries) {
+    const std::string name = path.lexically_relative(folder).generic_string();
+    const fs::file_status status = fs::symlink_status(path, ignored);
+    if (fs::is_regular_file(status) && manifest.files.count(name) > 0) fs::remove(path, ignored);
+  }
+  for (auto path = entries.rbegin(); path != entries.rend(); ++path) {
+    if (fs::is_directory(fs::symlink_status(*path, ignored))) fs::remove(*path, ignored);
+  }
+  fs::remove(folder / kManifestFile, ignored);
+  fs::remove(folder, ignored);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/files/output.h"
+
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/manifest.h"
+#include "datasets/files/workplace.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a name stands for, links followed.
+std::optional<struct stat> statusOf(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  return status;
+}
+
+bool isSame(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+// Whether `path` is `folder` or lies in it, however either is written.
+bool isWithin(const fs::path& path, const struct stat& folder) {
+  for (fs::path at = fs::weakly_canonical(fs::absolute(path));; at = at.parent_path()) {
+    const auto status = statusOf(at);
+    if (status && isSame(*status, folder)) return true;
+    if (!at.has_relative_path()) return false;
+  }
+}
+
+// The same for a folder that is not there yet: by name.
+bool isWithinNamed(const fs::path& path, const fs::path& folder) {
+  for (fs::path at = fs::weakly_canonical(fs::absolute(path));; at = at.parent_path()) {
+    if (at == folder) return true;
+    if (!at.has_relative_path()) return false;
+  }
+}
+
+BadInput refusal(InputFault code, const std::string& path, const std::string& what,
+                 const std::string& cure) {
+  return badInput(path, 0, {code, what, "", cure});
+}
+
+constexpr const char* kElsewhere = "give another place for the results";
+
+void refuseHolding(const OutputRequest& request, const fs::path& final_path,
+                   const std::string& input) {
+  const auto output = statusOf(final_path);
+  if (!(output ? isWithin(input, *output) : isWithinNamed(input, final_path))) return;
+  throw refusal(InputFault::kInputInTheWay, request.path,
+                fmt::format("holds {}, which is read or kept and never removed", input),
+                kElsewhere);
+}
+
+void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
+  for (const std::string& kept : request.kept) refuseHolding(request, final_path, kept);
+  for (const std::string& input : request.inputs) {
+    refuseHolding(request, final_path, input);
+    const auto status = statusOf(input);
+    if (!status) continue;
+    if (isWithin(final_path, *status)) {
+      const char* where = S_ISDIR(status->st_mode) ? "lies in" : "is";
+      throw refusal(InputFault::kInputInTheWay, request.path,
+                    fmt::format("{} {}, which is read and never written to", where, input),
+                    kElsewhere);
+    }
+    std::error_code error;  // a recording may be a folder of links
+    for (fs::recursive_directory_iterator it(input, error), end; !error && it != end;
+         it.increment(error)) {
+      if (it->is_symlink(error)) refuseHolding(request, final_path, it->path().string());
+    }
+  }
+}
+
+// Absolute, links resolved as far as it is there.
+fs::path finalPath(const OutputRequest& request) {
+  if (request.path.empty())
+    throw BadInput(InputFault::kBadOption, "the name of the output is empty");
+  fs::path path = fs::absolute(request.path).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  std::error_code error;
+  if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
+    throw refusal(InputFault::kUnwritable, request.path, "is a link to nothing", kElsewhere);
+  }
+  const fs::path resolved = fs::weakly_canonical(path, error);
+  if (error) {
+    throw refusal(InputFault::kUnwritable, request.path,
+                  fmt::format("cannot be reached ({})", error.message()), kElsewhere);
+  }
+  return resolved;
+}
+
+// A folder is replaced by another one: it must be no more than a name in the folder above.
+void refuseFixedFolder(const OutputRequest& request, const fs::path& path) {
+  const auto folder = statusOf(path);
+  const auto above = statusOf(path.parent_path());
+  const auto here = statusOf(".");
+  if (!folder || !above) return;
+  const char* what = nullptr;
+  if (!path.has_relative_path() || folder->st_dev != above->st_dev) {
+    what = "is a mount point, which cannot be replaced as a whole";
+  } else if (here && isSame(*folder, *here)) {
+    what = "is the working folder, which cannot be replaced as a whole";
+  }
+  if (what == nullptr) return;
+  throw refusal(InputFault::kUnwritable, request.path, what,
+                "give a new folder, such as one in it");
+}
+
+void refuseForeign(const fs::path& folder, const Manifest& manifest) {
+  const auto foreign = firstForeign(folder, manifest);
+  if (!foreign) return;
+  throw refusal(InputFault::kForeignFiles, foreign->path.string(),
+                foreign->changed ? "was changed after plumbline wrote it"
+                                 : "was not written by plumbline, which never removes it",
+                "move it elsewhere, or give another place for the results");
+}
+
+void refuseFolder(const OutputRequest& request, const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return;
+  if (!fs::is_directory(path, error)) {
+    throw refusal(InputFault::kUnwritable, request.path, "is in the way; expected a folder",
+                  kElsewhere);
+  }
+  refuseFixedFolder(request, path);
+  if (fs::is_empty(path, error)) return;
+  const auto manifest = readManifest(path);
+  refuseForeign(path, manifest.value_or(Manifest{}));
+  if (!manifest) {
+    throw refusal(InputFault::kForeignFiles, path.string(), "holds a manifest that is not ours",
+                  kElsewhere);
+  }
+  if (manifest->kind != request.kind) {
+    throw refusal(
+        InputFault::kForeignFiles, request.path,
+        fmt::format("holds a result of another kind ({}, not {})", manifest->kind, request.kind),
+        kElsewhere);
+  }
+  if (request.replace) return;
+  throw refusal(InputFault::kResultExists, request.path, "holds an earlier result", kElsewhere);
+}
+
+void refuseFile(const OutputRequest& request, const std::string& mark, const fs::path& path) {
+  if (readManifest(path.parent_path())) {
+    throw refusal(InputFault::kUnwritable, request.path,
+                  "lies in a folder of results, whose files belong together", kElsewhere);
+  }
+  const auto status = statusOf(path);
+  if (!status) return;
+  if (!S_ISREG(status->st_mode)) {
+    throw refusal(InputFault::kUnwritable, request.path,
+                  "is in the way; expected the name of a regular file", "give another name");
+  }
+  if (MappedFile(path.string()).text().find(mark) == std::string_view::npos) {
+    throw refusal(InputFault::kForeignFiles, request.path,
+                  "was not written by plumbline, which never replaces it",
+                  "move it elsewhere, or give another name");
+  }
+  if (request.replace) return;
+  throw refusal(InputFault::kResultExists, request.path, "exists already", "give another name");
+}
+
+BadInput unmoved(const OutputRequest& request, int error) {
+  return refusal(InputFault::kUnwritable, request.path,
+                 fmt::format("cannot be written ({})", std::strerror(error)),
+                 "check the folder, its permissions and the disk");
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(OutputRequest request)
+    : request_(std::move(request)), final_(finalPath(request_)) {
+  refuseInputs(request_, final_);
+  refuseFolder(request_, final_);
+  workplace_ = std::make_unique<Workplace>(final_, request_.path);
+  made_ = workplace_->result();
+  if (::mkdir(made_.c_str(), 0777) != 0) throw unmoved(request_, errno);
+}
+
+OutputFolder::~OutputFolder() = default;
+
+void OutputFolder::write(const std::string& name, std::string_view text) const {
+  writeNewFile(made_ / name, text, (fs::path(request_.path) / name).string());
+}
+
+void OutputFolder::commit() {
+  write(kManifestFile, manifestText(manifestOf(made_, request_.version, request_.kind)));
+  switch (workplace_->place()) {
+    case Workplace::Moved::kDone:
+      break;
+    case Workplace::Moved::kInTheWay:
+      replaceOlder();
+      break;
+    case Workplace::Moved::kFailed:
+      throw unmoved(request_, errno);
+  }
+  workplace_->done();
+  workplace_.reset();
+}
+
+// What stands there may have changed since the constructor looked, until it is out of others'
+// sight: it is judged again then, and put back unless it is all ours.
+void OutputFolder::replaceOlder() {
+  refuseFolder(request_, final_);
+  if (!workplace_->exchange()) throw unmoved(request_, errno);
+  const auto manifest = readManifest(made_);
+  const auto foreign = firstForeign(made_, manifest.value_or(Manifest{}));
+  if (manifest && !foreign) return;
+  if (!workplace_->exchange()) throw unmoved(request_, errno);
+  refuseFolder(request_, final_);
+  throw unmoved(request_, EBUSY);
+}
+
+OutputFile::OutputFile(OutputRequest request, std::string mark)
+    : request_(std::move(request)), final_(finalPath(request_)) {
+  refuseInputs(request_, final_);
+  refuseFile(request_, mark, final_);
+  workplace_ = std::make_unique<Workplace>(final_, request_.path);
+}
+
+OutputFile::~OutputFile() = default;
+
+void OutputFile::write(std::string_view content) {
+  writeNewFile(workplace_->result(), content, request_.path);
+  if (request_.replace) {
+    if (!workplace_->replaceFile()) throw unmoved(request_, errno);
+  } else if (const auto moved = workplace_->place(); moved != Workplace::Moved::kDone) {
+    throw unmoved(request_, moved == Workplace::Moved::kInTheWay ? EEXIST : errno);
+  }
+  workplace_->done();
+  workplace_.reset();
+}
+
+}  // namespace plumbline

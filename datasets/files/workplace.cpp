@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/files/workplace.h"
+
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/manifest.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = "plumbline\n";
+constexpr const char* kLock = "lock";
+constexpr const char* kOld = "old";
+constexpr std::size_t kLongestName = 200;  // of NAME, so that the whole fits into NAME_MAX
+constexpr int kTries = 100;
+
+// Recursive: what holds it for a change removes workplaces too.
+struct Register {
+  std::recursive_mutex mutex;
+  std::set<Workplace*> workplaces;
+};
+
+Register& unfinished() {
+  static Register all;
+  return all;
+}
+
+std::string prefixOf(const fs::path& final_path) {
+  return "." + final_path.filename().string().substr(0, kLongestName) + ".partial-";
+}
+
+std::string hostName() {
+  char name[256] = "";
+  return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+}
+
+std::string nowUtc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+// NAME as the last line, so that it may hold anything but a line end.
+std::string lockText(const fs::path& final_path) {
+  return fmt::format("{}pid {}\nhost {}\nstarted {}\nfor {}\n", kMark, ::getpid(), hostName(),
+                     nowUtc(), final_path.filename().string());
+}
+
+BadInput unmakeable(const std::string& path, int error) {
+  return badInput(
+      path, 0,
+      {InputFault::kUnwritable, fmt::format("cannot be written ({})", std::strerror(error)),
+       "a place in a writable folder with free space",
+       "check the folder, its permissions and the disk, or give another place"});
+}
+
+// Removes a result, whole or half made, that has not got its name. A whole one is removed as its
+// manifest says: after an exchange it is the older result, which was its user's to add to.
+void removeResult(const fs::path& result) {
+  std::error_code ignored;
+  const auto manifest = readManifest(result);
+  if (manifest) return removeListed(result, *manifest);
+  fs::remove_all(result, ignored);
+}
+
+// `lock` is open and held by the caller, or the folder is the caller's own.
+void removeWorkplace(const fs::path& folder) {
+  std::error_code ignored;
+  removeResult(folder / "result");
+  removeResult(folder / kOld);
+  if (fs::exists(folder / "result", ignored) || fs::exists(folder / kOld, ignored)) return;
+  fs::remove(folder / kLock, ignored);
+  fs::remove(folder, ignored);
+}
+
+// Puts back the result that was moved aside by a process that died before the new one had its name.
+// False where that is needed and cannot be done.
+bool putBack(const fs::path& folder, std::string_view lock_text) {
+  std::error_code error;
+  if (!fs::exists(folder / kOld, error)) return true;
+  const std::size_t at = lock_text.rfind("\nfor ");
+  if (at == std::string_view::npos) return false;
+  std::string name(lock_text.substr(at + 5));
+  if (!name.empty() && name.back() == '\n') name.pop_back();
+  if (name.empty() || name.find('/') != std::string::npos) return false;
+  const fs::path home = folder.parent_path() / name;
+  if (fs::exists(fs::symlink_status(home, error))) return true;
+  fs::rename(folder / kOld, home, error);
+  return !error;
+}
+
+bool isOfThisUser(int file) {
+  struct stat status {};
+  return ::fstat(file, &status) == 0 && status.st_uid == ::geteuid();
+}
+
+void removeIfStale(const fs::path& folder) {
+  const fs::path path = folder / kLock;
+  const int lock = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (lock < 0) {
+    if (errno == ENOENT) ::rmdir(folder.c_str());  // killed before it had a lock; only if empty
+    return;
+  }
+  if (isOfThisUser(lock) && ::flock(lock, LOCK_EX | LOCK_NB) == 0) {
+    std::string text(4096, '\0');
+    const ssize_t size = ::read(lock, text.data(), text.size());
+    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    if (text.substr(0, kMark.size()) == kMark) {
+      if (putBack(folder, text)) removeWorkplace(folder);
+    } else if (text.empty()) {  // killed before it wrote into the lock: nothing else is there
+      ::unlink(path.c_str());
+      ::rmdir(folder.c_str());
+    }
+  }
+  ::close(lock);
+}
+
+void removeStale(const fs::path& final_path) {
+  const std::string prefix = prefixOf(final_path);
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it(final_path.parent_path(), error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.size() == prefix.size() + 6 && name.compare(0, prefix.size(), prefix) == 0) {
+      found.push_back(it->path());
+    }
+  }
+  for (const fs::path& folder : found) removeIfStale(folder);
+}
+
+// Open, held and still where it was made: a workplace that another process took for stale in the
+// moment before is not. -1: it must be made anew.
+int takeLock(const fs::path& folder, const std::string& text) {
+  const fs::path path = folder / kLock;
+  const int lock = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (lock < 0) return -1;
+  struct stat status {};
+  const bool held = ::flock(lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+  if (!held || ::fstat(lock, &status) != 0 || status.st_nlink == 0) {
+    ::close(lock);
+    errno = ENOENT;
+    return -1;
+  }
+  if (::write(lock, text.data(), text.size()) == static_cast<ssize_t>(text.size())) return lock;
+  const int error = errno;
+  ::unlink(path.c_str());
+  ::close(lock);
+  errno = error;
+  return -1;
+}
+
+}  // namespace
+
+Workplace::Workplace(const fs::path& final_path, const std::string& shown) : final_(final_path) {
+  const std::lock_guard guard(unfinished().mutex);
+  try {
+    makeLocked(shown);
+  } catch (...) {
+    remove();
+    throw;
+  }
+  unfinished().workplaces.insert(this);
+}
+
+Workplace::~Workplace() {
+  const std::lock_guard guard(unfinished().mutex);
+  unfinished().workplaces.erase(this);
+  remove();
+}
+
+void Workplace::makeFolders() {
+  fs::path at;
+  for (const fs::path& part : final_.parent_path()) {
+    at /= part;
+    if (::mkdir(at.c_str(), 0777) == 0)
+      made_.push_back(at);  // otherwise it is there, or mkdtemp tells
+  }
+}
+
+// A sibling that fails removes the folders that it made, if they are empty: they are made again.
+void Workplace::makeLocked(const std::string& shown) {
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    makeFolders();
+    removeStale(final_);
+    std::string name = (final_.parent_path() / (prefixOf(final_) + "XXXXXX")).string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      if (errno == ENOENT) continue;
+      throw unmakeable(shown, errno);
+    }
+    folder_ = name;
+    lock_ = takeLock(folder_, lockText(final_));
+    if (lock_ >= 0) return;
+    const int error = errno;
+    ::rmdir(folder_.c_str());
+    folder_.clear();
+    if (error != ENOENT && error != EEXIST) throw unmakeable(shown, error);
+  }
+  throw unmakeable(shown, EBUSY);
+}
+
+Workplace::Moved Workplace::place() {
+  const std::lock_guard guard(unfinished().mutex);
+  const fs::path from = result();
+  // rename() of a folder replaces an empty folder at most, of a file any file; link() nothing.
+  const bool folder = fs::is_directory(fs::symlink_status(from));
+  const int failed =
+      folder ? std::rename(from.c_str(), final_.c_str()) : ::link(from.c_str(), final_.c_str());
+  if (failed == 0) return Moved::kDone;
+  if (!folder && (errno == EPERM || errno == EOPNOTSUPP)) return placeWithoutLinks();
+  return errno == EEXIST || errno == ENOTEMPTY || errno == ENOTDIR ? Moved::kInTheWay
+                                                                   : Moved::kFailed;
+}
+
+// File systems without hard links, such as FAT.
+Workplace::Moved Workplace::placeWithoutLinks() {
+  if (fs::exists(fs::symlink_status(final_))) return Moved::kInTheWay;
+  return std::rename(result().c_str(), final_.c_str()) == 0 ? Moved::kDone : Moved::kFailed;
+}
+
+bool Workplace::replaceFile() {
+  const std::lock_guard guard(unfinished().mutex);
+  return std::rename(result().c_str(), final_.c_str()) == 0;
+}
+
+bool Workplace::exchange() {
+  const std::lock_guard guard(unfinished().mutex);
+  const fs::path from = result();
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, final_.c_str(), RENAME_EXCHANGE) == 0) {
+    return true;
+  }
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  // Not at once: killed in between, the next run puts the older result back (see putBack()).
+  const fs::path old = folder_ / kOld;
+  if (std::rename(final_.c_str(), old.c_str()) != 0) return false;
+  if (std::rename(from.c_str(), final_.c_str()) != 0) {
+    const int error = errno;
+    (void)std::rename(old.c_str(), final_.c_str());
+    errno = error;
+    return false;
+  }
+  return std::rename(old.c_str(), from.c_str()) == 0;
+}
+
+void Workplace::done() {
+  const std::lock_guard guard(unfinished().mutex);
+  made_.clear();
+}
+
+void Workplace::remove() noexcept {
+  if (!folder_.empty()) removeWorkplace(folder_);
+  folder_.clear();
+  if (lock_ >= 0) ::close(lock_);
+  lock_ = -1;
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());
+  made_.clear();
+}
+
+void abandonWorkplaces() {
+  unfinished().mutex.lock();  // and never unlocked: see the header
+  for (Workplace* workplace : unfinished().workplaces) {
+    // Other threads may still be writing into it: until it is gone, they can add files.
+    const fs::path folder = workplace->folder_;
+    std::error_code ignored;
+    for (int attempt = 0; attempt < kTries && fs::exists(folder / "result", ignored); ++attempt) {
+      removeResult(folder / "result");
+    }
+    workplace->remove();
+  }
+}
+
+}  // namespace plumbline
