@@ -14,13 +14,12 @@ cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=OFF \
   >/dev/null
 cmake --build build --target plumbline
 
-rm -rf "$out/session" "$out/calibration"
 mkdir -p "$out"
 echo
 echo "Simulating a stereo camera-IMU recording with images ..."
-build/evaluate/plumbline simulate --out "$out/session" --rig euroc --seed 7 --duration 20 \
+build/evaluate/plumbline simulate --out "$out/session" --force --rig euroc --seed 7 --duration 20 \
   --camera-rate 10 --images
 echo
 echo "Calibrating it from the images alone ..."
-build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --cache "$out/cache" \
+build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --force --cache "$out/cache" \
   --resample 20

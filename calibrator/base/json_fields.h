@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -123,6 +125,16 @@ inline Json number(double value) { return std::isfinite(value) ? Json(value) : J
 
 inline double numberFrom(const Json& json) {
   return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
+
+/// nlohmann converts any number, also one that T does not hold.
+template <class T>
+T integerFrom(const Json& json) {
+  const bool fits = json.is_number_unsigned()
+                        ? std::in_range<T>(json.get<std::uint64_t>())
+                        : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
+  if (!fits) throw std::runtime_error("a whole number is missing or out of its range");
+  return json.get<T>();
 }
 
 template <class T>
@@ -281,6 +293,8 @@ void fromJson(const Json& json, T& value) {
     value = static_cast<T>(numberFrom(json));
   } else if constexpr (WordedEnum<T>) {
     value = enumOrThrow<T>(json.get<std::string>());
+  } else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+    value = integerFrom<T>(json);
   } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     value = json.get<T>();
   } else if constexpr (IsOptional<T>::value) {
@@ -303,7 +317,9 @@ void fromJson(const Json& json, T& value) {
 /// A document: the struct's fields, two spaces a level, a line end at the end.
 template <class T>
 std::string documentText(const T& value) {
-  return toJson(value).dump(2) + "\n";
+  // Bytes that are no UTF-8 become U+FFFD: names are refused before, and no work is lost for
+  // others.
+  return toJson(value).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace plumbline

@@ -62,13 +62,29 @@ Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std:
                    fmt::format("{} for this model", count), "copy the line again"});
 }
 
-Resolution resolutionField(const YamlMap& map, const std::string& key) {
-  const auto size = map.numbers(key, "[width, height] in pixels");
-  if (size.size() != 2 || size[0] < 1 || size[1] < 1) {
-    throw map.fault(
-        key, {InputFault::kBadNumber, key + " is not two positive numbers", "[width, height]", ""});
+Resolution resolutionOf(const YamlMap& map, const std::string& key,
+                        const std::vector<double>& size) {
+  const auto isSide = [](double v) { return v >= 1 && v <= 65535 && v == std::floor(v); };
+  if (size.size() != 2 || !isSide(size[0]) || !isSide(size[1])) {
+    throw map.fault(key, {InputFault::kBadNumber, key + " is not two numbers of pixels",
+                          "[width, height], each 1 to 65535", "correct the value"});
   }
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
+void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& found,
+                       const KeysOfParts& keys) {
+  if (!found) return;
+  const Complaint complaint{InputFault::kOutOfRange, found->what, found->expected,
+                            "correct the value"};
+  for (const auto& [part, key] : keys) {
+    if (part == found->part) throw map.fault(key, complaint);
+  }
+  throw badInput(map.path(), map.line(), complaint);
+}
+
+Resolution resolutionField(const YamlMap& map, const std::string& key) {
+  return resolutionOf(map, key, map.numbers(key, "[width, height] in pixels"));
 }
 
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
@@ -82,6 +98,9 @@ Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
   k.projection = parametersField(map, keys.projection, parameterCount(k.projection_model));
   k.distortion = parametersField(map, keys.distortion, parameterCount(k.distortion_model));
   k.resolution = resolutionField(map, "resolution");
+  refuseImplausible(map, implausible(k),
+                    {{Implausible::Part::kProjection, keys.projection},
+                     {Implausible::Part::kDistortion, keys.distortion}});
   return k;
 }
 

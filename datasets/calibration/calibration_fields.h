@@ -3,10 +3,13 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "datasets/calibration/plausible.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {
@@ -21,8 +24,12 @@ Transform transformField(const YamlMap& map, const std::string& key);
 /// number of them.
 Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std::size_t count);
 
-/// The key's [width, height]; InputError where they are not two positive numbers.
+/// The key's [width, height]; InputError where they are not two whole numbers of 1 to 65535.
 Resolution resolutionField(const YamlMap& map, const std::string& key);
+
+/// The same of numbers that stand elsewhere below the key.
+Resolution resolutionOf(const YamlMap& map, const std::string& key,
+                        const std::vector<double>& size);
 
 /// How a file calls the parts of a camera's intrinsics.
 struct IntrinsicsKeys {
@@ -31,6 +38,13 @@ struct IntrinsicsKeys {
   const char* projection = "intrinsics";
   const char* distortion = "distortion_coeffs";
 };
+
+/// Where a file states the parts of what was read from it.
+using KeysOfParts = std::vector<std::pair<Implausible::Part, std::string>>;
+
+/// InputError at the part's key where there is an implausible value.
+void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& found,
+                       const KeysOfParts& keys);
 
 /// Models, parameters and resolution of one camera, in Kalibr's order (see Intrinsics).
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys);

@@ -88,6 +88,11 @@ CameraCalibration ourCamera(const YamlMap& map) {
   YamlReader reader(map);
   fields(reader, camera);
   checkParameterCounts(map, camera.intrinsics);
+  refuseImplausible(map, implausible(camera),
+                    {{Implausible::Part::kName, "name"},
+                     {Implausible::Part::kPlace, "T_C0Ci"},
+                     {Implausible::Part::kProjection, "intrinsics"},
+                     {Implausible::Part::kDistortion, "distortion_coeffs"}});
   return camera;
 }
 
@@ -101,8 +106,14 @@ Calibration readOurs(const YamlMap& file) {
     calibration.cameras.push_back(ourCamera(camera));
   }
   if (file.has("imu")) {
-    YamlReader reader(file.map("imu", "the IMU"));
+    const YamlMap map = file.map("imu", "the IMU");
+    YamlReader reader(map);
     fields(reader, calibration.imu.emplace());
+    refuseImplausible(map, implausible(*calibration.imu),
+                      {{Implausible::Part::kPlace, "T_SC0"},
+                       {Implausible::Part::kOffset, "time_offset_s"},
+                       {Implausible::Part::kGravity, "gravity_m_s2"},
+                       {Implausible::Part::kNoise, "noise"}});
   }
   return calibration;
 }

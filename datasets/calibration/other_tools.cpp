@@ -125,6 +125,9 @@ ImuCalibration imuOf(const YamlMap& file) {
   imu.noise.accel_density = section.number("sigma_a_c", "m/s^2/sqrt(Hz)");
   imu.noise.accel_random_walk = section.number("sigma_aw_c", "m/s^3/sqrt(Hz)");
   imu.noise.rate_hz = section.number("rate", "Hz");
+  refuseImplausible(section, implausibleGravity(imu.gravity_m_s2),
+                    {{Implausible::Part::kGravity, "g"}});
+  refuseImplausible(section, implausible(imu), {});
   return imu;
 }
 
@@ -149,16 +152,19 @@ Calibration readBasaltCalibration(const YamlMap& file) {
   const Transform T_SC0 = poseOf(poses.front());
   Calibration calibration;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (sizes[i].size() != 2)
-      throw value.fault("resolution", {InputFault::kBadNumber, "no size", "[width, height]", ""});
     CameraCalibration camera;
     camera.name = fmt::format("cam{}", i);
     camera.intrinsics = intrinsicsOf(cameras[i]);
-    camera.intrinsics.resolution = {static_cast<int>(sizes[i][0]), static_cast<int>(sizes[i][1])};
+    camera.intrinsics.resolution = resolutionOf(value, "resolution", sizes[i]);
     if (i > 0) camera.T_C0Ci = T_SC0.inverse() * poseOf(poses[i]);
+    refuseImplausible(cameras[i], implausible(camera), {});
     calibration.cameras.push_back(std::move(camera));
   }
   calibration.imu = imuOf(value, T_SC0);
+  refuseImplausible(value, implausible(*calibration.imu),
+                    {{Implausible::Part::kOffset, "cam_time_offset_ns"},
+                     {Implausible::Part::kNoise, "accel_noise_std"},
+                     {Implausible::Part::kPlace, "T_imu_cam"}});
   return calibration;
 }
 

@@ -88,6 +88,27 @@ MappedFile::~MappedFile() {
   if (size_ > 0) ::munmap(const_cast<char*>(data_), size_);
 }
 
+std::string readStandardInput() {
+  constexpr std::size_t kMostBytes = 1U << 30U;
+  constexpr std::size_t kBlock = 1U << 20U;
+  const std::string name = "standard input";
+  std::string text;
+  for (std::size_t size = 0;;) {
+    text.resize(size + kBlock);
+    const ssize_t read = ::read(STDIN_FILENO, text.data() + size, kBlock);
+    if (read < 0 && errno == EINTR) continue;
+    if (read < 0) throw unreadable(name);
+    size += static_cast<std::size_t>(read);
+    text.resize(size);
+    if (read == 0) return text;
+    if (size > kMostBytes) {
+      throw badInput(
+          name, 0,
+          {InputFault::kOutOfRange, "brings more than 1 GB", "less", "write it into a file"});
+    }
+  }
+}
+
 std::string contentHash(std::string_view bytes) {
   return fmt::format("{:016x}", XXH64(bytes.data(), bytes.size(), 0));
 }

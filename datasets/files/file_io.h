@@ -24,6 +24,10 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
+/// All of standard input, once: what a pipe brings. Throws InputError where it cannot be read, or
+/// brings more than 1 GB.
+std::string readStandardInput();
+
 /// XXH64 of the bytes as 16 hexadecimal digits: the same on every machine. Not for secrets.
 std::string contentHash(std::string_view bytes);
 

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -68,15 +69,15 @@ void refuseHolding(const OutputRequest& request, const fs::path& final_path,
 void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
   for (const std::string& kept : request.kept) refuseHolding(request, final_path, kept);
   for (const std::string& input : request.inputs) {
-    refuseHolding(request, final_path, input);
     const auto status = statusOf(input);
-    if (!status) continue;
-    if (isWithin(final_path, *status)) {
-      const char* where = S_ISDIR(status->st_mode) ? "lies in" : "is";
+    if (status && isWithin(final_path, *status)) {
+      const auto output = statusOf(final_path);
+      const char* where = output && isSame(*output, *status) ? "is" : "lies in";
       throw refusal(InputFault::kInputInTheWay, request.path,
                     fmt::format("{} {}, which is read and never written to", where, input),
                     kElsewhere);
     }
+    refuseHolding(request, final_path, input);
     std::error_code error;  // a recording may be a folder of links
     for (fs::recursive_directory_iterator it(input, error), end; !error && it != end;
          it.increment(error)) {
@@ -103,14 +104,19 @@ fs::path finalPath(const OutputRequest& request) {
   return resolved;
 }
 
+bool isMountPoint(const fs::path& path) {
+  struct statx status {};
+  if (::statx(AT_FDCWD, path.c_str(), 0, STATX_BASIC_STATS, &status) != 0) return false;
+  return (status.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+}
+
 // A folder is replaced by another one: it must be no more than a name in the folder above.
 void refuseFixedFolder(const OutputRequest& request, const fs::path& path) {
   const auto folder = statusOf(path);
-  const auto above = statusOf(path.parent_path());
   const auto here = statusOf(".");
-  if (!folder || !above) return;
+  if (!folder) return;
   const char* what = nullptr;
-  if (!path.has_relative_path() || folder->st_dev != above->st_dev) {
+  if (isMountPoint(path)) {
     what = "is a mount point, which cannot be replaced as a whole";
   } else if (here && isSame(*folder, *here)) {
     what = "is the working folder, which cannot be replaced as a whole";
@@ -144,14 +150,9 @@ void refuseFolder(const OutputRequest& request, const fs::path& path) {
     throw refusal(InputFault::kForeignFiles, path.string(), "holds a manifest that is not ours",
                   kElsewhere);
   }
-  if (manifest->kind != request.kind) {
-    throw refusal(
-        InputFault::kForeignFiles, request.path,
-        fmt::format("holds a result of another kind ({}, not {})", manifest->kind, request.kind),
-        kElsewhere);
-  }
   if (request.replace) return;
-  throw refusal(InputFault::kResultExists, request.path, "holds an earlier result", kElsewhere);
+  throw refusal(InputFault::kResultExists, request.path,
+                fmt::format("holds an earlier result ({})", manifest->kind), kElsewhere);
 }
 
 void refuseFile(const OutputRequest& request, const std::string& mark, const fs::path& path) {
@@ -184,6 +185,7 @@ BadInput unmoved(const OutputRequest& request, int error) {
 
 OutputFolder::OutputFolder(OutputRequest request)
     : request_(std::move(request)), final_(finalPath(request_)) {
+  removeDeadWorkplaces(final_);
   refuseInputs(request_, final_);
   refuseFolder(request_, final_);
   workplace_ = std::make_unique<Workplace>(final_, request_.path);
@@ -227,6 +229,7 @@ void OutputFolder::replaceOlder() {
 
 OutputFile::OutputFile(OutputRequest request, std::string mark)
     : request_(std::move(request)), final_(finalPath(request_)) {
+  removeDeadWorkplaces(final_);
   refuseInputs(request_, final_);
   refuseFile(request_, mark, final_);
   workplace_ = std::make_unique<Workplace>(final_, request_.path);

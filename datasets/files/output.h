@@ -28,8 +28,8 @@ struct OutputRequest {
 ///
 /// The constructor refuses, before any work is done and leaving all as it is: a path that is an
 /// input, lies in one or holds one (by device and inode, and so through links); a folder with
-/// anything in it that no manifest of ours lists, or that was changed since; a result of another
-/// kind; an earlier result unless it may be replaced (kResultExists); a path that cannot be
+/// anything in it that no manifest of ours lists, or that was changed since; an earlier result of
+/// ours, of any kind, unless it may be replaced (kResultExists); a path that cannot be
 /// written. Then it makes the workplace. Whatever stops the work, the older result stays as it was
 /// until the new one replaces it at once.
 class OutputFolder {

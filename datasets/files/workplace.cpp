@@ -137,20 +137,6 @@ void removeIfStale(const fs::path& folder) {
   ::close(lock);
 }
 
-void removeStale(const fs::path& final_path) {
-  const std::string prefix = prefixOf(final_path);
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator it(final_path.parent_path(), error), end; !error && it != end;
-       it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (name.size() == prefix.size() + 6 && name.compare(0, prefix.size(), prefix) == 0) {
-      found.push_back(it->path());
-    }
-  }
-  for (const fs::path& folder : found) removeIfStale(folder);
-}
-
 // Open, held and still where it was made: a workplace that another process took for stale in the
 // moment before is not. -1: it must be made anew.
 int takeLock(const fs::path& folder, const std::string& text) {
@@ -173,6 +159,20 @@ int takeLock(const fs::path& folder, const std::string& text) {
 }
 
 }  // namespace
+
+void removeDeadWorkplaces(const fs::path& final_path) {
+  const std::string prefix = prefixOf(final_path);
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it(final_path.parent_path(), error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.size() == prefix.size() + 6 && name.compare(0, prefix.size(), prefix) == 0) {
+      found.push_back(it->path());
+    }
+  }
+  for (const fs::path& folder : found) removeIfStale(folder);
+}
 
 Workplace::Workplace(const fs::path& final_path, const std::string& shown) : final_(final_path) {
   const std::lock_guard guard(unfinished().mutex);
@@ -204,7 +204,6 @@ void Workplace::makeFolders() {
 void Workplace::makeLocked(const std::string& shown) {
   for (int attempt = 0; attempt < kTries; ++attempt) {
     makeFolders();
-    removeStale(final_);
     std::string name = (final_.parent_path() / (prefixOf(final_) + "XXXXXX")).string();
     if (::mkdtemp(name.data()) == nullptr) {
       if (errno == ENOENT) continue;

@@ -13,7 +13,7 @@ namespace plumbline {
 ///   PARENT/.NAME.partial-XXXXXX/result   the output, a folder or a file
 ///   PARENT/.NAME.partial-XXXXXX/old      what it replaces, on file systems that cannot exchange
 /// XXXXXX is random (mkdtemp), so that equal process ids of containers do not meet. Workplaces of
-/// NAME whose lock is not held are of processes that died: the next one removes them.
+/// NAME whose lock is not held are of processes that died: see removeDeadWorkplaces().
 class Workplace {
  public:
   /// Makes the missing folders above `final_path` (absolute) and the workplace. Throws InputError,
@@ -52,6 +52,11 @@ class Workplace {
   friend void abandonWorkplaces();
   void remove() noexcept;
 };
+
+/// Removes the workplaces of `final_path` (absolute) that dead processes of this user left, and
+/// puts back the result that one of them had moved aside. Those of live processes, and whatever
+/// only has a like name, stay.
+void removeDeadWorkplaces(const std::filesystem::path& final_path);
 
 /// Removes what every Workplace of this process has made and lets none be finished any more: calls
 /// that would change something wait for ever. For the thread that ends the process on a signal;

@@ -3,9 +3,13 @@
 
 #include <cmath>
 #include <set>
+#include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "datasets/files/file_io.h"
+#include "datasets/files/shown_text.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +38,30 @@ std::vector<double> numberList(const std::string& path, const YAML::Node& node,
   return values;
 }
 
+// What is written by hand or by a calibration is far smaller; a parser takes seconds for more. How
+// deep it may be nested is yaml-cpp's own limit; what it names once and repeats, it holds once.
+constexpr std::size_t kMostBytes = 4 << 20;
+
+void refuseText(const std::string& path, std::string_view text, const std::string& what) {
+  const auto refuse = [&](const std::string& fault) {
+    throw badInput(path, 0, {InputFault::kSyntax, fault, what, "correct the file"});
+  };
+  if (text.size() > kMostBytes) {
+    refuse(fmt::format("holds {} bytes, more than {}", text.size(), kMostBytes));
+  }
+  if (!isUtf8(text)) refuse("is not UTF-8");
+}
+
+// An empty one is no more than a mark at the end.
+void refuseFurther(const std::string& path, const std::vector<YAML::Node>& documents) {
+  for (std::size_t i = 1; i < documents.size(); ++i) {
+    if (documents[i].IsNull()) continue;
+    throw badInput(path, documents[i].Mark().line + 1,
+                   {InputFault::kSyntax, "a second YAML document begins here", "one document",
+                    "write each into a file of its own"});
+  }
+}
+
 }  // namespace
 
 YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(path)), node_(node) {
@@ -50,9 +78,12 @@ YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(pat
 
 YamlMap YamlMap::load(const std::string& path, const std::string& what) {
   const MappedFile file(path);
+  refuseText(path, file.text(), what);
   YAML::Node top;
   try {
-    top = YAML::Load(std::string(file.text()));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(file.text()));
+    if (!documents.empty()) top = documents.front();
+    refuseFurther(path, documents);
   } catch (const YAML::Exception& error) {
     throw badInput(
         path, error.mark.line + 1,
@@ -150,6 +181,11 @@ std::vector<YamlMap> YamlMap::maps(const std::string& key, const std::string& ex
 
 double YamlMap::numberOr(const std::string& key, double otherwise) const {
   return has(key) ? number(key, "a finite number") : otherwise;
+}
+
+bool YamlMap::isTrue(const std::string& key) const {
+  bool value = false;
+  return has(key) && YAML::convert<bool>::decode(node(key), value) && value;
 }
 
 std::string YamlMap::textOr(const std::string& key, const std::string& otherwise) const {

@@ -14,9 +14,9 @@ namespace plumbline {
 /// A YAML mapping that knows its file and lines, so that each fault can be located.
 class YamlMap {
  public:
-  /// Reads a file whose top is a mapping. Throws InputError for a missing file, a syntax error
-  /// (with its line), a key given twice, or another kind of content; `what` says what the file
-  /// should hold.
+  /// Reads a file whose top is a mapping: UTF-8, at most 4 MB, one document. Throws InputError for
+  /// a missing file, a syntax error (with its line), a key given twice, or another kind of content;
+  /// `what` says what the file should hold.
   static YamlMap load(const std::string& path, const std::string& what);
 
   bool has(const std::string& key) const;
@@ -38,6 +38,8 @@ class YamlMap {
   std::vector<YamlMap> maps(const std::string& key, const std::string& expected) const;
 
   double numberOr(const std::string& key, double otherwise) const;
+  /// Whether the key holds a word for yes.
+  bool isTrue(const std::string& key) const;
   std::string textOr(const std::string& key, const std::string& otherwise) const;
 
   /// An InputError at a key's value.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <fmt/format.h>
 #include <png.h>
 
 #include "datasets/files/bad_input.h"
@@ -35,11 +36,12 @@ std::vector<std::uint8_t> read(PngImage& png, png_uint_32 format) {
   return pixels;
 }
 
-GrayImage decodePng(std::string_view bytes) {
+GrayImage decodePng(std::string_view bytes, const SizeCheck& check) {
   PngImage png;
   if (png_image_begin_read_from_memory(&png.image, bytes.data(), bytes.size()) == 0) {
     throw DecodeError{png.image.message};
   }
+  check(png.image.width, png.image.height);
   // Otherwise libpng takes 16-bit samples for linear light and bends them.
   png.image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   const int width = static_cast<int>(png.image.width);
@@ -58,20 +60,41 @@ bool startsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
 }
 
-GrayImage decode(const std::string& path, std::string_view bytes) {
-  if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return decodePng(bytes);
-  if (startsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes);
+GrayImage decode(const std::string& path, std::string_view bytes, const SizeCheck& check) {
+  if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return decodePng(bytes, check);
+  if (startsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes, check);
   throw badInput(path, 0,
                  {InputFault::kSyntax, bytes.empty() ? "is empty" : "is neither PNG nor JPEG",
                   "an image", "copy it again or convert it to PNG"});
 }
 
+constexpr std::uint64_t kMostPixels = 128'000'000;
+
+void checkSize(const std::string& path, std::uint32_t width, std::uint32_t height,
+               const std::optional<Resolution>& stated) {
+  const std::uint64_t pixels = std::uint64_t{width} * height;
+  if (stated && (width != static_cast<std::uint32_t>(stated->width) ||
+                 height != static_cast<std::uint32_t>(stated->height))) {
+    throw badInput(path, 0,
+                   {InputFault::kContradiction, fmt::format("is {}x{} pixels", width, height),
+                    fmt::format("{}x{}, as stated", stated->width, stated->height),
+                    "correct the resolution in sensor.yaml, or remove images of another size"});
+  }
+  if (pixels > 0 && pixels <= kMostPixels) return;
+  throw badInput(path, 0,
+                 {InputFault::kOutOfRange, fmt::format("is {}x{} pixels", width, height),
+                  fmt::format("1 to {} pixels", kMostPixels),
+                  "copy it again or delete it from the recording"});
+}
+
 }  // namespace
 
-GrayImage readGrayImage(const std::string& path) {
+GrayImage readGrayImage(const std::string& path, std::optional<Resolution> stated) {
   const MappedFile file(path);
   try {
-    return decode(path, file.text());
+    return decode(path, file.text(), [&](std::uint32_t width, std::uint32_t height) {
+      checkSize(path, width, height, stated);
+    });
   } catch (const DecodeError& error) {
     throw badInput(
         path, 0,

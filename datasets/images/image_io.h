@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "calibrator/base/image.h"
+#include "calibrator/base/session.h"
 
 namespace plumbline {
 
@@ -12,9 +14,12 @@ namespace plumbline {
 /// kind is told by the content, not by the name. Throws InputError naming the file where it is
 /// missing, of another kind, damaged or cut short.
 ///
+/// `stated`: the size that it must have, unless empty. It is compared with the header before
+/// anything is decoded (InputError), as is a bound of 128 million pixels that no camera here has.
+///
 /// libpng and libjpeg-turbo themselves, not OpenCV's imgcodecs: loading that library alone costs
 /// 70 ms and 45 MB (measured), as much as a whole calibration.
-GrayImage readGrayImage(const std::string& path);
+GrayImage readGrayImage(const std::string& path, std::optional<Resolution> stated = {});
 
 /// Writes an 8-bit grey PNG, whole or not at all. Throws InputError where it cannot be written or
 /// the image is empty.

@@ -36,17 +36,37 @@ void warn(j_common_ptr info, int level) {
 
 struct Decoder {
   jpeg_decompress_struct info;
+  jpeg_progress_mgr progress;
   ErrorTrap trap;
 };
 
-bool start(Decoder& decoder, const unsigned char* bytes, unsigned long size) {
+// A progressive image may repeat its scans as often as it likes, each as long as a whole one;
+// encoders write about ten.
+constexpr int kMostScans = 200;
+
+void refuseEndlessScans(j_common_ptr info) {
+  auto* decoder = reinterpret_cast<j_decompress_ptr>(info);
+  if (decoder->input_scan_number <= kMostScans) return;
+  auto* trap = reinterpret_cast<ErrorTrap*>(info->err);
+  std::snprintf(trap->message, sizeof trap->message, "more than %d scans", kMostScans);
+  std::longjmp(trap->exit, 1);
+}
+
+bool readHeader(Decoder& decoder, const unsigned char* bytes, unsigned long size) {
   decoder.info.err = jpeg_std_error(&decoder.trap.manager);
   decoder.trap.manager.error_exit = leave;
   decoder.trap.manager.emit_message = warn;
   jpeg_create_decompress(&decoder.info);
   if (setjmp(decoder.trap.exit) != 0) return false;
+  decoder.progress.progress_monitor = refuseEndlessScans;
+  decoder.info.progress = &decoder.progress;
   jpeg_mem_src(&decoder.info, bytes, size);
   jpeg_read_header(&decoder.info, TRUE);
+  return true;
+}
+
+bool start(Decoder& decoder) {
+  if (setjmp(decoder.trap.exit) != 0) return false;
   decoder.info.out_color_space = JCS_GRAYSCALE;
   jpeg_start_decompress(&decoder.info);
   return true;
@@ -105,16 +125,18 @@ bool compress(Encoder& e, const unsigned char* pixels, int width, int height, in
 
 }  // namespace
 
-GrayImage decodeJpeg(std::string_view bytes) {
+GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check) {
   Decoder decoder{};
   struct Cleanup {
     jpeg_decompress_struct* info;
     ~Cleanup() { jpeg_destroy_decompress(info); }
   };
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  const bool started = start(decoder, data, bytes.size());
+  const bool known = readHeader(decoder, data, bytes.size());
   const Cleanup cleanup{&decoder.info};
-  if (!started) throw DecodeError{decoder.trap.message};
+  if (!known) throw DecodeError{decoder.trap.message};
+  check(decoder.info.image_width, decoder.info.image_height);
+  if (!start(decoder)) throw DecodeError{decoder.trap.message};
   GrayImage image(static_cast<int>(decoder.info.output_width),
                   static_cast<int>(decoder.info.output_height));
   if (!readRows(decoder, image.data())) throw DecodeError{decoder.trap.message};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -13,8 +15,12 @@ struct DecodeError {
   std::string message;
 };
 
-/// Decode a whole file in memory as grey levels; throw DecodeError where it is damaged or cut.
-GrayImage decodeJpeg(std::string_view bytes);
+/// Told width and height of the header before anything is decoded; throws where they are refused.
+using SizeCheck = std::function<void(std::uint32_t width, std::uint32_t height)>;
+
+/// Decode a whole file in memory as grey levels; throw DecodeError where it is damaged or cut, or
+/// repeats its scans without end.
+GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check);
 
 /// A grey image as the bytes of a JPEG file. `quality` 1 to 100. The image is not empty. Throws
 /// InputError where libjpeg refuses it.

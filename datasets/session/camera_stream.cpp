@@ -11,6 +11,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/camera_models.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/shown_text.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/stamps.h"
@@ -23,7 +24,7 @@ constexpr const char* kSensorKeys = "resolution: [width, height], camera_model, 
 Resolution resolutionOf(const YamlMap& file) {
   const std::string expected = "resolution: [width, height] in pixels, e.g. [752, 480]";
   const std::vector<double> size = file.numbers("resolution", expected);
-  const auto pixels = [](double v) { return v >= 1 && v <= 100000 && v == std::floor(v); };
+  const auto pixels = [](double v) { return v >= 1 && v <= 65535 && v == std::floor(v); };
   if (size.size() != 2 || !pixels(size[0]) || !pixels(size[1])) {
     throw file.fault("resolution",
                      {InputFault::kBadNumber, "the resolution is not two positive integers",
@@ -92,6 +93,17 @@ bool isImageName(const fs::path& path) {
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
+// The current row's name of an image: one in data/, so that a list cannot lead elsewhere.
+std::string imageName(TextTable& table) {
+  const std::string name(table.word("filename"));
+  const bool plain = isUtf8(name) && shownLine(name) == name;
+  bool below = !fs::path(name).is_absolute();
+  for (const fs::path& part : fs::path(name)) below = below && part != "..";
+  if (plain && below) return name;
+  throw table.fault({InputFault::kUnknownFile, "'" + name + "' names no image of this camera",
+                     "the name of a file in data/", "correct the name"});
+}
+
 // The stamp of a file named <ns>.png; a name of another kind is a fault.
 TimeNs stampOfName(const fs::path& path) {
   const std::string stem = path.stem().string();
@@ -137,6 +149,12 @@ CameraDescription readCameraDescription(const std::string& path, bool supported_
         {InputFault::kUnsupported, "rolling shutter (line_delay other than 0) is not supported yet",
          "a global shutter, line_delay: 0", "record with a global-shutter camera"});
   }
+  if (file.isTrue("rolling_shutter")) {
+    throw file.fault(
+        "rolling_shutter",
+        {InputFault::kUnsupported, "rolling shutter is not supported yet",
+         "a global shutter, rolling_shutter: false", "record with a global-shutter camera"});
+  }
   CameraDescription camera;
   if (file.has("resolution")) camera.resolution = resolutionOf(file);
   camera.camera_model = cameraModel(file);
@@ -156,7 +174,7 @@ std::vector<ImageFile> readFrameList(const std::string& folder) {
     const TimeNs t = table.stamp();
     checkAscending(table, t, frames);
     const bool named = table.moreCells();
-    const std::string name = named ? std::string(table.word("filename")) : "";
+    const std::string name = named ? imageName(table) : "";
     table.endRow();
     frames.push_back({t, name.empty() ? "" : folder + "/data/" + name});
   }
@@ -180,7 +198,7 @@ std::vector<ImageFile> listImages(const std::string& folder) {
     while (table.nextRow()) {
       const TimeNs t = table.stamp();
       checkAscending(table, t, images);
-      images.push_back({t, folder + "/data/" + std::string(table.word("filename"))});
+      images.push_back({t, folder + "/data/" + imageName(table)});
       table.endRow();
       checkExists(table, images.back().path);
     }

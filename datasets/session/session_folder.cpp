@@ -11,6 +11,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/shown_text.h"
 
 namespace plumbline {
 namespace {
@@ -96,6 +97,11 @@ SessionFolder findSession(const std::string& path) {
   const bool below = !is_mav && fs::is_directory(fs::path(path) / "mav0");
   SessionFolder folder;
   folder.name = (is_mav ? top.parent_path() : top).filename().string();
+  if (!isUtf8(folder.name)) {
+    throw badInput(path, 0,
+                   {InputFault::kSyntax, "the name '" + folder.name + "' is not UTF-8",
+                    "a name in UTF-8", "rename the folder, or link to it"});
+  }
   folder.root = (below ? fs::path(path) / "mav0" : fs::path(path)).string();
   folder.beside = {path};
   if (below) folder.beside.push_back(folder.root);

@@ -44,6 +44,14 @@ std::optional<TrajectoryFormat> formatOf(std::string_view text) {
   return std::nullopt;
 }
 
+TrajectoryFile readText(const TrajectorySource& source, const TrajectoryReadOptions& options) {
+  const auto format = options.format ? options.format : formatOf(source.text);
+  if (format == TrajectoryFormat::kMotive) return readMotive(source, options);
+  if (format == TrajectoryFormat::kVicon) return readVicon(source, options);
+  if (format == TrajectoryFormat::kKitti) return readKitti(source, options);
+  return readPoseTable(source, options);
+}
+
 }  // namespace
 
 void TrajectoryReadOptions::check() const {
@@ -55,13 +63,12 @@ void TrajectoryReadOptions::check() const {
 TrajectoryFile readTrajectory(const std::filesystem::path& path,
                               const TrajectoryReadOptions& options) {
   options.check();
+  if (path == "-") {
+    const std::string text = readStandardInput();
+    return readText({"standard input", text}, options);
+  }
   const MappedFile file(path.string());
-  const TrajectorySource source{path.string(), file.text()};
-  const auto format = options.format ? options.format : formatOf(source.text);
-  if (format == TrajectoryFormat::kMotive) return readMotive(source, options);
-  if (format == TrajectoryFormat::kVicon) return readVicon(source, options);
-  if (format == TrajectoryFormat::kKitti) return readKitti(source, options);
-  return readPoseTable(source, options);
+  return readText({path.string(), file.text()}, options);
 }
 
 }  // namespace plumbline

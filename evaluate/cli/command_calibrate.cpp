@@ -48,7 +48,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
                  "Solve again on N draws of time segments and report the bootstrap std")
       ->check(CLI::IsMember({0}) | numberFrom(2));
   app.add_option("--seed", o.seed, "Seed of resampling and view selection")
-      ->check(CLI::NonNegativeNumber)
+      ->check(seedFrom(0))
       ->capture_default_str();
 }
 

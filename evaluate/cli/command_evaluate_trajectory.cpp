@@ -36,7 +36,9 @@ struct EvaluateTrajectoryOptions {
 };
 
 void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
-  app.add_option("estimate", o.estimate, "Estimated trajectory: TUM, EuRoC or KITTI")->required();
+  app.add_option("estimate", o.estimate,
+                 "Estimated trajectory: TUM, EuRoC or KITTI; - for standard input")
+      ->required();
   app.add_option("truth", o.truth, "Ground truth: TUM, EuRoC, KITTI, Motive's or Vicon's CSV")
       ->required();
   app.add_option("--format", o.format,
@@ -95,7 +97,7 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   if (out) writeStudy(*out, *result, o, app);
   if (json) json->write(documentOf(result->run));
   if (piped) {
-    writeOut(documentOf(result->run));
+    writeDocument(documentOf(result->run));
     return kDone;
   }
   say("{}", trajectorySummary(*result));

@@ -79,7 +79,7 @@ int exportFiles(const ExportFilesOptions& o) {
   if (o.json) {
     const nlohmann::ordered_json json{
         {"tool", o.to}, {"files", paths}, {"warnings", exported.warnings}};
-    writeOut(json.dump(2) + "\n");
+    writeDocument(json.dump(2) + "\n");
     return kDone;
   }
   for (const std::string& path : paths) say("{}\n", path);

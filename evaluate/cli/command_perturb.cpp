@@ -72,7 +72,7 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", o.seed, "First seed of random perturbations")
-      ->check(CLI::PositiveNumber)
+      ->check(seedFrom(1))
       ->capture_default_str();
   o.estimation.declare(app);
   o.output.declare(app)->required();

@@ -197,7 +197,7 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", o.seed, "Of the first random order")
-      ->check(CLI::PositiveNumber)
+      ->check(seedFrom(1))
       ->capture_default_str();
   app.add_flag("--no-counterfactuals", o.no_counterfactuals, "Try no other choices of views");
   app.add_option("--stop-tolerance-s", o.stop_tolerance_s,

@@ -81,7 +81,7 @@ int report(const ReportOptions& o) {
     json->write(store.document(run.id));
     say("{}\n", *o.json);
   }
-  if (piped) writeOut(store.document(run.id));
+  if (piped) writeDocument(store.document(run.id));
   return kDone;
 }
 

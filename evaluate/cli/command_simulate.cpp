@@ -17,6 +17,7 @@
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"
+#include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {
@@ -44,7 +45,7 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
                  "IMU), static, fronto-parallel")
       ->capture_default_str();
   app.add_option("--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(seedFrom(0))
       ->capture_default_str();
   app.add_flag("--images", o.images, "Render images instead of writing corners");
   app.add_option("--duration", s.duration_s, "Length [s]")->capture_default_str();

@@ -224,9 +224,15 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
   if (member != thresholdMembers().end() && values.size() == 2) {
     const auto caution = number(values[0]);
     const auto bad = number(values[1]);
-    if (caution && bad) {
+    const Bound usual = VerdictThresholds().*(member->second);
+    const bool rising = usual.caution <= usual.bad;  // worse the larger
+    if (caution && bad && (rising ? *caution <= *bad : *caution >= *bad)) {
       thresholds.*(member->second) = {*caution, *bad};
       return;
+    }
+    if (caution && bad) {
+      refuse("--threshold", assignment,
+             fmt::format("CAUTION,BAD with bad the {} of both", rising ? "larger" : "smaller"));
     }
   }
   std::vector<std::string> names;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/session_options.h"
 
+#include <charconv>
 #include <cmath>
 #include <functional>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -11,6 +13,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/terminal.h"
 #include "evaluate/results/parallel_for.h"
 
 namespace plumbline {
@@ -42,6 +45,19 @@ CLI::Validator numberWithin(double least, double most) {
 CLI::Validator numberFrom(double least) {
   return numberThat(fmt::format("{:g} or more", least),
                     [=](double value) { return value >= least; });
+}
+
+CLI::Validator seedFrom(std::uint64_t least) {
+  return CLI::Validator(
+      [least](const std::string& word) {
+        std::uint64_t value = 0;
+        const char* const end = word.data() + word.size();
+        const auto [stop, error] = std::from_chars(word.data(), end, value);
+        if (error == std::errc() && stop == end && value >= least) return std::string();
+        return fmt::format("{}: expected a whole number from {} to 18446744073709551615", word,
+                           least);
+      },
+      "");
 }
 
 void SessionOptions::declare(CLI::App& app) {
@@ -94,6 +110,11 @@ LoadRequest SessionOptions::request() const {
       nanosecondsFromMilliseconds("--sync-tolerance-ms", sync_tolerance_ms);
   request.detector.border_bits = border_bits;
   request.cache = cacheFolder();
+  if (!cache) {  // nobody asked for this one
+    request.without_cache = [](const std::string& why) {
+      complain(fmt::format("note: found corners are not kept: {}", why));
+    };
+  }
   request.only = only;
   request.threads = threads;
   return request;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -66,5 +67,7 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
 CLI::Validator positiveNumber();
 CLI::Validator numberWithin(double least, double most);
 CLI::Validator numberFrom(double least);
+/// A whole number of at most 64 bits: beyond them it would be cut silently.
+CLI::Validator seedFrom(std::uint64_t least);
 
 }  // namespace plumbline

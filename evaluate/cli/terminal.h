@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "datasets/files/shown_text.h"
+
 namespace plumbline {
-
-/// A text as a terminal may show it, line ends kept: control characters, those that turn the
-/// direction of writing, and bytes that are no UTF-8 appear as \n, \t, \xHH or \uHHHH.
-std::string shownText(std::string_view text);
-
-/// One line of it: line ends are shown too.
-std::string shownLine(std::string_view text);
-
-bool isUtf8(std::string_view text);
 
 /// Writes on standard output as it is, for machines. Faults are kept for closeOutput().
 void writeOut(std::string_view bytes);
+
+/// Writes a document on standard output: as it is, for machines; on a terminal as one may show it.
+void writeDocument(std::string_view document);
 
 /// Writes a formatted text on standard output, as a terminal may show it.
 template <class... Args>

@@ -33,16 +33,6 @@ std::vector<Task> tasksOf(const Recording& recording) {
   return tasks;
 }
 
-void checkSize(const GrayImage& image, const std::string& path, const CameraStream& camera) {
-  const Resolution size{image.width(), image.height()};
-  if (camera.resolution == size) return;
-  throw InputError(path, 0,
-                   fmt::format("is {}x{} pixels; {} is said to have {}x{}: correct the resolution "
-                               "in sensor.yaml, or remove images of another size",
-                               size.width, size.height, camera.name, camera.resolution.width,
-                               camera.resolution.height));
-}
-
 // Resolutions that the session does not state come from the first image of each camera.
 void completeResolutions(Recording& recording) {
   for (std::size_t c = 0; c < recording.images.size(); ++c) {
@@ -72,8 +62,7 @@ class Worker {
     if (key) {
       if (auto known = cache_->find(*key)) return *std::move(known);
     }
-    const GrayImage image = readGrayImage(path);
-    checkSize(image, path, camera);
+    const GrayImage image = readGrayImage(path, camera.resolution);
     Detection found = detector_.detect(image.view());
     if (found.spacing) spacings_.push_back(*found.spacing);
     const bool contradicts =

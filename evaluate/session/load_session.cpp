@@ -9,10 +9,12 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/stopwatch.h"
 #include "datasets/files/bad_input.h"
+#include "datasets/session/corner_cache.h"
 #include "datasets/session/session_folder.h"
 #include "evaluate/session/detect_corners.h"
 
@@ -59,6 +61,19 @@ bool isInside(const std::filesystem::path& path, const std::filesystem::path& fo
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
+// The cache, unless it cannot be made and the work may go on without.
+std::optional<std::string> usableCache(const LoadRequest& request, const Recording& recording) {
+  if (!request.cache || !request.without_cache) return request.cache;
+  try {
+    const CornerCache made(*request.cache, recording.session.target, request.detector);
+    if (::access(request.cache->c_str(), W_OK | X_OK) == 0) return request.cache;
+    request.without_cache(*request.cache + ": is not writable");
+  } catch (const InputError& error) {
+    request.without_cache(error.what());
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> defaultCacheFolder() {
@@ -101,8 +116,8 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {
     const Stopwatch detecting;
-    loaded.shown_spacing =
-        detectCorners(recording, {request.detector, request.cache, request.threads}, progress);
+    loaded.shown_spacing = detectCorners(
+        recording, {request.detector, usableCache(request, recording), request.threads}, progress);
     loaded.detect_s = detecting.seconds();
   }
   for (const CameraStream& camera : recording.session.cameras) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,8 +22,10 @@ struct LoadRequest {
   SessionReadOptions read;
   DetectorOptions detector;
   std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
-  std::vector<std::string> only;     ///< cameras to use, by name; empty: all
-  std::vector<std::string> others;   ///< further files that the input hash covers
+  /// Told why the cache cannot be used: the work goes on without. Unset: an InputError.
+  std::function<void(const std::string& why)> without_cache;
+  std::vector<std::string> only;    ///< cameras to use, by name; empty: all
+  std::vector<std::string> others;  ///< further files that the input hash covers
   int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.
 
   /// Throws InputError for values out of range.

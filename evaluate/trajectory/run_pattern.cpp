@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/files/shown_text.h"
 
 namespace plumbline {
 namespace {
@@ -121,6 +122,10 @@ std::vector<RunFile> findRuns(const std::string& pattern,
     if (pattern.find('/') == std::string::npos) path = it->path().filename().string();
     auto file = matched(path, known);
     if (!file) file = matched(path, any);
+    if (file && !isUtf8(path)) {
+      throw InputError(path, 0,
+                       "is not named in UTF-8, as what is written of it must be; rename it");
+    }
     if (file) files.push_back(*file);
   }
   std::sort(files.begin(), files.end(),

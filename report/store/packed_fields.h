@@ -178,7 +178,11 @@ void Unpacker::unpack(T& value) {
   } else if constexpr (json_fields::Matrix<T>) {
     if constexpr (T::SizeAtCompileTime < 0) {
       const std::size_t rows = getSize();
-      value.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(getSize()));
+      const std::size_t cols = getSize();
+      if (cols > 0 && rows > (bytes_.size() - at_) / cols) {
+        throw std::runtime_error("a matrix counts more than it holds");
+      }
+      value.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
     }
     for (Eigen::Index i = 0; i < value.rows(); ++i) {
       for (Eigen::Index j = 0; j < value.cols(); ++j) value(i, j) = get<typename T::Scalar>();

@@ -8,6 +8,7 @@
 #include "report/records/field_walker.h"
 #include "report/store/database.h"
 #include "report/store/packed_fields.h"
+#include "report/store/record_checks.h"
 #include "report/store/run_rows.h"
 
 namespace plumbline {
@@ -104,9 +105,10 @@ Record loadAs(RunKind kind, const std::filesystem::path& path, std::optional<std
   return readStore(path, [&](SQLite::Database& db) {
     const RunReader run(db, chooseRun(db, wanted, kind, path.string()).id);
     Record record;
-    fromJson(Json::parse(run.document()), record);
+    fromJson(parsedDocument(run.document()), record);
     ArrayReader arrays(run);
     walkFields(arrays, record);
+    checkRecord(record);
     return record;
   });
 }

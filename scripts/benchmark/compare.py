@@ -127,7 +127,8 @@ class Benchmark:
         with_page = self.plumbline(session, report=True)
         page = os.path.join(self.options.work, "page.html")
         again = [measured([self.options.plumbline, "report",
-                           os.path.join(self.options.work, "result"), "--out", page])[1]
+                           os.path.join(self.options.work, "result"), "--out", page,
+                          "--force"])[1]
                  for _ in range(self.runs)]
         self.add(name, "both stages, Cauchy, report.html", "Plumbline", None, None, with_page)
         self.add(name, "plumbline report, from the records", "Plumbline", None, None, again)

@@ -24,7 +24,7 @@ def measured(command):
 def calibrate(binary, session, work, *options, report=False):
     """One calibration on one thread; `stages` is calibration.json's own account of it."""
     out = os.path.join(work, "result")
-    _, cost = measured([binary, "calibrate", session, "--out", out, "--threads", "1",
+    _, cost = measured([binary, "calibrate", session, "--out", out, "--force", "--threads", "1",
                         *([] if report else ["--no-report"]), *options])
     with open(os.path.join(out, "calibration.json"), encoding="utf-8") as file:
         return {**cost, "stages": json.load(file)["stages"]}

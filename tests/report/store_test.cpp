@@ -168,6 +168,57 @@ TEST_F(StoreTest, HasRowsThatAStudyCanQuery) {
   EXPECT_EQ(number("SELECT count(*) FROM findings WHERE run_id = 4"), 2);
 }
 
+TEST_F(StoreTest, RefusesCountsAndSizesThatNoRecordHas) {
+  Store(file()).save(test::syntheticRecord({.frames = 3}));
+  const auto setField = [&](const std::string& path, const std::string& value) {
+    change("UPDATE documents SET json = json_set(json, '$." + path + "', " + value + ")");
+  };
+  const std::string good = Store(file()).document(1);
+  const auto restore = [&] {
+    SQLite::Database db(file().string(), SQLite::OPEN_READWRITE);
+    SQLite::Statement update(db, "UPDATE documents SET json = ?");
+    update.bind(1, good);
+    update.exec();
+  };
+  for (const auto& [path, value] : {std::pair("target.cols", "6000000"),
+                                    {"target.rows", "-1"},
+                                    {"target.rows", "1e30"},
+                                    {"target.cols", "99999999999"},
+                                    {"target.tag_size", "0"},
+                                    {"target.spacing", "1e300"},
+                                    {"target.cols", "2.5"}}) {
+    setField(path, value);
+    EXPECT_THAT(complaint(), HasSubstr("damaged")) << path << " " << value;
+    restore();
+  }
+  EXPECT_EQ(complaint(), "no complaint");
+  const std::string deep = std::string(5000, '[') + std::string(5000, ']');
+  change("UPDATE documents SET json = '" + deep + "'");
+  EXPECT_THAT(complaint(), HasSubstr("nested deeper"));
+}
+
+TEST_F(StoreTest, RefusesAMatrixThatCountsMoreThanItHolds) {
+  store_internal::Packer packer;
+  packer.pack(std::int32_t{40000});
+  packer.pack(std::int32_t{40000});
+  packer.pack(std::string(50000, 'x'));
+  const std::string bytes = packer.take();
+  store_internal::Unpacker unpacker(bytes);
+  Eigen::MatrixXd matrix;
+  EXPECT_THROW(unpacker.unpack(matrix), std::runtime_error);
+}
+
+TEST_F(StoreTest, RefusesABoundThatCannotBeDrawn) {
+  PerturbationRecord record = test::syntheticPerturbation();
+  for (const double bound : {0.0, -1.0, 1e300, 1e-300}) {
+    record.offset_bound_s = bound;
+    std::filesystem::remove(file());
+    Store(file()).save(record);
+    EXPECT_THAT(complaintOf([&] { Store(file()).loadPerturbation(); }),
+                HasSubstr("offset_bound_s"));
+  }
+}
+
 TEST_F(StoreTest, DropsARunWithAllOfIt) {
   Store(file()).save(test::syntheticRecord({.frames = 3}));
   change("PRAGMA foreign_keys = ON; DELETE FROM runs WHERE id = 1");

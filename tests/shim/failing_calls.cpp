@@ -3,6 +3,7 @@
 // its disk, at one of them.
 //   PLUMBLINE_KILL_AT=N   SIGKILL before the N-th call that changes a file or a name
 //   PLUMBLINE_FULL_AT=N   from the N-th call that writes bytes on, there is no space (ENOSPC)
+//   PLUMBLINE_NO_EXCHANGE=1  a file system that cannot exchange names
 //   PLUMBLINE_COUNTS=FILE the numbers of both, written when the program ends
 #include <atomic>
 #include <cerrno>
@@ -68,8 +69,16 @@ struct Counts {
     return real given;                                   \
   }
 PLUMBLINE_CHANGE(rename, (const char* from, const char* to), (from, to))
-PLUMBLINE_CHANGE(renameat2, (int a, const char* from, int b, const char* to, unsigned flags),
-                 (a, from, b, to, flags))
+extern "C" int renameat2(int a, const char* from, int b, const char* to, unsigned flags) {
+  static const bool refused = std::getenv("PLUMBLINE_NO_EXCHANGE") != nullptr;
+  if (refused) {
+    errno = EINVAL;
+    return -1;
+  }
+  change();
+  static auto* const real = next<int(int, const char*, int, const char*, unsigned)>("renameat2");
+  return real(a, from, b, to, flags);
+}
 PLUMBLINE_CHANGE(link, (const char* from, const char* to), (from, to))
 PLUMBLINE_CHANGE(unlink, (const char* path), (path))
 PLUMBLINE_CHANGE(unlinkat, (int folder, const char* path, int flags), (folder, path, flags))

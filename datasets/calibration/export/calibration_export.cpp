@@ -10,6 +10,7 @@
 
 #include "datasets/calibration/export/tools.h"
 #include "datasets/calibration/kalibr_writer.h"
+#include "datasets/calibration/plausible.h"
 #include "datasets/files/bad_input.h"
 
 namespace plumbline {
@@ -97,6 +98,7 @@ ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
     throw BadInput(InputFault::kEmpty, options.source, 0,
                    "has no camera; expected a calibration of one or more");
   }
+  checkPlausible(calibration, options.source);
   return entryOf(tool).write(calibration, options);
 }
 

@@ -23,6 +23,14 @@ std::optional<Transform> imuPlace(const YamlMap& map) {
   return std::nullopt;
 }
 
+// Said by a word; line_delay, a number, is judged by who uses the chain.
+void refuseRollingShutter(const YamlMap& map) {
+  if (!map.isTrue("rolling_shutter")) return;
+  throw map.fault("rolling_shutter",
+                  {InputFault::kUnsupported, "a rolling shutter", "a global shutter",
+                   "rolling shutters are not supported yet"});
+}
+
 KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   KalibrCamera camera;
   camera.name = name;
@@ -34,6 +42,15 @@ KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
     camera.timeshift_cam_imu = map.number("timeshift_cam_imu", "seconds");
   }
   if (map.has("line_delay")) camera.line_delay_s = map.number("line_delay", "seconds a row");
+  const double shift = camera.timeshift_cam_imu.value_or(0);
+  ImuCalibration imu;
+  imu.time_offset_s = shift;
+  if (camera.T_cam_imu) imu.T_SC0 = camera.T_cam_imu->inverse();
+  refuseImplausible(
+      map, implausible(imu),
+      {{Implausible::Part::kOffset, "timeshift_cam_imu"},
+       {Implausible::Part::kPlace, map.has("T_cam_imu") ? "T_cam_imu" : "T_imu_cam"}});
+  refuseRollingShutter(map);
   camera.line = map.line();
   camera.T_cam_imu_line = map.lineOf(map.has("T_cam_imu") ? "T_cam_imu" : "T_imu_cam");
   camera.T_cn_cnm1_line = map.lineOf("T_cn_cnm1");

@@ -83,11 +83,11 @@ void readCameraToolLine(KalibrResults& results, ResultsLines& lines) {
     return;
   }
   if (lines.startsWith("baseline T_")) {
-    const int to = static_cast<int>(lines.numberAfter("baseline T_"));
-    if (to < 1 || to >= static_cast<int>(results.cameras.size())) {
+    const double to = lines.numberAfter("baseline T_");
+    if (!(to >= 1 && to < static_cast<double>(results.cameras.size())) || to != std::floor(to)) {
       throw lines.fault("a baseline of a camera that is not listed", "baseline T_1_0");
     }
-    results.cameras[to].T_cn_cnm1 = baselineOf(lines);
+    results.cameras[static_cast<std::size_t>(to)].T_cn_cnm1 = baselineOf(lines);
     return;
   }
   if (results.cameras.empty()) return;

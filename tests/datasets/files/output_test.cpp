@@ -93,9 +93,6 @@ TEST_F(Output, AnEarlierResultIsReplacedOnlyIfThatIsAllowed) {
   make(request("out", true), "second");
   EXPECT_EQ(text("out/a/b.txt"), "second");
   EXPECT_EQ(files().size(), 4U);
-  OutputRequest other = request("out", true);
-  other.kind = "calibration";
-  EXPECT_EQ(refusal(other), InputFault::kForeignFiles);
 }
 
 TEST_F(Output, AnEmptyFolderIsTaken) {

@@ -76,6 +76,18 @@ TEST_F(CommandImages, DetectWritesASessionThatCalibratesTheSame) {
   EXPECT_EQ(plumbline(detect).exit_code, 2);  // never over what is there
 }
 
+TEST_F(CommandImages, AnUnusableDefaultCacheIsNotedAndAGivenOneRefused) {
+  fs::create_directories(scratch());
+  write(scratch() / "file", "no folder");
+  const std::string home = scratch() / "file";
+  setenv("XDG_CACHE_HOME", home.c_str(), 1);
+  const Outcome noted = calibrateCam0(images(), "noted", "");
+  unsetenv("XDG_CACHE_HOME");
+  EXPECT_EQ(noted.exit_code, 0) << noted.text;
+  EXPECT_THAT(noted.text, HasSubstr("note: found corners are not kept"));
+  EXPECT_EQ(calibrateCam0(images(), "out", "--cache " + home + "/x").exit_code, 2);
+}
+
 TEST_F(CommandImages, AWrongSpacingIsRefusedByItsLineWhereverItShows) {
   const std::string target = read(images() / "target.yaml");
   for (const char* spacing : {"0.2", "0.24", "0.36", "0.45"}) {

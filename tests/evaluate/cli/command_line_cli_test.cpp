@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <sys/stat.h>
+
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -75,6 +77,46 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
   expectRefusal(plumbline(faulty + "bow=1mm --images"), 2, HasSubstr("bow=1mm"));
   expectRefusal(plumbline("simulate"), 2, HasSubstr("--out"));
   expectRefusal(calibrate("/nowhere"), 2, HasSubstr("/nowhere"));
+}
+
+TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
+  for (const char* seed : {"99999999999999999999999", "1.5", "18446744073709551616", "1e3"}) {
+    expectRefusal(calibrate(session(), std::string("--seed ") + seed), 2,
+                  AllOf(HasSubstr("--seed"), HasSubstr("expected a whole number")));
+    expectRefusal(plumbline(std::string("simulate --seed ") + seed + " --out " +
+                            (scratch() / "out").string()),
+                  2, HasSubstr("--seed"));
+  }
+  expectRefusal(calibrate(session(), "--threshold rmse_px=2,1"), 2,
+                AllOf(HasSubstr("--threshold rmse_px=2,1"), HasSubstr("bad the larger")));
+  expectRefusal(calibrate(session(), "--threshold coverage=0.5,0.75"), 2,
+                HasSubstr("bad the smaller"));
+}
+
+TEST_F(CommandLine, PipesAndDevicesAreRefusedAtOnce) {
+  fs::create_directories(scratch());
+  const fs::path pipe = scratch() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string out = " --out " + (scratch() / "out").string();
+  for (const std::string& file : {pipe.string(), std::string("/dev/zero"), session().string()}) {
+    for (const std::string& words :
+         {"export " + file + " --to kalibr" + out, "report " + file + out,
+          "evaluate trajectory " + file + " " + file + out,
+          "calibrate " + session().string() + " --target " + file + out,
+          "calibrate " + session().string() + " --imu " + file + out}) {
+      if (words.find("report " + session().string()) == 0) continue;  // a folder may be its input
+      expectRefusal(plumbline(words), 2, HasSubstr(file));
+    }
+  }
+}
+
+TEST_F(CommandLine, TextsOfFilesAreShownEscaped) {
+  const fs::path copy = spoiled();
+  write(copy / "target.yaml", "target_type: \"\\e[31mred\\u202e\"\n");
+  expectRefusal(calibrate(copy), 2, HasSubstr("'\\x1b[31mred\\u202e'"));
+  expectRefusal(
+      plumbline("export $(printf 'na\\357ve') --to kalibr --out " + (scratch() / "out").string()),
+      2, AllOf(HasSubstr("na\\xefve"), HasSubstr("not UTF-8")));
 }
 
 TEST_F(CommandLine, EveryCommandExitsWithTwoOnBadInput) {

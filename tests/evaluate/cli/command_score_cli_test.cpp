@@ -130,7 +130,7 @@ TEST_F(EvaluateCalibration, NothingIsWrittenIntoTheRecording) {
   const Outcome outcome = plumbline("evaluate calibration " + ours() + " " + session().string() +
                                     " --out " + (session() / "out").string());
   EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
-  EXPECT_THAT(outcome.text, HasSubstr("inside the recording"));
+  EXPECT_THAT(outcome.text, HasSubstr("never written to"));
 }
 
 }  // namespace

@@ -50,6 +50,9 @@ class CommandTrajectory : public testing::Test {
     EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
   }
 
+  fs::path truth() const { return folder_ / "truth.txt"; }
+  fs::path estimate() const { return folder_ / "estimate.txt"; }
+
   fs::path folder_;
 };
 
@@ -80,6 +83,28 @@ TEST_F(CommandTrajectory, Sim3FindsTheScale) {
   const auto figures = nlohmann::json::parse(run("--align sim3 --json -").text);
   EXPECT_NEAR(figures["scale"], 1 / 1.01, 1e-8);
   EXPECT_LT(figures["ate"]["translation_m"]["rmse"], 1e-8);
+}
+
+TEST_F(CommandTrajectory, AnEstimateMayComeFromAPipe) {
+  const std::string piped = "evaluate trajectory - " + truth().string() + " --json - < ";
+  EXPECT_EQ(nlohmann::json::parse(plumbline(piped + estimate().string()).text)["n"],
+            nlohmann::json::parse(run("--json -").text)["n"]);
+}
+
+TEST_F(CommandTrajectory, FiguresAreNeverWrittenOverAnInputOrAnythingForeign) {
+  const std::string before = read(truth());
+  EXPECT_EQ(run("--json " + truth().string() + " --force").exit_code, 2);
+  fs::create_symlink(truth(), folder_ / "alias.json");
+  EXPECT_EQ(run("--json " + (folder_ / "alias.json").string() + " --force").exit_code, 2);
+  EXPECT_EQ(read(truth()), before);
+  write(folder_ / "notes.json", "mine");
+  EXPECT_EQ(run("--json " + (folder_ / "notes.json").string() + " --force").exit_code, 2);
+  EXPECT_EQ(read(folder_ / "notes.json"), "mine");
+  const std::string figures = "--json " + (folder_ / "figures.json").string();
+  EXPECT_EQ(run(figures).exit_code, 0);
+  EXPECT_EQ(run(figures).exit_code, 2);
+  EXPECT_EQ(run(figures + " --force").exit_code, 0);
+  EXPECT_EQ(run("--json /dev/null").exit_code, 2);
 }
 
 TEST_F(CommandTrajectory, NoOverlapNamesTheFilesAndTheCause) {

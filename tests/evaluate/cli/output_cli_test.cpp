@@ -104,7 +104,8 @@ TEST_P(KilledAnywhere, LeavesTheOldOrTheNewResultWhole) {
       ASSERT_EQ(contents(out()), result) << call;
       ASSERT_TRUE(isWhole(out())) << call;
     }
-    ASSERT_EQ(run(words + " --force").exit_code, 0) << call;
+    fs::remove_all(out());
+    ASSERT_EQ(run(command("export")).exit_code, 0) << call;  // the next start, of any command
     EXPECT_EQ(entriesBeside(), 0U) << "left after call " << call;
     fs::remove_all(out().parent_path());
   }
@@ -115,15 +116,16 @@ TEST_P(KilledAnywhere, ReplacingLeavesTheOldOrTheNewResultWhole) {
   const std::string other =
       command(GetParam()) + (std::string(GetParam()) == "export" ? " --only cam0" : " --range 2");
   const std::string words = command(GetParam()) + " --force";
-  ASSERT_EQ(run(words).exit_code, 0);
+  ASSERT_EQ(run(other).exit_code, 0);
+  const auto old = contents(out());
+  fs::copy(out(), root_ / "old", fs::copy_options::recursive);
   const auto calls = countsOf(words);
   const auto result = contents(out());
+  ASSERT_NE(old, result);
   int with_old = 0, with_new = 0;
   for (long call = 1; call <= calls.changes; ++call) {
-    ASSERT_EQ(run(other + " --force").exit_code, 0);
-    EXPECT_EQ(entriesBeside(), 0U) << "left before call " << call;
-    const auto old = contents(out());
-    ASSERT_NE(old, result);
+    fs::remove_all(out());
+    fs::copy(root_ / "old", out(), fs::copy_options::recursive);
     const Outcome killed = run(words, "PLUMBLINE_KILL_AT=" + std::to_string(call));
     ASSERT_EQ(killed.exit_code, 128 + SIGKILL) << call << killed.text;
     const auto left = contents(out());
@@ -131,8 +133,39 @@ TEST_P(KilledAnywhere, ReplacingLeavesTheOldOrTheNewResultWhole) {
     ASSERT_TRUE(isWhole(out())) << call;
     ++(left == old ? with_old : with_new);
   }
+  fs::remove_all(out());
+  ASSERT_EQ(run(words).exit_code, 0);
+  EXPECT_EQ(entriesBeside(), 0U) << "of processes that were killed";
   EXPECT_GT(with_old, 0);
   EXPECT_GT(with_new, 0);
+}
+
+// The older result is moved aside for a moment: then the next start puts it back.
+TEST_F(FailingCalls, KilledWithoutExchangeTheNextStartPutsTheOldResultBack) {
+  ASSERT_EQ(run(command("export") + " --only cam0").exit_code, 0);
+  const auto old = contents(out());
+  fs::copy(out(), root_ / "old", fs::copy_options::recursive);
+  const std::string words = command("export") + " --force",
+                    environment = "PLUMBLINE_NO_EXCHANGE=1 ";
+  ASSERT_EQ(run(words, environment + "PLUMBLINE_COUNTS=" + (root_ / "counts").string()).exit_code,
+            0);
+  const auto result = contents(out());
+  long changes = 0;
+  std::istringstream(read(root_ / "counts")) >> changes;
+  int missing = 0;
+  for (long call = 1; call <= changes; ++call) {
+    fs::remove_all(out());
+    fs::copy(root_ / "old", out(), fs::copy_options::recursive);
+    const Outcome killed = run(words, environment + "PLUMBLINE_KILL_AT=" + std::to_string(call));
+    ASSERT_EQ(killed.exit_code, 128 + SIGKILL) << call << killed.text;
+    missing += fs::exists(out()) ? 0 : 1;
+    ASSERT_EQ(run(command("export")).exit_code, 2) << "no earlier result after call " << call;
+    const auto left = contents(out());
+    ASSERT_TRUE(left == old || left == result) << "a mixture after call " << call;
+    ASSERT_TRUE(isWhole(out())) << call;
+    EXPECT_EQ(entriesBeside(), 0U) << call;
+  }
+  EXPECT_GT(missing, 0) << "never killed between the renames";
 }
 
 TEST_P(KilledAnywhere, AFullDiskIsSaidAndTheOldResultStays) {

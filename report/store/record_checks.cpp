@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/store/record_checks.h"
+
+#include <stdexcept>
+
+namespace plumbline::store_internal {
+namespace {
+
+constexpr int kMostTags = 587;  // of the family tag36h11
+constexpr double kLargestTag_m = 5;
+constexpr double kLargestSpacing = 3;
+constexpr double kLongestBound_s = 1e4;
+constexpr double kShortestBound_s = 1e-12;
+constexpr std::size_t kMostBytes = 256U << 20U;
+constexpr int kDeepest = 64;
+
+void require(bool holds, const char* what) {
+  if (!holds) throw std::runtime_error(what);
+}
+
+void checkTarget(const AprilGrid& target) {
+  const bool counts = target.rows >= 1 && target.cols >= 1 && target.rows <= kMostTags &&
+                      target.cols <= kMostTags && target.tagCount() <= kMostTags;
+  require(counts, "the target has another number of tags than there are");
+  require(target.tag_size > 0 && target.tag_size <= kLargestTag_m && target.spacing > 0 &&
+              target.spacing <= kLargestSpacing,
+          "the target has a size that none has");
+}
+
+void checkCameras(const std::vector<CameraCalibration>& cameras) {
+  for (const CameraCalibration& camera : cameras) {
+    const Resolution& size = camera.intrinsics.resolution;
+    require(size.width >= 1 && size.height >= 1 && size.width <= 65535 && size.height <= 65535,
+            "a camera has a resolution that none has");
+  }
+}
+
+// Every residual stands for a camera and a frame of its stage.
+template <class StageResult>
+void checkStage(const StageResult& stage) {
+  checkCameras(stage.cameras);
+  for (const CornerResidual& r : stage.residuals) {
+    require(r.camera >= 0 && static_cast<std::size_t>(r.camera) < stage.cameras.size(),
+            "a residual is of a camera that is not there");
+    require(r.frame >= 0 && static_cast<std::size_t>(r.frame) < stage.frames.size(),
+            "a residual is of a frame that is not there");
+  }
+}
+
+}  // namespace
+
+void checkRecord(const CalibrationRecord& record) {
+  checkTarget(record.target);
+  require(record.camera || record.camera_imu, "no stage is there");
+  if (record.camera) {
+    checkStage(*record.camera);
+    require(record.camera->T_FC0.size() == record.camera->frames.size(),
+            "poses and frames differ in number");
+  }
+  if (record.camera_imu) {
+    checkStage(*record.camera_imu);
+    require(record.camera_imu->states.size() == record.camera_imu->frames.size(),
+            "states and frames differ in number");
+  }
+}
+
+void checkRecord(const PerturbationRecord& record) {
+  require(record.offset_bound_s >= kShortestBound_s && record.offset_bound_s <= kLongestBound_s,
+          "offset_bound_s is no bound of an offset");
+}
+
+void checkRecord(const ReplayRecord& record) {
+  checkTarget(record.target);
+  checkCameras(record.cameras);
+}
+
+Json parsedDocument(const std::string& text) {
+  require(text.size() <= kMostBytes, "the document is larger than any");
+  return Json::parse(text, [](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {
+    require(depth <= kDeepest, "the document is nested deeper than any");
+    return true;
+  });
+}
+
+}  // namespace plumbline::store_internal
