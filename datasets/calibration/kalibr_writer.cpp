@@ -42,7 +42,8 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   text += fmt::format("  intrinsics: {}\n", yamlList(k.projection));
   text += fmt::format("  resolution: [{}, {}]\n", k.resolution.width, k.resolution.height);
   const std::string topic = "/" + camera.name + "/image_raw";  // Kalibr demands one
-  text += fmt::format("  rostopic: {}\n", camera.rostopic.empty() ? topic : camera.rostopic);
+  text +=
+      fmt::format("  rostopic: {}\n", yamlText(camera.rostopic.empty() ? topic : camera.rostopic));
   if (calibration.imu) {
     const std::vector<double>& own = calibration.imu->camera_time_offsets_s;
     const double offset = i < own.size() ? own[i] : calibration.imu->time_offset_s;
@@ -69,7 +70,7 @@ std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic) {
   add("gyroscope_noise_density", noise.gyro_density);
   add("gyroscope_random_walk", noise.gyro_random_walk);
   text += "  model: calibrated\n";
-  text += fmt::format("  rostopic: {}\n", rostopic.empty() ? "/imu0" : rostopic);
+  text += fmt::format("  rostopic: {}\n", yamlText(rostopic.empty() ? "/imu0" : rostopic));
   add("time_offset", 0);
   add("update_rate", noise.rate_hz);
   return text;

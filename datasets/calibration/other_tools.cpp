@@ -111,6 +111,8 @@ CameraCalibration cameraOf(const YamlMap& file, int i) {
   camera.intrinsics = intrinsicsField(file.map(camera.name, "a camera"),
                                       {"proj_model", "dist_model", "proj_params", "dist_params"});
   if (i > 0) camera.T_C0Ci = transformField(file, fmt::format("T_cam0_cam{}", i));
+  refuseImplausible(file, implausible(camera),
+                    {{Implausible::Part::kPlace, fmt::format("T_cam0_cam{}", i)}});
   return camera;
 }
 

@@ -2,6 +2,7 @@
 #include "datasets/files/numbers.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -119,6 +120,26 @@ std::string yamlNumber(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".ni") != std::string::npos) return text;  // has one, or nan, inf
   return text.insert(std::min(text.find('e'), text.size()), ".0");
+}
+
+std::string yamlText(const std::string& text) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '/' || c == '.' || c == '-';
+  };
+  const bool begins = !text.empty() && (text[0] == '/' || std::isalpha(text[0]) != 0);
+  if (begins && std::all_of(text.begin(), text.end(), plain)) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7F) {
+      quoted += fmt::format("\\x{:02x}", byte);
+    } else {
+      if (c == '"' || c == '\\') quoted += '\\';
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
 }
 
 std::string yamlList(const Eigen::VectorXd& values) {

@@ -32,6 +32,10 @@ std::optional<TimeNs> parseStamp(std::string_view text, int power);
 /// exponent, as YAML 1.1 wants it of a number ("1.0e-05").
 std::string yamlNumber(double value);
 
+/// A text as a YAML value that reads back the same: plain where it is a name or a ROS topic,
+/// otherwise in double quotes with escapes.
+std::string yamlText(const std::string& text);
+
 /// "[1.0, 2.5]".
 std::string yamlList(const Eigen::VectorXd& values);
 

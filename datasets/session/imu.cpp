@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/calibration/calibration_fields.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
@@ -135,6 +136,7 @@ ImuDescription readImuDescription(const std::string& path) {
   noise.gyro_random_walk = positive(imu, "gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
   const bool euroc = imu.has("rate_hz") && !imu.has("update_rate");
   noise.rate_hz = positive(imu, euroc ? "rate_hz" : "update_rate", "Hz");
+  refuseImplausible(imu, implausible(noise), {});
   description.rostopic = imu.textOr("rostopic", "");
   return description;
 }

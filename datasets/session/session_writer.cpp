@@ -49,7 +49,8 @@ std::string cameraYaml(const CameraStream& camera, double rate_hz) {
     text += "distortion_model: " + camera.distortion_model + "\n";
   }
   text += "rostopic: " +
-          (camera.rostopic.empty() ? "/" + camera.name + "/image_raw" : camera.rostopic) + "\n";
+          yamlText(camera.rostopic.empty() ? "/" + camera.name + "/image_raw" : camera.rostopic) +
+          "\n";
   return text;
 }
 
@@ -144,7 +145,7 @@ std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz
   files.push_back({"target.yaml", kalibrTargetText(session.target)});
   if (!session.imu) return files;
   const ImuStream& imu = *session.imu;
-  const std::string topic = imu.rostopic.empty() ? "/imu0" : imu.rostopic;
+  const std::string topic = yamlText(imu.rostopic.empty() ? "/imu0" : imu.rostopic);
   files.push_back({"mav0/imu0/data.csv", sampleList(imu)});
   files.push_back(
       {"mav0/imu0/sensor.yaml", fmt::format("sensor_type: imu\n"

@@ -180,6 +180,7 @@ KalibrImu imuOf(const YamlMap& map, const std::string& name) {
   imu.noise.gyro_density = positive(map, "gyroscope_noise_density", "rad/s/sqrt(Hz)");
   imu.noise.gyro_random_walk = positive(map, "gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
   imu.noise.rate_hz = positive(map, "update_rate", "Hz");
+  refuseImplausible(map, implausible(imu.noise), {});
   if (map.has("T_i_b")) imu.T_i_b = transformField(map, "T_i_b");
   imu.time_offset_s = map.numberOr("time_offset", 0);
   imu.accel_M = matrixOf(map, "accelerometers", "M");

@@ -106,6 +106,17 @@ TEST(KalibrFiles, ImuAndTargetComeBack) {
   EXPECT_EQ(again.spacing, 0.25);
 }
 
+TEST(KalibrFiles, TopicsOfAnyTextComeBackAndAddNoKeys) {
+  const TemporaryFolder folder;
+  for (const char* topic : {"/imu0", "my topic", "a: b # c", "x\ngyroscope_noise_density: 9",
+                            "\"'\\", "1.5", "-", "*a"}) {
+    const ImuDescription imu =
+        readImuDescription(folder.write("imu.yaml", kalibrImuText(ImuNoise(), topic)));
+    EXPECT_EQ(imu.rostopic, topic);
+    EXPECT_EQ(imu.noise.gyro_density, ImuNoise().gyro_density);
+  }
+}
+
 TEST(KalibrFiles, SampleConfigurationsAreReadable) {
   const std::string folder = std::string(PLUMBLINE_SOURCE_DIR) + "/third_party_configs/";
   EXPECT_EQ(readTarget(folder + "targets/target_6x6.yaml").tag_size, 0.088);
