@@ -50,17 +50,42 @@ struct CameraCalibration {
   std::optional<Vector6d> T_C0Ci_std;             ///< 3 m, 3 rad, tangent of Transform
 };
 
+/// t_d of a camera: t_imu = t_cam + t_d.
+struct TimeOffset {
+  double s = 0;  ///< t_d [s]
+  /// Of this camera alone. false: the camera is synchronised with camera 0 and has its offset,
+  /// whatever `s` says (camera 0's own flag says nothing).
+  bool estimated = false;
+};
+
+/// Of every camera, camera 0 first; those behind the last one are synchronised with camera 0.
+using TimeOffsets = std::vector<TimeOffset>;
+
+/// Whether camera `c` has an offset of its own beside camera 0's.
+inline bool hasOwnOffset(const TimeOffsets& offsets, std::size_t c) {
+  return c > 0 && c < offsets.size() && offsets[c].estimated;
+}
+/// Whether any camera has.
+bool haveOwnOffsets(const TimeOffsets& offsets);
+/// t_d of camera `c` [s].
+inline double offsetOf(const TimeOffsets& offsets, std::size_t c) {
+  return offsets[hasOwnOffset(offsets, c) ? c : 0].s;
+}
+
+/// Of some of the cameras, the first of which becomes camera 0.
+TimeOffsets selected(const TimeOffsets& offsets, const std::vector<std::size_t>& cameras);
+
 struct ImuCalibration {
-  Transform T_SC0;           ///< camera 0 in the IMU frame
-  double time_offset_s = 0;  ///< t_d of camera 0: t_imu = t_cam0 + t_d
-  /// t_d of every camera, t_imu = t_cam_i + t_d_i [s], where cameras were found not to be
-  /// synchronised; empty: time_offset_s is that of all.
-  std::vector<double> camera_time_offsets_s;
+  Transform T_SC0;  ///< camera 0 in the IMU frame
+  TimeOffsets time_offsets{TimeOffset()};
   double gravity_m_s2 = 9.80655;
   ImuNoise noise;
   std::string rostopic;
-  std::optional<Vector6d> T_SC0_std;  ///< 3 m, 3 rad
-  std::optional<double> time_offset_std_s;
+  std::optional<Vector6d> T_SC0_std;        ///< 3 m, 3 rad
+  std::optional<double> time_offset_std_s;  ///< of camera 0's
+
+  /// t_d of a camera [s].
+  double timeOffset(std::size_t camera = 0) const { return offsetOf(time_offsets, camera); }
 };
 
 /// What a calibration is to the rest of the world, whichever tool made it.
@@ -78,18 +103,8 @@ struct ParameterCovariance {
   Eigen::VectorXd standardDeviations() const { return matrix.diagonal().cwiseSqrt(); }
 };
 
-/// t_d of camera `i`, t_imu = t_cam_i + t_d_i [s].
-inline double cameraTimeOffset(const ImuCalibration& imu, std::size_t i) {
-  return i < imu.camera_time_offsets_s.size() ? imu.camera_time_offsets_s[i] : imu.time_offset_s;
-}
-
 /// Mean of the cameras' time offsets [s]: what a tool with one offset for all compares with
 /// (Kalibr estimates one for each camera; ours is one unless the cameras are not synchronised).
-inline double meanTimeOffset(const ImuCalibration& imu) {
-  if (imu.camera_time_offsets_s.empty()) return imu.time_offset_s;
-  double sum = 0;
-  for (const double offset : imu.camera_time_offsets_s) sum += offset;
-  return sum / static_cast<double>(imu.camera_time_offsets_s.size());
-}
+double meanTimeOffset(const ImuCalibration& imu);
 
 }  // namespace plumbline

@@ -94,16 +94,37 @@ void fields(V& v, CameraCalibration& c) {
     "3 of the translation, 3 of the left tangent of the rotation; left out for camera 0");
 }
 
+/// Of every camera [s], none for those that are synchronised with camera 0; empty where all are.
+inline std::vector<std::optional<double>> ownOffsets(const TimeOffsets& offsets) {
+  std::vector<std::optional<double>> own;
+  for (std::size_t c = 0; haveOwnOffsets(offsets) && c < offsets.size(); ++c) {
+    const bool listed = c == 0 || offsets[c].estimated;
+    own.push_back(listed ? std::optional(offsets[c].s) : std::nullopt);
+  }
+  return own;
+}
+/// The inverse, with camera 0's.
+inline TimeOffsets timeOffsets(double camera0_s, const std::vector<std::optional<double>>& own) {
+  TimeOffsets offsets{{camera0_s, false}};
+  for (std::size_t c = 1; c < own.size(); ++c) {
+    offsets.push_back({own[c].value_or(camera0_s), own[c].has_value()});
+  }
+  return offsets;
+}
+
 template <class V>
 void fields(V& v, ImuCalibration& i) {
   v("T_SC0", i.T_SC0, "m",
     "4 x 4, rows: p_S = T_SC0 p_C0 (inverse of Kalibr's `T_cam_imu` of cam0)");
   v("T_SC0_std", i.T_SC0_std, "m, rad",
     "3 of the translation, 3 of the left tangent of the rotation");
-  v("time_offset_s", i.time_offset_s, "s", "t_d of camera 0: t_imu = t_cam + t_d");
+  double offset = i.timeOffset();
+  v("time_offset_s", offset, "s", "t_d of camera 0: t_imu = t_cam + t_d");
   v("time_offset_std_s", i.time_offset_std_s, "s", "its standard deviation");
-  v.ifSet("camera_time_offsets_s", i.camera_time_offsets_s,
-          "t_d of every camera [s]; only where their stamps differ");
+  auto own = ownOffsets(i.time_offsets);
+  v.ifSet("camera_time_offsets_s", own,
+          "t_d of every camera [s]; only where their stamps differ; null: as camera 0");
+  if constexpr (V::kReads) i.time_offsets = timeOffsets(offset, own);
   v("gravity_m_s2", i.gravity_m_s2, "m/s^2", "magnitude that was assumed");
   v.ifSet("rostopic", i.rostopic, "left out where unknown");
   v("noise", i.noise, "densities that were assumed, in the words of Kalibr's `imu.yaml`");

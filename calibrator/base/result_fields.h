@@ -174,12 +174,11 @@ template <class V>
 void fields(V& v, CameraImuStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
-  v.derived("time_offset_s", s.imu.time_offset_s, "s", "as in `imu`");
+  v.derived("time_offset_s", s.imu.timeOffset(), "s", "as in `imu`");
   v.derived("time_offset_std_s", s.imu.time_offset_std_s, "s", "as in `imu`");
-  std::optional<std::vector<double>> offsets;
-  std::optional<std::vector<std::optional<double>>> deviations;
-  if (!s.imu.camera_time_offsets_s.empty()) {
-    offsets = s.imu.camera_time_offsets_s;
+  std::optional<std::vector<std::optional<double>>> offsets, deviations;
+  if (haveOwnOffsets(s.imu.time_offsets)) {
+    offsets = ownOffsets(s.imu.time_offsets);
     deviations = timeOffsetDeviations(s.summary.covariance, offsets->size());
   }
   v.derived("camera_time_offsets_s", offsets, "s", "as in `imu`");

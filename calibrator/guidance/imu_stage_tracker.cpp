@@ -26,7 +26,7 @@ ImuStageTracker::ImuStageTracker(CameraImuWindow window, double max_gap_s)
 
 void ImuStageTracker::drain(ImuStageRecording& recording, Decision& decision) {
   // Frames wait until the samples reach them on the IMU's clock; 1 ns more for the rounding.
-  const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s) + 1;
+  const TimeNs offset = toNanoseconds(window_.estimate().timeOffset()) + 1;
   while (!pending_.empty() && recording.covers(pending_.front().t + offset)) {
     const PosedFrame frame = std::move(pending_.front());
     pending_.pop_front();
@@ -36,7 +36,7 @@ void ImuStageTracker::drain(ImuStageRecording& recording, Decision& decision) {
 
 FrameLink ImuStageTracker::linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
                                   Decision& decision) const {
-  const TimeNs offset = toNanoseconds(window_.estimate().time_offset_s);
+  const TimeNs offset = toNanoseconds(window_.estimate().timeOffset());
   // Pre-integration across a pause of the samples would take the rate between its ends as linear;
   // across one of the frames its noise would outgrow what it says. The biases walk on either way.
   const auto gap = recording.gapWithin(last_given_ + offset, frame.t + offset);
@@ -78,15 +78,6 @@ namespace {
 
 Failure notConverged() { return {FailureCode::kFirstFramesNotConverged}; }
 
-CameraImuEstimate estimateOf(const CameraImuStageResult& result) {
-  CameraImuEstimate estimate;
-  estimate.T_SC0 = result.imu.T_SC0;
-  estimate.gravity_direction = result.gravity_F.normalized();
-  estimate.time_offset_s = result.imu.time_offset_s;
-  estimate.cameras = result.cameras;
-  return estimate;
-}
-
 }  // namespace
 
 Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
@@ -101,12 +92,13 @@ Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
   CameraImuProblem problem = makeProblem(session, batch);
   // Cameras' own stamps are of the batch: the window takes a frame's views as exposed together.
   problem.view_stamps.clear();
-  CameraImuEstimate estimate = estimateOf(*result);
+  CameraImuEstimate estimate = calibrationEstimate(*result);
+  estimate.time_offsets.resize(1);
   std::vector<TimeNs> stamps;
   for (const Frame& frame : result->frames) stamps.push_back(frame.t);
   const auto selection =
       selectFrames(stamps, problem.samples, imuGaps(problem.samples, batch.max_gap_intervals),
-                   selectionOptions(batch, estimate.time_offset_s));
+                   selectionOptions(batch, estimate.timeOffset()));
   for (const int i : selection.chosen) {
     problem.frames.push_back(result->frames[static_cast<std::size_t>(i)]);
     estimate.states.push_back(result->states[static_cast<std::size_t>(i)]);

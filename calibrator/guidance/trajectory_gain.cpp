@@ -145,7 +145,7 @@ CameraImuProblem TrajectoryScorer::unseen(const Prepared& prepared,
     const TimeNs t = start + toNanoseconds(instant(k, recording_.camera_rate_hz, 0));
     problem.frames.push_back({t, std::vector<int>(cameras_.size(), -1)});
   }
-  const double offset_s = now.estimate.time_offset_s;
+  const double offset_s = now.estimate.timeOffset();
   for (std::size_t k = 0; k < prepared.samples.size(); ++k) {
     const double at = instant(k, recording_.imu_rate_hz, kSampleMargin);
     problem.samples.push_back(sampleOf(prepared.samples[k], now.estimate, recording_.gravity_m_s2,

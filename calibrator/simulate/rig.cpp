@@ -63,7 +63,7 @@ SimulatedRig euroc() {
   rig.calibration.cameras = {cam0, cam1};
   ImuCalibration imu;
   imu.T_SC0 = T_SC0;
-  imu.time_offset_s = 0.0021;
+  imu.time_offsets = {{0.0021}};
   imu.noise = {1.6968e-4, 1.9393e-5, 2.0e-3, 3.0e-3, 200};
   rig.calibration.imu = imu;
   return rig;
@@ -87,7 +87,7 @@ SimulatedRig tumvi() {
   rig.calibration.cameras = {cam0, cam1};
   ImuCalibration imu;
   imu.T_SC0 = T_C0S.inverse();
-  imu.time_offset_s = -0.0037;
+  imu.time_offsets = {{-0.0037}};
   imu.noise = {1.6e-4, 2.2e-5, 2.8e-3, 8.6e-4, 200};
   rig.calibration.imu = imu;
   return rig;
@@ -107,7 +107,7 @@ SimulatedRig d435i() {
   ImuCalibration imu;
   imu.T_SC0 = {Eigen::Quaterniond(1, 0.0041, -0.0027, 0.0036),
                Eigen::Vector3d(0.00552, -0.00510, -0.01174)};
-  imu.time_offset_s = 0.0113;
+  imu.time_offsets = {{0.0113}};
   imu.noise = {2.78e-3, 1.65e-5, 2.52e-2, 4.41e-3, 400};
   rig.calibration.imu = imu;
   return rig;

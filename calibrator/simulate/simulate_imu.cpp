@@ -65,8 +65,8 @@ TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const S
 /// Covers all exposures, first to last, by the margin on both sides.
 SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
   const double rate = imu.noise.rate_hz;
-  const double before = o.imu_margin_s + std::max(0.0, -imu.time_offset_s);
-  const double after = o.duration_s + o.imu_margin_s + std::max(0.0, imu.time_offset_s);
+  const double before = o.imu_margin_s + std::max(0.0, -imu.timeOffset());
+  const double after = o.duration_s + o.imu_margin_s + std::max(0.0, imu.timeOffset());
   SampleRange range;
   range.before = static_cast<std::int64_t>(std::ceil(before * rate));
   range.after = static_cast<std::int64_t>(std::ceil(after * rate));

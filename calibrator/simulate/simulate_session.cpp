@@ -55,7 +55,7 @@ Calibration trueCalibration(const SimulatedRig& rig, const SimulationOptions& o)
   }
   Calibration truth = rig.calibration;
   truth.imu->noise.rate_hz = o.imu_rate_hz.value_or(truth.imu->noise.rate_hz);
-  truth.imu->time_offset_s = o.time_offset_s.value_or(truth.imu->time_offset_s);
+  truth.imu->time_offsets = {{o.time_offset_s.value_or(truth.imu->timeOffset())}};
   return truth;
 }
 
@@ -98,7 +98,7 @@ MotionState SimulatedSession::motionAtImuTime(TimeNs t_imu) const {
 }
 
 MotionState SimulatedSession::motionAtCameraTime(TimeNs t_cam) const {
-  return trajectory.at(secondsBetween(start_ns, t_cam) + truth.imu->time_offset_s);
+  return trajectory.at(secondsBetween(start_ns, t_cam) + truth.imu->timeOffset());
 }
 
 Transform SimulatedSession::cameraPose(int camera, TimeNs t_cam) const {
@@ -109,7 +109,7 @@ Transform SimulatedSession::cameraPose(int camera, TimeNs t_cam) const {
 ImuState SimulatedSession::stateAt(TimeNs t_cam) const {
   const MotionState m = motionAtCameraTime(t_cam);
   const std::vector<ImuSample>& samples = session.imu->samples;
-  const TimeNs t = t_cam + toNanoseconds(truth.imu->time_offset_s);
+  const TimeNs t = t_cam + toNanoseconds(truth.imu->timeOffset());
   const auto later = std::upper_bound(samples.begin(), samples.end(), t,
                                       [](TimeNs a, const ImuSample& b) { return a < b.t; });
   const auto count = static_cast<std::ptrdiff_t>(samples.size());

@@ -79,7 +79,7 @@ Displacement displacementOf(const CameraImuEstimate& to, const CameraImuEstimate
   Displacement out{Eigen::VectorXd(kSize), Eigen::MatrixXd::Identity(kSize, kSize)};
   out.d << boxminus(to.states.front(), from.states.front()), boxminus(to.T_SC0, from.T_SC0),
       directionMinus(to.gravity_direction, from.gravity_direction),
-      to.time_offset_s - from.time_offset_s;
+      to.timeOffset() - from.timeOffset();
   out.J.block<3, 3>(3, 3) = inverseLeftJacobianSO3(out.d.segment<3>(3));
   out.J.block<3, 3>(T + 3, T + 3) = inverseLeftJacobianSO3(out.d.segment<3>(T + 3));
   out.J.block<2, 2>(g, g) =

@@ -126,7 +126,7 @@ void CameraImuWindow::append(const WindowFrame& frame, const ImuState& state) {
 /// Pose from the frame's corners, velocity from the IMU.
 ImuState CameraImuWindow::predicted(const WindowFrame& frame) const {
   ImuState state = estimate_.states.back();
-  const ImuWindow window{lastStamp(), frame.t, estimate_.time_offset_s};
+  const ImuWindow window{lastStamp(), frame.t, estimate_.timeOffset()};
   const auto motion = preintegrate(problem_.samples, window, {state.gyro_bias, state.accel_bias});
   if (motion) {
     state.v_F += problem_.gravity_m_s2 * window.duration_s() * estimate_.gravity_direction +
@@ -163,7 +163,7 @@ bool CameraImuWindow::marginaliseOldest() {
   dropFront(corners_, count);
   packCorners();
   const TimeNs first =
-      problem_.frames.front().t + toNanoseconds(estimate_.time_offset_s - kSampleMargin);
+      problem_.frames.front().t + toNanoseconds(estimate_.timeOffset() - kSampleMargin);
   std::erase_if(problem_.samples, [first](const ImuSample& s) { return s.t < first; });
   return true;
 }

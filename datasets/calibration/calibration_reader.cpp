@@ -49,8 +49,8 @@ class YamlReader {
     value = map_.text(name, text);
   }
   void read(const char* name, double& value, const char* text) { value = map_.number(name, text); }
-  void read(const char* name, std::vector<double>& value, const char* text) {
-    value = map_.numbers(name, text);
+  void read(const char* name, std::vector<std::optional<double>>& value, const char* text) {
+    value = map_.numbersOrNull(name, text);
   }
   void read(const char* name, Transform& value, const char* /*text*/) {
     value = transformField(map_, name);

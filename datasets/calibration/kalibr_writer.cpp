@@ -45,9 +45,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   text +=
       fmt::format("  rostopic: {}\n", yamlText(camera.rostopic.empty() ? topic : camera.rostopic));
   if (calibration.imu) {
-    const std::vector<double>& own = calibration.imu->camera_time_offsets_s;
-    const double offset = i < own.size() ? own[i] : calibration.imu->time_offset_s;
-    text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(offset));
+    text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(calibration.imu->timeOffset(i)));
   }
   return text;
 }

@@ -96,7 +96,7 @@ double firstOf(const YamlMap& map, const std::string& key) {
 ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
   ImuCalibration imu;
   imu.T_SC0 = T_SC0;
-  imu.time_offset_s = 1e-9 * value.number("cam_time_offset_ns", "nanoseconds");
+  imu.time_offsets = {{1e-9 * value.number("cam_time_offset_ns", "nanoseconds")}};
   imu.noise.rate_hz = value.number("imu_update_rate", "Hz");
   imu.noise.accel_density = firstOf(value, "accel_noise_std");
   imu.noise.gyro_density = firstOf(value, "gyro_noise_std");
@@ -120,7 +120,7 @@ ImuCalibration imuOf(const YamlMap& file) {
   const YamlMap section = file.map("imu0", "the IMU's noise");
   ImuCalibration imu;
   imu.T_SC0 = transformField(file, "T_imu0_cam0");
-  imu.time_offset_s = file.number("time_delay", "seconds: imu_timestamp - camera_timestamp");
+  imu.time_offsets = {{file.number("time_delay", "seconds: imu_timestamp - camera_timestamp")}};
   imu.gravity_m_s2 = section.number("g", "metres per second squared");
   imu.noise.gyro_density = section.number("sigma_g_c", "rad/s/sqrt(Hz)");
   imu.noise.gyro_random_walk = section.number("sigma_gw_c", "rad/s^2/sqrt(Hz)");

@@ -153,6 +153,18 @@ std::vector<double> YamlMap::numbers(const std::string& key, const std::string& 
   return numberList(path_, require(key, expected), key, expected);
 }
 
+std::vector<std::optional<double>> YamlMap::numbersOrNull(const std::string& key,
+                                                          const std::string& expected) const {
+  const YAML::Node found = require(key, expected);
+  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
+  std::vector<std::optional<double>> values;
+  for (const YAML::Node& item : found) {
+    auto& value = values.emplace_back();
+    if (!item.IsNull()) value = finiteNumber(path_, item, key, expected);
+  }
+  return values;
+}
+
 std::vector<std::vector<double>> YamlMap::rows(const std::string& key,
                                                const std::string& expected) const {
   const YAML::Node found = require(key, expected);

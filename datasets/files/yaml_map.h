@@ -31,6 +31,9 @@ class YamlMap {
   int integer(const std::string& key, const std::string& expected) const;
   std::string text(const std::string& key, const std::string& expected) const;
   std::vector<double> numbers(const std::string& key, const std::string& expected) const;
+  /// The same where null stands for no number.
+  std::vector<std::optional<double>> numbersOrNull(const std::string& key,
+                                                   const std::string& expected) const;
   /// A list of rows of numbers.
   std::vector<std::vector<double>> rows(const std::string& key, const std::string& expected) const;
   YamlMap map(const std::string& key, const std::string& expected) const;

@@ -56,7 +56,7 @@ void addImu(Text& text, const ImuCalibration& imu) {
     add(text, ", std [{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
         1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
   }
-  add(text, "\n  time offset {:+.4f} ms", 1e3 * imu.time_offset_s);
+  add(text, "\n  time offset {:+.4f} ms", 1e3 * imu.timeOffset());
   if (imu.time_offset_std_s) add(text, ", std {:.4f} ms", 1e3 * *imu.time_offset_std_s);
   add(text, " (t_imu = t_cam + offset)\n");
 }

@@ -130,13 +130,14 @@ void addNorms(const std::string& name, const TransformOf& transform_of,
 void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
   std::size_t cameras = 0;
   for (const Calibration& c : calibrations) {
-    if (c.imu) cameras = std::max(cameras, c.imu->camera_time_offsets_s.size());
+    if (!c.imu || !haveOwnOffsets(c.imu->time_offsets)) continue;
+    cameras = std::max(cameras, c.imu->time_offsets.size());
   }
   for (std::size_t i = 0; i < cameras; ++i) {
     std::vector<std::optional<double>> values;
     for (const Calibration& c : calibrations) {
       const bool has = c.imu && i < c.cameras.size();
-      values.push_back(has ? std::optional(cameraTimeOffset(*c.imu, i)) : std::nullopt);
+      values.push_back(has ? std::optional(c.imu->timeOffset(i)) : std::nullopt);
     }
     rows.push_back(numberRow(fmt::format("time_offset.cam{}", i), "s", values));
   }
@@ -221,7 +222,10 @@ OffsetSummary offsetSummary(const std::string& label, const Calibration& calibra
   if (!calibration.imu) return summary;
   summary.time_offset_s = meanTimeOffset(*calibration.imu);
   summary.std_s = calibration.imu->time_offset_std_s;
-  summary.per_camera_s = calibration.imu->camera_time_offsets_s;
+  const TimeOffsets& offsets = calibration.imu->time_offsets;
+  for (std::size_t c = 0; haveOwnOffsets(offsets) && c < offsets.size(); ++c) {
+    summary.per_camera_s.push_back(offsetOf(offsets, c));
+  }
   return summary;
 }
 

@@ -143,7 +143,7 @@ bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRule
   const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
   return difference.head<3>().norm() <= options.translation_m &&
          difference.tail<3>().norm() <= options.rotation_rad &&
-         std::abs(a.time_offset_s - b.time_offset_s) <= options.offset_s;
+         std::abs(a.timeOffset() - b.timeOffset()) <= options.offset_s;
 }
 
 }  // namespace
@@ -225,12 +225,12 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   }
   const Vector6d off = boxminus(batches.kept->imu.T_SC0, batches.full->imu.T_SC0);
   judge(run, options,
-        fmt::format(
-            "T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} "
-            "us from the whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
-            1e3 * off.head<3>().norm(), off.tail<3>().norm() * 180 / M_PI,
-            1e6 * std::abs(batches.kept->imu.time_offset_s - batches.full->imu.time_offset_s),
-            1e3 * options.translation_m, options.rotation_rad * 180 / M_PI, 1e6 * options.offset_s),
+        fmt::format("T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} "
+                    "us from the whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
+                    1e3 * off.head<3>().norm(), off.tail<3>().norm() * 180 / M_PI,
+                    1e6 * std::abs(batches.kept->imu.timeOffset() - batches.full->imu.timeOffset()),
+                    1e3 * options.translation_m, options.rotation_rad * 180 / M_PI,
+                    1e6 * options.offset_s),
         audit);
   return audit;
 }

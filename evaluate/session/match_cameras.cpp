@@ -66,19 +66,16 @@ Calibration matchCalibration(const Calibration& given, const std::string& path,
   Calibration matched{matchCameras(given, path, session), given.imu};
   if (!matched.imu || matched.cameras.empty()) return matched;
   ImuCalibration& imu = *matched.imu;
-  std::vector<double> offsets;
-  bool differ = false;
+  std::vector<std::size_t> cameras;
   for (const CameraStream& stream : session.cameras) {
     const auto index =
         static_cast<std::size_t>(&cameraOf(given, path, stream) - given.cameras.data());
-    offsets.push_back(cameraTimeOffset(*given.imu, index));
-    differ = differ || offsets.back() != offsets.front();
-    if (offsets.size() > 1 || index == 0) continue;
+    cameras.push_back(index);
+    if (cameras.size() > 1 || index == 0) continue;
     imu.T_SC0 = given.imu->T_SC0 * given.cameras[index].T_C0Ci;
     imu.T_SC0_std.reset();  // was of another camera
   }
-  imu.time_offset_s = offsets.front();
-  imu.camera_time_offsets_s = differ ? offsets : std::vector<double>();
+  imu.time_offsets = selected(given.imu->time_offsets, cameras);
   return matched;
 }
 

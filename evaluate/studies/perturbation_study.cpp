@@ -115,7 +115,7 @@ void fill(const Solution& solution, PerturbationCase& c) {
   c.frames = static_cast<int>(solution.frame_stamps.size());
   c.iterations = solution.summary.iterations;
   if (const auto& imu = solution.calibration.imu) {
-    c.time_offset_s = imu->time_offset_s;
+    c.time_offset_s = imu->timeOffset();
     c.time_offset_std_s = imu->time_offset_std_s;
   }
   for (const auto& p : calibrationParameters(solution.calibration)) c.values.push_back(p.value);
@@ -132,7 +132,7 @@ void compare(const Solution& solution, const Solution& base, const std::vector<d
   if (!solution.calibration.imu || !base.calibration.imu) return;
   const double injected = c.kind == toString(PerturbationKind::kImuShift) ? c.amount * 1e-3 : 0;
   c.offset_error_s =
-      solution.calibration.imu->time_offset_s - injected - base.calibration.imu->time_offset_s;
+      solution.calibration.imu->timeOffset() - injected - base.calibration.imu->timeOffset();
 }
 
 PerturbationRecord startRecord(const Solution& base) {

@@ -133,7 +133,7 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   addStageCards(cards, "camera-IMU", s->summary, s->cameras);
   addEntropyCard(cards, "camera-IMU", s->summary, noiseAssumed(record.assumptions, true));
   const double offset_std = 1e3 * s->imu.time_offset_std_s.value_or(0);
-  cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.time_offset_s, offset_std), "ms",
+  cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.timeOffset(), offset_std), "ms",
                    offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});
   const Eigen::Vector3d t = 1e3 * s->imu.T_SC0.t;
   cards.push_back({"Camera 0 from the IMU", fmt::format("{:.2f}", t.norm()), "mm",

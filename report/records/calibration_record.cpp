@@ -42,9 +42,9 @@ std::optional<double> cameraValue(const std::vector<CameraCalibration>& cameras,
 
 // Of camera 0, or of the camera that the suffix names ("cam1").
 std::optional<double> offsetValue(const ImuCalibration& imu, const std::string& suffix) {
-  if (suffix.empty()) return imu.time_offset_s;
-  for (std::size_t i = 0; i < imu.camera_time_offsets_s.size(); ++i) {
-    if (suffix == "cam" + std::to_string(i)) return imu.camera_time_offsets_s[i];
+  if (suffix.empty()) return imu.timeOffset();
+  for (std::size_t i = 1; i < imu.time_offsets.size(); ++i) {
+    if (suffix == "cam" + std::to_string(i)) return imu.timeOffset(i);
   }
   return std::nullopt;
 }

@@ -182,7 +182,7 @@ TEST(ParameterEstimates, FindTheValueBehindAName) {
   EXPECT_EQ(camera[16].value, 0.11);
   const auto imu = parameterEstimates(record, Stage::kCameraImu);
   ASSERT_EQ(imu.size(), 7U);
-  EXPECT_EQ(imu[6].value, record.camera_imu->imu.time_offset_s);
+  EXPECT_EQ(imu[6].value, record.camera_imu->imu.timeOffset());
   EXPECT_FALSE(imu[0].resample_std.has_value());
 }
 

@@ -176,7 +176,7 @@ CameraImuStageResult cameraImuStage(const CameraStageResult& first, std::mt19937
   stage.gravity_F = {0.05, -9.80, 0.35};
   stage.imu.T_SC0 = Transform(expSO3({0.01, -0.02, 1.55}), {-0.0216, -0.0647, 0.0098});
   stage.imu.T_SC0_std = (Vector6d() << 4e-5, 5e-5, 8e-5, 2e-5, 2e-5, 2e-5).finished();
-  stage.imu.time_offset_s = 3.2e-6;
+  stage.imu.time_offsets = {{3.2e-6}};
   stage.imu.time_offset_std_s = 4.1e-6;
   for (std::size_t i = 0; i < stage.frames.size(); ++i) {
     const double s = 0.05 * static_cast<double>(i);

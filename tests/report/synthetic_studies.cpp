@@ -259,7 +259,7 @@ ComparisonRecord syntheticComparison() {
   }
   r.calibrations[1].lint = {
       {"T_cam_imu", VerdictLevel::kBad, "It looks <inverted>.", "Invert it.", 1, 0.5, "m"}};
-  r.calibrations[0].calibration.imu->camera_time_offsets_s = {3.2e-6, 5.5e-6};
+  r.calibrations[0].calibration.imu->time_offsets = {{3.2e-6}, {5.5e-6, true}};
   r.calibrations[2].calibration.imu.reset();
   for (CameraCalibration& c : r.calibrations[2].calibration.cameras) c.intrinsics_std.reset();
   r.parameters = {parameter("cam0.fu", "px", 458.654, 0.08, 10),

@@ -72,19 +72,20 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
                                         const CameraImuOptions& options) {
   const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
   const auto stamps = posed.stamps();
-  FrameSelectionOptions choice = selectionOptions(options, start.time_offset_s);
+  const double offset_s = start.time_offsets.front().s;
+  FrameSelectionOptions choice = selectionOptions(options, offset_s);
   SelectedSolution out;
   for (int attempt = 0; attempt < kMostSelections; ++attempt, choice.margin_s *= 4) {
     const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
     if (selection.chosen.size() < kFewestFrames) {
-      return uncovered(stamps.size(), selection.chosen.size(), start.time_offset_s);
+      return uncovered(stamps.size(), selection.chosen.size(), offset_s);
     }
     const auto poses = take(selection, posed, problem);
     out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());
     out.gaps = selection.gaps_used;
     out.solution = solveFrom(problem,
                              {startStates(poses, start), start.T_SC0, start.gravity_direction,
-                              start.time_offset_s, cameras, posed.own_offsets},
+                              start.time_offsets, cameras},
                              options);
     if (out.solution.end != MinimiserEnd::kLeftDomain) break;
   }
@@ -151,16 +152,6 @@ void addInformation(CameraImuProblem problem, const CameraImuSolution& solution,
   summary.covariance = std::move(*covariance);
 }
 
-/// Per camera, by how much its given offset differs from camera 0's; empty where it does not.
-std::vector<std::optional<double>> givenDifferences(const ImuCalibration& imu, std::size_t count) {
-  std::vector<std::optional<double>> differences(count);
-  for (std::size_t c = 0; c < count; ++c) {
-    const double difference = cameraTimeOffset(imu, c) - imu.time_offset_s;
-    if (difference != 0) differences[c] = difference;
-  }
-  return differences;
-}
-
 }  // namespace
 
 Result<CameraImuStageResult> scoreCameraImu(const Session& session,
@@ -173,9 +164,8 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   CameraImuProblem problem = makeProblem(session, options);
   problem.free_cameras = false;
   problem.fixed_calibration = true;
-  PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
+  const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
-  posed.own_offsets = givenDifferences(imu, cameras.size());
   const CameraImuStart start = startFromCalibration(posed.poses, problem.samples, imu);
   if (options.filter == CornerFilter::kKalibr) {
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
@@ -212,8 +202,9 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   CameraImuProblem problem = makeProblem(session, options);
   const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
-  const auto start = startCameraImu(posed.poses, problem.samples, session.target, options);
+  auto start = startCameraImu(posed.poses, problem.samples, session.target, options);
   if (!start) return start.failure();
+  freeOwnOffsets(session, posed.frames, start.value().time_offsets);
   if (options.filter == CornerFilter::kKalibr) {
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
   }

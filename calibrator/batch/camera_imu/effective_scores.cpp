@@ -152,7 +152,7 @@ class Terms {
   bool addMotion(std::size_t k, LinkTerms& out) const {
     const CameraImuEstimate& e = solution_.estimate;
     const ImuState& i = e.states[k];
-    const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.time_offset_s};
+    const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.timeOffset()};
     const ImuBias bias{i.gyro_bias, i.accel_bias};
     auto motion = preintegrate(problem_.samples, window, bias);
     const auto faults = sampleFaultDerivatives(problem_.samples, window, bias);

@@ -45,8 +45,9 @@ BorderLayout::BorderLayout(const CameraImuEstimate& estimate, bool free_cameras)
     if (c > 0) size += 6;
   }
   for (std::size_t c = 0; c < count; ++c) {
-    own_offset.push_back(estimate.hasOwnOffset(c) ? size : -1);
-    if (estimate.hasOwnOffset(c)) ++size;
+    const bool own = hasOwnOffset(estimate.time_offsets, c);
+    own_offset.push_back(own ? size : -1);
+    if (own) ++size;
   }
 }
 
@@ -60,10 +61,11 @@ CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& 
   out.T_SC0 = boxplus(estimate.T_SC0, Vector6d(border.segment<6>(BorderLayout::kExtrinsics)));
   out.gravity_direction = boxplusDirection(
       estimate.gravity_direction, Eigen::Vector2d(border.segment<2>(BorderLayout::kGravity)));
-  out.time_offset_s += border(BorderLayout::kOffset);
   const BorderLayout layout(estimate, free_cameras);
-  for (std::size_t c = 0; c < out.offset_differences_s.size(); ++c) {
-    if (estimate.hasOwnOffset(c)) *out.offset_differences_s[c] += border(layout.own_offset[c]);
+  for (std::size_t c = 0; c < out.time_offsets.size(); ++c) {  // own ones: less camera 0's
+    double& offset = out.time_offsets[c].s;
+    offset += border(BorderLayout::kOffset);
+    if (hasOwnOffset(estimate.time_offsets, c)) offset += border(layout.own_offset[c]);
   }
   if (!free_cameras) return out;
   for (std::size_t c = 0; c < out.cameras.size(); ++c) {
@@ -85,8 +87,7 @@ double exposureDelay(const CameraImuProblem& problem, const CameraImuEstimate& e
     const auto view = static_cast<std::size_t>(frame.view[c]);
     delay = secondsBetween(frame.t, problem.view_stamps[c][view]);
   }
-  if (estimate.hasOwnOffset(c)) delay += *estimate.offset_differences_s[c];
-  return delay;
+  return delay + (estimate.timeOffset(c) - estimate.timeOffset());
 }
 
 ExposurePose exposurePose(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
@@ -94,7 +95,7 @@ ExposurePose exposurePose(const CameraImuProblem& problem, const CameraImuEstima
   const ImuState& state = estimate.states[i];
   const double d = delay_s;
   const Reading m =
-      readingAt(problem.samples, problem.frames[i].t, estimate.time_offset_s + 0.5 * d);
+      readingAt(problem.samples, problem.frames[i].t, estimate.timeOffset() + 0.5 * d);
   const Eigen::Matrix3d& R = state.T_FS.R;
   const Eigen::Vector3d w = m.gyro - state.gyro_bias;
   const Eigen::Vector3d force_F = R * (m.accel - state.accel_bias);

@@ -50,7 +50,7 @@ std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
         Eigen::Vector3d::Constant(weights[k].accel_walk);
     link.walk = biasWalkResidual(i, j).cwiseProduct(link.walk_weight);
     if (problem.links[k] != FrameLink::kInertial) continue;
-    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.time_offset_s};
+    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
     const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
     if (!motion) return std::nullopt;
     const ImuResidual r = imuResidual(*motion, i, j, gravity);

@@ -263,7 +263,7 @@ class Linearisation {
     const ImuState& i = estimate_.states[at];
     const ImuState& j = estimate_.states[at + 1];
     const ImuWindow window{problem_.frames[at].t, problem_.frames[at + 1].t,
-                           estimate_.time_offset_s};
+                           estimate_.timeOffset()};
     const ImuBias bias{i.gyro_bias, i.accel_bias};
     const auto motion = preintegrate(problem_.samples, window, bias);
     if (!motion) return false;
@@ -312,7 +312,7 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
     for (int k = chunk.begin; k < chunk.end; ++k) {
       const auto i = static_cast<std::size_t>(k);
       if (problem.links[i] == FrameLink::kBroken) continue;
-      const ImuWindow window{problem.frames[i].t, problem.frames[i + 1].t, estimate.time_offset_s};
+      const ImuWindow window{problem.frames[i].t, problem.frames[i + 1].t, estimate.timeOffset()};
       weights[i] = biasWalkWeight(problem.noise, window.duration_s());
       if (problem.links[i] == FrameLink::kBiasWalk) continue;
       const ImuBias bias{estimate.states[i].gyro_bias, estimate.states[i].accel_bias};

@@ -53,14 +53,11 @@ struct CameraImuEstimate {
   std::vector<ImuState> states;  ///< n
   Transform T_SC0;
   Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();  ///< in F, pointing down
-  double time_offset_s = 0;                                       ///< of camera 0
+  TimeOffsets time_offsets{TimeOffset()};
   std::vector<CameraCalibration> cameras;
-  /// Per camera, its time offset less camera 0's [s], where that is estimated; may be shorter.
-  std::vector<std::optional<double>> offset_differences_s;
 
-  bool hasOwnOffset(std::size_t camera) const {
-    return camera < offset_differences_s.size() && offset_differences_s[camera];
-  }
+  /// t_d of a camera [s].
+  double timeOffset(std::size_t camera = 0) const { return offsetOf(time_offsets, camera); }
 };
 
 /// Where each parameter stands in the border.

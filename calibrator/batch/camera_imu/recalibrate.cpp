@@ -45,12 +45,12 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
                            bool free_cameras) {
   std::vector<double> d;
   append(d, boxminus(to.imu.T_SC0, from.imu.T_SC0));
-  d.push_back(to.imu.time_offset_s - from.imu.time_offset_s);
+  d.push_back(to.imu.timeOffset() - from.imu.timeOffset());
   if (free_cameras) append(d, cameraDifference(to.cameras, from.cameras));
   for (const std::string& name : from.summary.covariance.names) {
     if (name.rfind(kOwnOffset, 0) != 0) continue;
     const auto c = static_cast<std::size_t>(std::stoi(name.substr(kOwnOffset.size())));
-    d.push_back(cameraTimeOffset(to.imu, c) - cameraTimeOffset(from.imu, c));
+    d.push_back(to.imu.timeOffset(c) - from.imu.timeOffset(c));
   }
   return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
 }
@@ -64,18 +64,9 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
   assert(session.imu);
   CameraImuProblem problem = makeProblem(session, options);
   problem.corners = usedCorners(session, earlier.frames, earlier.residuals);
-  CameraImuEstimate estimate;
-  estimate.T_SC0 = earlier.imu.T_SC0;
-  estimate.gravity_direction = earlier.gravity_F.normalized();
-  estimate.time_offset_s = earlier.imu.time_offset_s;
-  estimate.cameras = earlier.cameras;
-  for (const double offset : earlier.imu.camera_time_offsets_s) {
-    const double difference = offset - earlier.imu.time_offset_s;
-    auto& own = estimate.offset_differences_s.emplace_back();
-    if (difference != 0) own = difference;
-  }
+  CameraImuEstimate estimate = calibrationEstimate(earlier);
   const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
-  const FrameSelectionOptions choice = selectionOptions(options, estimate.time_offset_s);
+  const FrameSelectionOptions choice = selectionOptions(options, estimate.timeOffset());
   for (const FrameSegment& segment : segments) {
     assert(segment.first >= 0 && segment.weight > 0);
     assert(segment.first + segment.count <= static_cast<int>(earlier.frames.size()));

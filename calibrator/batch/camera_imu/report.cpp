@@ -164,7 +164,7 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
     if (problem.links[k] != FrameLink::kInertial) continue;
     const ImuState& i = estimate.states[k];
     const ImuState& j = estimate.states[k + 1];
-    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.time_offset_s};
+    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
     const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
     if (!motion) continue;
     const Vector9d r = imuResidual(*motion, i, j, gravity).r;

@@ -28,7 +28,7 @@ class Steps {
 
   Steps(const CameraImuProblem& problem, const CameraImuEstimate& start, ImuWeights weights,
         Weights renewal)
-      : problem_(problem), renewal_(renewal), weights_offset_s_(start.time_offset_s) {
+      : problem_(problem), renewal_(renewal), weights_offset_s_(start.timeOffset()) {
     s_.estimate = start;
     s_.weights = std::move(weights);
   }
@@ -53,7 +53,7 @@ class Steps {
   Trial attempt() {
     next_ = moved(s_.estimate, *step_, problem_.free_cameras);
     fresh_.reset();
-    const bool stale = isStale(next_.time_offset_s);
+    const bool stale = isStale(next_.timeOffset());
     if (stale && !(fresh_ = imuWeights(problem_, next_))) return {.left_domain = true};
     auto normals = normalsAt(problem_, next_, fresh_ ? *fresh_ : s_.weights);
     if (!normals) return {.left_domain = true};
@@ -70,7 +70,7 @@ class Steps {
     s_.normals = std::move(next_normals_);
     if (fresh_) {
       s_.weights = std::move(*fresh_);
-      weights_offset_s_ = s_.estimate.time_offset_s;
+      weights_offset_s_ = s_.estimate.timeOffset();
     }
     ++accepted_;
   }

@@ -45,24 +45,11 @@ void fillReprojection(const Session& session, CameraImuStageResult& result) {
   }
 }
 
-/// Of every camera; empty where all have camera 0's.
-std::vector<double> cameraTimeOffsets(const CameraImuEstimate& estimate) {
-  std::vector<double> offsets(estimate.cameras.size(), estimate.time_offset_s);
-  bool differ = false;
-  for (std::size_t c = 0; c < offsets.size(); ++c) {
-    if (!estimate.hasOwnOffset(c)) continue;
-    offsets[c] += *estimate.offset_differences_s[c];
-    differ = true;
-  }
-  return differ ? offsets : std::vector<double>();
-}
-
 CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuSolution& solution) {
   const CameraImuEstimate& e = solution.estimate;
   CameraImuStageResult result;
   result.imu.T_SC0 = e.T_SC0;
-  result.imu.time_offset_s = e.time_offset_s;
-  result.imu.camera_time_offsets_s = cameraTimeOffsets(e);
+  result.imu.time_offsets = e.time_offsets;
   result.imu.gravity_m_s2 = problem.gravity_m_s2;
   result.imu.noise = problem.noise;
   result.gravity_F = problem.gravity_m_s2 * e.gravity_direction;
@@ -137,6 +124,15 @@ CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& opt
   problem.free_cameras = options.free_cameras;
   problem.threads = options.threads;
   return problem;
+}
+
+CameraImuEstimate calibrationEstimate(const CameraImuStageResult& result) {
+  CameraImuEstimate estimate;
+  estimate.T_SC0 = result.imu.T_SC0;
+  estimate.gravity_direction = result.gravity_F.normalized();
+  estimate.time_offsets = result.imu.time_offsets;
+  estimate.cameras = result.cameras;
+  return estimate;
 }
 
 FrameSelectionOptions selectionOptions(const CameraImuOptions& options, double time_offset_s) {

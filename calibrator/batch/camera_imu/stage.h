@@ -17,6 +17,9 @@ namespace plumbline {
 /// the options (InputError).
 CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& options);
 
+/// The result's values as an estimate to start from, without states.
+CameraImuEstimate calibrationEstimate(const CameraImuStageResult& result);
+
 /// How frames are selected under a time offset, from the stage's options.
 FrameSelectionOptions selectionOptions(const CameraImuOptions& options, double time_offset_s);
 

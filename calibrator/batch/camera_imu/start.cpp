@@ -47,7 +47,7 @@ Eigen::Vector3d downFromMeanForce(std::span<const CameraPose> poses,
                                   std::span<const ImuSample> samples, const CameraImuStart& start) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const CameraPose& pose : poses) {
-    const TimeNs t = pose.t + toNanoseconds(start.time_offset_s);
+    const TimeNs t = pose.t + toNanoseconds(start.time_offsets.front().s);
     const auto next = std::lower_bound(samples.begin(), samples.end(), t,
                                        [](const ImuSample& s, TimeNs at) { return s.t < at; });
     if (next == samples.end()) continue;
@@ -77,17 +77,6 @@ std::optional<Transform> framePose(const std::vector<CameraCalibration>& cameras
   const auto refined = refinePose(views, fullest->T_CiC0.inverse() * *start, options);
   if (!(std::sqrt(refined.cost / refined.corners) < max_rms_px)) return std::nullopt;
   return refined.T_C0F.inverse();
-}
-
-/// A start for the own offset of every camera whose stamps are off camera 0's.
-std::vector<std::optional<double>> ownOffsets(const Session& session,
-                                              const std::vector<Frame>& frames) {
-  std::vector<std::optional<double>> differences(session.cameras.size());
-  const std::vector<TimeNs> shifts = stampShifts(session.cameras, frames);
-  for (std::size_t c = 1; c < shifts.size(); ++c) {
-    if (std::llabs(shifts[c]) > kSynchronised) differences[c] = 0;
-  }
-  return differences;
 }
 
 }  // namespace
@@ -173,7 +162,6 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
     out.poses.push_back({all[i].t, *poses[i]});
     out.frames.push_back(std::move(all[i]));
   }
-  out.own_offsets = ownOffsets(session, out.frames);
   return out;
 }
 
@@ -192,7 +180,7 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   if (const auto failure = checkRates(alignment, sanity)) return *failure;
 
   CameraImuStart start;
-  start.time_offset_s = offset->offset_s;
+  start.time_offsets = {{offset->offset_s}};
   start.T_SC0.R = alignment.R_SC0;
   start.bias.gyro = alignment.gyro_bias;
   start.excitation = alignment.excitation;
@@ -208,11 +196,20 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   return start;
 }
 
+void freeOwnOffsets(const Session& session, const std::vector<Frame>& frames,
+                    TimeOffsets& offsets) {
+  const std::vector<TimeNs> shifts = stampShifts(session.cameras, frames);
+  offsets.resize(session.cameras.size(), {offsets.front().s});
+  for (std::size_t c = 1; c < shifts.size(); ++c) {
+    offsets[c].estimated = std::llabs(shifts[c]) > kSynchronised;
+  }
+}
+
 CameraImuStart startFromCalibration(std::span<const CameraPose> poses,
                                     std::span<const ImuSample> samples, const ImuCalibration& imu) {
   CameraImuStart start;
   start.T_SC0 = imu.T_SC0;
-  start.time_offset_s = imu.time_offset_s;
+  start.time_offsets = imu.time_offsets;
   start.gravity_direction = downFromMeanForce(poses, samples, start);
   return start;
 }

@@ -50,8 +50,6 @@ struct PosedFrames {
   std::vector<Frame> frames;
   std::vector<CameraPose> poses;
   int without_pose = 0;  ///< frames left out
-  /// Where a camera's stamps are off camera 0's: the start of its offset_differences_s.
-  std::vector<std::optional<double>> own_offsets;
 
   std::vector<TimeNs> stamps() const;
 };
@@ -63,7 +61,7 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
 /// First guess of everything that is not a frame's own.
 struct CameraImuStart {
   Transform T_SC0;
-  double time_offset_s = 0;
+  TimeOffsets time_offsets{TimeOffset()};
   Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();
   ImuBias bias;
   Eigen::Vector3d excitation = Eigen::Vector3d::Zero();  ///< see RateAlignment
@@ -75,6 +73,10 @@ struct CameraImuStart {
 Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options);
+
+/// Gives every camera whose stamps are off camera 0's an offset of its own to be estimated,
+/// starting at camera 0's.
+void freeOwnOffsets(const Session& session, const std::vector<Frame>& frames, TimeOffsets& offsets);
 
 /// The start under a given calibration, which is taken as it is: gravity from the mean specific
 /// force, biases zero. Nothing of it can fail, whatever the calibration.

@@ -67,7 +67,7 @@ std::vector<FaultyFrame> faultyFrames(const SimulatedSession& s, int index,
   const double shift_s = sumOfValues(faultsOfCamera(o.faults, {kExposureShift}, index, 1));
   std::vector<FaultyFrame> frames;
   for (const FrameStamp& frame : simulateStamps(s.frame_stamps, index, o)) {
-    const double t_s = secondsBetween(s.start_ns, frame.t) + s.truth.imu->time_offset_s;
+    const double t_s = secondsBetween(s.start_ns, frame.t) + s.truth.imu->timeOffset();
     frames.push_back({frame.frame, t_s + shift_s, frame.t});
   }
   for (const NumberedFault& f : faultsOfCamera(o.faults, {kJitter}, index)) {

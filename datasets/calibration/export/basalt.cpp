@@ -111,7 +111,7 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
   json["gyro_noise_std"] = thrice(imu.noise.gyro_density);
   json["accel_bias_std"] = thrice(imu.noise.accel_random_walk);
   json["gyro_bias_std"] = thrice(imu.noise.gyro_random_walk);
-  json["cam_time_offset_ns"] = nanosecondsOf(imu.time_offset_s);
+  json["cam_time_offset_ns"] = nanosecondsOf(imu.timeOffset());
   json["vignette"] = Json::array();
   return {{"value0", json}};
 }
@@ -121,7 +121,7 @@ std::vector<std::string> warningsOf(const Calibration& calibration) {
   warnings.push_back(
       "Basalt's estimators carry the line that would add cam_time_offset_ns as a comment in the "
       "sources looked at: check yours, and otherwise add " +
-      secondsText(calibration.imu->time_offset_s) +
+      secondsText(calibration.imu->timeOffset()) +
       " to every image stamp and set cam_time_offset_ns to 0.");
   for (const CameraCalibration& camera : calibration.cameras) {
     if (!isPinhole(camera.intrinsics, DistortionModel::kRadtan)) continue;

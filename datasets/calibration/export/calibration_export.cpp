@@ -54,21 +54,6 @@ const CameraCalibration& named(const Calibration& calibration, const std::string
       fmt::format("has no camera '{}'; expected some of {}", name, namesOf(calibration)));
 }
 
-// Of the cameras chosen, where the cameras have offsets of their own; the first one's is that of
-// all else.
-void selectOffsets(const Calibration& from, ImuCalibration& imu,
-                   const std::vector<CameraCalibration>& chosen) {
-  const std::vector<double>& own = from.imu->camera_time_offsets_s;
-  if (own.size() != from.cameras.size()) return;
-  imu.camera_time_offsets_s.clear();
-  for (const CameraCalibration& camera : chosen) {
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      if (from.cameras[i].name == camera.name) imu.camera_time_offsets_s.push_back(own[i]);
-    }
-  }
-  imu.time_offset_s = imu.camera_time_offsets_s.front();
-}
-
 }  // namespace
 
 std::string toString(ExportTool tool) { return entryOf(tool).word; }
@@ -123,14 +108,17 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
                           const std::string& path) {
   if (names.empty()) return calibration;
   Calibration chosen{{}, calibration.imu};
+  std::vector<std::size_t> indices;
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1) {
       throw BadInput(InputFault::kUnknownCamera, path, 0,
                      fmt::format("camera '{}' is asked for twice", name));
     }
-    chosen.cameras.push_back(named(calibration, name, path));
+    const CameraCalibration& camera = named(calibration, name, path);
+    indices.push_back(static_cast<std::size_t>(&camera - calibration.cameras.data()));
+    chosen.cameras.push_back(camera);
   }
-  if (chosen.imu) selectOffsets(calibration, *chosen.imu, chosen.cameras);
+  if (chosen.imu) chosen.imu->time_offsets = selected(chosen.imu->time_offsets, indices);
   if (names.front() == calibration.cameras.front().name) return chosen;
   const Transform T_C0Cn = chosen.cameras.front().T_C0Ci;
   for (CameraCalibration& camera : chosen.cameras) {

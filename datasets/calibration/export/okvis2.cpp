@@ -82,7 +82,7 @@ std::string cameraParameters(const Calibration& calibration) {
              "\ncamera_parameters:\n    timestamp_tolerance: 0.005\n    sync_cameras: [{}]\n",
              fmt::join(all, ", ")) +
          "    # Minus our time offset: t_imu = t_cam - image_delay.\n" +
-         numberLine("    image_delay", 0.0 - calibration.imu->time_offset_s) +
+         numberLine("    image_delay", 0.0 - calibration.imu->timeOffset()) +
          "    online_calibration:\n        do_extrinsics: false\n"
          "        do_extrinsics_final_ba: false\n        sigma_r: 0.01\n"
          "        sigma_alpha: 0.05\n";

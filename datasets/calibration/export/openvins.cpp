@@ -53,7 +53,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
   text +=
       fmt::format("  intrinsics: {}\n  resolution: [{}, {}]\n  rostopic: {}\n",
                   yamlList(k.projection), k.resolution.width, k.resolution.height, topicOf(camera));
-  return text + numberLine("  timeshift_cam_imu", calibration.imu->time_offset_s);
+  return text + numberLine("  timeshift_cam_imu", calibration.imu->timeOffset());
 }
 
 // Kalibr's model with nothing to correct: accelerometer and gyroscope as calibrated here.

@@ -52,7 +52,7 @@ void check(const Calibration& calibration, const ExportChecks& checks) {
 std::vector<std::string> warningsOf(const Calibration& calibration, const ExportOptions& options) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   if (calibration.imu) {
-    const double td = calibration.imu->time_offset_s;
+    const double td = calibration.imu->timeOffset();
     warnings.push_back(fmt::format(
         "ORB-SLAM3 has no time offset between camera and IMU: add {} to every image stamp before "
         "you run it (t_imu = t_cam + t_d).",

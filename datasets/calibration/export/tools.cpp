@@ -182,10 +182,9 @@ std::string secondsText(double seconds) {
 std::vector<std::string> unlikeOffsets(const Calibration& calibration) {
   std::vector<std::string> warnings;
   if (!calibration.imu) return warnings;
-  const std::vector<double>& own = calibration.imu->camera_time_offsets_s;
-  for (std::size_t i = 1; i < std::min(own.size(), calibration.cameras.size()); ++i) {
-    const double shift = own[i] - calibration.imu->time_offset_s;
-    if (shift == 0) continue;
+  for (std::size_t i = 1; i < calibration.cameras.size(); ++i) {
+    if (!hasOwnOffset(calibration.imu->time_offsets, i)) continue;
+    const double shift = calibration.imu->timeOffset(i) - calibration.imu->timeOffset();
     warnings.push_back(fmt::format(
         "The cameras are not synchronised, and this tool takes one time offset, that of {}: add {} "
         "to the image stamps of {} first.",

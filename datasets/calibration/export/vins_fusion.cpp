@@ -143,7 +143,7 @@ std::string imuText(const ImuCalibration& imu) {
          numberLine("acc_n", n.accel_density * root) + numberLine("gyr_n", n.gyro_density * root) +
          numberLine("acc_w", n.accel_random_walk * root) +
          numberLine("gyr_w", n.gyro_random_walk * root) + numberLine("g_norm", imu.gravity_m_s2) +
-         "\n# t_imu = t_cam + td.\nestimate_td: 0\n" + numberLine("td", imu.time_offset_s);
+         "\n# t_imu = t_cam + td.\nestimate_td: 0\n" + numberLine("td", imu.timeOffset());
 }
 
 }  // namespace

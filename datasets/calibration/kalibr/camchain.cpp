@@ -110,27 +110,25 @@ Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibrati
                   "without one of them this camera's place is unknown"});
 }
 
-// A camera without a shift of its own takes that of the first camera that has one.
-std::vector<double> shiftsOf(const KalibrCamchain& chain) {
+// A camera without a shift of its own takes that of the first camera that has one. The file does
+// not say which shifts were estimated: those that differ were.
+TimeOffsets offsetsOf(const KalibrCamchain& chain) {
   const auto first =
       std::find_if(chain.cameras.begin(), chain.cameras.end(),
                    [](const KalibrCamera& c) { return c.timeshift_cam_imu.has_value(); });
   const double otherwise = first == chain.cameras.end() ? 0 : *first->timeshift_cam_imu;
-  std::vector<double> shifts;
+  TimeOffsets offsets;
   for (const KalibrCamera& c : chain.cameras) {
-    shifts.push_back(c.timeshift_cam_imu.value_or(otherwise));
+    const double shift = c.timeshift_cam_imu.value_or(otherwise);
+    offsets.push_back({shift, !offsets.empty() && shift != offsets.front().s});
   }
-  return shifts;
+  return offsets;
 }
 
 ImuCalibration imuOf(const KalibrCamchain& chain) {
   ImuCalibration imu;
   imu.T_SC0 = chain.cameras.front().T_cam_imu->inverse();
-  const std::vector<double> shifts = shiftsOf(chain);
-  imu.time_offset_s = shifts.front();
-  const bool same = std::all_of(shifts.begin(), shifts.end(),
-                                [&](double shift) { return shift == shifts.front(); });
-  if (!same) imu.camera_time_offsets_s = shifts;
+  imu.time_offsets = offsetsOf(chain);
   return imu;
 }
 

@@ -41,7 +41,7 @@ struct KalibrCamchain {
 KalibrCamchain readKalibrCamchain(const std::string& path);
 
 /// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or T_cam_imu where that is missing;
-/// time_offset_s is camera 0's shift, and camera_time_offsets_s has each one where they differ
+/// time_offsets has each camera's shift, an own one where it differs from camera 0's
 /// (meanTimeOffset() for their mean). The IMU's noise is not in this file.
 /// Throws InputError for a rolling shutter, a camera without a place, and transforms that
 /// contradict each other by more than 1 mm or 0.1 degrees; the message says which one, read in the

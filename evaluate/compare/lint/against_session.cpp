@@ -168,7 +168,7 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
 
 std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
                                  const LintOptions& options) {
-  const double given = cameraTimeOffset(*linted.calibration.imu, 0);
+  const double given = linted.calibration.imu->timeOffset();
   const double off = std::abs(given - seen);
   if (off <= options.offset_tolerance_s || std::abs(given) > options.max_offset_s) return {};
   const bool flipped = std::abs(given + seen) <= options.offset_tolerance_s;

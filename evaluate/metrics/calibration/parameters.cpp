@@ -65,7 +65,7 @@ std::vector<CalibrationParameter> calibrationParameters(const Calibration& calib
   }
   if (const auto& imu = calibration.imu) {
     addTransform("T_SC0", imu->T_SC0, imu->T_SC0_std, list);
-    list.push_back({"time_offset", "s", imu->time_offset_s, imu->time_offset_std_s});
+    list.push_back({"time_offset", "s", imu->timeOffset(), imu->time_offset_std_s});
   }
   return list;
 }
@@ -85,7 +85,7 @@ Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from
   }
   if (to.imu && from.imu) {
     change.segment<6>(at) = boxminus(to.imu->T_SC0, from.imu->T_SC0);
-    change[at + 6] = to.imu->time_offset_s - from.imu->time_offset_s;
+    change[at + 6] = to.imu->timeOffset() - from.imu->timeOffset();
   }
   return change;
 }

@@ -218,7 +218,7 @@ void addFolds(const ScoredCalibration& scored, const Session& session, const Sco
   sum.in_sample.score = sum.held_out.score = emptyScore(scored.label, session);
   for (int k = 0; k < options.folds; ++k) {
     progress("validating", static_cast<double>(k) / options.folds);
-    const double offset_s = calibration.imu ? calibration.imu->time_offset_s : 0;
+    const double offset_s = calibration.imu ? calibration.imu->timeOffset() : 0;
     const Fold fold = foldOf(session, options.camera.frames, {k, options.folds, offset_s});
     FoldScores one = scoreFold(scored, fold, options);
     one.in_sample.score.part = one.held_out.score.part =

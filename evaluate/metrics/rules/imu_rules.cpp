@@ -45,15 +45,15 @@ namespace {
 // The cameras' own time offsets, where they were found not to be synchronised.
 std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
                                       const VerdictThresholds& t) {
-  const std::vector<double>& offsets = stage.imu.camera_time_offsets_s;
+  const ImuCalibration& imu = stage.imu;
+  if (!haveOwnOffsets(imu.time_offsets)) return std::nullopt;
   double largest_ms = 0;
   std::string list;
-  for (std::size_t i = 0; i < offsets.size(); ++i) {
-    largest_ms = std::max(largest_ms, 1e3 * std::abs(offsets[i] - offsets.front()));
-    list +=
-        fmt::format("{}{} {:+.4f}", i == 0 ? "" : ", ", stage.cameras[i].name, 1e3 * offsets[i]);
+  for (std::size_t i = 0; i < imu.time_offsets.size(); ++i) {
+    const double offset_ms = 1e3 * imu.timeOffset(i);
+    largest_ms = std::max(largest_ms, std::abs(offset_ms - 1e3 * imu.timeOffset()));
+    list += fmt::format("{}{} {:+.4f}", i == 0 ? "" : ", ", stage.cameras[i].name, offset_ms);
   }
-  if (offsets.empty()) return std::nullopt;
   return above(
       {"Cameras exposed together", "ms", t.camera_shift_ms,
        "Trigger the cameras together: the camera stage takes paired views as simultaneous, "
@@ -70,12 +70,12 @@ Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThres
                             "Measure the distance between camera and IMU with a ruler: an "
                             "impossible lever arm means weak excitation or wrong axes."},
                            arm, fmt::format("camera 0 is {:.1f} mm from the IMU", 1e3 * arm)));
-  const double offset = 1e3 * std::abs(stage.imu.time_offset_s);
+  const double offset = 1e3 * std::abs(stage.imu.timeOffset());
   findings.push_back(above({"Size of the time offset", "ms", t.offset_ms,
                             "Check how both sensors are stamped: offsets of this size come from "
                             "buffering or from stamps taken at arrival."},
                            offset,
-                           fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.time_offset_s)));
+                           fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.timeOffset())));
   if (auto finding = judgeSynchrony(stage, t)) findings.push_back(std::move(*finding));
   return findings;
 }

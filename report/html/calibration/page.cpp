@@ -166,7 +166,7 @@ Section parametersSection(const CalibrationRecord& record) {
 
 Section offsetSection(const ImuCalibration& imu) {
   Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}, {"Value", kNumber}, {"Note"}}, {}};
-  for (const OffsetRow& r : offsetRows(imu.time_offset_s, imu.time_offset_std_s)) {
+  for (const OffsetRow& r : offsetRows(imu.timeOffset(), imu.time_offset_std_s)) {
     table.rows.push_back({{r.tool}, code(r.field), number(r.value), {r.note}});
   }
   return withTable({"time-offset",

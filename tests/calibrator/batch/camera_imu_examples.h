@@ -45,7 +45,7 @@ inline Eigen::Matrix<double, 7, 1> calibrationError(const SimulatedSession& simu
                                                     const CameraImuStageResult& result) {
   Eigen::Matrix<double, 7, 1> error;
   error << boxminus(simulated.truth.imu->T_SC0, result.imu.T_SC0),
-      simulated.truth.imu->time_offset_s - result.imu.time_offset_s;
+      simulated.truth.imu->timeOffset() - result.imu.timeOffset();
   return error;
 }
 

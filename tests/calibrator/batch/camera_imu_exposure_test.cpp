@@ -23,7 +23,7 @@ Instant instantOf(const SimulatedSession& s) {
   at.problem.frames = {{s.frame_stamps[s.frame_stamps.size() / 2], {0, 0}}};
   at.estimate.states = {s.stateAt(at.problem.frames[0].t)};
   at.estimate.gravity_direction = s.gravity_F.normalized();
-  at.estimate.time_offset_s = s.truth.imu->time_offset_s;
+  at.estimate.time_offsets = s.truth.imu->time_offsets;
   return at;
 }
 
@@ -75,7 +75,7 @@ TEST(ExposurePose, DerivativesAreThoseOfDifferences) {
     expectColumn(exact.by_calibration.col(BorderLayout::kGravity + k), by(d), by(-d), "gravity");
   }
   const auto by_offset = [&](double x) {
-    return moved([&](CameraImuEstimate& e) { e.time_offset_s += x; });
+    return moved([&](CameraImuEstimate& e) { e.time_offsets[0].s += x; });
   };
   expectColumn(exact.by_calibration.col(BorderLayout::kOffset), by_offset(kStep), by_offset(-kStep),
                "offset");

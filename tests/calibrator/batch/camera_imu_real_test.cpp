@@ -48,7 +48,7 @@ TEST(CameraImuEuroc, ReachesTheOptimumOverAllFrames) {
   EXPECT_TRUE(r.summary.converged);
   EXPECT_EQ(r.frames.size(), 1415u);
   EXPECT_NEAR(r.summary.reprojection.rmse_px, 0.5837, 0.0002);
-  EXPECT_LT(std::abs(r.imu.time_offset_s), 10e-6);
+  EXPECT_LT(std::abs(r.imu.timeOffset()), 10e-6);
   const Vector6d d = boxminus(r.imu.T_SC0, kalibrsT_SC0());
   EXPECT_LT(d.tail<3>().norm() * kDegrees, 0.05);
   EXPECT_LT(d.head<3>().norm(), 0.6e-3);
@@ -106,7 +106,7 @@ TEST(CameraImuEuroc, MovedImuStampsAreRecovered) {
     options.imu_shift_ns = toNanoseconds(shift_ms * 1e-3);
     const CameraImuStageResult moved = solved(options);
     ASSERT_EQ(stampsOf(moved), stampsOf(base)) << shift_ms;
-    const double recovered = moved.imu.time_offset_s - base.imu.time_offset_s;
+    const double recovered = moved.imu.timeOffset() - base.imu.timeOffset();
     EXPECT_LT(std::abs(recovered - shift_ms * 1e-3), 0.1e-6) << shift_ms;
     const double change = largestChange(moved, base);
     EXPECT_LT(change, 0.01) << shift_ms;
@@ -122,7 +122,7 @@ TEST(CameraImuEuroc, TheCauchyLossConvergesNearby) {
   const CameraImuStageResult r = solved(options);
   EXPECT_TRUE(r.summary.converged);
   EXPECT_LE(r.summary.iterations, 18);
-  EXPECT_LT(std::abs(r.imu.time_offset_s), 20e-6);
+  EXPECT_LT(std::abs(r.imu.timeOffset()), 20e-6);
   EXPECT_LT(boxminus(r.imu.T_SC0, kalibrsT_SC0()).head<3>().norm(), 0.6e-3);
 }
 

@@ -40,7 +40,7 @@ TEST(CameraImuScore, OfTheCalibratedResultIsItsOwn) {
   // Nothing of the calibration has moved, to the last bit.
   EXPECT_EQ(scored->imu.T_SC0.R, calibrated->imu.T_SC0.R);
   EXPECT_EQ(scored->imu.T_SC0.t, calibrated->imu.T_SC0.t);
-  EXPECT_EQ(scored->imu.time_offset_s, calibrated->imu.time_offset_s);
+  EXPECT_EQ(scored->imu.timeOffset(), calibrated->imu.timeOffset());
   EXPECT_FALSE(scored->imu.T_SC0_std);
   EXPECT_EQ(scored->summary.covariance.matrix.size(), 0);
   for (std::size_t i = 0; i < scored->states.size(); ++i) {
@@ -68,10 +68,10 @@ TEST(CameraImuScore, EveryOtherCalibrationScoresWorse) {
   ASSERT_TRUE(further);
   EXPECT_GT(further->summary.cost, 1.05 * least);
   ImuCalibration late = calibrated->imu;
-  late.time_offset_s += 0.01;
+  late.time_offsets[0].s += 0.01;
   const auto later = c.score(late);
   ASSERT_TRUE(later);
-  EXPECT_EQ(later->imu.time_offset_s, late.time_offset_s);
+  EXPECT_EQ(later->imu.timeOffset(), late.timeOffset());
   EXPECT_GT(later->summary.cost, 1.5 * least);
 }
 
@@ -91,7 +91,7 @@ TEST(CameraImuScore, TheCalibrationIsTheBestThatScores) {
         const Vector6d step = side * (*moved.T_SC0_std)[axis] * Vector6d::Unit(axis);
         moved.T_SC0 = boxplus(moved.T_SC0, step);
       } else {
-        moved.time_offset_s += side * *moved.time_offset_std_s;
+        moved.time_offsets[0].s += side * *moved.time_offset_std_s;
       }
       const auto scored = c.score(moved);
       ASSERT_TRUE(scored);
@@ -134,7 +134,7 @@ TEST(CameraImuScore, InformationListsTheSameWhereCamerasHaveTheirOwnOffsets) {
   c.options.score_information_px = 0;
   ImuCalibration imu = *c.simulated.truth.imu;
   const auto shared = c.score(imu);
-  imu.camera_time_offsets_s = {imu.time_offset_s, imu.time_offset_s + 1e-7};
+  imu.time_offsets = {{imu.timeOffset()}, {imu.timeOffset() + 1e-7, true}};
   const auto own = c.score(imu);
   ASSERT_TRUE(shared && own);
   ASSERT_EQ(shared->summary.covariance.names.size(), 7U);
@@ -145,11 +145,11 @@ TEST(CameraImuScore, InformationListsTheSameWhereCamerasHaveTheirOwnOffsets) {
 TEST(CameraImuScore, HoldsTheOffsetsOfEachCamera) {
   const Case c;
   ImuCalibration imu = *c.simulated.truth.imu;
-  imu.camera_time_offsets_s = {imu.time_offset_s, imu.time_offset_s + 0.004};
+  imu.time_offsets = {{imu.timeOffset()}, {imu.timeOffset() + 0.004, true}};
   const auto together = c.score(*c.simulated.truth.imu);
   const auto apart = c.score(imu);
   ASSERT_TRUE(together && apart);
-  EXPECT_EQ(apart->imu.camera_time_offsets_s, imu.camera_time_offsets_s);
+  for (const std::size_t c : {0U, 1U}) EXPECT_EQ(apart->imu.timeOffset(c), imu.timeOffset(c));
   EXPECT_GT(apart->summary.per_camera[1].rmse_px, 1.5 * together->summary.per_camera[1].rmse_px);
 }
 

@@ -109,7 +109,7 @@ TEST(CameraImu, DoesNotDependOnTheNumberOfThreads) {
   options.threads = 3;
   const CameraImuStageResult three = solved(s, options);
   EXPECT_EQ(one.imu.T_SC0.matrix(), three.imu.T_SC0.matrix());
-  EXPECT_EQ(one.imu.time_offset_s, three.imu.time_offset_s);
+  EXPECT_EQ(one.imu.timeOffset(), three.imu.timeOffset());
   EXPECT_EQ(one.summary.covariance.matrix, three.summary.covariance.matrix);
   EXPECT_EQ(one.summary.cost, three.summary.cost);
 }
@@ -124,22 +124,21 @@ TEST(CameraImu, AConstantShiftOfACamerasStampsIsItsOwnOffset) {
   const SimulatedSession s = simulate(noisyRecording(4, 10));
   const CameraImuOptions options = matchedOptions(s, 0.2);
   const CameraImuStageResult base = solved(s, options);
-  EXPECT_TRUE(base.imu.camera_time_offsets_s.empty());
+  EXPECT_FALSE(haveOwnOffsets(base.imu.time_offsets));
   for (const TimeNs shift : {3'000'000, -1'000'000}) {
     const CameraImuStageResult moved = solved(withShiftedCamera1(s, shift), options);
     EXPECT_TRUE(moved.summary.converged);
     ASSERT_EQ(moved.frames.size(), base.frames.size());
-    ASSERT_EQ(moved.imu.camera_time_offsets_s.size(), 2U);
-    EXPECT_EQ(moved.imu.camera_time_offsets_s[0], moved.imu.time_offset_s);
+    EXPECT_TRUE(hasOwnOffset(moved.imu.time_offsets, 1));
     // One more parameter: camera 1's own offset, known to some microseconds.
-    const double own = moved.imu.camera_time_offsets_s[1] + static_cast<double>(shift) * 1e-9;
-    EXPECT_NEAR(own, s.truth.imu->time_offset_s, 100e-6) << shift;
+    const double own = moved.imu.timeOffset(1) + static_cast<double>(shift) * 1e-9;
+    EXPECT_NEAR(own, s.truth.imu->timeOffset(), 100e-6) << shift;
     const ParameterCovariance& covariance = moved.summary.covariance;
     ASSERT_EQ(covariance.names.back(), "time_offset.cam1");
     const double own_std = covariance.standardDeviations()(7);
-    EXPECT_LT(std::abs(own - s.truth.imu->time_offset_s), 4 * own_std) << shift;
+    EXPECT_LT(std::abs(own - s.truth.imu->timeOffset()), 4 * own_std) << shift;
     EXPECT_LT(own_std, 100e-6) << shift;
-    EXPECT_NEAR(moved.imu.time_offset_s, base.imu.time_offset_s, *base.imu.time_offset_std_s);
+    EXPECT_NEAR(moved.imu.timeOffset(), base.imu.timeOffset(), *base.imu.time_offset_std_s);
     const Vector6d change = boxminus(moved.imu.T_SC0, base.imu.T_SC0);
     EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).cwiseAbs().maxCoeff(), 1) << shift;
     EXPECT_NEAR(moved.summary.reprojection.rmse_px, base.summary.reprojection.rmse_px, 1e-3);
@@ -150,7 +149,7 @@ TEST(CameraImu, AConstantShiftOfACamerasStampsIsItsOwnOffset) {
 SimulatedSession withLateCamera1(const SimulationOptions& options, TimeNs delay) {
   SimulatedSession s = simulate(options);
   SimulationOptions later = options;
-  later.time_offset_s = s.truth.imu->time_offset_s + secondsBetween(0, delay);
+  later.time_offset_s = s.truth.imu->timeOffset() + secondsBetween(0, delay);
   s.session.cameras[1].views = simulate(later).session.cameras[1].views;
   return withShiftedCamera1(std::move(s), delay);
 }
@@ -162,9 +161,9 @@ TEST(CameraImu, ACameraThatIsExposedLaterIsTakenAtItsOwnStamps) {
     const CameraImuStageResult r = solved(s, matchedOptions(s, 1));
     EXPECT_TRUE(r.summary.converged);
     EXPECT_LT(r.summary.reprojection.rmse_px, 0.01) << delay;
-    ASSERT_EQ(r.imu.camera_time_offsets_s.size(), 2U);
-    EXPECT_NEAR(r.imu.camera_time_offsets_s[0], s.truth.imu->time_offset_s, 10e-6);
-    EXPECT_NEAR(r.imu.camera_time_offsets_s[1], s.truth.imu->time_offset_s, 10e-6);
+    EXPECT_TRUE(hasOwnOffset(r.imu.time_offsets, 1));
+    EXPECT_NEAR(r.imu.timeOffset(0), s.truth.imu->timeOffset(), 10e-6);
+    EXPECT_NEAR(r.imu.timeOffset(1), s.truth.imu->timeOffset(), 10e-6);
     EXPECT_LT(boxminus(r.imu.T_SC0, s.truth.imu->T_SC0).norm(), 2e-4) << delay;
   }
 }
@@ -194,7 +193,7 @@ TEST(CameraImu, ShiftedImuStampsShiftTheOffsetAndNothingElse) {
     options.offset_search.max_offset_s = 1.1;
     const CameraImuStageResult moved = solved(s, options);
     ASSERT_EQ(moved.frames.size(), base.frames.size()) << shift_ms;
-    EXPECT_NEAR(moved.imu.time_offset_s - base.imu.time_offset_s, shift_ms * 1e-3, 1e-8);
+    EXPECT_NEAR(moved.imu.timeOffset() - base.imu.timeOffset(), shift_ms * 1e-3, 1e-8);
     const Vector6d change = boxminus(moved.imu.T_SC0, base.imu.T_SC0);
     EXPECT_LT(change.cwiseQuotient(*base.imu.T_SC0_std).cwiseAbs().maxCoeff(), 1e-3) << shift_ms;
   }

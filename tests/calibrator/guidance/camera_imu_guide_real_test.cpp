@@ -108,7 +108,7 @@ TEST(CameraImuGuideEuroc, TheWindowEndsNearTheBatch) {
   const CameraImuEstimate& e = tracker->window().estimate();
   RecordProperty("apart_mm", std::to_string(millimetresApart(e.T_SC0, allFrames().imu.T_SC0)));
   RecordProperty("apart_mrad", std::to_string(milliradiansApart(e.T_SC0, allFrames().imu.T_SC0)));
-  RecordProperty("held_offset_ms", std::to_string(1e3 * e.time_offset_s));
+  RecordProperty("held_offset_ms", std::to_string(1e3 * e.timeOffset()));
   EXPECT_LT(millimetresApart(e.T_SC0, allFrames().imu.T_SC0), 2);
   EXPECT_LT(milliradiansApart(e.T_SC0, allFrames().imu.T_SC0), 2);
 }

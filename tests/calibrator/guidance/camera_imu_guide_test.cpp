@@ -100,7 +100,7 @@ TEST(CameraImuGuide, FinishesWithAnExtrinsicCalibrationWithinItsCovariance) {
   const auto result = r.guide.batch();
   ASSERT_TRUE(result) << result.failure();
   EXPECT_LT(squaredError(result), kChi2_999);
-  EXPECT_LT(std::abs(result->imu.time_offset_s - recording().truth.imu->time_offset_s),
+  EXPECT_LT(std::abs(result->imu.timeOffset() - recording().truth.imu->timeOffset()),
             4 * *result->imu.time_offset_std_s);
   EXPECT_LT(result->frames.size(), 120u);  // of those kept before the end, not of all 160
 }

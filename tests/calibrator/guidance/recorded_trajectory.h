@@ -60,7 +60,7 @@ inline std::vector<ImuSample> samplesAlong(const LissajousTrajectory& trajectory
     const double t_s = k / o.imu_rate_hz - 0.1;
     const MotionState m = attached(trajectory.cameraAt(t_s), e.T_SC0.inverse());
     const Eigen::Vector3d force = m.a_F - r.problem.gravity_m_s2 * e.gravity_direction;
-    samples.push_back({start + toNanoseconds(t_s + e.time_offset_s),
+    samples.push_back({start + toNanoseconds(t_s + e.timeOffset()),
                        m.omega_B + e.states.back().gyro_bias + gyro.next(),
                        m.T_FB.R.transpose() * force + e.states.back().accel_bias + accel.next()});
   }

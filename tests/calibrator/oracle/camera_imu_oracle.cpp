@@ -32,7 +32,7 @@ struct Blocks {
   explicit Blocks(const CameraImuEstimate& estimate)
       : T_SC0(poseBlockFrom(estimate.T_SC0)),
         gravity(estimate.gravity_direction),
-        offset(estimate.time_offset_s) {
+        offset(estimate.timeOffset()) {
     for (const ImuState& state : estimate.states) {
       StateBlocks blocks{poseBlockFrom(state.T_FS), {}, {}};
       Eigen::Map<Eigen::Vector3d>(blocks.velocity.data()) = state.v_F;
@@ -161,7 +161,7 @@ CameraImuEstimate estimateFrom(const CameraImuEstimate& start, const Blocks& blo
   }
   estimate.T_SC0 = transformFrom(blocks.T_SC0);
   estimate.gravity_direction = blocks.gravity;
-  estimate.time_offset_s = blocks.offset;
+  estimate.time_offsets = {{blocks.offset}};
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     const auto& k = blocks.intrinsics[c];
     estimate.cameras[c].intrinsics.setStacked(
@@ -198,7 +198,7 @@ Eigen::VectorXd difference(const CameraImuEstimate& to, const CameraImuEstimate&
     all.insert(all.end(), d.data(), d.data() + d.size());
   };
   append(boxminus(to.T_SC0, from.T_SC0));
-  all.push_back(to.time_offset_s - from.time_offset_s);
+  all.push_back(to.timeOffset() - from.timeOffset());
   for (std::size_t c = 0; free_cameras && c < to.cameras.size(); ++c) {
     append(to.cameras[c].intrinsics.stacked() - from.cameras[c].intrinsics.stacked());
     if (c > 0) append(boxminus(to.cameras[c].T_C0Ci, from.cameras[c].T_C0Ci));

@@ -46,7 +46,7 @@ Recording shortRecording(std::uint64_t seed) {
   }
   recording.truth.T_SC0 = simulated.truth.imu->T_SC0;
   recording.truth.gravity_direction = simulated.gravity_F.normalized();
-  recording.truth.time_offset_s = simulated.truth.imu->time_offset_s;
+  recording.truth.time_offsets = simulated.truth.imu->time_offsets;
   recording.truth.cameras = simulated.truth.cameras;
   return recording;
 }
@@ -55,7 +55,7 @@ CameraImuEstimate disturbed(CameraImuEstimate estimate) {
   const Vector15d d = Vector15d::Constant(0.005);
   for (ImuState& state : estimate.states) state = boxplus(state, d);
   estimate.T_SC0 = boxplus(estimate.T_SC0, Vector6d::Constant(0.02));
-  estimate.time_offset_s += 1e-3;
+  estimate.time_offsets[0].s += 1e-3;
   return estimate;
 }
 
@@ -134,7 +134,7 @@ TEST(CameraImuOracle, MotionCostHasTheJacobiansOfItsResidual) {
                             T_j.data(),
                             j.v_F.data(),
                             estimate.gravity_direction.data(),
-                            &estimate.time_offset_s};
+                            &estimate.time_offsets[0].s};
   // Interpolated samples make the residual kink in the offset at every sample: the steps stay
   // small.
   ceres::NumericDiffOptions steps;

@@ -20,7 +20,7 @@ TEST(SimulatedRig, PresetsArePlausibleRigs) {
     EXPECT_EQ(cameras[0].T_C0Ci.matrix(), Eigen::Matrix4d::Identity());
     EXPECT_NEAR(cameras[1].T_C0Ci.t.norm(), 0.08, 0.04);
     EXPECT_LT(rotationAngle(cameras[1].T_C0Ci.R), 0.1);
-    EXPECT_NE(rig.calibration.imu->time_offset_s, 0);
+    EXPECT_NE(rig.calibration.imu->timeOffset(), 0);
     EXPECT_LT(rig.calibration.imu->T_SC0.t.norm(), 0.15);
     EXPECT_EQ(rig.camera_rate_hz, name == "d435i" ? 15 : 20);
     EXPECT_EQ(rig.calibration.imu->noise.rate_hz, name == "d435i" ? 400 : 200);

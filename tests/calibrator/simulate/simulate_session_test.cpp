@@ -121,7 +121,7 @@ TEST(SimulateSession, StatesAreTheTruthAtTheFrames) {
   const Transform T_FC0 = s.cameraPose(0, s.frame_stamps[7]);
   const Transform expected = s.states[7].T_FS * s.truth.imu->T_SC0;
   EXPECT_LE(boxminus(T_FC0, expected).norm(), 1e-14);
-  const TimeNs exposed = s.frame_stamps[7] + toNanoseconds(s.truth.imu->time_offset_s);
+  const TimeNs exposed = s.frame_stamps[7] + toNanoseconds(s.truth.imu->timeOffset());
   EXPECT_LE((s.motionAtImuTime(exposed).v_F - s.states[7].v_F).norm(), 1e-8);
 }
 

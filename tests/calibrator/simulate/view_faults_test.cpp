@@ -45,7 +45,7 @@ Vector3d nominalCorner(const SimulatedSession& s, int id) {
 
 /// The trajectory's time of a camera stamp.
 double timeOf(const SimulatedSession& s, TimeNs t_cam) {
-  return secondsBetween(s.start_ns, t_cam) + s.truth.imu->time_offset_s;
+  return secondsBetween(s.start_ns, t_cam) + s.truth.imu->timeOffset();
 }
 
 /// Calls expect(camera, t_s, id, uv) for every corner; the least number of them is demanded.

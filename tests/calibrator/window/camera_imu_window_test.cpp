@@ -179,7 +179,7 @@ TEST(CameraImuWindow, HoldsItsSizeAndTheTimeOffset) {
   ASSERT_TRUE(window);
   EXPECT_EQ(window->estimate().states.size(), 3u);
   EXPECT_EQ(window->problem().frames.size(), 3u);
-  EXPECT_EQ(window->estimate().time_offset_s, recording().truth.time_offset_s);
+  EXPECT_EQ(window->estimate().timeOffset(), recording().truth.timeOffset());
   EXPECT_LT(window->problem().samples.size(), 500u + 300u);
 }
 

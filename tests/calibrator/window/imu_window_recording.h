@@ -32,7 +32,7 @@ inline WindowRecording recordingOf(const SimulationOptions& options, double pixe
   for (const Frame& frame : r.problem.frames) r.truth.states.push_back(s.stateAt(frame.t));
   r.truth.T_SC0 = s.truth.imu->T_SC0;
   r.truth.gravity_direction = s.gravity_F.normalized();
-  r.truth.time_offset_s = s.truth.imu->time_offset_s;
+  r.truth.time_offsets = s.truth.imu->time_offsets;
   r.truth.cameras = s.truth.cameras;
   return r;
 }

@@ -36,7 +36,7 @@ Calibration threeCameraRig() {
   }
   rig.imu.emplace();
   rig.imu->T_SC0 = Transform(expSO3({0.1, 0.2, 1.5}), Eigen::Vector3d(-0.02, -0.06, 0.01));
-  rig.imu->time_offset_s = -1e-5;
+  rig.imu->time_offsets = {{-1e-5}};
   return rig;
 }
 
@@ -55,7 +55,7 @@ TEST(KalibrFiles, CamchainComesBack) {
     EXPECT_LT(boxminus(a.T_C0Ci, b.T_C0Ci).norm(), 1e-14);  // products of three transforms
   }
   ASSERT_TRUE(again.imu);
-  EXPECT_EQ(again.imu->time_offset_s, -1e-5);
+  EXPECT_EQ(again.imu->timeOffset(), -1e-5);
   EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
 }
 
@@ -80,7 +80,7 @@ TEST(KalibrFiles, NumbersHaveADecimalPointBeforeTheExponent) {
 
 TEST(KalibrFiles, EachCameraHasItsOwnTimeShift) {
   Calibration rig = threeCameraRig();
-  rig.imu->camera_time_offsets_s = {0.25, 0.5, 0.75};
+  rig.imu->time_offsets = {{0.25}, {0.5, true}, {0.75, true}};
   const std::string text = kalibrCamchainText(rig);
   for (const char* shift : {"0.25", "0.5", "0.75"}) {
     EXPECT_THAT(text, HasSubstr(std::string("timeshift_cam_imu: ") + shift + "\n"));

@@ -166,16 +166,16 @@ std::string withSecondCamera(const std::string& shift) {
 TEST(KalibrTimeShifts, EachIsKeptAndTheMeanIsThere) {
   const TemporaryFolder folder;
   const auto imu = *readCalibration(folder.write("chain", withSecondCamera("-0.0135"))).imu;
-  EXPECT_EQ(imu.time_offset_s, -0.0125);  // camera 0's
-  EXPECT_EQ(imu.camera_time_offsets_s, (std::vector<double>{-0.0125, -0.0135}));
+  EXPECT_EQ(imu.timeOffset(), -0.0125);  // camera 0's
   EXPECT_DOUBLE_EQ(meanTimeOffset(imu), -0.013);
-  EXPECT_EQ(cameraTimeOffset(imu, 1), -0.0135);
+  EXPECT_TRUE(hasOwnOffset(imu.time_offsets, 1));
+  EXPECT_EQ(imu.timeOffset(1), -0.0135);
 }
 
 TEST(KalibrTimeShifts, EqualOnesAreOneOffset) {
   const TemporaryFolder folder;
   const auto imu = *readCalibration(folder.write("chain", withSecondCamera("-0.0125"))).imu;
-  EXPECT_TRUE(imu.camera_time_offsets_s.empty());
+  EXPECT_FALSE(haveOwnOffsets(imu.time_offsets));
   EXPECT_EQ(meanTimeOffset(imu), -0.0125);
 }
 
@@ -219,7 +219,7 @@ T_imu0_cam0:
   EXPECT_EQ(c.cameras[1].T_C0Ci.t, Eigen::Vector3d(0.11, 0, 0));  // camera 1 to the right
   EXPECT_EQ(c.imu->T_SC0.t, Eigen::Vector3d(-0.02, -0.06, 0.01));
   EXPECT_EQ(c.imu->T_SC0.R(0, 1), -1);
-  EXPECT_EQ(c.imu->time_offset_s, 0.0015);
+  EXPECT_EQ(c.imu->timeOffset(), 0.0015);
   EXPECT_EQ(c.imu->noise.gyro_density, 1.7e-4);
   EXPECT_EQ(c.imu->noise.accel_random_walk, 3e-3);
   EXPECT_EQ(c.imu->gravity_m_s2, 9.81);

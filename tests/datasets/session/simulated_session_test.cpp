@@ -208,7 +208,7 @@ TEST_F(SimulatedSessionFiles, ImagesShowWhatReallyStoodThere) {
                    1.1 * o.target.tag_size);
   const TimeNs t = s.session.cameras[1].views[3].t;
   const Transform T_FS =
-      s.trajectory.at(secondsBetween(s.start_ns, t) + s.truth.imu->time_offset_s + 0.01).T_FB;
+      s.trajectory.at(secondsBetween(s.start_ns, t) + s.truth.imu->timeOffset() + 0.01).T_FB;
   Transform T_FC1 = T_FS * s.truth.imu->T_SC0 * s.truth.cameras[1].T_C0Ci;
   T_FC1.R *= expSO3(Eigen::Vector3d::Constant(0.02 / std::sqrt(3.0)));
   const TargetRenderer renderer(s.truth.cameras[1].intrinsics, o.target);
@@ -279,7 +279,7 @@ TEST_F(SimulatedSessionFiles, NoFileIsWrittenOver) {
 TEST(SimulatedTruth, JsonHoldsTheCalibrationExactly) {
   const SimulatedSession s = simulateSession(simulatedRig("tumvi"), briefOptions());
   const auto truth = nlohmann::json::parse(truthJson(s, briefOptions()));
-  EXPECT_EQ(truth["imu"]["time_offset_s"].get<double>(), s.truth.imu->time_offset_s);
+  EXPECT_EQ(truth["imu"]["time_offset_s"].get<double>(), s.truth.imu->timeOffset());
   EXPECT_EQ(truth["imu"]["T_SC0"][1][3].get<double>(), s.truth.imu->T_SC0.t.y());
   EXPECT_EQ(truth["cameras"][1]["T_C0Ci"][0][3].get<double>(), s.truth.cameras[1].T_C0Ci.t.x());
   EXPECT_EQ(truth["cameras"][0]["distortion"], "equidistant");

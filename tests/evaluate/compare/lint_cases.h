@@ -20,7 +20,7 @@ inline LintedCalibration repeatOf(const SimulatedRig& rig, const std::string& na
   const double off = 1e-4 * k;
   c.imu->T_SC0 = Transform(Eigen::Matrix3d(expSO3({off, -off, off}) * c.imu->T_SC0.R),
                            c.imu->T_SC0.t + Eigen::Vector3d(off, off, -off));
-  c.imu->time_offset_s = 5e-3 + off;
+  c.imu->time_offsets = {{5e-3 + off}};
   for (CameraCalibration& camera : c.cameras) camera.intrinsics.projection.array() += 0.1 * k;
   return linted;
 }

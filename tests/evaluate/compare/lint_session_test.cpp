@@ -47,9 +47,9 @@ std::vector<LintCase> sessionCases() {
   return {
       {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
        "Inverted transform", "T_cam_imu"},
-      {"offset negated", [](Calibration& c) { c.imu->time_offset_s *= -1; }, "Flipped time offset",
-       "timeshift_cam_imu"},
-      {"offset of another session", [](Calibration& c) { c.imu->time_offset_s = 0.031; },
+      {"offset negated", [](Calibration& c) { c.imu->time_offsets[0].s *= -1; },
+       "Flipped time offset", "timeshift_cam_imu"},
+      {"offset of another session", [](Calibration& c) { c.imu->time_offsets = {{0.031}}; },
        "Contradicting time offset", "time offset"},
       {"cameras exchanged", swapCameras, "Order of cameras", "cam0 and cam1"},
       {"baseline inverted",

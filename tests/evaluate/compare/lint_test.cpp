@@ -43,7 +43,7 @@ std::vector<LintCase> aloneCases() {
          c.imu->T_SC0.t = {0, 0, 2.5};
        },
        "Impossible lever arm", "T_cam_imu"},
-      {"offset in milliseconds", [](Calibration& c) { c.imu->time_offset_s *= 1000; },
+      {"offset in milliseconds", [](Calibration& c) { c.imu->time_offsets[0].s *= 1000; },
        "Milliseconds for seconds", "timeshift_cam_imu"},
       {"intrinsics of half the image",
        [](Calibration& c) { c.cameras[1].intrinsics.projection *= 0.5; },
@@ -102,8 +102,8 @@ std::vector<LintCase> togetherCases() {
   return {
       {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
        "Inverted transform", "T_cam_imu"},
-      {"offset negated", [](Calibration& c) { c.imu->time_offset_s *= -1; }, "Flipped time offset",
-       "timeshift_cam_imu"},
+      {"offset negated", [](Calibration& c) { c.imu->time_offsets[0].s *= -1; },
+       "Flipped time offset", "timeshift_cam_imu"},
       {"cameras exchanged", swapCameras, "Order of cameras", "cam0 and cam1"},
       {"baseline inverted",
        [](Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); },

@@ -25,7 +25,7 @@ Calibration stereo() {
   c.cameras[1].T_C0Ci = Transform(expSO3({0.01, -0.02, 0.003}), {0.11, 0.001, -0.002});
   c.imu.emplace();
   c.imu->T_SC0 = Transform(expSO3({0.02, -0.01, 1.55}), {-0.02, -0.065, 0.01});
-  c.imu->time_offset_s = 1e-3;
+  c.imu->time_offsets = {{1e-3}};
   return c;
 }
 
@@ -50,7 +50,7 @@ Calibration moved() {
   c.cameras[0].intrinsics.projection[0] += 0.5;
   c.cameras[1].T_C0Ci.t += Eigen::Vector3d(3e-4, 0, 4e-4);
   c.imu->T_SC0.R = expSO3({0, 0, 1e-3}) * c.imu->T_SC0.R;
-  c.imu->time_offset_s -= 2e-4;
+  c.imu->time_offsets[0].s -= 2e-4;
   return c;
 }
 
@@ -99,7 +99,7 @@ TEST(ComparedParameters, AnotherModelHasValuesButNoDifference) {
 
 TEST(ComparedParameters, OffsetsOfEachCameraAreMeantTogether) {
   Calibration b = stereo();
-  b.imu->camera_time_offsets_s = {1e-3, 3e-3};
+  b.imu->time_offsets = {{1e-3}, {3e-3, true}};
   const auto rows = comparedParameters({stereo(), b});
   EXPECT_NEAR(*row(rows, "time_offset").difference[1], 1e-3, 1e-15);
   EXPECT_NEAR(*row(rows, "time_offset.cam1").difference[1], 2e-3, 1e-15);

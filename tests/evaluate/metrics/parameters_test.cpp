@@ -32,7 +32,7 @@ TEST(CalibrationParameters, AreListedCameraByCameraThenTransformsThenOffset) {
   EXPECT_EQ(list[22].name, "T_SC0.tx");
   EXPECT_EQ(list[27].unit, "rad");
   EXPECT_EQ(list[28].name, "time_offset");
-  EXPECT_EQ(list[28].value, calibration().imu->time_offset_s);
+  EXPECT_EQ(list[28].value, calibration().imu->timeOffset());
 }
 
 TEST(CalibrationParameters, ChangesOfTransformsAreTangents) {
@@ -42,7 +42,7 @@ TEST(CalibrationParameters, ChangesOfTransformsAreTangents) {
   d << 1e-3, -2e-3, 3e-3, 0.01, -0.02, 0.03;
   to.imu->T_SC0 = boxplus(from.imu->T_SC0, d);
   to.cameras[1].intrinsics.projection[2] += 0.25;
-  to.imu->time_offset_s -= 1e-4;
+  to.imu->time_offsets[0].s -= 1e-4;
   const auto list = calibrationParameters(from);
   const Eigen::VectorXd change = calibrationChange(to, from);
   ASSERT_EQ(static_cast<std::size_t>(change.size()), list.size());

@@ -210,8 +210,8 @@ TEST(ScoresOnEuroc, AWrongTimeOffsetAndATurnedImuScoreWorse) {
   EXPECT_GT(*turned.camera_imu_cost, 1.5 * *right.camera_imu_cost);
   EXPECT_EQ(turned.reprojection.rmse_px, right.reprojection.rmse_px);  // the cameras' own score
   imu.T_SC0 = T_SC0;
-  imu.camera_time_offsets_s.clear();
-  imu.time_offset_s += 0.010;
+  imu.time_offsets.resize(1);
+  imu.time_offsets[0].s += 0.010;
   const auto late = scoreSession(scored, euroc(), options, noProgress).scores.front();
   ASSERT_TRUE(late.camera_imu);
   RecordProperty("late_rmse_px", std::to_string(late.camera_imu->rmse_px));

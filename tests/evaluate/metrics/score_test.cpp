@@ -126,7 +126,7 @@ TEST(ScoreCalibration, ReversedCamerasAreTheSameCalibration) {
   turned.cameras[0].T_C0Ci = Transform();
   turned.cameras[1].T_C0Ci = T_C1C0;
   turned.imu->T_SC0 = truth.imu->T_SC0 * truth.cameras[1].T_C0Ci;
-  turned.imu->camera_time_offsets_s = {truth.imu->time_offset_s, truth.imu->time_offset_s};
+  turned.imu->time_offsets = {{truth.imu->timeOffset()}, {truth.imu->timeOffset(), true}};
   const auto score = c.run().front();
   EXPECT_NEAR(score.reprojection.rmse_px, expected.reprojection.rmse_px, 1e-9);
   ASSERT_TRUE(score.camera_imu);
@@ -134,7 +134,7 @@ TEST(ScoreCalibration, ReversedCamerasAreTheSameCalibration) {
   EXPECT_NEAR(*score.camera_imu_cost, *expected.camera_imu_cost, 1e-6 * *expected.camera_imu_cost);
   const Calibration matched = matchCalibration(turned, "file", c.simulated.session);
   EXPECT_LT(boxminus(matched.imu->T_SC0, truth.imu->T_SC0).norm(), 1e-12);
-  EXPECT_TRUE(matched.imu->camera_time_offsets_s.empty());
+  EXPECT_EQ(matched.imu->timeOffset(1), truth.imu->timeOffset());
 }
 
 TEST(ScoreCalibration, ASecondCameraAloneIsScoredThroughItsOwnPlace) {
@@ -142,8 +142,8 @@ TEST(ScoreCalibration, ASecondCameraAloneIsScoredThroughItsOwnPlace) {
   Session& session = c.simulated.session;
   session.cameras.erase(session.cameras.begin());
   Calibration& file = c.scored.calibration;
-  file.imu->camera_time_offsets_s = {file.imu->time_offset_s + 1, file.imu->time_offset_s};
-  file.imu->time_offset_s += 1;  // of cam0, which this session has not
+  const double offset = file.imu->timeOffset();
+  file.imu->time_offsets = {{offset + 1}, {offset, true}};  // this session has no cam0
   const auto scores = c.run();
   EXPECT_EQ(scores[0].problem, "");
   EXPECT_NEAR(scores[0].camera_imu.value().rmse_px, kSigma * std::sqrt(2.0), 0.05 * kSigma);

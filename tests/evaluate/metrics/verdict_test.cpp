@@ -176,9 +176,9 @@ TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
   record.camera_imu->cameras = {cam0, cam1};
   const std::string rule = "Cameras exposed together";
   for (const Finding& finding : judge(record).findings) EXPECT_NE(finding.rule, rule);
-  record.camera_imu->imu.camera_time_offsets_s = {1e-3, 1.4e-3};
+  record.camera_imu->imu.time_offsets = {{1e-3}, {1.4e-3, true}};
   EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kGood);
-  record.camera_imu->imu.camera_time_offsets_s = {1e-3, -2e-3};
+  record.camera_imu->imu.time_offsets = {{1e-3}, {-2e-3, true}};
   EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kCaution);
   for (const Finding& finding : judge(record).findings) {
     if (finding.rule != rule) continue;

@@ -46,7 +46,7 @@ TEST(ExportBasalt, IsACalibrationThatWeRead) {
       EXPECT_EQ(k.resolution, truth.cameras[i].intrinsics.resolution);
       EXPECT_LT(difference(placeOf(truth, i).matrix(), placeOf(read, i)), 1e-12);
     }
-    EXPECT_NEAR(read.imu->time_offset_s, truth.imu->time_offset_s, 1e-9);
+    EXPECT_NEAR(read.imu->timeOffset(), truth.imu->timeOffset(), 1e-9);
     EXPECT_EQ(read.imu->noise.accel_random_walk, truth.imu->noise.accel_random_walk);
   }
 }

@@ -127,7 +127,7 @@ void expectOpenVinsCamera(const Calibration& truth, const cv::FileNode& camera, 
   EXPECT_LT(difference(rows(camera["T_imu_cam"]), placeOf(truth, i)), 1e-15);
   expectPixels(truth, i, rows(camera["T_imu_cam"]), numbers(camera["intrinsics"]),
                numbers(camera["distortion_coeffs"]));
-  EXPECT_EQ(real(camera["timeshift_cam_imu"]), truth.imu->time_offset_s);
+  EXPECT_EQ(real(camera["timeshift_cam_imu"]), truth.imu->timeOffset());
   EXPECT_EQ(numbers(camera["resolution"]),
             (std::vector<double>{1.0 * k.resolution.width, 1.0 * k.resolution.height}));
 }
@@ -171,7 +171,7 @@ TEST(ExportVinsFusion, TransformsOffsetAndGravityReadBack) {
     }
     expectPixels(truth, i, T, f, d);
   }
-  EXPECT_EQ(real(file["td"]), truth.imu->time_offset_s);
+  EXPECT_EQ(real(file["td"]), truth.imu->timeOffset());
   EXPECT_EQ(real(file["g_norm"]), truth.imu->gravity_m_s2);
 }
 
@@ -205,7 +205,7 @@ TEST(ExportVinsFusion, FisheyeNamesRunOneAhead) {
                  {real(p["mu"]), real(p["mv"]), real(p["u0"]), real(p["v0"])},
                  {real(p["k2"]), real(p["k3"]), real(p["k4"]), real(p["k5"])});
   }
-  EXPECT_EQ(real(file["td"]), truth.imu->time_offset_s);  // t_imu = t_cam + td
+  EXPECT_EQ(real(file["td"]), truth.imu->timeOffset());  // t_imu = t_cam + td
 }
 
 // MEI: a point on the unit sphere, moved by xi along the axis, through a pinhole with radtan.
@@ -263,7 +263,7 @@ TEST(ExportOkvis2, ReadsBackWithTheOffsetNegated) {
     EXPECT_EQ(file["cameras"][0]["distortion_type"].string(),
               name == std::string("tumvi") ? "equidistant" : "radialtangential");
     // OKVIS2: t_imu = t_cam - image_delay.
-    EXPECT_EQ(-real(file["camera_parameters"]["image_delay"]), truth.imu->time_offset_s);
+    EXPECT_EQ(-real(file["camera_parameters"]["image_delay"]), truth.imu->timeOffset());
     const cv::FileNode imu = file["imu_parameters"];
     EXPECT_EQ(real(imu["sigma_g_c"]), truth.imu->noise.gyro_density);
     EXPECT_EQ(real(imu["sigma_a_c"]), truth.imu->noise.accel_density);
@@ -277,7 +277,7 @@ TEST(ExportOkvis2, ReadsBackWithTheOffsetNegated) {
 // Its reader stops at a missing key, and at a real number without decimal point.
 TEST(ExportOkvis2, ZeroOffsetIsStillARealNumber) {
   Calibration truth = rig("euroc");
-  truth.imu->time_offset_s = 0;
+  truth.imu->time_offsets = {{0}};
   const auto files = exportCalibration(truth, ExportTool::kOkvis2, exportOptions());
   const cv::FileStorage file = parsed(files, "okvis2.yaml");
   EXPECT_EQ(real(file["camera_parameters"]["image_delay"]), 0);

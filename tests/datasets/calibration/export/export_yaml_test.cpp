@@ -29,7 +29,7 @@ TEST(ExportKalibr, ReadsBack) {
     EXPECT_EQ(read.cameras[i].intrinsics.stacked(), truth.cameras[i].intrinsics.stacked());
     EXPECT_LT(difference(placeOf(truth, i).matrix(), placeOf(read, i)), 1e-12);
   }
-  EXPECT_EQ(read.imu->time_offset_s, truth.imu->time_offset_s);
+  EXPECT_EQ(read.imu->timeOffset(), truth.imu->timeOffset());
   const auto imu = readImuDescription(folder.write("imu.yaml", fileText(files, "imu.yaml")));
   EXPECT_EQ(imu.noise.accel_random_walk, truth.imu->noise.accel_random_walk);
   EXPECT_EQ(imu.noise.gyro_density, truth.imu->noise.gyro_density);
@@ -56,7 +56,7 @@ TEST(ExportKalibr, AnIndependentReaderMeetsTheSamePixels) {
       expectPixels(truth, i, matrix(camera["T_cam_imu"]).inverse(),
                    camera["intrinsics"].as<std::vector<double>>(),
                    camera["distortion_coeffs"].as<std::vector<double>>());
-      EXPECT_EQ(camera["timeshift_cam_imu"].as<double>(), truth.imu->time_offset_s);
+      EXPECT_EQ(camera["timeshift_cam_imu"].as<double>(), truth.imu->timeOffset());
     }
     const Eigen::Matrix4d chained = matrix(chain["cam1"]["T_cn_cnm1"]) * T_C0S;
     EXPECT_LT((chained - matrix(chain["cam1"]["T_cam_imu"])).norm(), 1e-12);
@@ -79,7 +79,7 @@ TEST(ExportOpenVins, IsACalibrationThatWeRead) {
     EXPECT_EQ(read.cameras[i].intrinsics.stacked(), truth.cameras[i].intrinsics.stacked());
     EXPECT_LT(difference(placeOf(truth, i).matrix(), placeOf(read, i)), 1e-12);
   }
-  EXPECT_EQ(read.imu->time_offset_s, truth.imu->time_offset_s);
+  EXPECT_EQ(read.imu->timeOffset(), truth.imu->timeOffset());
   const auto imu =
       readImuDescription(folder.write("imu.yaml", fileText(files, "kalibr_imu_chain.yaml")));
   EXPECT_EQ(imu.noise.gyro_random_walk, truth.imu->noise.gyro_random_walk);
@@ -156,7 +156,7 @@ TEST(SelectCameras, TheFirstNamedIsTheNewCamera0) {
 // t_imu = t_cam1 + t_d1 = (t_cam1 + shift) + t_d0.
 TEST(UnlikeTimeOffsets, AreWrittenOrTheShiftIsNamed) {
   Calibration truth = rig("euroc");
-  truth.imu->camera_time_offsets_s = {truth.imu->time_offset_s, truth.imu->time_offset_s + 0.003};
+  truth.imu->time_offsets = {{truth.imu->timeOffset()}, {truth.imu->timeOffset() + 0.003, true}};
   for (const ExportTool tool : exportTools()) {
     if (tool == ExportTool::kCameraInfo) continue;  // holds no time at all
     const auto files = exportCalibration(truth, tool, exportOptions());
@@ -166,19 +166,22 @@ TEST(UnlikeTimeOffsets, AreWrittenOrTheShiftIsNamed) {
   }
   const auto kalibr = exportCalibration(truth, ExportTool::kKalibr, exportOptions());
   const YAML::Node chain = YAML::Load(fileText(kalibr, "camchain-imucam.yaml"));
-  EXPECT_EQ(chain["cam1"]["timeshift_cam_imu"].as<double>(), truth.imu->time_offset_s + 0.003);
+  EXPECT_EQ(chain["cam1"]["timeshift_cam_imu"].as<double>(), truth.imu->timeOffset() + 0.003);
   const Calibration second = selectCameras(truth, {"cam1"}, "rig.json");
-  EXPECT_EQ(second.imu->time_offset_s, truth.imu->time_offset_s + 0.003);
+  EXPECT_EQ(second.imu->timeOffset(), truth.imu->timeOffset() + 0.003);
 }
 
 TEST(UnlikeTimeOffsets, AreReadFromOurCalibration) {
   std::ifstream file(PLUMBLINE_SOURCE_DIR "/third_party_configs/source/calibration.json");
   std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::string imu = "\"imu\": {", offsets = "\"camera_time_offsets_s\": [0.0021, 0.5],";
+  const std::string imu = "\"imu\": {", offsets = "\"camera_time_offsets_s\": [0.0021, null, 0.5],";
   text.insert(text.find(imu) + imu.size(), offsets);
   const TemporaryFolder folder;
   const Calibration read = readCalibration(folder.write("calibration.json", text));
-  EXPECT_EQ(read.imu->camera_time_offsets_s, (std::vector<double>{0.0021, 0.5}));
+  EXPECT_FALSE(hasOwnOffset(read.imu->time_offsets, 1));
+  EXPECT_EQ(read.imu->timeOffset(1), 0.0021);
+  EXPECT_TRUE(hasOwnOffset(read.imu->time_offsets, 2));
+  EXPECT_EQ(read.imu->timeOffset(2), 0.5);
 }
 
 }  // namespace
