@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace plumbline {
 Eigen::VectorXd Intrinsics::stacked() const {
@@ -18,8 +19,10 @@ void Intrinsics::setStacked(const Eigen::VectorXd& parameters) {
 }
 
 bool haveOwnOffsets(const TimeOffsets& offsets) {
-  return std::any_of(offsets.begin() + 1, offsets.end(),
-                     [](const TimeOffset& offset) { return offset.estimated; });
+  for (std::size_t c = 1; c < offsets.size(); ++c) {
+    if (offsets[c].estimated) return true;
+  }
+  return false;
 }
 
 TimeOffsets selected(const TimeOffsets& offsets, const std::vector<std::size_t>& cameras) {
@@ -37,6 +40,115 @@ double meanTimeOffset(const ImuCalibration& imu) {
   double sum = 0;
   for (std::size_t c = 0; c < imu.time_offsets.size(); ++c) sum += imu.timeOffset(c);
   return sum / static_cast<double>(imu.time_offsets.size());
+}
+
+namespace {
+
+/// What the table has of a model beside its word.
+struct ModelRow {
+  std::vector<std::string> others_words;  ///< EuRoC's, ROS' and yac's
+  std::vector<std::string> parameters;    ///< of a projection: those before fu fv pu pv
+};
+
+// The rows in the order of the enumerations.
+const ModelRow& rowOf(ProjectionModel model) {
+  static const std::array<ModelRow, 4> rows = {
+      {{{}, {}}, {{}, {"xi"}}, {{}, {"alpha", "beta"}}, {{}, {"xi", "alpha"}}}};
+  return rows[static_cast<std::size_t>(model)];
+}
+const ModelRow& rowOf(DistortionModel model) {
+  static const std::array<ModelRow, 4> rows = {
+      {{{}, {}},
+       {{"radial-tangential", "radtan4", "plumb_bob"}, {"k1", "k2", "p1", "p2"}},
+       {{"equi", "equi4", "kannala_brandt", "kb4"}, {"k1", "k2", "k3", "k4"}},
+       {{}, {"w"}}}};
+  return rows[static_cast<std::size_t>(model)];
+}
+
+template <class Model>
+std::optional<Model> modelFrom(const std::string& word) {
+  for (std::size_t i = 0; i < enumWords(Model()).size(); ++i) {
+    const auto model = static_cast<Model>(i);
+    const auto& others = rowOf(model).others_words;
+    if (std::find(others.begin(), others.end(), word) != others.end()) return model;
+  }
+  return enumFrom<Model>(word);
+}
+
+}  // namespace
+
+std::optional<ProjectionModel> projectionModelFrom(const std::string& word) {
+  return modelFrom<ProjectionModel>(word);
+}
+std::optional<DistortionModel> distortionModelFrom(const std::string& word) {
+  return modelFrom<DistortionModel>(word);
+}
+
+std::vector<ParameterName> intrinsicParameters(ProjectionModel projection,
+                                               DistortionModel distortion) {
+  std::vector<ParameterName> names;
+  for (const std::string& name : rowOf(projection).parameters) names.push_back({name, "-"});
+  for (const char* name : {"fu", "fv", "pu", "pv"}) names.push_back({name, "px"});
+  for (const std::string& name : rowOf(distortion).parameters) names.push_back({name, "-"});
+  return names;
+}
+
+std::size_t parameterCount(ProjectionModel model) { return 4 + rowOf(model).parameters.size(); }
+std::size_t parameterCount(DistortionModel model) { return rowOf(model).parameters.size(); }
+
+std::string calibratedModelWords() {
+  std::string words;
+  for (std::size_t p = 0; p < enumWords(ProjectionModel()).size(); ++p) {
+    for (std::size_t d = 0; d < enumWords(DistortionModel()).size(); ++d) {
+      const auto projection = static_cast<ProjectionModel>(p);
+      const auto distortion = static_cast<DistortionModel>(d);
+      if (!canBeCalibrated(projection, distortion)) continue;
+      words += (words.empty() ? "" : " or ") + toString(projection) + "-" + toString(distortion);
+    }
+  }
+  return words;
+}
+
+std::string unsupportedModelText(const std::string& projection, const std::string& distortion) {
+  return "calibrating the camera model " + projection + "-" + distortion +
+         " is not supported yet; expected " + calibratedModelWords() +
+         "; choose one of them, pinhole-equidistant for wide-angle lenses";
+}
+
+std::vector<ParameterName> transformParameters(const std::string& name) {
+  std::vector<ParameterName> names;
+  for (const char* part : {".tx", ".ty", ".tz"}) names.push_back({name + part, "m"});
+  for (const char* part : {".rx", ".ry", ".rz"}) names.push_back({name + part, "rad"});
+  return names;
+}
+
+std::vector<ParameterName> cameraParameters(const std::vector<CameraCalibration>& cameras) {
+  std::vector<ParameterName> all;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const CameraCalibration& camera = cameras[c];
+    const std::string name = camera.name.empty() ? "cam" + std::to_string(c) : camera.name;
+    const Intrinsics& k = camera.intrinsics;
+    for (ParameterName& p : intrinsicParameters(k.projection_model, k.distortion_model)) {
+      all.push_back({name + "." + p.name, std::move(p.unit)});
+    }
+  }
+  for (std::size_t c = 1; c < cameras.size(); ++c) {
+    for (ParameterName& p : transformParameters("T_C0C" + std::to_string(c))) {
+      all.push_back(std::move(p));
+    }
+  }
+  return all;
+}
+
+ParameterCovariance parameterCovariance(const std::vector<ParameterName>& parameters,
+                                        const Eigen::MatrixXd& matrix) {
+  ParameterCovariance out;
+  for (const ParameterName& p : parameters) {
+    out.names.push_back(p.name);
+    out.units.push_back(p.unit);
+  }
+  out.matrix = matrix;
+  return out;
 }
 
 }  // namespace plumbline

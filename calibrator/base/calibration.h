@@ -2,11 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
+#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 
@@ -14,15 +17,17 @@ namespace plumbline {
 
 /// Projection of a point in the camera frame to normalised coordinates, in Kalibr's words.
 enum class ProjectionModel { kPinhole, kOmni, kEucm, kDs };
+constexpr std::array<const char*, 4> enumWords(ProjectionModel /*of*/) {
+  return {"pinhole", "omni", "eucm", "ds"};
+}
 /// Distortion of normalised coordinates, in Kalibr's words.
 enum class DistortionModel { kNone, kRadtan, kEquidistant, kFov };
+constexpr std::array<const char*, 4> enumWords(DistortionModel /*of*/) {
+  return {"none", "radtan", "equidistant", "fov"};
+}
 
-/// "pinhole", "omni", "eucm", "ds".
-std::string toString(ProjectionModel model);
-/// "none", "radtan", "equidistant", "fov".
-std::string toString(DistortionModel model);
-/// The inverse; also accepts the words other tools use (EuRoC's "radial-tangential", ROS'
-/// "plumb_bob", yac's "radtan4", "equi", "kannala_brandt"). Empty for an unknown word.
+/// The inverse of toString(); also accepts the words other tools use (EuRoC's "radial-tangential",
+/// ROS' "plumb_bob", yac's "radtan4", "equi", "kannala_brandt"). Empty for an unknown word.
 std::optional<ProjectionModel> projectionModelFrom(const std::string& word);
 std::optional<DistortionModel> distortionModelFrom(const std::string& word);
 
@@ -78,7 +83,7 @@ TimeOffsets selected(const TimeOffsets& offsets, const std::vector<std::size_t>&
 struct ImuCalibration {
   Transform T_SC0;  ///< camera 0 in the IMU frame
   TimeOffsets time_offsets{TimeOffset()};
-  double gravity_m_s2 = 9.80655;
+  double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   ImuNoise noise;
   std::string rostopic;
   std::optional<Vector6d> T_SC0_std;        ///< 3 m, 3 rad
@@ -106,5 +111,46 @@ struct ParameterCovariance {
 /// Mean of the cameras' time offsets [s]: what a tool with one offset for all compares with
 /// (Kalibr estimates one for each camera; ours is one unless the cameras are not synchronised).
 double meanTimeOffset(const ImuCalibration& imu);
+
+// What is known of the camera models by name: other tools' words, the names and numbers of their
+// parameters, and which can be calibrated. All of it stands in one table (calibration.cpp); the
+// mathematics are in calibrator/camera.
+
+struct ParameterName {
+  std::string name;
+  std::string unit;  ///< "px", "-", "m" or "rad"
+};
+
+/// Names of Intrinsics::stacked(), in its order, as Kalibr's documents call them: xi, alpha, beta
+/// before fu fv pu pv, then k1 ... p2, k1 ... k4, or w.
+std::vector<ParameterName> intrinsicParameters(ProjectionModel projection,
+                                               DistortionModel distortion);
+
+/// Length of Intrinsics::projection and of Intrinsics::distortion.
+std::size_t parameterCount(ProjectionModel model);
+std::size_t parameterCount(DistortionModel model);
+
+/// Whether cameras of this kind can be calibrated; the others project, and are scored and compared.
+constexpr bool canBeCalibrated(ProjectionModel projection, DistortionModel distortion) {
+  return projection == ProjectionModel::kPinhole &&
+         (distortion == DistortionModel::kRadtan || distortion == DistortionModel::kEquidistant);
+}
+/// "pinhole-radtan or pinhole-equidistant".
+std::string calibratedModelWords();
+
+/// "calibrating the camera model omni-radtan is not supported yet; expected ...": the text with
+/// which every reader refuses another model.
+std::string unsupportedModelText(const std::string& projection, const std::string& distortion);
+
+/// Names and units of a rig's cameras: all intrinsics ("cam0.fu", by the camera's name or, without
+/// one, its place), then the tangents of all T_C0Ci but the first ("T_C0C1.tx" .. "T_C0C1.rz").
+std::vector<ParameterName> cameraParameters(const std::vector<CameraCalibration>& cameras);
+
+/// The tangent of a Transform: "NAME.tx" .. "NAME.tz" [m], "NAME.rx" .. "NAME.rz" [rad].
+std::vector<ParameterName> transformParameters(const std::string& name);
+
+/// A list with its covariance; without `matrix` the list alone.
+ParameterCovariance parameterCovariance(const std::vector<ParameterName>& parameters,
+                                        const Eigen::MatrixXd& matrix = {});
 
 }  // namespace plumbline

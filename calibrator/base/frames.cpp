@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {
@@ -130,8 +131,14 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
 
 }  // namespace
 
+void FrameOptions::check() const {
+  requireAtLeast(0, "frames.tolerance", static_cast<double>(tolerance));
+  requireAtLeast(0, "frames.min_corners", min_corners);
+}
+
 std::vector<Frame> pairFrames(const std::vector<CameraStream>& cameras,
                               const FrameOptions& options) {
+  options.check();
   const std::vector<Stamp> stamps = usableViews(cameras, options);
   std::vector<Frame> frames;
   for (const Group& group : groupStamps(stamps, options.tolerance)) {

@@ -20,11 +20,14 @@ struct Frame {
 struct FrameOptions {
   TimeNs tolerance = 2'000'000;  ///< views at most this far apart [ns] may share a frame
   int min_corners = 4;           ///< views with fewer corners are left out
+
+  /// Throws InputError for a negative tolerance or number of corners.
+  void check() const;
 };
 
 /// Groups the views of all cameras into frames: one-to-one (a view is used once, never twice),
 /// nearest stamps first, so that the result does not depend on the order of the cameras' files.
-/// Ascending in time; frames in which no camera has a usable view are dropped.
+/// Ascending in time; frames in which no camera has a usable view are dropped. Checks the options.
 ///
 /// A camera whose stamps differ from camera 0's by a constant above the tolerance (its nearest
 /// stamps spread by less than half of the tolerance about their median, which is at most a quarter

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
@@ -14,8 +15,9 @@ namespace plumbline {
 
 /// What the guide is calibrating.
 enum class GuideStage { kCamera, kCameraImu };
-/// "camera", "camera-imu".
-std::string toString(GuideStage stage);
+constexpr std::array<const char*, 2> enumWords(GuideStage /*of*/) {
+  return {"camera", "camera-imu"};
+}
 
 /// What the guide is doing after a frame.
 enum class GuideMode {
@@ -24,8 +26,9 @@ enum class GuideMode {
   kSuggesting,    ///< the same, with a suggestion open
   kFinished,      ///< this stage is over
 };
-/// "initialising", "collecting", "suggesting", "finished".
-std::string toString(GuideMode mode);
+constexpr std::array<const char*, 4> enumWords(GuideMode /*of*/) {
+  return {"initialising", "collecting", "suggesting", "finished"};
+}
 
 /// Why a frame was treated as it was.
 enum class GuideReason {
@@ -44,9 +47,11 @@ enum class GuideReason {
   kNotSolved,         ///< the window with it did not converge: left out
   kFinished,          ///< the stage was over before
 };
-/// "initialising", "initialised", "initialise-failed", "informative", "not-informative", "used",
-/// "busy", "no-target", "no-pose", "time-jump", "no-imu", "imu-gap", "not-solved", "finished".
-std::string toString(GuideReason reason);
+constexpr std::array<const char*, 14> enumWords(GuideReason /*of*/) {
+  return {"initialising", "initialised", "initialise-failed", "informative", "not-informative",
+          "used",         "busy",        "no-target",         "no-pose",     "time-jump",
+          "no-imu",       "imu-gap",     "not-solved",        "finished"};
+}
 
 /// What happened to the suggestion on a frame.
 enum class SuggestionEvent {
@@ -56,8 +61,9 @@ enum class SuggestionEvent {
   kExpired,
   kWithdrawn,  ///< the stage finished while it was open
 };
-/// "none", "opened", "reached", "expired", "withdrawn".
-std::string toString(SuggestionEvent event);
+constexpr std::array<const char*, 5> enumWords(SuggestionEvent /*of*/) {
+  return {"none", "opened", "reached", "expired", "withdrawn"};
+}
 
 /// A view or trajectory that the guide asked for.
 struct Suggestion {

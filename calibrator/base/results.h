@@ -2,17 +2,72 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/fault_diagnosis.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 
 namespace plumbline {
+
+/// A fault of the recording or of its description that the camera-IMU batch does not model, with
+/// what its estimate lists.
+enum class UnmodelledFault {
+  kAccelScale,         ///< scale errors of the accelerometer's axes, 3 [1]
+  kAccelMisalignment,  ///< off-diagonal terms of its matrix, row by row, 6 [rad]
+  kGyroScale,          ///< 3 [1]
+  kGyroMisalignment,   ///< 6 [rad]
+  kGSensitivity,       ///< of the gyroscope, 3 x 3 row by row [rad/s per m/s^2]
+  kImuDelay,           ///< by how much the accelerometer is later than the gyroscope [s]
+  kClockDrift,         ///< growth of the time offset [s/s]
+  kLineDelay,          ///< readout time of the image's height (rolling shutter) [s]
+  kTargetSize,         ///< the target is larger than stated, relative [1]
+  kCameraDelay,        ///< by how much a camera's time offset differs from camera 0's [s]
+  kImuMoved,           ///< change of T_SC0 from an instant on (3 m, 3 rad)
+  kClockStep,          ///< change of the time offset from an instant on [s]
+  kCameraMoved,        ///< change of T_C0Ci from an instant on (3 m, 3 rad)
+};
+
+/// Words of the documents, in the order above.
+inline constexpr std::array<const char*, 13> enumWords(UnmodelledFault) {
+  return {"accel-scale", "accel-misalignment", "gyro-scale",  "gyro-misalignment", "g-sensitivity",
+          "imu-delay",   "clock-drift",        "line-delay",  "target-size",       "camera-delay",
+          "imu-moved",   "clock-step",         "camera-moved"};
+}
+
+/// A score test: is the fault there, how large is it, and what does it do to the calibration?
+struct FaultTest {
+  UnmodelledFault fault = UnmodelledFault::kAccelScale;
+  int camera = -1;              ///< of faults that one camera has; -1: of the recording
+  std::optional<TimeNs> since;  ///< of faults that begin at an instant, where they explain most
+  Eigen::VectorXd estimate;     ///< to first order, see UnmodelledFault
+  Eigen::VectorXd std;          ///< cluster-robust
+  double chi2 = 0;              ///< of the estimate against zero, see diagnoseFaults()
+  int dof = 0;
+  double significance = 0;  ///< of chi2, in standard deviations (Wilson and Hilferty)
+  /// What modelling the fault would add to T_SC0 (3 m, 3 rad) and the time offset [s].
+  Eigen::Matrix<double, 7, 1> shift = Eigen::Matrix<double, 7, 1>::Zero();
+  double shift_sigma = 0;  ///< the largest of them in its robust standard deviation
+};
+
+struct FaultDiagnosis {
+  std::vector<FaultTest> tests;  ///< each fault alone beside the calibration's own parameters
+  /// Those that explain the residuals, most important first, each tested with those before it in
+  /// the model. Empty: none is significant.
+  std::vector<FaultTest> causes;
+  /// One that explains the residuals as well as the first cause, so that the two cannot be told
+  /// apart from this recording.
+  std::optional<FaultTest> alternative;
+  /// Cluster-robust standard deviations of T_SC0 (3 m, 3 rad) and the time offset [s], and the
+  /// formal ones under the same assumptions.
+  Eigen::Matrix<double, 7, 1> robust_std = Eigen::Matrix<double, 7, 1>::Zero();
+  Eigen::Matrix<double, 7, 1> formal_std = Eigen::Matrix<double, 7, 1>::Zero();
+};
 
 /// One corner's reprojection error at the solution: e = measured - projected [px] (paper, eq. for
 /// e_r).

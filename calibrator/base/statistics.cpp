@@ -36,23 +36,18 @@ ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors) {
   const double n = static_cast<double>(errors.size());
   std::vector<double> norms;
   norms.reserve(errors.size());
-  double squared = 0;
   for (const Eigen::Vector2d& e : errors) {
     norms.push_back(e.norm());
-    s.mean_px += norms.back() / n;
     s.axis_mean_px += e / n;
-    squared += e.squaredNorm();
   }
-  double variance = 0;
   Eigen::Vector2d axis_variance = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    variance += (norms[i] - s.mean_px) * (norms[i] - s.mean_px) / n;
-    axis_variance += (errors[i] - s.axis_mean_px).cwiseAbs2() / n;
-  }
-  s.rmse_px = std::sqrt(squared / n);
-  s.std_px = std::sqrt(variance);
+  for (const Eigen::Vector2d& e : errors) axis_variance += (e - s.axis_mean_px).cwiseAbs2() / n;
   s.axis_std_px = axis_variance.cwiseSqrt();
-  s.median_px = median(std::move(norms));
+  const SampleStatistics of_norms = sampleStatistics(std::move(norms));
+  s.rmse_px = of_norms.rmse;
+  s.mean_px = of_norms.mean;
+  s.median_px = of_norms.median;
+  s.std_px = of_norms.std;
   return s;
 }
 

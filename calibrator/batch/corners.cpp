@@ -105,6 +105,38 @@ std::vector<PackedCorners> usedCorners(const Session& session, const std::vector
   return corners;
 }
 
+CameraErrors usedErrors(const std::vector<CornerResidual>& residuals, std::size_t cameras) {
+  CameraErrors errors(cameras);
+  for (const CornerResidual& r : residuals) {
+    if (r.used) errors[static_cast<std::size_t>(r.camera)].push_back(r.error.cast<double>());
+  }
+  return errors;
+}
+
+ReprojectionSummary summariseErrors(const CameraErrors& errors) {
+  ReprojectionSummary out;
+  std::vector<Eigen::Vector2d> all;
+  for (const auto& one : errors) {
+    all.insert(all.end(), one.begin(), one.end());
+    out.per_camera.push_back(summariseErrors(one));
+  }
+  out.reprojection = summariseErrors(all);
+  return out;
+}
+
+void addReprojection(const CameraErrors& errors, const Session& session, StageSummary& summary) {
+  auto [all, per_camera] = summariseErrors(errors);
+  summary.reprojection = all;
+  summary.per_camera = std::move(per_camera);
+  summary.corners_used = all.count;
+  summary.views_offered = 0;
+  summary.corners_offered = 0;
+  for (const CameraStream& stream : session.cameras) {
+    summary.views_offered += static_cast<int>(stream.views.size());
+    for (const ImageView& view : stream.views) summary.corners_offered += view.corners.size();
+  }
+}
+
 void checkFilter(CornerFilter filter, double sigmas) {
   if (filter == CornerFilter::kSigma) requirePositive("filter_sigmas", sigmas);
 }

@@ -38,6 +38,20 @@ std::vector<PackedCorners> packCorners(const Session& session);
 std::vector<PackedCorners> usedCorners(const Session& session, const std::vector<Frame>& frames,
                                        const std::vector<CornerResidual>& residuals);
 
+/// Reprojection errors of used corners [px], per camera.
+using CameraErrors = std::vector<std::vector<Eigen::Vector2d>>;
+CameraErrors usedErrors(const std::vector<CornerResidual>& residuals, std::size_t cameras);
+
+/// What is said of them: of all cameras together, and of each.
+struct ReprojectionSummary {
+  ErrorStatistics reprojection;
+  std::vector<ErrorStatistics> per_camera;
+};
+ReprojectionSummary summariseErrors(const CameraErrors& errors);
+
+/// The used corners' errors into a stage's summary, and what the session offered.
+void addReprojection(const CameraErrors& errors, const Session& session, StageSummary& summary);
+
 /// Throws InputError where a sigma filter has no positive factor.
 void checkFilter(CornerFilter filter, double sigmas);
 

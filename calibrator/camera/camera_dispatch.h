@@ -3,7 +3,7 @@
 
 #include <variant>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/camera/double_sphere.h"
 #include "calibrator/camera/equidistant.h"
 #include "calibrator/camera/eucm.h"

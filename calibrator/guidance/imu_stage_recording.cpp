@@ -5,6 +5,7 @@
 #include <cassert>
 #include <utility>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/imu_rates.h"
@@ -18,9 +19,15 @@ constexpr double kGoodPose = 3;
 
 }  // namespace
 
+void FramePoseOptions::check() const {
+  requireAtLeast(4, "min_corners", min_corners);
+  requirePositive("max_rms_px", max_rms_px);
+}
+
 std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& target,
                                     const std::vector<CameraCalibration>& cameras,
                                     const FramePoseOptions& options) {
+  options.check();
   PosedFrame out{frame.index, frame.t, frame.corners, {}};
   std::vector<PackedCorners> packed;
   for (auto& corners : out.corners) {

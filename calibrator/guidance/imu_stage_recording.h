@@ -25,6 +25,9 @@ struct PosedFrame {
 struct FramePoseOptions {
   int min_corners = 16;  ///< of one camera, for its view to count
   double max_rms_px = 30;
+
+  /// Throws InputError for fewer than four corners (of one tag) or an error that is not positive.
+  void check() const;
 };
 
 /// The frame with the views that show enough, and camera 0's pose by them alone. Empty where they

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 
@@ -228,8 +229,14 @@ Transform mirroredPose(const Transform& T_CF, const Eigen::Vector2d& centre) {
   return other;
 }
 
+void PoseRefinementOptions::check() const {
+  requireAtLeast(0, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+}
+
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options) {
+  options.check();
   PoseSteps steps(views, options.gram, T_C0F);
   MinimiserOptions minimiser;
   minimiser.max_iterations = options.max_iterations;

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 

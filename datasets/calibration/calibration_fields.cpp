@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -89,12 +89,12 @@ Resolution resolutionField(const YamlMap& map, const std::string& key) {
 
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
   Intrinsics k;
-  const std::string projection = map.text(keys.projection_model, projectionModelWords());
-  const std::string distortion = map.text(keys.distortion_model, distortionModelWords());
+  const std::string projection = map.text(keys.projection_model, allWords<ProjectionModel>());
+  const std::string distortion = map.text(keys.distortion_model, allWords<DistortionModel>());
   k.projection_model = modelOf(map, keys.projection_model, projection,
-                               projectionModelFrom(projection), projectionModelWords());
+                               projectionModelFrom(projection), allWords<ProjectionModel>());
   k.distortion_model = modelOf(map, keys.distortion_model, distortion,
-                               distortionModelFrom(distortion), distortionModelWords());
+                               distortionModelFrom(distortion), allWords<DistortionModel>());
   k.projection = parametersField(map, keys.projection, parameterCount(k.projection_model));
   k.distortion = parametersField(map, keys.distortion, parameterCount(k.distortion_model));
   k.resolution = resolutionField(map, "resolution");

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/calibration_fields.h"
+#include "calibrator/fields/calibration_fields.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/calibration/other_tools.h"
@@ -15,7 +15,8 @@
 namespace plumbline {
 namespace {
 
-/// Reads a field list (calibrator/base/fields.h) from a mapping, so that each fault names its line.
+/// Reads a field list (calibrator/fields/fields.h) from a mapping, so that each fault names its
+/// line.
 class YamlReader {
  public:
   static constexpr bool kReads = true;

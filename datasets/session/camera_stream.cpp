@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/camera_models.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/shown_text.h"
 #include "datasets/files/table.h"

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/calibration_fields.h"
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/calibration_fields.h"
+#include "calibrator/fields/json_fields.h"
 
 namespace plumbline {
 namespace {

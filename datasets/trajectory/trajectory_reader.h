@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 

@@ -136,8 +136,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   const bool with_imu = request.use_imu && loaded.session.imu.has_value();
   if (!with_imu && request.cameras_file && !request.free_cameras) {
     throw InputError(
-        "--cameras fixes the cameras, and there is no IMU to calibrate: nothing is left to do; add "
-        "imu0/data.csv and imu.yaml to the session, or --free-cameras");
+        "the cameras are given and fixed, and there is no IMU to calibrate: nothing is left to do; "
+        "add imu0/data.csv and imu.yaml to the session, or let the cameras be refined");
   }
   if (!request.cameras_file || request.free_cameras) {
     if (auto failure = cameraStage(request, loaded, progress, record)) {

@@ -119,7 +119,7 @@ std::string calibrationSummary(const CalibrationRecord& record) {
     addLeftOut(text, *record.camera_imu);
     addImu(text, record.camera_imu->imu);
   } else {
-    add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or --no-imu)\n");
+    add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or it is left out)\n");
   }
   addVerdict(text, record.verdict);
   return fmt::to_string(text);

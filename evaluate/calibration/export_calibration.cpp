@@ -15,7 +15,8 @@ Calibration requestedCalibration(const ExportRequest& request) {
       selectCameras(readCalibration(request.calibration), request.only, request.calibration);
   if (!request.imu) return calibration;
   if (!calibration.imu) {
-    throw InputError(request.calibration, 0, "has no IMU; leave --imu out, or calibrate with one");
+    throw InputError(request.calibration, 0,
+                     "has no IMU, whose noise is to be replaced; calibrate with one");
   }
   const ImuDescription imu = readImuDescription(*request.imu);
   calibration.imu->noise = imu.noise;

@@ -38,10 +38,7 @@ struct CompareOptions {
   std::string uncertainty = "cross-reprojection";
   std::string fit = "squares";
   double focus_radius_px = 0;
-  std::string loss = "cauchy:1.5";
-  double pixel_sigma = 1;
-  double gravity = 9.80655;
-  int min_corners = FrameOptions{}.min_corners;
+  MeasurementOptions measurements;
   bool no_report = false;
   RunsRequest runs;  // trajectories that were estimated with these calibrations
   TrajectoryMetricWords metrics;
@@ -76,17 +73,7 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
       ->allow_extra_args(false);
   o.session.declareOptional(app);
   declareMaps(app, o);
-  app.add_option("--pixel-sigma", o.pixel_sigma, "Standard deviation of a corner, per axis [px]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--loss", o.loss, "Of the poses on --session: none, or cauchy:SCALE [px]")
-      ->capture_default_str();
-  app.add_option("--min-corners", o.min_corners, "Leave out views with fewer corners")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--gravity", o.gravity, "Magnitude of gravity [m/s^2]")
-      ->check(positiveNumber())
-      ->capture_default_str();
+  o.measurements.declare(app);
   app.add_option("--runs", o.runs.runs,
                  "Trajectories estimated with these calibrations: a pattern with the fields "
                  "{calibration}, {sequence} and {run}");
@@ -141,13 +128,12 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   if (!o.session.session.empty()) {
     request.load = o.session.request();
     request.load->read.supported_models_only = false;
+    request.score.camera.frames = o.measurements.frames;
     request.score.camera.frames.tolerance = request.load->read.sync_tolerance;
-    request.score.camera.frames.min_corners = o.min_corners;
     request.score.camera.threads = threadCount(request.load->threads);
   }
-  request.score.camera.pixel_sigma = request.score.camera_imu.pixel_sigma = o.pixel_sigma;
-  request.score.camera.cauchy_px = request.score.camera_imu.cauchy_px = lossFrom(o.loss);
-  request.score.camera_imu.gravity_m_s2 = o.gravity;
+  request.score.camera.model() = o.measurements.chosen();
+  request.score.camera_imu.model() = request.score.camera.model();
   request.score.camera_imu.frames = request.score.camera.frames;
   request.score.camera_imu.threads = request.score.camera.threads;
   request.alignment =

@@ -133,6 +133,26 @@ std::optional<std::string> SessionOptions::cacheFolder() const {
   return cache ? cache : defaultCacheFolder();
 }
 
+void MeasurementOptions::declare(CLI::App& app) {
+  app.add_option("--gravity", model.gravity_m_s2, "Magnitude of gravity [m/s^2]")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--loss", loss, "none, or cauchy:SCALE [px]")->capture_default_str();
+  app.add_option("--pixel-sigma", model.pixel_sigma,
+                 "Standard deviation of a corner, per axis [px]")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--min-corners", frames.min_corners, "Leave out views with fewer corners")
+      ->check(numberFrom(1))
+      ->capture_default_str();
+}
+
+MeasurementModel MeasurementOptions::chosen() const {
+  MeasurementModel out = model;
+  out.cauchy_px = lossFrom(loss);
+  return out;
+}
+
 void EstimationOptions::declare(CLI::App& app) {
   app.add_option(
       "--models", models,
@@ -140,30 +160,19 @@ void EstimationOptions::declare(CLI::App& app) {
   app.add_option("--cameras", cameras,
                  "Calibration whose cameras are used as they are (Kalibr's camchain or ours)");
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
-  app.add_option("--gravity", gravity, "Magnitude of gravity [m/s^2]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--loss", loss, "none, or cauchy:SCALE [px]")->capture_default_str();
-  app.add_option("--pixel-sigma", pixel_sigma, "Standard deviation of a corner, per axis [px]")
-      ->check(positiveNumber())
-      ->capture_default_str();
+  measurements.declare(app);
   app.add_option("--outliers", outliers, "none, sigma:K, or kalibr")->capture_default_str();
-  app.add_option("--min-corners", min_corners, "Leave out views with fewer corners")
-      ->check(numberFrom(1))
-      ->capture_default_str();
 }
 
 CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const {
   CameraStageOptions options;
   if (models) options.models = modelsFrom(*models);
-  options.pixel_sigma = pixel_sigma;
-  options.cauchy_px = lossFrom(loss);
-  options.gravity_m_s2 = gravity;
+  options.model() = measurements.chosen();
   const auto [filter, sigmas] = outliersFrom(outliers);
   options.filter = filter;
   if (filter == CornerFilter::kSigma) options.filter_sigmas = sigmas;
+  options.frames = measurements.frames;
   options.frames.tolerance = load.read.sync_tolerance;
-  options.frames.min_corners = min_corners;
   options.threads = threadCount(load.threads);
   return options;
 }

@@ -42,16 +42,24 @@ struct SessionOptions {
   void declareDetails(CLI::App& app);
 };
 
+/// What is assumed of the measurements, and which views count; defaults are the library's.
+struct MeasurementOptions {
+  MeasurementModel model;
+  FrameOptions frames;
+  std::string loss = lossText(model.cauchy_px);
+
+  void declare(CLI::App& app);
+  /// With the loss; InputError where that is none.
+  MeasurementModel chosen() const;
+};
+
 /// The options of every command that calibrates a recording, as `plumbline calibrate` declares
 /// them.
 struct EstimationOptions {
   std::optional<std::string> models, cameras;
   bool no_imu = false;
-  double gravity = 9.80655;
-  std::string loss = "cauchy:1.5";
+  MeasurementOptions measurements;
   std::string outliers = "none";
-  double pixel_sigma = 1;
-  int min_corners = 4;
 
   void declare(CLI::App& app);
   /// Both stages' options; InputError for values out of range.

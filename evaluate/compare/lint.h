@@ -7,7 +7,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 
 namespace plumbline {

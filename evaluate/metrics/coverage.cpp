@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/image_cells.h"
+#include "calibrator/base/image.h"
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {

@@ -8,9 +8,9 @@
 
 namespace plumbline {
 
-/// One decision as one line of decisions.jsonl, with its line end. Gains and entropies in nats and
-/// in bits; null where there is none; an unbounded gain is null beside "mi_unbounded": true.
-/// Suggestions and rounds of candidates appear on the line of the frame that brought them.
+/// One decision as one line of decisions.jsonl, with its line end: its fields (guide_fields.h),
+/// null where there is no value. Suggestions and rounds of candidates appear on the line of the
+/// frame that brought them.
 std::string decisionLine(const Decision& decision);
 
 /// All of them.

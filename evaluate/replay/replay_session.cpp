@@ -36,7 +36,7 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   if (s.frames_offered == 0) {
     f.level = VerdictLevel::kCaution;
     f.evidence = "not played: " + s.problem;
-    f.advice = "give the cameras (--cameras FILE) to play this stage over the whole recording";
+    f.advice = "give the cameras' calibration to play this stage over the whole recording";
     return f;
   }
   if (!s.ran) {
@@ -75,7 +75,7 @@ Finding stopFinding(const StopAudit& audit) {
       break;
     case StopAudit::Verdict::kEarly:
       f.level = VerdictLevel::kCaution;
-      f.advice = "lower the threshold, or ask for more views (--min-views)";
+      f.advice = "lower the threshold, or ask for more views";
       break;
     case StopAudit::Verdict::kLate:
       f.evidence += fmt::format("; {:.1f} s were spent beyond that", audit.seconds);
@@ -100,7 +100,7 @@ std::vector<Finding> replayFindings(const ReplayRecord& record) {
     f.rule = "nothing to do";
     f.level = VerdictLevel::kBad;
     f.evidence = "the cameras are given and the recording has no IMU: no stage is left to guide";
-    f.advice = "leave out --cameras, or give a recording with imu0";
+    f.advice = "let the cameras be calibrated, or give a recording with imu0";
     findings.push_back(f);
   }
   return findings;

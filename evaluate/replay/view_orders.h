@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/frames.h"
-#include "calibrator/base/image_cells.h"
+#include "calibrator/base/image.h"
 #include "calibrator/base/session.h"
 
 namespace plumbline {

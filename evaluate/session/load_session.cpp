@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/stopwatch.h"
+#include "calibrator/base/time.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/session/corner_cache.h"
 #include "datasets/session/session_folder.h"
@@ -86,6 +86,10 @@ std::optional<std::string> defaultCacheFolder() {
   return std::nullopt;
 }
 
+std::string lossText(double cauchy_px) {
+  return cauchy_px > 0 ? fmt::format("cauchy:{}", cauchy_px) : "none";
+}
+
 void LoadRequest::check() const {
   detector.check();
   if (read.stride < 1) throw InputError(fmt::format("stride {}: expected 1 or more", read.stride));
@@ -134,7 +138,8 @@ Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptio
   Assumptions assumptions;
   assumptions.pixel_sigma_px = camera.pixel_sigma;
   assumptions.gravity_m_s2 = camera_imu.gravity_m_s2;
-  if (camera.cauchy_px > 0) assumptions.loss = fmt::format("cauchy:{}", camera.cauchy_px);
+  assumptions.views_selected = camera.select_views.has_value();
+  assumptions.loss = lossText(camera.cauchy_px);
   return assumptions;
 }
 

@@ -10,6 +10,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/target/detector.h"
+#include "datasets/files/bad_input.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/results/progress.h"
 #include "report/records/calibration_record.h"
@@ -44,6 +45,9 @@ struct LoadedSession {
   double load_s = 0;                    ///< wall seconds of reading
   double detect_s = 0;                  ///< and of detection
 };
+
+/// "none", or "cauchy:SCALE" [px].
+std::string lossText(double cauchy_px);
 
 /// Reads a recording and finds the corners of its images, unless they were found before. Throws
 /// InputError for bad input, and where the request's check() does.

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/camera_models.h"
 #include "datasets/files/bad_input.h"
 
 namespace plumbline {

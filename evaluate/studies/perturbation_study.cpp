@@ -43,7 +43,8 @@ void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& per
     }
     if (p.kind == PerturbationKind::kInitialIntrinsics && inputs.cameras_fixed) {
       throw InputError(
-          "initial-intrinsics starts the camera stage elsewhere, but --cameras fixes the cameras; "
+          "initial-intrinsics starts the camera stage elsewhere, but the cameras are given and "
+          "fixed; "
           "leave one of them out");
     }
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
 #include "report/records/trajectory_record.h"
 

@@ -84,7 +84,7 @@ std::vector<std::string> remarksOn(const Association& association) {
   if (std::abs(r.median_dt_s) > kNoticeableOffset) {
     remarks.push_back(fmt::format(
         "the paired stamps differ by {:+.3f} ms in the median (estimate - truth): perhaps a clock "
-        "offset; compare --association interpolate",
+        "offset; compare with the truth interpolated",
         1e3 * r.median_dt_s));
   }
   if (r.stamps_in_gaps > 0) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/association.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/lie.h"
 
 namespace plumbline {

@@ -11,9 +11,9 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/result_fields.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
+#include "calibrator/fields/result_fields.h"
 #include "report/records/calibration_score.h"
 
 namespace plumbline {
@@ -82,10 +82,11 @@ void fields(V& v, Provenance& p) {
 
 /// What the covariances and verdicts take for granted.
 struct Assumptions {
-  double pixel_sigma_px = 1;
+  double pixel_sigma_px = MeasurementModel().pixel_sigma;
   std::string loss = "none";
-  double gravity_m_s2 = 9.80655;
+  double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   std::optional<ImuNoise> imu_noise;
+  bool views_selected = false;
 };
 
 template <class V>
@@ -94,6 +95,7 @@ void fields(V& v, Assumptions& a) {
   v("gravity_m_s2", a.gravity_m_s2, "m/s^2", "norm of gravity");
   v("loss", a.loss, "`none` or `cauchy:SCALE`, scale in px");
   v("imu_noise", a.imu_noise, "of the session, with an IMU");
+  v.ifSet("views_selected", a.views_selected, "only views that tell enough were used");
 }
 
 /// Of one camera's stream: what was offered and what was found.

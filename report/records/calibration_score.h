@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/fields/calibration_fields.h"
 
 namespace plumbline {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/fields/calibration_fields.h"
 #include "report/records/calibration_record.h"
 #include "report/records/calibration_score.h"
 #include "report/records/trajectory_record.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/records/documents.h"
 
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/json_fields.h"
 #include "report/records/calibration_record.h"
 #include "report/records/comparison_record.h"
 #include "report/records/perturbation_record.h"

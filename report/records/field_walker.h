@@ -5,8 +5,8 @@
 #include <string>
 #include <type_traits>
 
-#include "calibrator/base/fields.h"
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/fields.h"
+#include "calibrator/fields/json_fields.h"
 
 namespace plumbline {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
-#include "calibrator/base/guide_fields.h"
+#include "calibrator/fields/guide_fields.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -45,12 +45,9 @@ struct SuggestionOutcome {
   std::vector<std::vector<Corner>> overlay;
 };
 
-inline double inBits(double nats) { return nats / std::numbers::ln2; }
-
 template <class V>
 void fields(V& v, SuggestionOutcome& o) {
   fields(v, o.suggestion);
-  v.derived("mi_bits", inBits(o.suggestion.mi_nats), "bit", "the same in bits");
   v("end", o.end, "`reached`, `expired`, `withdrawn`; `none`: open at the end");
   v("ended_ns", o.ended, "when");
   v("closest_px", o.closest_px, "px", "least mean corner distance while it was open");

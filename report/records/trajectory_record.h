@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/fields/calibration_fields.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {

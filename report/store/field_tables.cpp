@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kIntroduction = R"(# Documents and records
 
 What Plumbline's commands write for other programs. These tables are generated from the field lists that
-stand beside the records (`calibrator/base/*_fields.h`, `report/records`); a test keeps them up to date
+stand beside the records (`calibrator/fields`, `report/records`); a test keeps them up to date
 (`PLUMBLINE_UPDATE_DOCS=1` writes them). `records.sqlite` keeps the same documents, the samples below each
 table as packed arrays, and rows to query: every number with a unit is a metric (`report/store/sql/schema.sql`).
 

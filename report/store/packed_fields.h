@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
-#include "calibrator/base/fields.h"
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/fields.h"
+#include "calibrator/fields/json_fields.h"
 
 namespace plumbline::store_internal {
 

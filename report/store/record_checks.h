@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/json_fields.h"
 #include "report/records/calibration_record.h"
 #include "report/records/comparison_record.h"
 #include "report/records/perturbation_record.h"

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/json_fields.h"
 #include "report/records/documents.h"
 #include "report/records/field_walker.h"
 #include "report/store/database.h"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/json_fields.h"
+#include "calibrator/fields/json_fields.h"
 #include "report/html/replay/page.h"
 #include "report/records/documents.h"
 #include "report/store/packed_fields.h"

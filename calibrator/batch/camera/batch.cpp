@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/stopwatch.h"
+#include "calibrator/base/time.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/lie.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/corners.h"

@@ -16,7 +16,7 @@ void CameraStageOptions::check() const {
   MeasurementModel::check();
   checkFilter(filter, filter_sigmas);
   if (select_views) select_views->check();
-  requireAtLeast(0, "frames.tolerance", static_cast<double>(frames.tolerance));
+  frames.check();
   requireAtLeast(1, "frames.min_corners", frames.min_corners);
   requireAtLeast(4, "min_start_corners", min_start_corners);
   requireAtLeast(1, "start_views", start_views);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cassert>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
@@ -67,15 +67,6 @@ void addView(int camera, int frame, const PackedView& view,
   }
 }
 
-void addOffered(const Session& session, StageSummary& summary) {
-  summary.views_offered = 0;
-  summary.corners_offered = 0;
-  for (const CameraStream& stream : session.cameras) {
-    summary.views_offered += static_cast<int>(stream.views.size());
-    for (const ImageView& view : stream.views) summary.corners_offered += view.corners.size();
-  }
-}
-
 }  // namespace
 
 std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
@@ -124,29 +115,22 @@ CameraStageResult resultFrom(const Session& session, const CameraProblem& proble
 void addResiduals(const Session& session, const CameraProblem& problem,
                   const CameraEstimate& estimate, ResidualList list, CameraStageResult& result) {
   StageSummary& summary = result.summary;
-  addOffered(session, summary);
   result.residuals.clear();
-  if (list == ResidualList::kKeep) result.residuals.reserve(summary.corners_offered);
-  std::vector<Eigen::Vector2d> all;
-  all.reserve(summary.corners_offered);
-  summary.per_camera.clear();
+  CameraErrors errors;
   summary.views_used = 0;
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     const Transform T_CiC0 = estimate.T_C0Ci[c].inverse();
-    std::vector<Eigen::Vector2d> used;
+    auto& used = errors.emplace_back();
     for (std::size_t f = 0; f < problem.frames.size(); ++f) {
       if (problem.frames[f].view[c] < 0) continue;
       const PackedView view = problem.corners[c].view(problem.frames[f].view[c]);
-      const auto errors = viewErrors(estimate.intrinsics[c], T_CiC0 * estimate.T_C0F[f], view);
+      const auto seen = viewErrors(estimate.intrinsics[c], T_CiC0 * estimate.T_C0F[f], view);
       const std::size_t before = used.size();
-      addView(static_cast<int>(c), static_cast<int>(f), view, errors, list, result.residuals, used);
+      addView(static_cast<int>(c), static_cast<int>(f), view, seen, list, result.residuals, used);
       if (used.size() > before) ++summary.views_used;
     }
-    all.insert(all.end(), used.begin(), used.end());
-    summary.per_camera.push_back(summariseErrors(used));
   }
-  summary.corners_used = all.size();
-  summary.reprojection = summariseErrors(all);
+  addReprojection(errors, session, summary);
 }
 
 Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,

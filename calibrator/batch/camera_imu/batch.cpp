@@ -7,7 +7,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/stopwatch.h"
+#include "calibrator/base/time.h"
 #include "calibrator/batch/camera_imu/diagnosis.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "calibrator/base/fault_diagnosis.h"
+#include "calibrator/base/results.h"
 #include "calibrator/batch/camera_imu/problem.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"

@@ -11,16 +11,6 @@ namespace {
 /// The few steps of squared error that precede a robust loss.
 constexpr MinimiserOptions kWarmStart{.max_iterations = 4, .tolerance = 10};
 
-/// Errors of the used corners of one camera; of all where `camera` is negative.
-std::vector<Eigen::Vector2d> usedErrors(const std::vector<CornerResidual>& residuals, int camera) {
-  std::vector<Eigen::Vector2d> errors;
-  errors.reserve(residuals.size());
-  for (const CornerResidual& r : residuals) {
-    if (r.used && (camera < 0 || r.camera == camera)) errors.push_back(r.error.cast<double>());
-  }
-  return errors;
-}
-
 /// Views with used corners; residuals are grouped by frame, then camera.
 int countUsedViews(const std::vector<CornerResidual>& residuals) {
   int views = 0;
@@ -34,15 +24,8 @@ int countUsedViews(const std::vector<CornerResidual>& residuals) {
 }
 
 void fillReprojection(const Session& session, CameraImuStageResult& result) {
-  StageSummary& s = result.summary;
-  s.reprojection = summariseErrors(usedErrors(result.residuals, -1));
-  s.corners_used = s.reprojection.count;
-  s.views_used = countUsedViews(result.residuals);
-  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-    s.per_camera.push_back(summariseErrors(usedErrors(result.residuals, static_cast<int>(c))));
-    s.views_offered += static_cast<int>(session.cameras[c].views.size());
-    for (const ImageView& view : session.cameras[c].views) s.corners_offered += view.corners.size();
-  }
+  addReprojection(usedErrors(result.residuals, session.cameras.size()), session, result.summary);
+  result.summary.views_used = countUsedViews(result.residuals);
 }
 
 CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuSolution& solution) {
@@ -96,7 +79,7 @@ void CameraImuOptions::check() const {
   requireAtLeast(0, "margin_s", margin_s);
   requireAtLeast(1, "max_gap_intervals", max_gap_intervals);
   requirePositive("max_interval_s", max_interval_s);
-  requireAtLeast(0, "frames.tolerance", static_cast<double>(frames.tolerance));
+  frames.check();
   requireAtLeast(1, "frames.min_corners", frames.min_corners);
   requirePositive("max_start_rms_px", max_start_rms_px);
   requirePositive("max_translation_std_m", max_translation_std_m);

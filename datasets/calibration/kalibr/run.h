@@ -8,7 +8,6 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
-#include "calibrator/base/trajectory.h"
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr/camchain.h"
 

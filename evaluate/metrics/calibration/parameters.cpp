@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/lie.h"
 
 namespace plumbline {

@@ -6,18 +6,16 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera/information.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
 namespace {
-
-/// Errors of used corners, per camera; all cameras' are their sequence.
-using CameraErrors = std::vector<std::vector<Eigen::Vector2d>>;
 
 /// What a score was made of, kept so that folds can be pooled.
 struct Scored {
@@ -28,36 +26,22 @@ struct Scored {
   std::optional<CameraImuStageResult> camera_imu_stage;  ///< likewise
 };
 
-CameraErrors errorsOf(const std::vector<CornerResidual>& residuals, std::size_t cameras) {
-  CameraErrors errors(cameras);
-  for (const CornerResidual& r : residuals) {
-    if (r.used) errors[static_cast<std::size_t>(r.camera)].push_back(r.error.cast<double>());
-  }
-  return errors;
-}
-
-ErrorStatistics together(const CameraErrors& errors) {
-  std::vector<Eigen::Vector2d> all;
-  for (const auto& one : errors) all.insert(all.end(), one.begin(), one.end());
-  return summariseErrors(all);
-}
-
 void addReprojection(const CameraErrors& errors, CalibrationScore& score) {
-  score.reprojection = together(errors);
-  score.per_camera.clear();
-  for (const auto& one : errors) score.per_camera.push_back(summariseErrors(one));
+  auto [all, per_camera] = summariseErrors(errors);
+  score.reprojection = all;
+  score.per_camera = std::move(per_camera);
 }
 
 void addCameraStage(const CameraStageResult& stage, Scored& out) {
-  out.camera = errorsOf(stage.residuals, stage.cameras.size());
+  out.camera = usedErrors(stage.residuals, stage.cameras.size());
   addReprojection(out.camera, out.score);
   out.score.views_used = stage.summary.views_used;
   out.score.views_offered = stage.summary.views_offered;
 }
 
 void addImuStage(const CameraImuStageResult& stage, Scored& out) {
-  out.camera_imu = errorsOf(stage.residuals, stage.cameras.size());
-  out.score.camera_imu = together(out.camera_imu);
+  out.camera_imu = usedErrors(stage.residuals, stage.cameras.size());
+  out.score.camera_imu = summariseErrors(out.camera_imu).reprojection;
   out.score.camera_imu_cost = stage.summary.cost;
   out.score.gyro_rms_rad_s = stage.imu_summary.gyro_rms_rad_s;
   out.score.accel_rms_m_s2 = stage.imu_summary.accel_rms_m_s2;
@@ -205,7 +189,7 @@ void pool(const Scored& fold, Scored& sum) {
 
 CalibrationScore pooled(Scored sum, const std::string& part, bool held_out) {
   addReprojection(sum.camera, sum.score);
-  if (!sum.camera_imu.empty()) sum.score.camera_imu = together(sum.camera_imu);
+  if (!sum.camera_imu.empty()) sum.score.camera_imu = summariseErrors(sum.camera_imu).reprojection;
   sum.score.part = part;
   sum.score.held_out = held_out;
   return std::move(sum.score);

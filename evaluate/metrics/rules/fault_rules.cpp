@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/fault_diagnosis.h"
+#include "calibrator/base/results.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {

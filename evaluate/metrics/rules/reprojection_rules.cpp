@@ -23,9 +23,9 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
     findings.push_back(above(
         {fmt::format("Reprojection error of {} ({})", name, stage), "px", t.rmse_px,
          "Look at the per-frame errors: blurred or mis-detected frames, a bent target, a wrong "
-         "tagSpacing in target.yaml, a wrong camera model (fisheye: --models pinhole-equidistant), "
-         "or (camera-IMU) wrong intrinsics raise "
-         "it."},
+         "tagSpacing in target.yaml, a wrong camera model (fisheye: pinhole-equidistant), or "
+         "(camera-IMU) wrong intrinsics "
+         "raise it."},
         rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
     const RegionalErrors regions =
         regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
@@ -34,7 +34,8 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
     findings.push_back(above(
         {fmt::format("Systematic error of {} ({})", name, stage), "px", t.regional_error_px,
          "The model does not bend as the lens does there: try another distortion model or "
-         "--loss none, look for bad detections, or take that region's results with care."},
+         "squared errors without a loss function, look for bad detections, or take that region's "
+         "results with care."},
         worst.error_px,
         fmt::format("typical (median) error {:.3f} px in the worst of {} image regions, around "
                     "pixel ({:.0f}, {:.0f})",
@@ -60,9 +61,7 @@ Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::
 
 Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
-  for (const auto& [option, unused] : record.provenance.options) {
-    if (option == "--select-views") return findings;
-  }
+  if (record.assumptions.views_selected) return findings;
   const std::size_t offered = record.camera->summary.corners_offered;
   const std::size_t listed = record.camera->residuals.size();
   if (offered < listed) return findings;

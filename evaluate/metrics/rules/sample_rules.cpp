@@ -125,7 +125,7 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
   }
   return {above({"Isolated inertial residuals", "-", t.isolated_residual,
                  "Look at the samples around that instant: a spike, a jump of a bias, a knock, or "
-                 "stamps that are wrong there; record again, or cut it out (--from, --to)."},
+                 "stamps that are wrong there; record again, or cut it out."},
                 worst, evidence)};
 }
 

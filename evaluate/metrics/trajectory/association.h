@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {

@@ -126,7 +126,7 @@ std::string parametersLead(const CalibrationRecord& record) {
              "only if model and noise are right. ") +
          (spread ? "Spread is what resampled time segments of the recording gave; where it is "
                    "several times the std, trust the spread."
-                 : "A resampled calibration (--resample) would show the real spread beside it.");
+                 : "A resampled calibration would show the real spread beside it.");
 }
 
 Block parameterBlock(const ParameterGroup& group) {

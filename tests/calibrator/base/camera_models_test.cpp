@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/camera_models.h"
-
 #include <gtest/gtest.h>
+
+#include "calibrator/base/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -18,8 +18,8 @@ TEST(CameraModels, WordsLeadToTheModelAndBack) {
   EXPECT_EQ(distortionModelFrom("plumb_bob"), DistortionModel::kRadtan);
   EXPECT_EQ(distortionModelFrom("kb4"), DistortionModel::kEquidistant);
   EXPECT_FALSE(projectionModelFrom("fisheye"));
-  EXPECT_EQ(projectionModelWords(), "pinhole, omni, eucm, ds");
-  EXPECT_EQ(distortionModelWords(), "radtan, equidistant, fov, none");
+  EXPECT_EQ(allWords<ProjectionModel>(), "pinhole, omni, eucm, ds");
+  EXPECT_EQ(allWords<DistortionModel>(), "none, radtan, equidistant, fov");
 }
 
 TEST(CameraModels, NamesAndNumbersOfParametersAgree) {

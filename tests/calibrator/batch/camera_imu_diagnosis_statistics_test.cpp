@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/fault_diagnosis.h"
+#include "calibrator/base/results.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/faults/fault.h"

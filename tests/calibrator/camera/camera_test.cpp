@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/camera_models.h"
+#include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/camera/equidistant.h"
 #include "tests/calibrator/camera/example_cameras.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/trajectory.h"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/trajectory.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 

@@ -74,7 +74,8 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   d.round = CandidateRound{d.t, d.t + 40'000'000, {"a", "b"}, {{}, {}}, {0.5, std::nan("")}, 0};
   const json read = json::parse(decisionLine(d));
   EXPECT_EQ(read["event"], "opened");
-  EXPECT_EQ(read["opened"]["T_FC0"], json({1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0}));
+  EXPECT_EQ(read["opened"]["T_FC0"][0], json({1.0, 0.0, 0.0, 1.0}));
+  EXPECT_EQ(read["opened"]["T_FC0"][2], json({0.0, 0.0, 1.0, 3.0}));
   EXPECT_EQ(read["round"]["answered_ns"].get<TimeNs>() - read["round"]["asked_ns"].get<TimeNs>(),
             40'000'000);
   EXPECT_TRUE(read["round"]["mi_bits"][1].is_null());

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/calibration_fields.h"
 #include "calibrator/base/results.h"
+#include "calibrator/fields/calibration_fields.h"
 
 namespace plumbline {
 
@@ -151,7 +151,7 @@ void fields(V& v, FaultTest& t) {
   v("fault", t.fault, "what was tested");
   v("camera", t.camera, "its position; -1: no camera's own fault");
   v("since_ns", t.since, "instant from which it holds, camera clock");
-  v("estimate", t.estimate, "size to first order, SI units (calibrator/base/fault_diagnosis.h)");
+  v("estimate", t.estimate, "size to first order, SI units (calibrator/base/results.h)");
   v("std", t.std, "its cluster-robust standard deviation");
   v("chi2", t.chi2, "of the estimate against zero");
   v("dof", t.dof, "number of its parameters");

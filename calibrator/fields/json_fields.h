@@ -12,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "calibrator/base/fields.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/fields/fields.h"
 
 namespace plumbline {
 
@@ -24,10 +24,14 @@ Json toJson(const T& value);
 template <class T>
 void fromJson(const Json& json, T& value);
 
+/// What becomes of a member without value.
+enum class EmptyFields { kLeftOut, kNull };
+
 /// Writes a struct's fields as an object. Samples (v.array) are not in it.
 class JsonWriter {
  public:
   static constexpr bool kReads = false, kAll = false;
+  explicit JsonWriter(EmptyFields empty = EmptyFields::kLeftOut) : empty_(empty) {}
 
   template <class T>
   void operator()(const char* name, const T& value, const char* /*text*/) {
@@ -35,7 +39,7 @@ class JsonWriter {
   }
   template <class T>
   void operator()(const char* name, const std::optional<T>& value, const char* /*text*/) {
-    if (value) json_[name] = toJson(*value);
+    if (value || empty_ == EmptyFields::kNull) json_[name] = toJson(value);
   }
   template <class T>
   void operator()(const char* name, const T& value, const char* /*unit*/, const char* text) {
@@ -53,7 +57,7 @@ class JsonWriter {
   void array(const char* /*name*/, const T& /*value*/, const char* /*text*/) {}
   template <class List>
   void group(const char* name, const List& list) {
-    JsonWriter inner;
+    JsonWriter inner(empty_);
     list(inner);
     if (!inner.json_.empty()) json_[name] = std::move(inner.json_);
   }
@@ -70,6 +74,7 @@ class JsonWriter {
     }
   }
 
+  EmptyFields empty_;
   Json json_ = Json::object();
 };
 

@@ -11,10 +11,10 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/fields.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/fields/fields.h"
 
 namespace plumbline {
 
@@ -46,14 +46,6 @@ template <class V>
 void fields(V& v, Frame& f) {
   v("t_ns", f.t, "ns", "stamp of the frame, camera 0's clock");
   v("view", f.view, "of each camera, its view in the session; -1: none");
-}
-
-constexpr std::array<const char*, 4> enumWords(ProjectionModel /*of*/) {
-  return {"pinhole", "omni", "eucm", "ds"};
-}
-
-constexpr std::array<const char*, 4> enumWords(DistortionModel /*of*/) {
-  return {"none", "radtan", "equidistant", "fov"};
 }
 
 /// The two parts of intrinsics_std, empty without one; and the inverse.

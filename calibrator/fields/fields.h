@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
+
 namespace plumbline {
 
 /// The protocol of field lists. A struct that is kept or written has one list beside it,
@@ -36,31 +38,11 @@ namespace plumbline {
 /// meaning of its own, a field says so.
 ///
 /// Two smaller forms: `auto elements(Struct& s) { return std::tie(s.width, s.height); }` makes a
-/// struct a list; `enumWords(Enum)` gives the words of an enumeration that counts from 0.
+/// struct a list; `enumWords(Enum)` gives the words of an enumeration (enum_words.h).
 
 /// The unit of a field within a struct whose holder states it (a distribution of lengths or
 /// angles).
 inline constexpr const char* kSameUnit = "same";
-
-template <class E>
-concept WordedEnum = requires(E e) {
-  enumWords(e).size();
-};
-
-template <WordedEnum E>
-std::string toString(E value) {
-  return enumWords(value)[static_cast<std::size_t>(value)];
-}
-
-/// The inverse; empty for an unknown word.
-template <WordedEnum E>
-std::optional<E> enumFrom(const std::string& word) {
-  const auto words = enumWords(E{});
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (word == words[i]) return static_cast<E>(i);
-  }
-  return std::nullopt;
-}
 
 template <class T>
 concept ListedStruct = requires(T& value) {
