@@ -175,4 +175,32 @@ std::vector<TimeNs> stampShifts(const std::vector<CameraStream>& cameras,
   return shifts;
 }
 
+ViewChoice viewsOf(const Session& session, const std::vector<Frame>& frames,
+                   const std::vector<int>& wanted) {
+  ViewChoice choice;
+  for (const CameraStream& camera : session.cameras) choice.emplace_back(camera.views.size());
+  for (const int index : wanted) {
+    const Frame& frame = frames[static_cast<std::size_t>(index)];
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      if (frame.view[c] >= 0) choice[c][static_cast<std::size_t>(frame.view[c])] = true;
+    }
+  }
+  return choice;
+}
+
+Session withoutViews(Session session) {
+  for (CameraStream& camera : session.cameras) camera.views.clear();
+  return session;
+}
+
+Session withFrames(const Session& session, const std::vector<Frame>& frames,
+                   const std::vector<int>& wanted) {
+  Session out = withoutViews(session);
+  const ViewChoice choice = viewsOf(session, frames, wanted);
+  for (std::size_t c = 0; c < out.cameras.size(); ++c) {
+    out.cameras[c].views = chosen(session.cameras[c].views, choice[c]);
+  }
+  return out;
+}
+
 }  // namespace plumbline

@@ -35,6 +35,29 @@ struct FrameOptions {
 std::vector<Frame> pairFrames(const std::vector<CameraStream>& cameras,
                               const FrameOptions& options = {});
 
+/// Which views of each camera some frames take: `wanted` are positions in `frames`, which
+/// pairFrames() made of the session.
+using ViewChoice = std::vector<std::vector<bool>>;
+ViewChoice viewsOf(const Session& session, const std::vector<Frame>& frames,
+                   const std::vector<int>& wanted);
+
+/// The items that are chosen, in their order.
+template <class Item>
+std::vector<Item> chosen(const std::vector<Item>& items, const std::vector<bool>& choice) {
+  std::vector<Item> out;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (choice[i]) out.push_back(items[i]);
+  }
+  return out;
+}
+
+/// The session with its target, cameras and IMU samples, but without views.
+Session withoutViews(Session session);
+
+/// The session with the views of some of its frames. All IMU samples stay.
+Session withFrames(const Session& session, const std::vector<Frame>& frames,
+                   const std::vector<int>& wanted);
+
 /// By how much each camera's stamps are later than camera 0's in the frames that both share: the
 /// median [ns]; 0 where they share none.
 std::vector<TimeNs> stampShifts(const std::vector<CameraStream>& cameras,

@@ -18,35 +18,18 @@ TimeNs instant(TimeNs start, double seconds) {
   return start + toNanoseconds(seconds);
 }
 
-// Which views of each camera stay. Frames are counted as pairs of views, so that cameras with
-// dropped images stay together under a stride.
-std::vector<std::vector<bool>> keptViews(const std::vector<Frame>& frames, const Session& session,
-                                         const SessionReadOptions& options) {
-  std::vector<std::vector<bool>> kept;
-  for (const CameraStream& camera : session.cameras) kept.emplace_back(camera.views.size(), false);
+// Frames are counted as pairs of views, so that cameras with dropped images stay together under a
+// stride.
+std::vector<int> wantedFrames(const std::vector<Frame>& frames, const SessionReadOptions& options) {
+  std::vector<int> wanted;
   const TimeNs from = instant(frames.front().t, options.from_s);
   const TimeNs to = instant(frames.front().t, options.to_s);
   int index = 0;
-  for (const Frame& frame : frames) {
-    if (frame.t < from || frame.t > to) continue;
-    if (index++ % options.stride != 0) continue;
-    for (std::size_t c = 0; c < frame.view.size(); ++c) {
-      if (frame.view[c] >= 0) kept[c][static_cast<std::size_t>(frame.view[c])] = true;
-    }
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (frames[f].t < from || frames[f].t > to) continue;
+    if (index++ % options.stride == 0) wanted.push_back(static_cast<int>(f));
   }
-  return kept;
-}
-
-template <class Item>
-void keepOnly(std::vector<Item>& items, const std::vector<bool>& kept) {
-  if (items.size() != kept.size()) return;  // no images for this camera
-  std::size_t out = 0;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (!kept[i]) continue;
-    if (out != i) items[out] = std::move(items[i]);
-    ++out;
-  }
-  items.resize(out);
+  return wanted;
 }
 
 void trimImu(ImuStream& imu, TimeNs first_frame, const SessionReadOptions& options) {
@@ -81,11 +64,12 @@ void selectFrames(Recording& recording, const SessionReadOptions& options) {
   Session& session = recording.session;
   const std::vector<Frame> frames = pairFrames(session.cameras, {options.sync_tolerance, 0});
   if (frames.empty()) return;
-  const std::vector<std::vector<bool>> kept = keptViews(frames, session, options);
+  const ViewChoice kept = viewsOf(session, frames, wantedFrames(frames, options));
   std::size_t left = 0;
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-    keepOnly(session.cameras[c].views, kept[c]);
-    keepOnly(recording.images[c], kept[c]);
+    auto& images = recording.images[c];  // none where corners came from a file
+    if (images.size() == kept[c].size()) images = chosen(images, kept[c]);
+    session.cameras[c].views = chosen(session.cameras[c].views, kept[c]);
     left += session.cameras[c].views.size();
   }
   if (left == 0) {

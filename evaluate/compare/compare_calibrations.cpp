@@ -176,7 +176,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
     record.offsets.push_back(offsetSummary(file.compared.label, file.compared.calibration));
   }
   if (record.name.empty()) record.name = record.calibrations.front().label;
-  record.parameters = comparedParameters(calibrations);
+  record.parameters = comparedParameters(calibrations, request.thresholds);
   addScores(on_session, record);
   addMaps(files, on_session, request.maps, record);
   std::vector<Finding> findings = comparisonFindings(record, request.thresholds);

@@ -3,17 +3,10 @@
 
 #include <vector>
 
+#include "evaluate/compare/parameters.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {
-
-/// When a difference is worth a person's attention.
-struct ComparisonThresholds {
-  double significance = 3;       ///< of a parameter's difference [standard deviations]
-  double difference_px = 1;      ///< worst projection difference, caution above
-  double difference_bad_px = 5;  ///< and bad above
-  double prediction_sigmas = 3;  ///< of a paired prediction
-};
 
 /// What a comparison says, in the order in which it is read: parameters that differ beyond their
 /// deviations, transforms and offsets, the worst projection difference of each pair and camera with

@@ -27,13 +27,7 @@ const CalibrationParameter* find(const std::vector<CalibrationParameter>& list,
   return found == list.end() ? nullptr : &*found;
 }
 
-VerdictLevel levelOf(double sigmas) {
-  constexpr double kNotable = 2, kLarge = 3;
-  if (sigmas >= kLarge) return VerdictLevel::kBad;
-  return sigmas >= kNotable ? VerdictLevel::kCaution : VerdictLevel::kGood;
-}
-
-void addSignificance(ComparedParameter& row) {
+void addSignificance(const ComparisonThresholds& thresholds, ComparedParameter& row) {
   row.significance.clear();
   row.levels.clear();
   for (std::size_t i = 0; i < row.values.size(); ++i) {
@@ -43,7 +37,7 @@ void addSignificance(ComparedParameter& row) {
       if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
     }
     row.significance.push_back(sigmas);
-    row.levels.push_back(levelOf(sigmas.value_or(0)));
+    row.levels.push_back(thresholds.levelOf(sigmas.value_or(0)));
   }
 }
 
@@ -192,7 +186,13 @@ std::vector<double> blockMeans(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<ComparedParameter> comparedParameters(const Calibrations& calibrations) {
+VerdictLevel ComparisonThresholds::levelOf(double sigmas) const {
+  if (sigmas >= significance) return VerdictLevel::kBad;
+  return sigmas >= notable ? VerdictLevel::kCaution : VerdictLevel::kGood;
+}
+
+std::vector<ComparedParameter> comparedParameters(const Calibrations& calibrations,
+                                                  const ComparisonThresholds& thresholds) {
   if (calibrations.empty()) return {};
   std::vector<ComparedParameter> rows = listedRows(calibrations);
   addChanges(calibrations, rows);
@@ -212,7 +212,7 @@ std::vector<ComparedParameter> comparedParameters(const Calibrations& calibratio
   const TransformOf imu_of = [](const Calibration& c) { return c.imu ? &c.imu->T_SC0 : nullptr; };
   if (imu) addNorms("T_SC0", imu_of, calibrations, rows);
   addCameraOffsets(calibrations, rows);
-  for (ComparedParameter& row : rows) addSignificance(row);
+  for (ComparedParameter& row : rows) addSignificance(thresholds, row);
   return rows;
 }
 

@@ -10,6 +10,18 @@
 
 namespace plumbline {
 
+/// When a difference is worth a person's attention.
+struct ComparisonThresholds {
+  double notable = 2;        ///< of a parameter's difference, caution from [standard deviations]
+  double significance = 3;   ///< and bad from; above it the findings name the parameter
+  double difference_px = 1;  ///< worst projection difference, caution above
+  double difference_bad_px = 5;  ///< and bad above
+  double prediction_sigmas = 3;  ///< of a paired prediction
+
+  /// Of a parameter's difference in standard deviations.
+  VerdictLevel levelOf(double sigmas) const;
+};
+
 /// Every parameter under all calibrations, in the order of the first (docs/comparison.md):
 /// the list of calibrationParameters(), where `time_offset` is the mean over cameras, then
 /// - "T_C0Ci.angle", "T_C0Ci.lever" and the same of T_SC0: value |Log(R)| [rad] and |t| [m];
@@ -18,7 +30,8 @@ namespace plumbline {
 /// Differences are to the first calibration (calibrationChange(): tangents for transforms), with
 /// significance where both deviations are known, as if the two estimates were independent. Where a
 /// camera's model differs from the first's, its parameters have values but no difference.
-std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations);
+std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations,
+                                                  const ComparisonThresholds& thresholds = {});
 
 /// The offsets of every calibration in the sign t_imu = t_cam + t_d.
 OffsetSummary offsetSummary(const std::string& label, const Calibration& calibration);

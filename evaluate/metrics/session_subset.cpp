@@ -18,25 +18,6 @@ void cutBetween(TimeNs from, TimeNs to, double time_offset_s, Session& session) 
 
 }  // namespace
 
-Session withoutViews(Session session) {
-  for (CameraStream& camera : session.cameras) camera.views.clear();
-  return session;
-}
-
-Session withFrames(const Session& session, const std::vector<Frame>& frames,
-                   const std::vector<int>& wanted) {
-  Session out = withoutViews(session);
-  for (const int index : wanted) {
-    const Frame& frame = frames[static_cast<std::size_t>(index)];
-    for (std::size_t c = 0; c < frame.view.size(); ++c) {
-      if (frame.view[c] < 0) continue;
-      const auto view = static_cast<std::size_t>(frame.view[c]);
-      out.cameras[c].views.push_back(session.cameras[c].views[view]);
-    }
-  }
-  return out;
-}
-
 Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice) {
   const int index = choice.index, count = choice.count;
   assert(count >= 2 && index >= 0 && index < count);

@@ -8,14 +8,6 @@
 
 namespace plumbline {
 
-/// The session with its target, cameras and IMU samples, but without views.
-Session withoutViews(Session session);
-
-/// The session with the views of some of its frames: `wanted` are ascending positions in `frames`,
-/// which pairFrames() made of it. All IMU samples stay.
-Session withFrames(const Session& session, const std::vector<Frame>& frames,
-                   const std::vector<int>& wanted);
-
 /// A session parted into what is calibrated on and what that is scored on.
 struct Fold {
   Session training;

@@ -8,7 +8,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/simulate/random_stream.h"
-#include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
 namespace {
