@@ -18,6 +18,7 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& w) {
   return W;
 }
 
+// Rodrigues: R = I + sin(t)/t W + (1 - cos t)/t^2 W^2, t = |w|.
 Eigen::Matrix3d expSO3(const Eigen::Vector3d& w) {
   const double t2 = w.squaredNorm();
   double a = 1 - t2 / 6;
@@ -32,6 +33,9 @@ Eigen::Matrix3d expSO3(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() + a * W + b * W * W;
 }
 
+// Through the quaternion: the arc cosine of the trace loses half of the digits near 0 and near pi,
+// the arc tangent of |vec| and w loses none. q and -q are the same rotation; w >= 0 gives |w| <=
+// pi.
 Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
   Eigen::Quaterniond q(R);
   if (q.w() < 0) q.coeffs() *= -1;
@@ -40,6 +44,8 @@ Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
   return q.vec() * (2 * std::atan2(n, q.w()) / n);
 }
 
+// I + (1 - cos t)/t^2 W + (t - sin t)/t^3 W^2. The last coefficient cancels three orders of t and
+// needs its series up to larger angles than the others.
 Eigen::Matrix3d leftJacobianSO3(const Eigen::Vector3d& w) {
   const double t2 = w.squaredNorm();
   double b = 0.5 - t2 / 24;
@@ -56,6 +62,7 @@ Eigen::Matrix3d leftJacobianSO3(const Eigen::Vector3d& w) {
 
 Eigen::Matrix3d rightJacobianSO3(const Eigen::Vector3d& w) { return leftJacobianSO3(-w); }
 
+// I - W/2 + (1/t^2 - cot(t/2)/(2t)) W^2.
 Eigen::Matrix3d inverseLeftJacobianSO3(const Eigen::Vector3d& w) {
   const double t2 = w.squaredNorm();
   double c = 1.0 / 12 + t2 / 720 + t2 * t2 / 30240;
@@ -71,6 +78,8 @@ Eigen::Matrix3d inverseRightJacobianSO3(const Eigen::Vector3d& w) {
   return inverseLeftJacobianSO3(-w);
 }
 
+// The rotation that maximises trace(R' X) (Kabsch 1976): where the nearest orthogonal matrix is a
+// reflection, the axis of the least singular value is turned round, which costs least.
 Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& R) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d d(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());

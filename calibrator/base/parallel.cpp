@@ -13,6 +13,8 @@ void parallelCalls(int count, int threads, const std::function<void(int)>& work)
     for (int i = 0; i < count; ++i) work(i);
     return;
   }
+  // An arena of its own keeps to the threads that were asked for; one task for each call, for the
+  // calls are the chunks already, whose bounds results may depend on.
   tbb::task_arena arena(used);
   arena.execute([&] { tbb::parallel_for(0, count, work, tbb::simple_partitioner()); });
 }

@@ -17,6 +17,7 @@ Eigen::Matrix4d Transform::matrix() const {
 }
 
 Transform boxplus(const Transform& T, const Vector6d& d) {
+  // Over a unit quaternion, so that many small steps do not leave SO(3) by rounding.
   const Eigen::Matrix3d R = expSO3(d.tail<3>()) * T.R;
   return {Eigen::Quaterniond(R), T.t + d.head<3>()};
 }

@@ -12,7 +12,9 @@
 namespace plumbline {
 namespace {
 
-constexpr double kFarOff = 1e5;  // [px]
+// Error of a corner behind the camera [px]: beyond every limit, yet finite, so that sums and
+// medians over a view stay numbers.
+constexpr double kFarOff = 1e5;
 
 template <CameraModel Model>
 std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const Transform& T_CF,
@@ -98,7 +100,7 @@ std::vector<PackedCorners> usedCorners(const Session& session, const std::vector
     if (r.used) continue;
     const auto c = static_cast<std::size_t>(r.camera);
     const int index = frames[static_cast<std::size_t>(r.frame)].view[c];
-    const PackedView view = corners[c].view(index);
+    const PackedView view = corners[c].view(index);  // ids ascend within a view
     const int* found = std::lower_bound(view.id, view.id + view.count, r.corner_id);
     corners[c].setWeight(index, static_cast<int>(found - view.id), 0);
   }

@@ -34,6 +34,8 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
   if (count <= 0) return segments;
   std::vector<int> drawn(static_cast<std::size_t>(count), 0);
   std::mt19937_64 random = randomOf(options.seed, draw);
+  // As many draws as segments, with replacement. A segment that is drawn k times counts k times: it
+  // enters once with weight k, which costs no more than once.
   for (int i = 0; i < count; ++i) ++drawn[random() % drawn.size()];
   const auto first = [&](int s) {
     return static_cast<int>(static_cast<std::int64_t>(frame_count) * s / count);
@@ -68,6 +70,7 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
   options.check();
   std::vector<std::optional<Eigen::VectorXd>> solved(
       static_cast<std::size_t>(std::max(0, options.draws)));
+  // Draws side by side rather than threads within a draw: they share nothing.
   forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {
     solved[static_cast<std::size_t>(chunk.index)] =
         solve(drawSegments(frame_count, options, chunk.index));

@@ -25,6 +25,7 @@ std::optional<ScaledFactor> factor(const Eigen::MatrixXd& information) {
   assert(information.rows() == information.cols());
   if (!information.allFinite() || !(information.diagonal().array() > 0).all()) return std::nullopt;
   ScaledFactor f;
+  // Scaled to a unit diagonal, so that pixels beside radians do not look like a loss of rank.
   f.D = information.diagonal().cwiseSqrt();
   const Eigen::VectorXd inverse = f.D.cwiseInverse();
   f.llt.compute(inverse.asDiagonal() * information * inverse.asDiagonal());
@@ -38,6 +39,7 @@ double logDeterminantOf(const ScaledFactor& f) {
   return 2 * (f.llt.matrixLLT().diagonal().array().log().sum() + f.D.array().log().sum());
 }
 
+// The parameters that carry a direction: those within a factor of three of the largest.
 std::vector<int> leadingOf(const Eigen::VectorXd& weights) {
   const double least = 0.3 * weights.cwiseAbs().maxCoeff();
   std::vector<int> leading;
@@ -92,6 +94,7 @@ double bitsFromNats(double nats) { return nats / std::numbers::ln2; }
 std::vector<FreeDirection> freeDirections(const Eigen::MatrixXd& information,
                                           const Eigen::VectorXd& sizes) {
   assert(information.rows() == sizes.size());
+  // In units of the sizes an eigenvalue below 1 is a deviation above 1: a worthless direction.
   const Eigen::MatrixXd scaled = sizes.asDiagonal() * information * sizes.asDiagonal();
   const SymmetricEigen eigen = symmetricEigen(scaled);
   std::vector<FreeDirection> free;

@@ -39,6 +39,8 @@ class Elimination {
         middle_(system.blocks() / 2),
         eliminated_(static_cast<std::size_t>(system.blocks())) {}
 
+  // From both ends towards the middle, whatever the number of threads: the halves meet in one
+  // block, and the order of all sums is the same for one thread and for two.
   std::optional<ChainSolution> run() {
     Carry front(columns_ - kNeighbour);
     Carry back(columns_ - kNeighbour);
@@ -91,6 +93,7 @@ class Elimination {
       for (int c = r; c < kB; ++c) rows(r, c) = system_.diagonal[at](r, c);
       rows(r, r) *= 1 + options_.damping;
     }
+    // Damping scales the system's own diagonal, before the Schur complement of the blocks before.
     rows.leftCols<kPart>() -= carry.gram.topLeftCorner<kB, kPart>();
     if (direction > 0) rows.middleCols<kB>(kNeighbour) = system_.next[at];
     if (direction < 0) rows.middleCols<kB>(kNeighbour) = system_.next[at - 1].transpose();
@@ -119,6 +122,7 @@ class Elimination {
     if (!out.border_step.allFinite()) return std::nullopt;
     out.chain_log_det = carry.log_det;
     out.border_log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
+    // b' H^-1 b: the eliminated blocks' share has been summed as the gradient column went along.
     out.decrement = handed_on(m, m) - s.dot(out.border_step);
     backSweeps(out);
     return out;
@@ -170,6 +174,8 @@ class Elimination {
     return S;
   }
 
+  // With x_i = -K (neighbour | border) + noise of covariance (L L')^-1, outwards from the middle:
+  // only the blocks of the inverse that the system itself has are formed (Takahashi's recursion).
   void blockCovariance(int i, int direction, ChainCovariance& out) const {
     const auto at = static_cast<std::size_t>(i);
     const RowMatrix& rows = eliminated_[at];

@@ -42,6 +42,8 @@ std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::
   if (drop.empty()) return out;
   Eigen::MatrixXd H_dd = cost.H(drop, drop);
   if (!(H_dd.diagonal().array() > 0).all()) return std::nullopt;
+  // On a unit diagonal the units of the parameters play no part, and a pivot says which share of a
+  // parameter's information is its own.
   const Eigen::VectorXd scale = H_dd.diagonal().cwiseSqrt().cwiseInverse();
   H_dd = scale.asDiagonal() * H_dd * scale.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> llt(H_dd);

@@ -33,6 +33,7 @@ Eigen::Matrix<double, 3, 2> tangentBasis(const Eigen::Vector3d& direction) {
   return basis;
 }
 
+// Along the great circle, so that a long step stays on the sphere.
 Eigen::Vector3d boxplusDirection(const Eigen::Vector3d& direction, const Eigen::Vector2d& d) {
   const double angle = d.norm();
   if (angle < 1e-12) return (direction + tangentBasis(direction) * d).normalized();
@@ -52,6 +53,8 @@ ImuResidual imuResidual(const Preintegration& motion, const ImuState& i, const I
   ImuResidual out;
   out.r << r_R, R_SF * dv - motion.v, R_SF * dp - motion.p;
 
+  // R_i' Exp(a) R_j = R_i' R_j Exp(R_j' a): a turn of either frame acts on the right of r_R's
+  // rotation, with opposite signs. The bias, dR(b + d) = dR Exp(R_bg d), acts on its left.
   const Eigen::Matrix3d J_R = inverseRightJacobianSO3(r_R) * j.T_FS.R.transpose();
   const Eigen::Matrix3d J_left = inverseLeftJacobianSO3(r_R);
   out.J_i.setZero();
@@ -98,6 +101,7 @@ ImuWeight imuWeight(const Matrix9d& covariance, const ImuNoise& noise, double du
   ImuWeight weight = biasWalkWeight(noise, duration_s);
   const Eigen::LLT<Matrix9d> llt(covariance);
   assert(llt.info() == Eigen::Success);
+  // L^-1 of Sigma = L L': |L^-1 r|^2 = r' Sigma^-1 r.
   weight.sqrt_information.setIdentity();
   llt.matrixL().solveInPlace(weight.sqrt_information);
   return weight;

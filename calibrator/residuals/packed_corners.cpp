@@ -23,6 +23,8 @@ PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageVie
   for (std::size_t i = 0; i < views.size(); ++i) {
     const int n = count_[i];
     const int step = lines(n);
+    // Lanes beyond the last corner repeat it with weight 0: kernels need no masks, and a corner
+    // that is there projects to finite numbers, where zeros might divide by zero.
     for (int j = 0; j < kLanes * step; ++j) {
       const Corner& corner = views[i].corners[j < n ? j : n - 1];
       const Eigen::Vector2d p_F = target.corner(corner.id);

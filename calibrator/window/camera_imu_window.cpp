@@ -15,7 +15,7 @@ namespace {
 constexpr double kFirstDamping = 1e-9;  // the window starts next to its minimum
 constexpr double kSampleMargin = 0.5;   // [s] of samples kept before the first frame
 
-/// Takes the time offset out of the system: it keeps its value.
+/// Takes the time offset out of the system: it keeps the value that the batch gave it.
 void fixOffset(BlockArrow& chain) {
   constexpr int k = BorderLayout::kOffset;
   chain.border_block.row(k).setZero();
@@ -89,6 +89,8 @@ WindowEnd CameraImuWindow::add(const WindowFrame& frame) {
     waiting_ = frame;
     return WindowEnd::kWaiting;
   }
+  // To go back to: a frame that spoils the window must leave no trace, and its prior cannot be
+  // taken apart again.
   CameraImuWindow before = *this;
   const WindowEnd end = addLinked(frame);
   if (end != WindowEnd::kSolved) {
@@ -99,6 +101,8 @@ WindowEnd CameraImuWindow::add(const WindowFrame& frame) {
 }
 
 WindowEnd CameraImuWindow::addLinked(const WindowFrame& frame) {
+  // A frame behind a pause has no interval that tells its velocity; the frame after it does, by the
+  // difference of their positions.
   if (waiting_) {
     ImuState state = estimate_.states.back();
     const Transform T_C0S = estimate_.T_SC0.inverse();
@@ -123,7 +127,7 @@ void CameraImuWindow::append(const WindowFrame& frame, const ImuState& state) {
   corners_.push_back(frame.corners);
 }
 
-/// Pose from the frame's corners, velocity from the IMU.
+/// Pose from the frame's corners; velocity from the IMU, for a frame's corners say nothing of it.
 ImuState CameraImuWindow::predicted(const WindowFrame& frame) const {
   ImuState state = estimate_.states.back();
   const ImuWindow window{lastStamp(), frame.t, estimate_.timeOffset()};

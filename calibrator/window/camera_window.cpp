@@ -83,6 +83,9 @@ bool CameraWindow::solve() {
 
 void CameraWindow::marginaliseOldest() {
   assert(frameCount() > 0);
+  // The problem of the oldest frame alone has the prior in it: with the frame's pose eliminated,
+  // what is left of both is the new prior. A frame that leaves its own pose free has nothing to
+  // leave.
   CameraEstimate at = estimate_;
   at.T_C0F.resize(1);
   const CameraNormals normals = normalsAt(problem({allFrames().front()}), at);

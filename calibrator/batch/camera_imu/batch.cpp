@@ -75,6 +75,8 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
   const double offset_s = start.time_offsets.front().s;
   FrameSelectionOptions choice = selectionOptions(options, offset_s);
   SelectedSolution out;
+  // A wider margin leaves out the frames at the ends, which an offset that moved takes off the
+  // samples: better a few frames less than no result.
   for (int attempt = 0; attempt < kMostSelections; ++attempt, choice.margin_s *= 4) {
     const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
     if (selection.chosen.size() < kFewestFrames) {

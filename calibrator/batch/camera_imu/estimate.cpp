@@ -62,7 +62,9 @@ CameraImuEstimate moved(const CameraImuEstimate& estimate, const ChainSolution& 
   out.gravity_direction = boxplusDirection(
       estimate.gravity_direction, Eigen::Vector2d(border.segment<2>(BorderLayout::kGravity)));
   const BorderLayout layout(estimate, free_cameras);
-  for (std::size_t c = 0; c < out.time_offsets.size(); ++c) {  // own ones: less camera 0's
+  // A camera's own column is its difference to camera 0, so that the chain's IMU intervals, which
+  // hang on camera 0's offset alone, keep one column.
+  for (std::size_t c = 0; c < out.time_offsets.size(); ++c) {
     double& offset = out.time_offsets[c].s;
     offset += border(BorderLayout::kOffset);
     if (hasOwnOffset(estimate.time_offsets, c)) offset += border(layout.own_offset[c]);
@@ -104,6 +106,8 @@ ExposurePose exposurePose(const CameraImuProblem& problem, const CameraImuEstima
   const double half = 0.5 * d * d;
 
   ExposurePose out;
+  // Rate and acceleration half-way through the delay: the midpoint rule, whose error is of third
+  // order. A change of t_d moves that reading by its slope; one of the delay by half as much.
   out.T_FS = {R * expSO3(w * d), state.T_FS.t + d * state.v_F + half * a};
   out.by_state.setZero();
   out.by_state.leftCols<6>().setIdentity();
@@ -133,6 +137,8 @@ MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& es
       chain.A_C0Ci;
   A.middleCols<6>(MovedView::kFixed) += chain.A_SC0;
 
+  // The view's Gram matrix is of the camera's own pose: A carries it to the columns, so that the
+  // corners are visited once, whatever moves the camera.
   const PackedView view = problem.corners[c].view(problem.frames[i].view[c]);
   ViewGram g;
   if (problem.free_cameras) {

@@ -168,6 +168,9 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
 Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options) {
+  // Each step stands on those before it: the offset (rates must be paired before they are aligned),
+  // the rotation, then gravity and the lever arm, which need both. What contradicts its description
+  // is refused at the first step that shows it.
   SanityOptions sanity = options.sanity;
   sanity.gravity_m_s2 = options.gravity_m_s2;
   if (const auto failure = checkSampleUnits(samples, sanity)) return *failure;

@@ -149,7 +149,8 @@ TEST(CameraImuScore, HoldsTheOffsetsOfEachCamera) {
   const auto together = c.score(*c.simulated.truth.imu);
   const auto apart = c.score(imu);
   ASSERT_TRUE(together && apart);
-  for (const std::size_t c : {0U, 1U}) EXPECT_EQ(apart->imu.timeOffset(c), imu.timeOffset(c));
+  for (const std::size_t camera : {0U, 1U})
+    EXPECT_EQ(apart->imu.timeOffset(camera), imu.timeOffset(camera));
   EXPECT_GT(apart->summary.per_camera[1].rmse_px, 1.5 * together->summary.per_camera[1].rmse_px);
 }
 
