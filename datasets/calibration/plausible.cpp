@@ -94,11 +94,9 @@ std::optional<Implausible> implausible(const ImuNoise& noise) {
 
 std::optional<Implausible> implausible(const ImuCalibration& imu) {
   if (const auto place = implausiblePlace(imu.T_SC0, "the IMU")) return place;
-  std::vector<double> offsets = imu.camera_time_offsets_s;
-  offsets.push_back(imu.time_offset_s);
-  for (const double offset : offsets) {
-    if (within(offset, -kLongestOffset_s, kLongestOffset_s)) continue;
-    return outside(Part::kOffset, "the time offset", offset, "seconds, at most those of a day");
+  for (const TimeOffset& offset : imu.time_offsets) {
+    if (within(offset.s, -kLongestOffset_s, kLongestOffset_s)) continue;
+    return outside(Part::kOffset, "the time offset", offset.s, "seconds, at most those of a day");
   }
   if (!(imu.gravity_m_s2 > 0 && imu.gravity_m_s2 < 1e3)) {
     return outside(Part::kGravity, "gravity", imu.gravity_m_s2, "m/s^2, near 9.8");

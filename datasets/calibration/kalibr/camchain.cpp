@@ -44,7 +44,7 @@ KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   if (map.has("line_delay")) camera.line_delay_s = map.number("line_delay", "seconds a row");
   const double shift = camera.timeshift_cam_imu.value_or(0);
   ImuCalibration imu;
-  imu.time_offset_s = shift;
+  imu.time_offsets = {{shift}};
   if (camera.T_cam_imu) imu.T_SC0 = camera.T_cam_imu->inverse();
   refuseImplausible(
       map, implausible(imu),
