@@ -127,7 +127,7 @@ TEST(Plausible, ExportersRefuseWhatNoRigHas) {
   refused([&](Calibration& c) { c.imu->noise.accel_random_walk = nan; }, "noise density");
   refused([](Calibration& c) { c.imu->noise.rate_hz = -200; }, "rate");
   refused([](Calibration& c) { c.imu->gravity_m_s2 = -9.8; }, "gravity");
-  refused([](Calibration& c) { c.imu->timeOffset() = 1e6; }, "time offset");
+  refused([](Calibration& c) { c.imu->time_offsets = {{1e6}}; }, "time offset");
   refused([](Calibration& c) { c.imu->T_SC0.t.x() = 1e5; }, "IMU");
   for (const char* name : {"", "../cam0", "a/b", ".hidden", "cam\n0", "\x1b[31m", "cam 0"}) {
     refused([&](Calibration& c) { c.cameras[0].name = name; }, "a camera is named");
