@@ -113,16 +113,23 @@ std::string contentHash(std::string_view bytes) {
   return fmt::format("{:016x}", XXH64(bytes.data(), bytes.size(), 0));
 }
 
-void writeNewFile(const std::filesystem::path& path, std::string_view content,
-                  const std::string& shown) {
-  std::error_code fault;
-  std::filesystem::create_directories(path.parent_path(), fault);
-  if (fault) throw unwritable(shown, fault.value());
+void makeFoldersIn(const std::filesystem::path& folder, const std::filesystem::path& name) {
+  std::filesystem::path path = folder;
+  for (const std::filesystem::path& part : name) {
+    path /= part;
+    if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) throw unwritable(path.string(), errno);
+  }
+}
+
+void writeNewFile(const std::filesystem::path& folder, const std::filesystem::path& name,
+                  std::string_view content) {
+  makeFoldersIn(folder, name.parent_path());
+  const std::string path = (folder / name).string();
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw unwritable(shown, errno);
+  if (file < 0) throw unwritable(path, errno);
   int error = writeAll(file, content);
   if (::close(file) != 0 && error == 0) error = errno;
-  if (error != 0) throw unwritable(shown, error);
+  if (error != 0) throw unwritable(path, error);
 }
 
 void writeFileAtomically(const std::string& path, std::string_view content) {

@@ -31,11 +31,14 @@ std::string readStandardInput();
 /// XXH64 of the bytes as 16 hexadecimal digits: the same on every machine. Not for secrets.
 std::string contentHash(std::string_view bytes);
 
-/// Writes a file that is not there yet, and the missing folders above it: for outputs that get
-/// their names when they are complete (output.h). Throws InputError, naming `shown`, where it
-/// cannot.
-void writeNewFile(const std::filesystem::path& path, std::string_view content,
-                  const std::string& shown);
+/// Makes the missing folders of `name` within `folder`, which is there: a workplace (output.h) that
+/// was removed meanwhile is not made again. Throws InputError where it cannot.
+void makeFoldersIn(const std::filesystem::path& folder, const std::filesystem::path& name);
+
+/// Writes FOLDER/NAME, which is not there yet, and the missing folders of `name`: for outputs that
+/// get their names when they are complete. Throws InputError where it cannot.
+void writeNewFile(const std::filesystem::path& folder, const std::filesystem::path& name,
+                  std::string_view content);
 
 /// Writes `content` (text or bytes) to `path`, whole or not at all: under a temporary name in the
 /// same folder, then renamed over `path`. The folder must exist. Throws

@@ -196,7 +196,7 @@ OutputFolder::OutputFolder(OutputRequest request)
 OutputFolder::~OutputFolder() = default;
 
 void OutputFolder::write(const std::string& name, std::string_view text) const {
-  writeNewFile(made_ / name, text, (fs::path(request_.path) / name).string());
+  writeNewFile(made_, name, text);
 }
 
 void OutputFolder::commit() {
@@ -238,7 +238,8 @@ OutputFile::OutputFile(OutputRequest request, std::string mark)
 OutputFile::~OutputFile() = default;
 
 void OutputFile::write(std::string_view content) {
-  writeNewFile(workplace_->result(), content, request_.path);
+  const fs::path made = workplace_->result();
+  writeNewFile(made.parent_path(), made.filename(), content);
   if (request_.replace) {
     if (!workplace_->replaceFile()) throw unmoved(request_, errno);
   } else if (const auto moved = workplace_->place(); moved != Workplace::Moved::kDone) {

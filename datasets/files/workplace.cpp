@@ -31,6 +31,7 @@ constexpr std::string_view kMark = "plumbline\n";
 constexpr const char* kLock = "lock";
 constexpr const char* kOld = "old";
 constexpr std::size_t kLongestName = 200;  // of NAME, so that the whole fits into NAME_MAX
+constexpr std::size_t kRandom = 6;         // characters, of mkdtemp
 constexpr int kTries = 100;
 
 // Recursive: what holds it for a change removes workplaces too.
@@ -167,11 +168,27 @@ void removeDeadWorkplaces(const fs::path& final_path) {
   for (fs::directory_iterator it(final_path.parent_path(), error), end; !error && it != end;
        it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (name.size() == prefix.size() + 6 && name.compare(0, prefix.size(), prefix) == 0) {
+    if (name.size() == prefix.size() + kRandom && name.compare(0, prefix.size(), prefix) == 0) {
       found.push_back(it->path());
     }
   }
   for (const fs::path& folder : found) removeIfStale(folder);
+}
+
+std::string withFinalNames(std::string message) {
+  constexpr std::string_view kMiddle = ".partial-", kEnd = "/result";
+  for (std::size_t at = message.find(kMiddle); at != std::string::npos;
+       at = message.find(kMiddle, at + 1)) {
+    const std::size_t end = at + kMiddle.size() + kRandom;
+    const std::size_t slash = message.rfind('/', at);
+    const std::size_t name = slash == std::string::npos ? 0 : slash + 1;
+    if (end > message.size() || message.compare(end, kEnd.size(), kEnd) != 0 ||
+        message[name] != '.')
+      continue;
+    message.erase(at, end + kEnd.size() - at);
+    message.erase(name, 1);
+  }
+  return message;
 }
 
 Workplace::Workplace(const fs::path& final_path, const std::string& shown) : final_(final_path) {

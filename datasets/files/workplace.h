@@ -58,6 +58,10 @@ class Workplace {
 /// only has a like name, stay.
 void removeDeadWorkplaces(const std::filesystem::path& final_path);
 
+/// A message with the final names in place of the paths into workplaces: the latter are gone by the
+/// time that anybody reads it.
+std::string withFinalNames(std::string message);
+
 /// Removes what every Workplace of this process has made and lets none be finished any more: calls
 /// that would change something wait for ever. For the thread that ends the process on a signal;
 /// outputs that have their names stay.

@@ -106,7 +106,7 @@ void writeImages(const SimulatedSession& simulated, const AprilGrid& target, con
     const CameraStream& camera = simulated.session.cameras[i];
     renderers.emplace_back(simulated.truth.cameras[i].intrinsics, target, format.render);
     folders.push_back(folder / "mav0" / camera.name / "data");
-    fs::create_directories(folders.back());
+    makeFoldersIn(folder, fs::path("mav0") / camera.name / "data");
     for (std::size_t k = 0; k < camera.views.size(); ++k) {
       jobs.push_back({static_cast<int>(i), k});
     }
@@ -164,7 +164,7 @@ void SimulatedSessionFormat::check() const {
 void writeSession(const Session& session, double camera_rate_hz, ViewFormat views,
                   const fs::path& folder) {
   for (const TextFile& file : sessionFiles(session, camera_rate_hz, views)) {
-    writeNewFile(folder / file.path, file.text, (folder / file.path).string());
+    writeNewFile(folder, file.path, file.text);
   }
 }
 
@@ -177,8 +177,7 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
                              {"trajectory.csv", trajectoryCsv(simulated)},
                              {"truth.json", truthJson(simulated, options)}};
   for (const TextFile& file : truths) {
-    const fs::path path = folder / "truth" / file.path;
-    writeNewFile(path, file.text, path.string());
+    writeNewFile(folder, fs::path("truth") / file.path, file.text);
   }
   if (format.views == ViewFormat::kImages) writeImages(simulated, options.target, folder, format);
 }

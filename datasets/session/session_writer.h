@@ -41,8 +41,8 @@ struct SimulatedSessionFormat {
   void check() const;
 };
 
-/// Writes the text files of a session into a folder of its own (output.h), as `plumbline calibrate`
-/// reads them. Throws InputError where one cannot be written.
+/// Writes the text files of a session into a folder of its own (output.h) that is there, as
+/// `plumbline calibrate` reads them. Throws InputError where one cannot be written.
 void writeSession(const Session& session, double camera_rate_hz, ViewFormat views,
                   const std::filesystem::path& folder);
 
@@ -53,8 +53,8 @@ void writeSession(const Session& session, double camera_rate_hz, ViewFormat view
 ///   FOLDER/truth/camchain-imucam.yaml       Kalibr's format
 ///   FOLDER/truth/trajectory.csv             see trajectoryCsv()
 ///   FOLDER/truth/truth.json                 see truthJson()
-/// `options` are those the session was simulated with. FOLDER is one of its own (output.h), made if
-/// it is missing. Throws InputError where a file cannot be written.
+/// `options` are those the session was simulated with. FOLDER is there, one of its own
+/// (output.h). Throws InputError where a file cannot be written.
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const std::filesystem::path& folder,
                            const SimulatedSessionFormat& format = {});

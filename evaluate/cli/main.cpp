@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include <malloc.h>
 
 #include "datasets/files/bad_input.h"
+#include "datasets/files/workplace.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/interruption.h"
 #include "evaluate/cli/terminal.h"
@@ -69,9 +71,9 @@ std::string optionFor(InputFault code) {
 }
 
 // Where a signal ends the process, what fails does so for that reason.
-int failed(const std::string& message, int exit_code) {
+int failed(std::string message, int exit_code) {
   waitIfEnding();
-  complain(message);
+  complain(withFinalNames(std::move(message)));
   return exit_code;
 }
 

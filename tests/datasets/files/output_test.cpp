@@ -14,6 +14,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/manifest.h"
+#include "datasets/files/workplace.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 
@@ -292,6 +293,16 @@ TEST_F(Output, PipesDevicesAndFoldersAreNoFilesToRead) {
     const auto refusal = refusalOf([&] { const MappedFile file(path); });
     ASSERT_TRUE(refusal);
     EXPECT_THAT(refusal->what(), HasSubstr("is not a regular file"));
+  }
+}
+
+TEST(FinalNames, StandInMessages) {
+  EXPECT_EQ(
+      withFinalNames("/a/.out.partial-x1Y2z3/result/b.txt: full, /c/.d.partial-aaaaaa/result"),
+      "/a/out/b.txt: full, /c/d");
+  for (const char* other :
+       {"a.partial-", ".partial-aaaaaa", "/a/b.partial-aaaaaa/result", "plain"}) {
+    EXPECT_EQ(withFinalNames(other), other);
   }
 }
 

@@ -271,6 +271,31 @@ TEST_F(FailingCalls, SignalsCleanUp) {
   }
 }
 
+// Also between any two of its steps, while the work goes on in another thread.
+TEST_F(FailingCalls, ASignalAtAnyMomentLeavesNothingOrAWholeResult) {
+  const std::string source = (kConfigs / "source/calibration.json").string();
+  int stopped = 0;
+  for (int i = 0; i < 80; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::freopen("/dev/null", "w", stdout);
+      std::freopen("/dev/null", "w", stderr);
+      execl(PLUMBLINE_BINARY, "plumbline", "export", source.c_str(), "--to", "openvins", "--out",
+            out().c_str(), nullptr);
+      _exit(99);
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(300 * i));
+    kill(child, SIGTERM);
+    int status = 0;
+    waitpid(child, &status, 0);
+    stopped += WIFEXITED(status) && WEXITSTATUS(status) == 143 ? 1 : 0;
+    EXPECT_EQ(entriesBeside(), 0U) << i;
+    if (fs::exists(out())) EXPECT_TRUE(isWhole(out())) << i;
+    fs::remove_all(out().parent_path());
+  }
+  RecordProperty("stopped", stopped);  // how many it is depends on the machine
+}
+
 TEST_F(FailingCalls, ADeadOnesWorkplaceGoesAtTheNextStart) {
   EXPECT_EQ(exitCodeAfter(SIGKILL, out(), root_ / "errors"), -SIGKILL);
   EXPECT_EQ(entriesBeside(), 1U);
