@@ -227,7 +227,7 @@ void OutputFolder::replaceOlder() {
   throw unmoved(request_, EBUSY);
 }
 
-OutputFile::OutputFile(OutputRequest request, std::string mark)
+OutputFile::OutputFile(OutputRequest request, const std::string& mark)
     : request_(std::move(request)), final_(finalPath(request_)) {
   removeDeadWorkplaces(final_);
   refuseInputs(request_, final_);

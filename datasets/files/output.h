@@ -63,7 +63,7 @@ class OutputFolder {
 /// result folder belong to it and are never replaced.
 class OutputFile {
  public:
-  OutputFile(OutputRequest request, std::string mark);
+  OutputFile(OutputRequest request, const std::string& mark);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
