@@ -13,6 +13,7 @@
 #include "calibrator/base/transform.h"
 
 namespace plumbline {
+
 /// What a point of the target's plane is covered with.
 enum class Surface : std::uint8_t { kWall, kWhite, kBlack };
 
@@ -121,5 +122,15 @@ class TargetRenderer {
   std::vector<Eigen::Vector3f> rays_;  // of the pixels' corners (x - 0.5, y - 0.5); zero: none
   std::vector<float> gain_;            // of each pixel: vignetting
 };
+
+/// Convolves a width x height image (row by row) with a Gaussian of sigma_px, cut off at 4 sigma
+/// and normalised; beyond the border the outermost pixels repeat. 0: unchanged.
+std::vector<float> gaussianBlur(const std::vector<float>& light, int width, int height,
+                                double sigma_px);
+
+/// Adds Gaussian noise and rounds to grey levels. The noise of a pixel depends on `seed`, `image`
+/// and its place only.
+GrayImage exposeSensor(const std::vector<float>& light, int width, int height, double noise_sigma,
+                       std::uint64_t seed, std::uint64_t image);
 
 }  // namespace plumbline

@@ -30,4 +30,7 @@ struct EvaluateCalibrationRequest {
 Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& request,
                                               const ProgressSink& progress);
 
+/// The same for a person: one line a score.
+std::string evaluationSummary(const CalibrationRecord& record);
+
 }  // namespace plumbline

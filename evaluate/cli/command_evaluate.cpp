@@ -11,7 +11,6 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/evaluate_calibration.h"
-#include "evaluate/calibration/summary.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/output_options.h"
 #include "evaluate/cli/progress_bar.h"

@@ -20,7 +20,6 @@
 #include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
-#include "evaluate/replay/decision_log.h"
 #include "evaluate/replay/replay_session.h"
 #include "evaluate/replay/summary.h"
 #include "evaluate/results/provenance.h"

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "evaluate/trajectory/run_pattern.h"
+#include "evaluate/trajectory/evaluate_runs.h"
 #include "generated/version.h"
 
 namespace plumbline {

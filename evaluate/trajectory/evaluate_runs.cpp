@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/trajectory/evaluate_runs.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <regex>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -10,12 +13,135 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/files/shown_text.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/trajectory/run_comparison.h"
 #include "evaluate/results/parallel_for.h"
-#include "evaluate/trajectory/run_pattern.h"
 
 namespace plumbline {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExample = "e.g. 'results/{calibration}/{sequence}_{run}.txt'";
+
+std::string escaped(const std::string& text) {
+  static const std::regex special(R"([.^$|()\[\]{}*+?\\])");
+  return std::regex_replace(text, special, R"(\$&)");
+}
+
+// What stands for a field: one of `words` if there are any.
+std::string groupOf(const std::string& field, std::vector<std::string> words) {
+  if (field == "run") return "([^/_]+)";
+  if (words.empty()) return "([^/]+)";
+  std::sort(words.begin(), words.end(), [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() > b.size() : a < b;
+  });
+  std::string group;
+  for (const std::string& word : words) group += (group.empty() ? "(" : "|") + escaped(word);
+  return group + ")";
+}
+
+struct Matcher {
+  std::regex expression;
+  std::vector<std::string> fields;  // of the groups, in their order
+};
+
+Matcher matcherOf(const std::string& pattern, const std::vector<std::string>& sequences) {
+  Matcher matcher;
+  std::string expression;
+  std::size_t at = 0;
+  while (at < pattern.size()) {
+    const std::size_t open = std::min(pattern.find('{', at), pattern.size());
+    expression += escaped(pattern.substr(at, open - at));
+    if (open == pattern.size()) break;
+    const std::size_t close = pattern.find('}', open);
+    const std::string field =
+        close == std::string::npos ? "" : pattern.substr(open + 1, close - open - 1);
+    if (field != "sequence" && field != "calibration" && field != "run") {
+      throw InputError(pattern, 0,
+                       fmt::format("expected the fields {{sequence}}, {{calibration}} and {{run}}, "
+                                   "{}",
+                                   kExample));
+    }
+    const auto known = std::find(matcher.fields.begin(), matcher.fields.end(), field);
+    if (known != matcher.fields.end()) {
+      expression += fmt::format("\\{}", known - matcher.fields.begin() + 1);
+    } else {
+      matcher.fields.push_back(field);
+      expression += groupOf(field, field == "sequence" ? sequences : std::vector<std::string>());
+    }
+    at = close + 1;
+  }
+  matcher.expression = std::regex(expression);
+  return matcher;
+}
+
+std::optional<RunFile> matched(const std::string& path, const Matcher& matcher) {
+  std::smatch match;
+  if (!std::regex_match(path, match, matcher.expression)) return std::nullopt;
+  RunFile file;
+  file.path = path;
+  for (std::size_t i = 0; i < matcher.fields.size(); ++i) {
+    const std::string text = match[i + 1];
+    if (matcher.fields[i] == "sequence") file.sequence = text;
+    if (matcher.fields[i] == "calibration") file.calibration = text;
+    if (matcher.fields[i] == "run") file.run = text;
+  }
+  return file;
+}
+
+// The folder above the first field, and how many levels the pattern goes down from there.
+struct Reach {
+  std::string folder;
+  int depth = 0;
+};
+
+Reach reachOf(const std::string& pattern) {
+  const std::size_t field = pattern.find('{');
+  const std::size_t slash = pattern.rfind('/', field);
+  const std::size_t rest = slash == std::string::npos ? 0 : slash + 1;
+  const auto below =
+      std::count(pattern.begin() + static_cast<std::ptrdiff_t>(rest), pattern.end(), '/');
+  return {slash == std::string::npos ? "." : pattern.substr(0, rest), static_cast<int>(below)};
+}
+
+}  // namespace
+
+bool hasField(const std::string& pattern, const std::string& field) {
+  return pattern.find("{" + field + "}") != std::string::npos;
+}
+
+std::vector<RunFile> findRuns(const std::string& pattern,
+                              const std::vector<std::string>& sequences) {
+  if (pattern.find('{') == std::string::npos) return {{pattern, "", "", ""}};
+  const Matcher known = matcherOf(pattern, sequences), any = matcherOf(pattern, {});
+  const Reach reach = reachOf(pattern);
+  if (!fs::is_directory(reach.folder)) {
+    throw InputError(reach.folder, 0,
+                     fmt::format("is no folder; it stands before the first field of {}", pattern));
+  }
+  std::vector<RunFile> files;
+  for (auto it = fs::recursive_directory_iterator(reach.folder);
+       it != fs::recursive_directory_iterator(); ++it) {
+    if (it.depth() >= reach.depth) it.disable_recursion_pending();
+    if (it.depth() != reach.depth || !it->is_regular_file()) continue;
+    std::string path = it->path().generic_string();
+    if (pattern.find('/') == std::string::npos) path = it->path().filename().string();
+    auto file = matched(path, known);
+    if (!file) file = matched(path, any);
+    if (file && !isUtf8(path)) {
+      throw InputError(path, 0,
+                       "is not named in UTF-8, as what is written of it must be; rename it");
+    }
+    if (file) files.push_back(*file);
+  }
+  std::sort(files.begin(), files.end(),
+            [](const RunFile& a, const RunFile& b) { return a.path < b.path; });
+  return files;
+}
+
 namespace {
 
 constexpr double kLate = 1;  // [s], a start-up worth naming

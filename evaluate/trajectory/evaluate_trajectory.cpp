@@ -12,7 +12,6 @@
 #include "calibrator/base/statistics.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
-#include "evaluate/metrics/trajectory/nees.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
 #include "evaluate/trajectory/frames.h"
 #include "evaluate/trajectory/remarks.h"

@@ -13,7 +13,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/simulate/render_sensor.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/target/tag_family.h"
 

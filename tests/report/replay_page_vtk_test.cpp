@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/html/base64.h"
 #include "report/html/replay/data.h"
 #include "report/html/replay/events.h"
 #include "report/html/replay/page.h"
+#include "report/html/text.h"
 #include "tests/report/synthetic_replay.h"
 
 namespace plumbline {

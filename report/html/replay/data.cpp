@@ -7,11 +7,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/html/base64.h"
 #include "report/html/replay/events.h"
 #include "report/html/replay/quarter_pixels.h"
 #include "report/html/replay/rounds.h"
 #include "report/html/scene.h"
+#include "report/html/text.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/html/base64.h"
 #include "report/html/replay/quarter_pixels.h"
+#include "report/html/text.h"
 
 namespace plumbline::html_internal {
 namespace {

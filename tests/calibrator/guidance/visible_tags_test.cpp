@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/visible_tags.h"
-
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -8,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/guidance/view_gain.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_views.h"
 #include "tests/calibrator/camera/example_cameras.h"

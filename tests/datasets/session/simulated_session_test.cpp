@@ -20,7 +20,6 @@
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/session/simulated_truth.h"
 
 namespace plumbline {
 namespace {

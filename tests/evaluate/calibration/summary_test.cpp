@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a person reads of scores: the number below a camera's name is that camera's.
-#include "evaluate/calibration/summary.h"
-
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "evaluate/calibration/evaluate_calibration.h"
 #include "tests/report/calibration_scores.h"
 
 namespace plumbline {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // decisions.jsonl: one JSON object a line, with every number that drove the decision.
-#include "evaluate/replay/decision_log.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "evaluate/replay/summary.h"
 
 namespace plumbline {
 namespace {

@@ -2,8 +2,6 @@
 // Quantiles against tables; errors drawn from known covariances are inside the bounds as often as
 // these say, overconfident covariances are outside. Errors here are independent from pose to pose,
 // which those of an estimator are not.
-#include "evaluate/metrics/trajectory/nees.h"
-
 #include <Eigen/Cholesky>
 #include <cmath>
 
@@ -11,6 +9,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/simulate/random_stream.h"
+#include "evaluate/metrics/trajectory/errors.h"
 
 namespace plumbline {
 namespace {
