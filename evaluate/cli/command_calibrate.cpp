@@ -13,8 +13,6 @@
 #include "evaluate/calibration/calibration_files.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"

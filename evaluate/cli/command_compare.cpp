@@ -13,8 +13,6 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/cli/trajectory_metric_options.h"

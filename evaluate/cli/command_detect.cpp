@@ -8,8 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/session/check_session.h"

@@ -12,8 +12,6 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/evaluate_calibration.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"

@@ -16,7 +16,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/output_options.h"
+#include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {

@@ -12,8 +12,6 @@
 #include "datasets/session/study_reader.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"

@@ -16,8 +16,6 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/replay/replay_session.h"

@@ -10,7 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/output_options.h"
+#include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"

@@ -15,8 +15,6 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/fault_words.h"
 #include "evaluate/cli/option_values.h"
-#include "evaluate/cli/output_options.h"
-#include "evaluate/cli/progress_bar.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 

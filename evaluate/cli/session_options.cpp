@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <system_error>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -15,8 +17,11 @@
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/parallel_for.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+#include "generated/version.h"
 
 namespace plumbline {
+
 namespace {
 
 constexpr int kMostThreads = 1024;
@@ -199,6 +204,49 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
                                  : fmt::format("{}", fmt::join(option->results(), ",")));
   }
   return given;
+}
+
+CLI::Option* OutputOptions::declare(CLI::App& app, const std::string& help) {
+  CLI::Option* option = app.add_option("--out", out, help);
+  declareForce(app);
+  return option;
+}
+
+void OutputOptions::declareForce(CLI::App& app) {
+  app.add_flag("--force", force,
+               "Replace an earlier result of this command; files of others never");
+}
+
+OutputRequest OutputOptions::request(const std::string& kind,
+                                     std::vector<std::string> inputs) const {
+  return {out, kind, kVersion, force, std::move(inputs), {}};
+}
+
+OutputRequest OutputOptions::request(const std::string& kind, const SessionOptions& session,
+                                     std::vector<std::string> further) const {
+  for (std::string& input : session.inputs()) further.push_back(std::move(input));
+  OutputRequest request = this->request(kind, std::move(further));
+  if (const auto cache = session.cacheFolder()) request.kept.push_back(*cache);
+  return request;
+}
+
+OutputRequest OutputOptions::file(const std::string& path, std::vector<std::string> inputs) const {
+  return {path, "", kVersion, force, std::move(inputs), {}};
+}
+
+std::vector<std::string> givenInputs(std::vector<std::optional<std::string>> inputs) {
+  std::vector<std::string> given;
+  for (auto& input : inputs) {
+    if (input && !input->empty()) given.push_back(*std::move(input));
+  }
+  return given;
+}
+
+std::vector<std::string> filesOf(const std::string& pattern) {
+  std::vector<std::string> files;
+  if (pattern.empty()) return files;
+  for (const RunFile& file : findRuns(pattern)) files.push_back(file.path.string());
+  return files;
 }
 
 }  // namespace plumbline

@@ -11,6 +11,7 @@
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "datasets/files/output.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
@@ -77,5 +78,32 @@ CLI::Validator numberWithin(double least, double most);
 CLI::Validator numberFrom(double least);
 /// A whole number of at most 64 bits: beyond them it would be cut silently.
 CLI::Validator seedFrom(std::uint64_t least);
+
+/// --out and --force, of every command that writes.
+struct OutputOptions {
+  std::string out;
+  bool force = false;
+
+  CLI::Option* declare(CLI::App& app, const std::string& help = "Folder for the results");
+  void declareForce(CLI::App& app);
+
+  /// A result of this kind in --out, made while `inputs` and what `session` reads are not touched.
+  OutputRequest request(const std::string& kind, std::vector<std::string> inputs = {}) const;
+  OutputRequest request(const std::string& kind, const SessionOptions& session,
+                        std::vector<std::string> further = {}) const;
+  /// The file `path` in place of --out.
+  OutputRequest file(const std::string& path, std::vector<std::string> inputs) const;
+};
+
+/// The inputs that were given, of options that need not be.
+std::vector<std::string> givenInputs(std::vector<std::optional<std::string>> inputs);
+
+/// The files that a pattern of `evaluate trajectories` finds; none for "".
+std::vector<std::string> filesOf(const std::string& pattern);
+
+/// In every page, in every document of `report`, and in the figures of a trajectory.
+inline constexpr const char* kPageMark = R"(<p class="brand">Plumbline</p>)";
+inline constexpr const char* kDocumentMark = R"("plumbline": ")";
+inline constexpr const char* kTrajectoryMark = R"("association": ")";
 
 }  // namespace plumbline

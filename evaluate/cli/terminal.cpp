@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/terminal.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 namespace plumbline {
+
 namespace {
 
 int output_error = 0;  // errno of the first write that failed
@@ -36,6 +40,39 @@ bool closeOutput() {
   complain(fmt::format("standard output cannot be written ({}); expected a place with free space",
                        output_error != 0 ? std::strerror(output_error) : "write error"));
   return false;
+}
+
+namespace {
+
+constexpr int kBarWidth = 30;
+
+}  // namespace
+
+ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::update(const std::string& step, double fraction) {
+  if (!terminal_) return;
+  std::string line = step;
+  if (fraction >= 0) {
+    const int filled = static_cast<int>(std::lround(kBarWidth * std::clamp(fraction, 0.0, 1.0)));
+    line = fmt::format("{:<28} [{}{}] {:3.0f} %", step, std::string(filled, '#'),
+                       std::string(kBarWidth - filled, ' '), 100 * fraction);
+  }
+  if (line == last_) return;
+  fmt::print(stderr, "\r\033[K{}", line);
+  std::fflush(stderr);
+  last_ = line;
+}
+
+void ProgressBar::clear() {
+  if (terminal_ && !last_.empty()) fmt::print(stderr, "\r\033[K");
+  last_.clear();
+}
+
+ProgressSink ProgressBar::sink() {
+  return [this](const std::string& step, double fraction) { update(step, fraction); };
 }
 
 }  // namespace plumbline

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "datasets/files/shown_text.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 
@@ -28,5 +30,23 @@ void complain(std::string_view message);
 /// Whether all of standard output was written; says so on standard error where not. After it
 /// nothing more can be written.
 bool closeOutput();
+
+/// A one-line progress bar on standard error where that is a terminal; silent in a pipe.
+class ProgressBar {
+ public:
+  ProgressBar();
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void update(const std::string& step, double fraction);
+  /// Removes the bar, so that ordinary output may follow.
+  void clear();
+  ProgressSink sink();
+
+ private:
+  bool terminal_ = false;
+  std::string last_;
+};
 
 }  // namespace plumbline

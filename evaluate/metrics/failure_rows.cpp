@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/failure_rows.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace plumbline {
+namespace {
+
+using Code = FailureCode;
+constexpr const char* kTurnAndTilt =
+    "add views with the target tilted, rolled, and all over the image";
+constexpr const char* kOneClock =
+    "check that camera and IMU stamps are of one clock and one recording";
+
+const FailureRow kRows[] = {
+    {Code::kNoImu, "the session has no IMU samples",
+     "add imu0/data.csv, or calibrate the cameras alone"},
+    {Code::kTooFewSamples, "the IMU has fewer than two samples",
+     "record the IMU together with the cameras"},
+    {Code::kColumnsSwapped, "{norms}: gyroscope and accelerometer columns are swapped",
+     "put the angular rate first and the acceleration second"},
+    {Code::kAccelerometerInG, "{norms}: the accelerometer is in g",
+     "multiply its columns by 9.80665"},
+    {Code::kAccelerometerInMilliG, "{norms}: the accelerometer is in milli-g",
+     "multiply its columns by 0.00980665"},
+    {Code::kAccelerometerUnits, "{norms}: the accelerometer does not measure gravity in m/s^2",
+     "check its units and that gravity has not been subtracted"},
+    {Code::kNoRotation,
+     "T_SC0 and the time offset are not observable: the sensor's rotation rate hardly varies about "
+     "any axis (RMS {rms:.2g} rad/s)",
+     "turn the sensor to and fro about all its axes while the target stays in view"},
+    {Code::kRotationAboutOneAxis,
+     "translation along {axis} of T_SC0 is not observable: no rotation about {across} (RMS "
+     "{rms:.2g} rad/s across {axis})",
+     "turn the sensor about at least two axes of the IMU"},
+    {Code::kRatesDoNotCorrelate,
+     "gyroscope and camera rotation do not correlate under any time offset in range (best "
+     "{correlation:.2f}, expected above {needed:.2f})",
+     "check that both are of the same recording, that their stamps are of one clock (a larger "
+     "offset can be given by --imu-shift-ms), that each gyroscope column is what it should be, and "
+     "that neither single samples (spikes) nor tag ids are wrong"},
+    {Code::kGyroscopeMirrored,
+     "the gyroscope's axes are permuted or mirrored: its rates fit the camera's only after a "
+     "reflection (correlation {mirrored:.3f} against {rotated:.3f} for a rotation)",
+     "make its axes right-handed: restore their order or the sign of one column"},
+    {Code::kGyroscopeInDegrees,
+     "the gyroscope turns {ratio:.1f} times as fast as the camera: it is in degrees per second",
+     "multiply its columns by pi / 180"},
+    {Code::kGyroscopeScale, "the gyroscope turns {ratio:.3g} times as fast as the camera",
+     "check the gyroscope's units (rad/s), its scale and the stamps' unit (ns); or the cameras' "
+     "focal lengths, where they were given"},
+    {Code::kAccelerometerAxes,
+     "the accelerometer contradicts the camera's motion by {rms:.2g} m/s^2 (RMS): its axes do not "
+     "fit the gyroscope's",
+     "check order and signs of the accelerometer's columns"},
+    {Code::kAccelerometerReversed,
+     "the accelerometer measures the camera's motion with reversed sign",
+     "negate its three columns: at rest it must read +9.8 m/s^2 upwards; or, where the images are "
+     "mirrored, mirror them back"},
+    {Code::kGravityDisagrees,
+     "gravity comes out as {measured:.2f} m/s^2 in place of {expected:.2f}",
+     "check units, scale, order and signs of the accelerometer's columns"},
+    {Code::kScaleDisagrees,
+     "target and IMU disagree about scale: by the IMU, tagSize ({tag_size:.4g} m) is {times:.3g} "
+     "times too {size}, {measured:.4g} m (+- {measured_std:.1g}) would fit",
+     "measure a tag's black square and the gap between tags; only if they differ from target.yaml "
+     "correct tagSize or tagSpacing, else look for the fault in the IMU (scale, axes, a delay "
+     "between its sensors, spikes, stamps)"},
+
+    {Code::kTooFewRates,
+     "{rates} pairs of neighbouring frames show how the camera turns; {needed} are needed to find "
+     "the time offset",
+     "record longer, or at a higher frame rate, with the target in view"},
+    {Code::kImuDoesNotCover,
+     "the IMU has {span} after the first frame, the frames end at {frames_to_s:.1f} s: it covers "
+     "{covered} of {intervals} frame intervals at best (time offsets within +-{range_s} s), at "
+     "least {needed} are needed",
+     "check that camera and IMU stamps are of one clock and one recording; a known shift can be "
+     "given by --imu-shift-ms"},
+    {Code::kClockTooFewRates,
+     "the clock offset cannot be told: the estimate has {rates} angular rates, at least {needed} "
+     "are needed",
+     "give more poses, widen --clock-range, or bring the clocks close by --time-offset"},
+    {Code::kClockNoOverlap,
+     "the clock offset cannot be told: estimate and truth share too little time within "
+     "+-{range_s:g} s",
+     "give more poses, widen --clock-range, or bring the clocks close by --time-offset"},
+    {Code::kClockNoRotation,
+     "the {trajectory} does not turn enough to tell the clock offset: its angular rate varies by "
+     "{rms:.4f} rad/s (RMS), {needed} are needed",
+     "record with brisk turns about several axes, or give the offset by --clock-offset SECONDS"},
+    {Code::kClockRatesDoNotCorrelate,
+     "the angular rates of estimate and truth do not correlate under any clock offset within "
+     "+-{range_s:g} s (at best {correlation:.2f}, {needed:g} is needed)",
+     "check that both show the same recording and that it turns briskly, widen --clock-range, or "
+     "give the offset by --clock-offset SECONDS"},
+
+    {Code::kCamerasShareNoFrame, "{apart} never saw the target in the same frame as {together}",
+     "record the target where the cameras' fields of view overlap, check the stamps of the "
+     "cameras, or calibrate these cameras by themselves"},
+    {Code::kTooFewViews,
+     "{camera} has {views} views with at least {least} corners (of {offered} views, the fullest of "
+     "which holds {fullest}); {needed} are needed",
+     "record more views of the target, tilted and filling the image, or leave this camera out; if "
+     "it does see the target, check tagRows and tagCols in target.yaml"},
+    {Code::kTooFewViewsAsked,
+     "{camera} has {views} views with at least {least} corners (of {offered} views, the fullest of "
+     "which holds {fullest}); {needed} are needed",
+     "--min-corners {asked} asks for so many: lower it, or record more views of the target, tilted "
+     "and filling the image, or leave this camera out"},
+    {Code::kNoPlausiblePose,
+     "none of the {views} views of {camera} gives a plausible pose of the target",
+     "check tagRows, tagCols and the order of a tag's corners, and the camera's model"},
+    {Code::kNoFramePose, "none of {frames} frames gives a plausible pose of the target",
+     "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models"},
+    {Code::kInformationNotFinite, "the information of the cameras is not finite",
+     "check --pixel-sigma and the scale of --loss: one of them is out of all measure"},
+    {Code::kFocalLengthFree,
+     "not observable: the focal length of {camera} cannot be told apart from the distance to the "
+     "target: all views are nearly parallel to it (free direction along {direction})",
+     "add views with the target tilted by 30 degrees and more, about both of its axes"},
+    {Code::kPrincipalPointFree,
+     "not observable: the principal point of {camera} cannot be told apart from the poses: the "
+     "views are too much alike (free direction along {direction})",
+     "add views with the target tilted about both of its axes and the camera rolled"},
+    {Code::kExtrinsicsFree,
+     "not observable: the transform {camera} is not determined by the frames that its camera "
+     "shares with others (free direction along {direction})",
+     "add frames in which both cameras see many tags at once, with the target tilted"},
+    {Code::kDistortionFree,
+     "not observable: the distortion of {camera} is not determined: too few corners away from the "
+     "image's centre (free direction along {direction})",
+     "add views with the target near the edges and corners of the image"},
+    {Code::kInformationSingular, "not observable: the information of the cameras has no inverse",
+     kTurnAndTilt},
+    {Code::kSessionInformationSingular,
+     "not observable: the information of the cameras on this session has no inverse",
+     "use a recording with the target tilted, rolled, and all over the image"},
+    {Code::kFramePosesFree, "no frame's pose is determined by its corners",
+     "use a recording in which the target is seen from near"},
+    {Code::kCamerasNotConverged,
+     "the camera calibration did not converge in {iterations} iterations",
+     "check the target's size and layout and the camera models, or reject outliers with --outliers "
+     "sigma:4"},
+
+    {Code::kCameraCountDiffers, "{calibrated} cameras are calibrated, the session has {session}",
+     "give a calibration of the session's own cameras"},
+    {Code::kTooFewPosedFrames,
+     "{frames} frames show the target well enough for a pose; at least {needed} are needed",
+     "keep the target in view, and check that the intrinsics belong to these cameras"},
+    {Code::kTooFewCoveredFrames,
+     "IMU samples cover {covered} of {frames} frames (time offset {offset_s:.3f} s); at least "
+     "{needed} are needed",
+     kOneClock},
+    {Code::kTooFewLinkedFrames, "the segments hold fewer than two linked frames",
+     "use longer segments"},
+    {Code::kOffsetLeftSamples, "the time offset ran off the IMU samples during the optimisation",
+     "record the IMU for longer than the cameras, or give frames well inside"},
+    {Code::kNoDescent, "the camera-IMU optimisation found no step that lowers the cost",
+     "check the target, the intrinsics and the units of the IMU"},
+    {Code::kCameraImuNotConverged,
+     "the camera-IMU calibration did not converge in {iterations} iterations",
+     "check imu.yaml's noise densities and the recording's motion, or calibrate the cameras alone "
+     "with --no-imu"},
+    {Code::kMotionInformationSingular,
+     "T_SC0 and the time offset are not observable from this motion",
+     "turn the sensor about all its axes while the target stays in view"},
+    {Code::kLooseDirections, "not observable from this motion: {loose}",
+     "turn the sensor briskly about at least two of its axes and move it to and fro while the "
+     "target stays in view"},
+    {Code::kTooFewDraws, "fewer than two of the resampled {stage} problems have a solution",
+     "record longer, or leave out --resample"},
+
+    {Code::kHandEyeTooFewPairs,
+     "{pairs} pairs of poses for the marker body's transform; at least {needed} are needed",
+     "match more poses"},
+    {Code::kHandEyeNoRotation,
+     "the marker body's translation and part of its rotation are not observable: the estimate's "
+     "body hardly turns (rotations spread by {across:.4f} rad across it, {needed:g} are needed)",
+     "record turns about two axes, or leave out --hand-eye"},
+    {Code::kHandEyeOneAxis,
+     "the marker body's translation along {axis} of the estimate's body is not observable: it "
+     "turns about this axis only (rotations spread by {across:.4f} rad across it, {needed:g} are "
+     "needed)",
+     "record turns about two axes, or leave out --hand-eye"},
+    {Code::kHandEyeRotationsDisagree,
+     "no constant transform of the marker body explains the rotations: {rms_deg:.1f} deg (RMS) are "
+     "left",
+     "one side's quaternions may be inverted, w-first for w-last, or of another recording"},
+    {Code::kHandEyePositionsDisagree,
+     "no constant transform of the marker body explains rotations and positions together: "
+     "{rms_m:.3f} m (RMS) are left of positions that spread by {distance_m:.3f} m",
+     "one side's quaternions may be inverted, the clocks apart (--clock-offset auto), or the "
+     "estimate lost"},
+    {Code::kHandEyeNotConverged, "the marker body's transform did not converge",
+     "check the pairing (--max-dt, --clock-offset auto)"},
+
+    {Code::kNoFrameKept, "the camera stage kept no frame of the target",
+     "record the target in view of every camera"},
+    {Code::kFirstFramesNotConverged, "the batch over the first frames did not converge",
+     "go on: more frames will be tried"},
+    {Code::kStageNotBegun, "the guide never began its {stage} stage",
+     "record longer, or see decisions.jsonl for what it waited for"},
+    {Code::kNoFrameOfPart, "no frame of the {part} has a plausible pose of the target",
+     "record longer, or part the frames in shorter blocks"},
+    {Code::kPoolUnobservable,
+     "the frames of the pool do not determine the cameras, though all frames do",
+     "record longer, with the target tilted, rolled, and all over the image"},
+
+    {Code::kNoScore, "{calibration} gives {session} no score: {problem}",
+     "check that the calibration belongs to these cameras"},
+    {Code::kNoCommonTime,
+     "no overlap in time: the estimate runs from {estimate_from_s:.3f} to {estimate_to_s:.3f} s, "
+     "the truth from {truth_from_s:.3f} to {truth_to_s:.3f} s",
+     "{likely}"},
+    {Code::kPartnersInGaps,
+     "{found}, three are needed; {in_gaps} stamps lie in gaps of the truth wider than {max_gap_s} "
+     "s",
+     "bridge wider gaps with --max-gap, or give a longer estimate"},
+    {Code::kTooFewPartners,
+     "{found} within {max_dt_s} s, three are needed; the nearest stamps are {nearest_s:.6f} s "
+     "apart",
+     "allow more with --max-dt, shift the estimate with --time-offset, or use --association "
+     "interpolate"},
+    {Code::kQuaternionsWFirst,
+     "the quaternions of the {which} are w-first where w-last was expected: read as they stand, "
+     "the body turns by {as_read_deg:.1f} deg (median) against the truth's, in the other order by "
+     "{reordered_deg:.1f} deg",
+     "read them by {option}, or put w behind z in the file"},
+    {Code::kNoOrientations, "clock offset and hand-eye need orientations, and there are none",
+     "leave out --clock-offset auto and --hand-eye auto"},
+    {Code::kAlignmentNeedsOrientations,
+     "alignment {alignment} needs orientations, and there are none",
+     "align with se3, sim3, yaw or none"},
+    {Code::kScaleUnknown,
+     "hand-eye needs an estimate in metres, and alignment {alignment} takes its scale as unknown",
+     "align with se3, or leave out --hand-eye"},
+    {Code::kNoPairs, "no poses are matched", "match poses (--max-dt)"},
+    {Code::kTooFewPairs,
+     "{aligned} of the {pairs} matched poses to align with {alignment}; at least 3 are needed",
+     "match more poses (--max-dt, --align-first) or align with se3-first"},
+    {Code::kPositionsStandStill,
+     "the matched positions do not move, so the alignment is not unique",
+     "align with se3-first or none, or give a segment with motion"},
+    {Code::kPositionsOnALine,
+     "the matched positions lie on a line, so the rotation about it is not unique",
+     "align with se3-first, yaw or yaw-first, or give a segment that turns"},
+    {Code::kNoHorizontalMotion, "the positions do not move horizontally, so yaw is not unique",
+     "align with se3-first or yaw-first, or give a longer segment"},
+    {Code::kUpsideDown, "the first poses are upside down to each other, so yaw is not unique",
+     "align with se3-first"},
+};
+
+}  // namespace
+
+const FailureRow& failureRow(FailureCode code) {
+  return *std::find_if(std::begin(kRows), std::end(kRows),
+                       [&](const FailureRow& row) { return row.code == code; });
+}
+
+}  // namespace plumbline
