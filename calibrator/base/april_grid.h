@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <cassert>
 
+#include "calibrator/base/target_shape.h"
+
 namespace plumbline {
 
 /// Geometry of Kalibr's AprilGrid in its own frame F: z = 0 plane, x right along a row of tags, y
@@ -14,6 +16,7 @@ struct AprilGrid {
   int cols = 6;             ///< tags along x
   double tag_size = 0.088;  ///< outer edge of a tag's black border [m]
   double spacing = 0.3;     ///< gap between tags as a ratio of tag_size [-]
+  TargetShape shape;        ///< how the board departs from the grid, as far as it is known
 
   double pitch() const { return tag_size * (1 + spacing); }  ///< tag to tag [m]
   int tagCount() const { return rows * cols; }
@@ -21,7 +24,8 @@ struct AprilGrid {
   double width() const { return pitch() * (cols - 1) + tag_size; }   ///< along x [m]
   double height() const { return pitch() * (rows - 1) + tag_size; }  ///< along y [m]
 
-  /// Position of a corner in F [m]; 0 <= corner_id < cornerCount().
+  /// Position of a corner in F on the even grid [m], whatever the shape (with it: cornerPoints());
+  /// 0 <= corner_id < cornerCount().
   Eigen::Vector2d corner(int corner_id) const {
     assert(corner_id >= 0 && corner_id < cornerCount());
     const int tag = corner_id / 4;

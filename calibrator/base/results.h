@@ -10,6 +10,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/base/target_shape.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 
@@ -99,8 +100,33 @@ struct StageSummary {
   /// Of the calibration parameters with all else marginalised; pixel_sigma as given, no tuned
   /// factor.
   ParameterCovariance covariance;
+  /// Cluster-robust standard deviations in the order of `covariance`, which hold where corners err
+  /// together or the model misfits (calibrator/batch/camera/robust_covariance.h); empty where too
+  /// few blocks of time tell.
+  std::optional<Eigen::VectorXd> robust_std;
   double entropy_nats = 0;  ///< 0.5 log((2 pi e)^n |Sigma|) of `covariance`
   StageSeconds seconds;
+};
+
+/// What was found of the board's shape.
+enum class TargetFinding {
+  kNotTested,     ///< too short a recording, or no solution with the terms
+  kUndetermined,  ///< the recording does not determine some term
+  kAsStated,      ///< its own terms predict unseen frames no better than the stated board
+  kBent,          ///< they do
+};
+
+/// The board's shape as a recording shows it, estimated together with the cameras.
+struct TargetFit {
+  TargetFinding finding = TargetFinding::kNotTested;
+  TargetShape shape;  ///< with its formal covariance
+  /// Of the terms [m]: the larger of formal and cluster-robust, where `blocks` of time sufficed.
+  TargetTerms std = TargetTerms::Zero();
+  int blocks = 0;
+  double held_out_px = 0;       ///< RMS of frames that cameras and board were not fitted to
+  double flat_held_out_px = 0;  ///< the same with the board as stated
+  double gain_px2 = 0;          ///< mean over blocks of time: by how much the squares are smaller
+  double gain_std_px2 = 0;      ///< standard deviation of that mean
 };
 
 /// Camera stage: intrinsics, extrinsics, and the pose of camera 0 in every frame used.
@@ -109,6 +135,9 @@ struct CameraStageResult {
   std::vector<Frame> frames;     ///< frames used by the solution
   std::vector<Transform> T_FC0;  ///< one per frame
   std::vector<CornerResidual> residuals;
+  /// The board that the solution stands on: the session's, or the estimated one.
+  TargetShape target;
+  std::optional<TargetFit> target_fit;  ///< where the shape was asked for
   StageSummary summary;
 };
 

@@ -23,7 +23,7 @@ std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const
   const CameraValues lens(camera);
   const double* k = lens.k.data();
   for (int i = 0; i < view.count; ++i) {
-    const Eigen::Vector3d p = T_CF.R.col(0) * view.x[i] + T_CF.R.col(1) * view.y[i] + T_CF.t;
+    const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
     Eigen::Vector2d& e = errors[static_cast<std::size_t>(i)];
     if (!Model::isProjectable(k, p.x(), p.y(), p.z())) {
       e << kFarOff, 0;

@@ -20,12 +20,40 @@ namespace plumbline {
 
 // Field lists (see fields.h) of what calibrations and sessions are made of, and of statistics.
 
+/// Values of the terms under their names.
+template <class V>
+void targetTermFields(V& v, TargetTerms& terms) {
+  static constexpr std::array<const char*, kTargetTerms> kTexts = {
+      "wider along x than along y",
+      "right angles lost",
+      "displacement along x, with x^2",
+      "along x, with x y",
+      "along x, with y^2",
+      "along y, with x^2",
+      "along y, with x y",
+      "along y, with y^2",
+      "height, with x^2",
+      "height, with x y",
+      "height, with y^2",
+      "how much larger the tags look at unchanged pitch"};
+  for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
+    v(kTargetTermNames[j], terms[static_cast<Eigen::Index>(j)], "m", kTexts[j]);
+  }
+}
+
+template <class V>
+void fields(V& v, TargetShape& s) {
+  v.group("terms", [&](auto& g) { targetTermFields(g, s.terms); });
+  v("covariance", s.covariance, "of the terms, in their order [m^2]; absent: taken as exact");
+}
+
 template <class V>
 void fields(V& v, AprilGrid& g) {
   v("rows", g.rows, "tags along y");
   v("cols", g.cols, "tags along x");
   v("tag_size", g.tag_size, "m", "outer edge of a tag's black border");
   v("spacing", g.spacing, "1", "gap between tags over `tag_size`");
+  v("shape", g.shape, "how the board departs from the flat and even grid");
 }
 
 inline auto elements(Resolution& r) { return std::tie(r.width, r.height); }

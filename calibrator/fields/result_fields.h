@@ -63,6 +63,7 @@ void figures(V& v, StageSummary& s) {
   v("corners_offered", s.corners_offered, "1", "in the session");
   v("views_used", s.views_used, "1", "(camera, frame) pairs with used corners");
   v("views_offered", s.views_offered, "1", "all views of the session, whatever they saw");
+  v("robust_std", s.robust_std, "cluster-robust standard deviations, in the order of `covariance`");
   v("entropy_nats", s.entropy_nats, "nat",
     "0.5 log((2 pi e)^n |Sigma|), Sigma the stage's `covariance`; compare only under the same "
     "parameter list, units and noise");
@@ -77,11 +78,30 @@ void fields(V& v, StageSummary& s) {
   v("covariance", s.covariance, "of the calibration parameters");
 }
 
+constexpr std::array<const char*, 4> enumWords(TargetFinding /*of*/) {
+  return {"not tested", "not determined", "as stated", "bent"};
+}
+
+template <class V>
+void fields(V& v, TargetFit& t) {
+  v("finding", t.finding, "what the recording says of the board");
+  v("shape", t.shape, "terms estimated with the cameras, formal covariance");
+  v.group("std", [&](auto& g) { targetTermFields(g, t.std); });
+  v("blocks", t.blocks, "1", "of time, over which `std` is cluster-robust; 0: formal");
+  v("held_out_px", t.held_out_px, "px", "RMS of frames that cameras and board were not fitted to");
+  v("flat_held_out_px", t.flat_held_out_px, "px", "the same with the board as stated");
+  v("gain_px2", t.gain_px2, "px^2",
+    "mean over blocks of time: by how much the squares are smaller");
+  v("gain_std_px2", t.gain_std_px2, "px^2", "standard deviation of that mean");
+}
+
 template <class V>
 void fields(V& v, CameraStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
   v("cameras", s.cameras, "as this stage estimated them");
+  v("target", s.target, "the board that the solution stands on");
+  v("target_fit", s.target_fit, "the board's shape as estimated, whether or not it was kept");
   v.array("frames", s.frames, "frames of the solution");
   v.array("T_FC0", s.T_FC0, "camera 0 in the target's frame, one per frame");
   v.array("residuals", s.residuals, "corners' reprojection errors");

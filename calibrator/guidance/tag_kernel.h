@@ -26,16 +26,18 @@ class PredictedCorners {
   /// Takes up to `most` corners.
   explicit PredictedCorners(int most);
   void clear() { count_ = 0; }
-  /// The corners first, first + 1 ... of a tag, at (x, y) of F [m] (four of each).
-  void add(int first, const double* x, const double* y, const TagImage& seen) {
+  /// The corners first, first + 1 ... of a tag, at (x, y, z) of F [m] (four of each).
+  void add(int first, const double* const (&xyz)[3], const TagImage& seen) {
     double* row = columns_.data() + count_;
-    std::memcpy(row, x, sizeof seen.u);
-    std::memcpy(row + stride_, y, sizeof seen.u);
-    std::memcpy(row + 2 * stride_, seen.u, sizeof seen.u);
-    std::memcpy(row + 3 * stride_, seen.v, sizeof seen.v);
+#pragma GCC unroll 3
+    for (int axis = 0; axis < 3; ++axis) {
+      std::memcpy(row + axis * stride_, xyz[axis], sizeof seen.u);
+    }
+    std::memcpy(row + 3 * stride_, seen.u, sizeof seen.u);
+    std::memcpy(row + 4 * stride_, seen.v, sizeof seen.v);
 #pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) {
-      row[4 * stride_ + i] = 1;
+      row[5 * stride_ + i] = 1;
       ids_[static_cast<std::size_t>(count_ + i)] = first + i;
     }
     count_ += 4;
@@ -46,7 +48,7 @@ class PredictedCorners {
  private:
   int stride_;
   int count_ = 0;
-  std::vector<double> columns_;  // x y u v w
+  std::vector<double> columns_;  // x y z u v w
   std::vector<int> ids_;
 };
 
@@ -84,14 +86,16 @@ template <int W, class Mask>
 }
 
 template <int W>
-[[gnu::always_inline]] inline Points<W> pointsOf(const Transform& T_CF, const double* x,
-                                                 const double* y) {
+[[gnu::always_inline]] inline Points<W> pointsOf(const Transform& T_CF,
+                                                 const double* const (&xyz)[3], int i) {
   const Eigen::Matrix3d& R = T_CF.R;
   const Eigen::Vector3d& t = T_CF.t;
-  const Lanes<W> p = load<W>(x);
-  const Lanes<W> q = load<W>(y);
-  return {R(0, 0) * p + R(0, 1) * q + t[0], R(1, 0) * p + R(1, 1) * q + t[1],
-          R(2, 0) * p + R(2, 1) * q + t[2]};
+  const Lanes<W> x = load<W>(xyz[0] + i);
+  const Lanes<W> y = load<W>(xyz[1] + i);
+  const Lanes<W> z = load<W>(xyz[2] + i);
+  return {R(0, 0) * x + R(0, 1) * y + R(0, 2) * z + t[0],
+          R(1, 0) * x + R(1, 1) * y + R(1, 2) * z + t[1],
+          R(2, 0) * x + R(2, 1) * y + R(2, 2) * z + t[2]};
 }
 
 /// Whether the model projects all of the points one-to-one.
@@ -138,6 +142,7 @@ template <int W, class Model>
 struct Corners {
   const double* x;
   const double* y;
+  const double* z;
   int count;
 };
 
@@ -146,14 +151,13 @@ template <int W, class Model>
 [[gnu::always_inline]] inline void predict(const Bounds& bounds, const Corners& target,
                                            const Transform& T_CF, PredictedCorners& into) {
   for (int first = 0; first < target.count; first += 4) {
-    const double* x = target.x + first;
-    const double* y = target.y + first;
+    const double* const xyz[3] = {target.x + first, target.y + first, target.z + first};
     TagImage tag;
     bool seen = true;
     for (int i = 0; i < 4 && seen; i += W) {
-      seen = projectInto<W, Model>(bounds, pointsOf<W>(T_CF, x + i, y + i), tag.u + i, tag.v + i);
+      seen = projectInto<W, Model>(bounds, pointsOf<W>(T_CF, xyz, i), tag.u + i, tag.v + i);
     }
-    if (seen && hasLongSides(tag, bounds.squared_side_px)) into.add(first, x, y, tag);
+    if (seen && hasLongSides(tag, bounds.squared_side_px)) into.add(first, xyz, tag);
   }
 }
 

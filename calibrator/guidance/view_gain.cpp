@@ -60,9 +60,10 @@ void predictAs(InstructionSet set, const tags::Bounds& bounds, const tags::Corne
 
 VisibleTags::VisibleTags(const Intrinsics& camera, const AprilGrid& target, const Limits& limits)
     : model_(cameraModelOf(camera)), bounds_(boundsOf(camera, model_, limits)) {
-  for (int id = 0; id < target.cornerCount(); ++id) {
-    x_.push_back(target.corner(id).x());
-    y_.push_back(target.corner(id).y());
+  for (const Eigen::Vector3d& p : cornerPoints(target)) {
+    x_.push_back(p.x());
+    y_.push_back(p.y());
+    z_.push_back(p.z());
   }
 }
 
@@ -72,14 +73,14 @@ void VisibleTags::predictWith(InstructionSet set, const Transform& T_CF,
   into.clear();
   const double ahead_of_target = -T_CF.R.col(2).dot(T_CF.t);  // z of the camera in F
   if (!(ahead_of_target > 0)) return;
-  const tags::Corners target{x_.data(), y_.data(), cornerCount()};
+  const tags::Corners target{x_.data(), y_.data(), z_.data(), cornerCount()};
   std::visit([&]<class Model>(Model) { predictAs<Model>(set, bounds_, target, T_CF, into); },
              model_);
 }
 
 PredictedCorners::PredictedCorners(int most)
     : stride_((most + kLanes - 1) / kLanes * kLanes),
-      columns_(static_cast<std::size_t>(5 * stride_)),
+      columns_(static_cast<std::size_t>(6 * stride_)),
       ids_(static_cast<std::size_t>(stride_)) {}
 
 PackedView PredictedCorners::view() {
@@ -88,16 +89,17 @@ PackedView PredictedCorners::view() {
   view.padded = (count_ + kLanes - 1) / kLanes * kLanes;
   double* all = columns_.data();
   for (int i = count_; i < view.padded; ++i) {
-    for (int column = 0; column < 4; ++column) {
+    for (int column = 0; column < 5; ++column) {
       all[column * stride_ + i] = all[column * stride_ + count_ - 1];
     }
-    all[4 * stride_ + i] = 0;
+    all[5 * stride_ + i] = 0;
   }
   view.x = all;
   view.y = all + stride_;
-  view.u = all + 2 * stride_;
-  view.v = all + 3 * stride_;
-  view.w = all + 4 * stride_;
+  view.z = all + 2 * stride_;
+  view.u = all + 3 * stride_;
+  view.v = all + 4 * stride_;
+  view.w = all + 5 * stride_;
   view.id = ids_.data();
   return view;
 }

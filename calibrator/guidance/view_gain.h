@@ -37,7 +37,7 @@ class VisibleTags {
   void predictWith(InstructionSet set, const Transform& T_CF, PredictedCorners& into) const;
 
  private:
-  std::vector<double> x_, y_;  // of the corners by id, in F [m]
+  std::vector<double> x_, y_, z_;  // of the corners by id, in F [m]
   AnyCameraModel model_;
   tags::Bounds bounds_;
 };

@@ -21,7 +21,8 @@ struct Input {
   double fu, fv, pu, pv;
   const double* k;  ///< shape coefficients of the model
   PackedView view;
-  double inverse_c2 = 0;  ///< 1/c^2 of the loss [1/px^2]
+  const TargetColumns* target = nullptr;  ///< of the view's corners, where the board is estimated
+  double inverse_c2 = 0;                  ///< 1/c^2 of the loss [1/px^2]
   double triggs_clamp = 0;
 };
 
@@ -59,9 +60,10 @@ template <int W, class Model>
   const auto& t = in.T_CF.t;
   const V x = load<W>(in.view.x + j);
   const V y = load<W>(in.view.y + j);
-  const V X = R(0, 0) * x + R(0, 1) * y + t[0];
-  const V Y = R(1, 0) * x + R(1, 1) * y + t[1];
-  const V Z = R(2, 0) * x + R(2, 1) * y + t[2];
+  const V z = load<W>(in.view.z + j);
+  const V X = R(0, 0) * x + R(0, 1) * y + R(0, 2) * z + t[0];
+  const V Y = R(1, 0) * x + R(1, 1) * y + R(1, 2) * z + t[1];
+  const V Z = R(2, 0) * x + R(2, 1) * y + R(2, 2) * z + t[2];
   const auto ahead = (Z > kNearest) & (X * X + Y * Y + Z * Z < kFarthest * kFarthest);
   const V zero = {};
   Group<W, Model> g;
@@ -82,10 +84,34 @@ template <int W, class Model>
   return g;
 }
 
-/// d(row)/d(pose, shape): columns rho (3), phi (3) = p x d/dp, shape.
-template <int W, int S, class Model>
-[[gnu::always_inline]] inline void sharedRow(const Group<W, Model>& g, int row,
-                                             const Lanes<W>& focal, Lanes<W> (&J)[S]) {
+/// How many columns are shared by both rows: the pose's, the lens' shape, the board's terms.
+template <class Model, bool kIntrinsics, bool kTarget>
+inline constexpr int kShared = 6 + (kIntrinsics ? Model::kShape : 0) + (kTarget ? kTargetTerms : 0);
+
+/// d(row)/d(terms of the board): the derivatives d by the corner's place in F, times B_j.
+template <int W>
+[[gnu::always_inline]] inline void targetRow(const Input& in, int j, const Lanes<W> (&d)[3],
+                                             Lanes<W>* J) {
+  using B = TargetBasis;
+  Lanes<W> f[B::kFunctions];
+#pragma GCC unroll 9
+  for (int i = 0; i < B::kFunctions; ++i) f[i] = load<W>(in.target->function[i] + j);
+  J[0] = d[0] * f[B::kStretchX] + d[1] * f[B::kStretchY];
+  J[1] = d[0] * f[B::kShearX] + d[1] * f[B::kShearY];
+#pragma GCC unroll 3
+  for (int axis = 0; axis < 3; ++axis) {
+#pragma GCC unroll 3
+    for (int q = 0; q < 3; ++q) J[2 + 3 * axis + q] = d[axis] * f[B::kQ1 + q];
+  }
+  J[11] = d[0] * f[B::kEdgeX] + d[1] * f[B::kEdgeY];
+}
+
+/// d(row)/d(pose, shape, terms): columns rho (3), phi (3) = p x d/dp, shape of the lens, terms of
+/// the board; of the corners from position j.
+template <int W, int S, bool kTarget, class Model>
+[[gnu::always_inline]] inline void sharedRow(const Input& in, const Group<W, Model>& g, int j,
+                                             int row, const Lanes<W>& focal, Lanes<W> (&J)[S]) {
+  constexpr int kEnd = kTarget ? S - kTargetTerms : S;
   const Lanes<W> a = focal * g.m.J_point[row][0];
   const Lanes<W> b = focal * g.m.J_point[row][1];
   const Lanes<W> c = focal * g.m.J_point[row][2];
@@ -96,19 +122,26 @@ template <int W, int S, class Model>
   J[4] = g.Z * a - g.X * c;
   J[5] = g.X * b - g.Y * a;
 #pragma GCC unroll 12
-  for (int i = 6; i < S; ++i) J[i] = focal * g.m.J_k[row][i - 6];
+  for (int i = 6; i < kEnd; ++i) J[i] = focal * g.m.J_k[row][i - 6];
+  if constexpr (kTarget) {
+    const auto& R = in.T_CF.R;
+    Lanes<W> d[3];
+#pragma GCC unroll 3
+    for (int axis = 0; axis < 3; ++axis) d[axis] = a * R(0, axis) + b * R(1, axis) + c * R(2, axis);
+    targetRow<W>(in, j, d, J + kEnd);
+  }
 }
 
 /// Squared error: the columns of one group. Weights are 0 or 1, so one factor holds them.
-template <int W, int S, bool kIntrinsics, class Model>
-[[gnu::always_inline]] inline void fillPlain(const Input& in, const Group<W, Model>& g,
+template <int W, int S, bool kIntrinsics, bool kTarget, class Model>
+[[gnu::always_inline]] inline void fillPlain(const Input& in, const Group<W, Model>& g, int j,
                                              double* left) {
   Lanes<W> J[S];
-  sharedRow<W, S>(g, 0, g.w * in.fu, J);
-#pragma GCC unroll 16
+  sharedRow<W, S, kTarget>(in, g, j, 0, g.w * in.fu, J);
+#pragma GCC unroll 32
   for (int i = 0; i < S; ++i) store<W>(left + i * kStride, J[i]);
-  sharedRow<W, S>(g, 1, g.w * in.fv, J);
-#pragma GCC unroll 16
+  sharedRow<W, S, kTarget>(in, g, j, 1, g.w * in.fv, J);
+#pragma GCC unroll 32
   for (int i = 0; i < S; ++i) store<W>(left + i * kStride + kChunk, J[i]);
   double* own = left + S * kStride;
   store<W>(own, g.w * g.e_u);
@@ -141,16 +174,16 @@ struct RobustWeight {
 };
 
 /// Robust: left factor J, right factor M J (and rho' e).
-template <int W, int S, bool kIntrinsics, class Model>
-[[gnu::always_inline]] inline void fillRobust(const Input& in, const Group<W, Model>& g,
+template <int W, int S, bool kIntrinsics, bool kTarget, class Model>
+[[gnu::always_inline]] inline void fillRobust(const Input& in, const Group<W, Model>& g, int j,
                                               double* left, double* right) {
   const Lanes<W> zero = {};
   const RobustWeight<W> M(in, g.w, g.e_u, g.e_v);
   Lanes<W> J_u[S];
   Lanes<W> J_v[S];
-  sharedRow<W, S>(g, 0, zero + in.fu, J_u);
-  sharedRow<W, S>(g, 1, zero + in.fv, J_v);
-#pragma GCC unroll 16
+  sharedRow<W, S, kTarget>(in, g, j, 0, zero + in.fu, J_u);
+  sharedRow<W, S, kTarget>(in, g, j, 1, zero + in.fv, J_v);
+#pragma GCC unroll 32
   for (int i = 0; i < S; ++i) {
     store<W>(left + i * kStride, J_u[i]);
     store<W>(left + i * kStride + kChunk, J_v[i]);
@@ -201,9 +234,9 @@ struct LogSum {
 };
 
 /// Gram sums of a whole view.
-template <int W, class Model, bool kIntrinsics, bool kRobust>
+template <int W, class Model, bool kIntrinsics, bool kRobust, bool kTarget = false>
 [[gnu::always_inline]] inline auto sumView(const Input& in) {
-  constexpr int S = kIntrinsics ? 6 + Model::kShape : 6;
+  constexpr int S = kShared<Model, kIntrinsics, kTarget>;
   constexpr int kColumnsLeft = S + (kIntrinsics ? 3 : 1);
   alignas(64) double left[kColumnsLeft * kStride];
   alignas(64) double right_robust[kRobust ? (S + kOwn) * kStride : 1];
@@ -218,10 +251,10 @@ template <int W, class Model, bool kIntrinsics, bool kRobust>
       const auto g = projectGroup<W, Model>(in, first + j, invalid);
       sums.squared += g.squared;
       if constexpr (kRobust) {
-        fillRobust<W, S, kIntrinsics>(in, g, left + j, right + j);
+        fillRobust<W, S, kIntrinsics, kTarget>(in, g, first + j, left + j, right + j);
         logs.add(1.0 + g.squared * in.inverse_c2);
       } else {
-        fillPlain<W, S, kIntrinsics>(in, g, left + j);
+        fillPlain<W, S, kIntrinsics, kTarget>(in, g, first + j, left + j);
       }
     }
     for (int row = 0; row < 2; ++row) {
@@ -272,9 +305,8 @@ template <int W, int S>
 }
 
 /// Intrinsics' terms of the sums; order fu fv pu pv, shape.
-template <int W, int S>
+template <int W, int kShape, int S>
 [[gnu::always_inline]] inline void writeIntrinsics(const Sums<W, S>& sums, ViewGram& out) {
-  constexpr int kShape = S - 6;
   out.H_pose_k.resize(6, 4 + kShape);
   out.H_k.resize(4 + kShape, 4 + kShape);
   out.b_k.resize(4 + kShape);
@@ -302,6 +334,23 @@ template <int W, int S>
       out.H_k(4 + i, 4 + j) = out.H_k(4 + j, 4 + i) = sumOf<W>(sums.shared[6 + i][6 + j]);
     }
     out.b_k[4 + i] = sumOf<W>(sums.shared[6 + i][S]);
+  }
+}
+
+/// The board's terms of the sums, which are the last of the shared columns.
+template <int W, int kShape, int S>
+[[gnu::always_inline]] inline void writeTarget(const Sums<W, S>& sums, TargetViewGram& out) {
+  constexpr int kFirst = 6 + kShape;
+  out.H_k_s.resize(4 + kShape, kTargetTerms);
+  for (int i = 0; i < kTargetTerms; ++i) {
+    const int column = kFirst + i;
+    for (int j = 0; j < 6; ++j) out.H_pose_s(j, i) = sumOf<W>(sums.shared[j][column]);
+    for (int k = 0; k < 4; ++k) out.H_k_s(k, i) = sumOf<W>(sums.own[k % 2][k / 2][column]);
+    for (int k = 0; k < kShape; ++k) out.H_k_s(4 + k, i) = sumOf<W>(sums.shared[6 + k][column]);
+    for (int j = i; j < kTargetTerms; ++j) {
+      out.H_s(i, j) = out.H_s(j, i) = sumOf<W>(sums.shared[column][kFirst + j]);
+    }
+    out.b_s[i] = sumOf<W>(sums.shared[column][S]);
   }
 }
 

@@ -23,6 +23,9 @@ PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transf
                       const PackedView& view, const GramOptions& options);
 ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
                       const PackedView& view, const GramOptions& options);
+TargetViewGram targetViewGramWith(InstructionSet set, const Intrinsics& camera,
+                                  const Transform& T_CF, const PackedView& view,
+                                  const TargetColumns& target, const GramOptions& options);
 double viewCostWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
                     const PackedView& view, const GramOptions& options);
 

@@ -6,7 +6,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kColumns = 5;  // x y u v w
+constexpr int kColumns = 6;  // x y z u v w
 
 int lines(int count) { return (count + kLanes - 1) / kLanes; }
 
@@ -18,6 +18,7 @@ PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageVie
     count_.push_back(static_cast<int>(view.corners.size()));
     total_ += lines(count_.back());
   }
+  const std::vector<Eigen::Vector3d> points = cornerPoints(target);
   storage_.resize(kColumns * total_);
   ids_.resize(kLanes * total_);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -27,9 +28,10 @@ PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageVie
     // that is there projects to finite numbers, where zeros might divide by zero.
     for (int j = 0; j < kLanes * step; ++j) {
       const Corner& corner = views[i].corners[j < n ? j : n - 1];
-      const Eigen::Vector2d p_F = target.corner(corner.id);
-      const double row[kColumns] = {p_F.x(), p_F.y(), corner.uv.x(), corner.uv.y(),
-                                    j < n ? 1. : 0.};
+      assert(corner.id >= 0 && corner.id < target.cornerCount());
+      const Eigen::Vector3d& p_F = points[static_cast<std::size_t>(corner.id)];
+      const double row[kColumns] = {p_F.x(),       p_F.y(),       p_F.z(),
+                                    corner.uv.x(), corner.uv.y(), j < n ? 1. : 0.};
       Line* line = storage_.data() + kColumns * offset_[i] + j / kLanes;
       for (int c = 0; c < kColumns; ++c) line[c * step].lane[j % kLanes] = row[c];
       ids_[kLanes * offset_[i] + j] = corner.id;
@@ -47,17 +49,32 @@ PackedView PackedCorners::view(int index) const {
   const int step = lines(view.count);
   view.x = line->lane;
   view.y = line[step].lane;
-  view.u = line[2 * step].lane;
-  view.v = line[3 * step].lane;
-  view.w = line[4 * step].lane;
+  view.z = line[2 * step].lane;
+  view.u = line[3 * step].lane;
+  view.v = line[4 * step].lane;
+  view.w = line[5 * step].lane;
   view.id = ids_.data() + kLanes * offset_[index];
   return view;
+}
+
+void PackedCorners::place(const std::vector<Eigen::Vector3d>& points) {
+  for (std::size_t i = 0; i < count_.size(); ++i) {
+    const int step = lines(count_[i]);
+    Line* line = storage_.data() + kColumns * offset_[i];
+    const int* id = ids_.data() + kLanes * offset_[i];
+    for (int j = 0; j < kLanes * step; ++j) {
+      const Eigen::Vector3d& p = points[static_cast<std::size_t>(id[j])];
+      for (int axis = 0; axis < 3; ++axis) {
+        line[j / kLanes + axis * step].lane[j % kLanes] = p[axis];
+      }
+    }
+  }
 }
 
 void PackedCorners::setWeight(int view, int position, double weight) {
   assert(view >= 0 && view < viewCount() && position >= 0 && position < count_[view]);
   assert(weight == 0 || weight == 1);
-  Line* line = storage_.data() + kColumns * offset_[view] + 4 * lines(count_[view]);
+  Line* line = storage_.data() + kColumns * offset_[view] + 5 * lines(count_[view]);
   line[position / kLanes].lane[position % kLanes] = weight;
 }
 

@@ -15,8 +15,9 @@ inline constexpr int kLanes = 8;
 struct PackedView {
   int count = 0;              ///< corners
   int padded = 0;             ///< count rounded up to kLanes
-  const double* x = nullptr;  ///< target coordinates in F [m]
+  const double* x = nullptr;  ///< target coordinates in F, the board's shape included [m]
   const double* y = nullptr;
+  const double* z = nullptr;
   const double* u = nullptr;  ///< measured pixels
   const double* v = nullptr;
   const double* w = nullptr;  ///< weight: 1 used, 0 rejected or padding
@@ -31,6 +32,8 @@ class PackedCorners {
 
   int viewCount() const { return static_cast<int>(count_.size()); }
   PackedView view(int index) const;
+  /// Moves the corners of all views onto a board (cornerPoints()).
+  void place(const std::vector<Eigen::Vector3d>& points);
   /// Sets the weight of one corner (position within its view): 0 rejects it, 1 uses it; nothing
   /// between.
   void setWeight(int view, int position, double weight);
@@ -40,7 +43,8 @@ class PackedCorners {
   struct alignas(64) Line {
     double lane[kLanes] = {};
   };
-  // Per view the columns x y u v w, each padded to whole lines; offsets count lines of one column.
+  // Per view the columns x y z u v w, each padded to whole lines; offsets count lines of one
+  // column.
   std::vector<Line> storage_;
   std::vector<int> ids_;
   std::vector<int> offset_;

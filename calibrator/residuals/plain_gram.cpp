@@ -32,12 +32,14 @@ struct Weighted {
 };
 
 /// One corner's error and derivatives; what cannot be projected has none.
-template <class Model, bool kIntrinsics>
+template <class Model, bool kIntrinsics, bool kTarget>
 struct CornerTerms {
-  static constexpr int kColumns = 6 + (kIntrinsics ? 4 + Model::kShape : 0);
+  static constexpr int kLens = 6 + (kIntrinsics ? 4 + Model::kShape : 0);
+  static constexpr int kColumns = kLens + (kTarget ? kTargetTerms : 0);
   bool valid = false;
   Eigen::Vector2d e = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, kColumns> J;
+  Eigen::Matrix<double, 2, 3> J_point;
 
   CornerTerms(const CameraValues& lens, const Eigen::Vector3d& p, const Eigen::Vector2d& uv) {
     if (!Model::isProjectable(lens.k.data(), p.x(), p.y(), p.z())) return;
@@ -45,7 +47,6 @@ struct CornerTerms {
     const auto m = Model::image(lens.k.data(), p.x(), p.y(), p.z());
     e << lens.fu * m.x + lens.pu - uv.x(), lens.fv * m.y + lens.pv - uv.y();
     valid = e.squaredNorm() < kInvalidSquaredError;
-    Eigen::Matrix<double, 2, 3> J_point;
     for (int i = 0; i < 3; ++i) {
       J_point.col(i) << lens.fu * m.J_point[0][i], lens.fv * m.J_point[1][i];
     }
@@ -68,21 +69,31 @@ struct Sums {
   double cost = 0;
 };
 
-template <class Model, bool kIntrinsics>
-auto sumView(const View& view) {
-  using C = CornerTerms<Model, kIntrinsics>;
+/// The columns B_j of the j-th corner.
+Eigen::Matrix<double, 3, kTargetTerms> targetColumns(const TargetColumns& target, int j) {
+  TargetBasis::Functions f{};
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] = target.function[i][j];
+  return TargetBasis::columns(f);
+}
+
+template <class Model, bool kIntrinsics, bool kTarget = false>
+auto sumView(const View& view, const TargetColumns* target = nullptr) {
+  using C = CornerTerms<Model, kIntrinsics, kTarget>;
   Sums<C::kColumns> sums;
   const CameraValues lens(view.camera);
   const PackedView& v = view.corners;
   for (int j = 0; j < v.count; ++j) {
     if (!(v.w[j] > 0)) continue;
-    const Eigen::Vector3d p =
-        view.T_CF.R.col(0) * v.x[j] + view.T_CF.R.col(1) * v.y[j] + view.T_CF.t;
-    const C corner(lens, p, {v.u[j], v.v[j]});
+    const Eigen::Vector3d p = view.T_CF * Eigen::Vector3d(v.x[j], v.y[j], v.z[j]);
+    C corner(lens, p, {v.u[j], v.v[j]});
     if (!corner.valid) {
       sums.squared_error += kInvalidSquaredError;
       sums.cost += kInvalidSquaredError;
       continue;
+    }
+    if constexpr (kTarget) {
+      corner.J.template rightCols<kTargetTerms>().noalias() =
+          (corner.J_point * view.T_CF.R).lazyProduct(targetColumns(*target, j));
     }
     const Weighted w(corner.e, view.options);
     const Eigen::Matrix<double, 2, C::kColumns> MJ = w.M * corner.J;
@@ -102,6 +113,15 @@ void writePose(const Sums<N>& sums, PoseGram& out) {
   out.cost = sums.cost;
 }
 
+template <class Model, int N>
+void writeView(const Sums<N>& sums, ViewGram& out) {
+  constexpr int K = 4 + Model::kShape;
+  writePose(sums, out);
+  out.H_pose_k = sums.H.template block<6, K>(0, 6);
+  out.H_k = sums.H.template block<K, K>(6, 6);
+  out.b_k = sums.b.template segment<K>(6);
+}
+
 }  // namespace
 
 PoseGram poseGram(const View& view) {
@@ -112,14 +132,22 @@ PoseGram poseGram(const View& view) {
 
 ViewGram viewGram(const View& view) {
   ViewGram out;
+  std::visit([&]<class Model>(Model) { writeView<Model>(sumView<Model, true>(view), out); },
+             view.model);
+  return out;
+}
+
+TargetViewGram targetViewGram(const View& view, const TargetColumns& target) {
+  TargetViewGram out;
   std::visit(
       [&]<class Model>(Model) {
-        const auto sums = sumView<Model, true>(view);
+        const auto sums = sumView<Model, true, true>(view, &target);
         constexpr int K = 4 + Model::kShape;
-        writePose(sums, out);
-        out.H_pose_k = sums.H.template topRightCorner<6, K>();
-        out.H_k = sums.H.template bottomRightCorner<K, K>();
-        out.b_k = sums.b.template tail<K>();
+        writeView<Model>(sums, out);
+        out.H_pose_s = sums.H.template topRightCorner<6, kTargetTerms>();
+        out.H_k_s = sums.H.template block<K, kTargetTerms>(6, 6 + K);
+        out.H_s = sums.H.template bottomRightCorner<kTargetTerms, kTargetTerms>();
+        out.b_s = sums.b.template tail<kTargetTerms>();
       },
       view.model);
   return out;

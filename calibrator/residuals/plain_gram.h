@@ -23,6 +23,7 @@ struct View {
 
 PoseGram poseGram(const View& view);
 ViewGram viewGram(const View& view);
+TargetViewGram targetViewGram(const View& view, const TargetColumns& target);
 double cost(const View& view);
 
 }  // namespace plumbline::plain

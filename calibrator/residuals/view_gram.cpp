@@ -25,7 +25,15 @@ template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline void computeView(const gram::Input& in, ViewGram& out) {
   const auto sums = gram::sumView<W, Model, true, kRobust>(in);
   gram::writePose<W>(sums, out);
-  gram::writeIntrinsics<W>(sums, out);
+  gram::writeIntrinsics<W, Model::kShape>(sums, out);
+}
+
+template <int W, class Model, bool kRobust>
+[[gnu::always_inline]] inline void computeTarget(const gram::Input& in, TargetViewGram& out) {
+  const auto sums = gram::sumView<W, Model, true, kRobust, true>(in);
+  gram::writePose<W>(sums, out);
+  gram::writeIntrinsics<W, Model::kShape>(sums, out);
+  gram::writeTarget<W, Model::kShape>(sums, out);
 }
 
 // One entry per version: only these functions carry the instruction set.
@@ -36,6 +44,9 @@ struct Baseline {
   }
   static void view(const gram::Input& in, ViewGram& out) {
     computeView<2, Model, kRobust>(in, out);
+  }
+  static void target(const gram::Input& in, TargetViewGram& out) {
+    computeTarget<2, Model, kRobust>(in, out);
   }
   static double cost(const gram::Input& in) { return gram::costOfView<2, Model, kRobust>(in); }
 };
@@ -48,6 +59,9 @@ struct Avx2 {
   }
   PLUMBLINE_AVX2 static void view(const gram::Input& in, ViewGram& out) {
     computeView<4, Model, kRobust>(in, out);
+  }
+  PLUMBLINE_AVX2 static void target(const gram::Input& in, TargetViewGram& out) {
+    computeTarget<4, Model, kRobust>(in, out);
   }
   PLUMBLINE_AVX2 static double cost(const gram::Input& in) {
     return gram::costOfView<4, Model, kRobust>(in);
@@ -156,6 +170,27 @@ ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transf
   return out;
 }
 
+TargetViewGram targetViewGramWith(InstructionSet set, const Intrinsics& camera,
+                                  const Transform& T_CF, const PackedView& view,
+                                  const TargetColumns& target, const GramOptions& options) {
+  const AnyCameraModel model = cameraModelOf(camera);
+  TargetViewGram out;
+  if (!allFinite(camera, T_CF)) {
+    static_cast<ViewGram&>(out) = viewGramWith(set, camera, T_CF, view, options);
+    out.H_pose_s.setZero();
+    out.H_k_s.setZero(out.b_k.size(), kTargetTerms);
+    out.H_s.setZero();
+    out.b_s.setZero();
+    return out;
+  }
+  gram::Input in = inputOf(camera, T_CF, view, options);
+  in.target = &target;
+  const bool done =
+      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.target(in, out); });
+  if (!done) return plain::targetViewGram({model, camera, T_CF, view, options}, target);
+  return out;
+}
+
 double viewCostWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
                     const PackedView& view, const GramOptions& options) {
   const AnyCameraModel model = cameraModelOf(camera);
@@ -175,6 +210,12 @@ PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedV
 ViewGram viewGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                   const GramOptions& options) {
   return viewGramWith(bestInstructionSet(), camera, T_CF, view, options);
+}
+
+TargetViewGram targetViewGram(const Intrinsics& camera, const Transform& T_CF,
+                              const PackedView& view, const TargetColumns& target,
+                              const GramOptions& options) {
+  return targetViewGramWith(bestInstructionSet(), camera, T_CF, view, target, options);
 }
 
 double viewCost(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,

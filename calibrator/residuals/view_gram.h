@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "calibrator/base/target_shape.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/residuals/packed_corners.h"
@@ -51,6 +52,19 @@ struct ViewGram : PoseGram {
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxIntrinsics, 1> b_k;
 };
 
+/// ViewGram with the terms s of the board's shape (base/target_shape.h): p_C' = p_C + R_CF B s.
+struct TargetViewGram : ViewGram {
+  Eigen::Matrix<double, 6, kTargetTerms> H_pose_s;
+  Eigen::Matrix<double, Eigen::Dynamic, kTargetTerms, 0, kMaxIntrinsics, kTargetTerms> H_k_s;
+  TargetCovariance H_s;
+  TargetTerms b_s;
+};
+
+/// The functions of a TargetBasis at the corners of a view, padded as they are.
+struct TargetColumns {
+  const double* function[TargetBasis::kFunctions];
+};
+
 /// Terms in the pose only (camera-IMU stage, pose refinement).
 PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                   const GramOptions& options = {});
@@ -58,6 +72,11 @@ PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedV
 /// Terms in pose and intrinsics (camera stage).
 ViewGram viewGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                   const GramOptions& options = {});
+
+/// Terms in pose, intrinsics and the board's shape, about the places that the view states.
+TargetViewGram targetViewGram(const Intrinsics& camera, const Transform& T_CF,
+                              const PackedView& view, const TargetColumns& target,
+                              const GramOptions& options = {});
 
 /// cost alone: what a rejected step needs.
 double viewCost(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,

@@ -54,9 +54,9 @@ std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_
                                    const SimulationOptions& o) {
   if (T_FC.t.z() <= 0) return {};
   const Transform T_CF = T_FC.inverse();
+  const std::vector<Eigen::Vector3d> points = cornerPoints(o.target);
   const auto projection = [&](int corner_id) {
-    const Eigen::Vector2d p = o.target.corner(corner_id);
-    return project(camera, T_CF * Eigen::Vector3d(p.x(), p.y(), 0));
+    return project(camera, T_CF * points[static_cast<std::size_t>(corner_id)]);
   };
   return visibleCorners(camera.resolution, projection, o);
 }

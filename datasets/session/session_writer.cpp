@@ -18,6 +18,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
+#include "datasets/session/target_shape.h"
 
 namespace plumbline {
 
@@ -280,9 +281,12 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
   format.check();
   if (format.views == ViewFormat::kImages) checkRendered(options.faults);
   writeSession(simulated.session, simulated.camera_rate_hz, format.views, folder);
-  const TextFile truths[] = {{"camchain-imucam.yaml", kalibrCamchainText(simulated.truth)},
-                             {"trajectory.csv", trajectoryCsv(simulated)},
-                             {"truth.json", truthJson(simulated, options)}};
+  std::vector<TextFile> truths = {{"camchain-imucam.yaml", kalibrCamchainText(simulated.truth)},
+                                  {"trajectory.csv", trajectoryCsv(simulated)},
+                                  {"truth.json", truthJson(simulated, options)}};
+  if (!options.target.shape.isFlat()) {
+    truths.push_back({"target_shape.yaml", targetShapeText(options.target)});
+  }
   for (const TextFile& file : truths) {
     writeNewFile(folder, fs::path("truth") / file.path, file.text);
   }

@@ -121,7 +121,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   asked.check();
   CalibrateRequest request = asked;
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
-  const LoadedSession loaded = loadSession(request.load, progress);
+  LoadedSession loaded = loadSession(request.load, progress);
   checkTargetLayout(loaded, {});
   auto& models = request.camera.models;
   if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());
@@ -144,6 +144,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
       return locate(*failure, loaded, request.load.session);
     }
     cameras = record.camera->cameras;
+    loaded.session.target.shape = record.camera->target;
+    record.target = loaded.session.target;
   }
   checkTargetLayout(loaded, cameras);
   if (with_imu) {

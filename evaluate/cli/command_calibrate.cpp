@@ -114,7 +114,7 @@ Command calibrateCommand() {
   return {"calibrate", "Calibrate cameras and IMU from a recording",
           "plumbline calibrate session --out result", [](CLI::App& app) {
             auto options = std::make_shared<CalibrateOptions>();
-            options->session.declare(app);
+            options->session.declareEstimating(app);
             declareEstimation(app, *options);
             declareOutput(app, *options);
             return std::function<int()>([options, &app] { return calibrate(*options, app); });

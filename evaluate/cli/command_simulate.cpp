@@ -16,6 +16,7 @@
 #include "evaluate/cli/fault_words.h"
 #include "evaluate/cli/option_values.h"
 #include "evaluate/cli/session_options.h"
+#include "evaluate/cli/target_shape_words.h"
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {
@@ -29,6 +30,7 @@ struct SimulateOptions {
   int threads = 0;
   std::optional<double> time_offset_ms;
   std::vector<std::string> faults;
+  std::optional<std::string> target_shape;
   SimulationOptions simulation;
 };
 
@@ -59,6 +61,9 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
                  "What is wrong with the recording, e.g. gyro-delay=5ms; may be repeated; list: "
                  "prints them all")
       ->allow_extra_args(false);
+  app.add_option("--target-shape", o.target_shape,
+                 "The board's own shape, which target.yaml does not state, e.g. "
+                 "bow=1mm,stretch=0.3%,keystone=0.2% (also twist, shear, tag-edge)");
   app.add_option("--threads", o.threads, "Threads that render (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -73,6 +78,9 @@ int simulate(SimulateOptions o) {
     o.simulation.faults.push_back(faultFrom(spec));
   }
   if (o.output.out.empty()) throw InputError("--out is required; name the folder to write");
+  if (o.target_shape) {
+    o.simulation.target.shape = targetShapeFromWords(*o.target_shape, o.simulation.target);
+  }
   if (o.images) checkRendered(o.simulation.faults);
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);

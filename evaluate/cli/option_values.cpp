@@ -77,6 +77,7 @@ const ThresholdMembers& thresholdMembers() {
       {"resolution", &VerdictThresholds::resolution},
       {"unseen_rows", &VerdictThresholds::unseen_rows},
       {"tag_spacing", &VerdictThresholds::tag_spacing},
+      {"target_shape_mm", &VerdictThresholds::target_shape_mm},
       {"frames_without_imu", &VerdictThresholds::frames_without_imu},
       {"imu_gaps", &VerdictThresholds::imu_gaps},
       {"camera_shift_ms", &VerdictThresholds::camera_shift_ms},

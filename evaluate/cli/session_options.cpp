@@ -25,6 +25,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kMostThreads = 1024;
+constexpr const char* kAuto = "auto";
 
 CLI::Validator numberThat(const std::string& is, const std::function<bool(double)>& holds) {
   return CLI::Validator(
@@ -70,6 +71,11 @@ void SessionOptions::declare(CLI::App& app) {
   declareDetails(app);
 }
 
+void SessionOptions::declareEstimating(CLI::App& app) {
+  target_shape = kAuto;
+  declare(app);
+}
+
 void SessionOptions::declareOptional(CLI::App& app) {
   app.add_option("--session", session, "Folder of a recording (EuRoC layout)");
   declareDetails(app);
@@ -77,6 +83,12 @@ void SessionOptions::declareOptional(CLI::App& app) {
 
 void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--target", target, "Kalibr's target.yaml (default: in the session)");
+  app.add_option("--target-shape", target_shape,
+                 target_shape == kAuto
+                     ? "The board's own shape: auto (estimated where the recording determines it), "
+                       "flat, or a target_shape.yaml"
+                     : "The board's own shape: flat, or a target_shape.yaml")
+      ->capture_default_str();
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
   app.add_option("--only", only, "Use only these cameras, e.g. cam0,cam1")->delimiter(',');
@@ -107,6 +119,8 @@ LoadRequest SessionOptions::request() const {
   request.session = session;
   request.read.target_path = target;
   request.read.imu_path = imu;
+  request.target = target_shape == kAuto ? TargetMode::kAuto : TargetMode::kTested;
+  if (target_shape != kAuto && target_shape != "flat") request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);
   request.read.from_s = from_s;
   if (to_s) request.read.to_s = *to_s;
@@ -176,6 +190,7 @@ CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const
   const auto [filter, sigmas] = outliersFrom(outliers);
   options.filter = filter;
   if (filter == CornerFilter::kSigma) options.filter_sigmas = sigmas;
+  options.target = load.target;
   options.frames = measurements.frames;
   options.frames.tolerance = load.read.sync_tolerance;
   options.threads = threadCount(load.threads);

@@ -22,6 +22,8 @@ struct SessionOptions {
   std::optional<std::string> target, imu, resolution, cache;
   bool no_cache = false;
   std::vector<std::string> only;
+  /// "flat", a file, or in commands that calibrate, "auto".
+  std::string target_shape = "flat";
   double from_s = 0;
   std::optional<double> to_s;
   int stride = 1;
@@ -30,6 +32,8 @@ struct SessionOptions {
   int border_bits = 2;
 
   void declare(CLI::App& app);
+  /// The same for a command that calibrates, whose board may be estimated: --target-shape auto.
+  void declareEstimating(CLI::App& app);
   /// The same where a recording is optional: --session; `session` stays empty without it.
   void declareOptional(CLI::App& app);
   /// Checks the values and turns them into what the workflow asks for.

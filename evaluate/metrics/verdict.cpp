@@ -20,6 +20,7 @@ Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds
   append(findings, judgePrincipalPoints(stage, t));
   append(findings, judgeResolutions(stage, t));
   append(findings, judgeTarget(record, t));
+  append(findings, judgeTargetShape(stage, t));
   append(findings, judgeRejected(stage.residuals, "cameras", t));
   append(findings, judgeLeftOut(record, t));
   append(findings, judgeCameraStd(record, t));

@@ -37,6 +37,7 @@ struct VerdictThresholds {
   /// |spacing by the corners / stated - 1|, above; EuRoC's imu_april shows 4 % (0.312
   /// for 0.3), for a reason that is not known.
   Bound tag_spacing{0.05, 0.1};
+  Bound target_shape_mm{3, 20};        ///< RMS by which the board departs from the grid [mm], above
   Bound frames_without_imu{0.1, 0.6};  ///< share of the frames that no IMU samples cover, above
   Bound imu_gaps{0, 50};               ///< pauses of the IMU, above
   Bound imu_rate{0.2, 4};              ///< |measured / stated rate - 1|, above
@@ -53,8 +54,8 @@ struct VerdictThresholds {
 };
 
 /// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU
-/// rules where that stage ran. Where a bootstrap std is known, the larger of it and the formal
-/// standard deviation is judged, since formal standard deviations are not accuracy.
+/// rules where that stage ran. The largest of formal, cluster-robust and bootstrap standard
+/// deviation is judged, since formal standard deviations are not accuracy.
 /// `samples`: the IMU's, where they are at hand.
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {},
               const std::vector<ImuSample>& samples = {});

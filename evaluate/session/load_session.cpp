@@ -16,6 +16,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/session/corner_cache.h"
 #include "datasets/session/session_folder.h"
+#include "datasets/session/target_shape.h"
 #include "evaluate/session/detect_corners.h"
 
 namespace plumbline {
@@ -116,7 +117,13 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   Recording recording = readRecording(request.session, request.read);
   keepOnly(recording, request.only);
   LoadedSession loaded;
-  loaded.input_hash = inputHash(request.session, request.read, request.others);
+  std::vector<std::string> others = request.others;
+  if (request.target_shape) {
+    recording.session.target.shape =
+        readTargetShape(*request.target_shape, recording.session.target);
+    others.push_back(*request.target_shape);
+  }
+  loaded.input_hash = inputHash(request.session, request.read, others);
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {
     const Stopwatch detecting;

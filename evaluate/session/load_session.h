@@ -27,6 +27,11 @@ struct LoadRequest {
   std::function<void(const std::string& why)> without_cache;
   std::vector<std::string> only;    ///< cameras to use, by name; empty: all
   std::vector<std::string> others;  ///< further files that the input hash covers
+  /// File with the board's shape; empty: flat, or estimated where `target` says so.
+  std::optional<std::string> target_shape;
+  TargetMode target = TargetMode::kGiven;  ///< of jobs that calibrate
+  std::vector<std::string> only;           ///< cameras to use, by name; empty: all
+  std::vector<std::string> others;         ///< further files that the input hash covers
   int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.
 
   /// Throws InputError for values out of range.

@@ -75,18 +75,24 @@ void addParameters(std::vector<ParameterGroup>& groups,
                    const std::vector<ParameterEstimate>& parameters) {
   for (const ParameterEstimate& p : parameters) {
     const std::string heading = groupOf(p.name);
-    if (groups.empty() || groups.back().heading != heading) groups.push_back({heading, false, {}});
+    if (groups.empty() || groups.back().heading != heading)
+      groups.push_back({heading, false, false, {}});
     const auto [unit, factor] = readable(p.unit);
     ParameterRow row{p.name,
-                     withPrecisionOf(factor * p.value, factor * p.std),
-                     twoDigits(factor * p.std),
+                     withPrecisionOf(factor * p.value, factor * p.shownStd()),
+                     twoDigits(factor * p.shownStd()),
                      unit,
                      "",
+                     "",
                      ""};
+    if (p.robust_std) {
+      groups.back().has_formal = true;
+      row.formal = twoDigits(factor * p.std);
+    }
     if (p.resample_std) {
       groups.back().has_spread = true;
       row.spread = twoDigits(factor * *p.resample_std);
-      row.ratio = p.std > 0 ? twoDigits(*p.resample_std / p.std) : "";
+      row.ratio = p.shownStd() > 0 ? twoDigits(*p.resample_std / p.shownStd()) : "";
     }
     groups.back().rows.push_back(std::move(row));
   }

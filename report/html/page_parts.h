@@ -22,10 +22,12 @@ std::string parameterList(const ParameterCovariance& covariance);
 
 struct ParameterRow {
   std::string name, value, std, unit, spread, ratio;
+  std::string formal;  ///< beside a cluster-robust std
 };
 struct ParameterGroup {
   std::string heading;
   bool has_spread = false;
+  bool has_formal = false;
   std::vector<ParameterRow> rows;
 };
 /// One group per camera, per extrinsic transform, and for the IMU.

@@ -69,6 +69,19 @@ std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
   return spread->std[found - spread->names.begin()];
 }
 
+/// Of the i-th parameter of a stage's covariance. The camera-IMU stage has it for T_SC0 and the
+/// time offset, from its score tests.
+std::optional<double> robustStd(const CalibrationRecord& record, Stage stage, std::size_t i) {
+  const auto at = static_cast<Eigen::Index>(i);
+  if (stage == Stage::kCamera) {
+    const auto& all = record.camera->summary.robust_std;
+    return all && at < all->size() ? std::optional((*all)[at]) : std::nullopt;
+  }
+  const auto& faults = record.camera_imu->faults;
+  return faults && at < faults->robust_std.size() ? std::optional(faults->robust_std[at])
+                                                  : std::nullopt;
+}
+
 }  // namespace
 
 Verdict makeVerdict(std::vector<Finding> findings) {
@@ -110,7 +123,8 @@ std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& recor
     const auto value = valueOf(record, name, cameras);
     if (!value) continue;
     estimates.push_back({name, *value, deviations[static_cast<Eigen::Index>(i)],
-                         summary.covariance.units[i], spreadOf(spread, name)});
+                         summary.covariance.units[i], spreadOf(spread, name),
+                         robustStd(record, stage, i)});
   }
   return estimates;
 }

@@ -236,9 +236,13 @@ void fields(V& v, CalibrationRecord& r) {
 struct ParameterEstimate {
   std::string name;  ///< as in ParameterCovariance
   double value = 0;
-  double std = 0;
+  double std = 0;  ///< formal
   std::string unit;
   std::optional<double> resample_std;
+  std::optional<double> robust_std;  ///< cluster-robust
+
+  /// What is shown first: the robust one where it is known.
+  double shownStd() const { return robust_std.value_or(std); }
 };
 
 enum class Stage { kCamera, kCameraImu };

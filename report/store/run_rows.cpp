@@ -164,7 +164,7 @@ std::vector<ParameterEstimate> estimatesOf(const ComparisonRecord& record, std::
   for (const ComparedParameter& p : record.parameters) {
     if (k >= p.values.size() || !p.values[k]) continue;
     const auto std = k < p.std.size() ? p.std[k] : std::nullopt;
-    estimates.push_back({p.name, *p.values[k], std.value_or(std::nan("")), p.unit, std::nullopt});
+    estimates.push_back({p.name, *p.values[k], std.value_or(std::nan("")), p.unit, {}, {}});
   }
   return estimates;
 }
@@ -174,7 +174,7 @@ std::vector<ParameterEstimate> estimatesOf(const PerturbationRecord& record,
   std::vector<ParameterEstimate> estimates;
   for (std::size_t i = 0; i < c.values.size() && i < record.parameters.size(); ++i) {
     const double std = is_base ? record.base_std[i] : std::nan("");
-    estimates.push_back({record.parameters[i], c.values[i], std, record.units[i], std::nullopt});
+    estimates.push_back({record.parameters[i], c.values[i], std, record.units[i], {}, {}});
   }
   return estimates;
 }

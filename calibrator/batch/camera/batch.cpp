@@ -10,6 +10,7 @@
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/view_selection.h"
@@ -33,8 +34,6 @@ std::vector<PosedView> posedViews(const CameraProblem& problem, const CameraEsti
 constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
 constexpr double kWideLoss = 0.01;  // scale over the image's width
-constexpr double kPoseTolerance = 1e-6;
-constexpr int kPoseIterations = 50;
 
 void checkSession(const Session& session) {
   if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
@@ -128,14 +127,19 @@ std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraPr
   return count;
 }
 
-/// The stage's solver with view selection and corner filter around it.
-CameraSolution solveStage(std::vector<PackedCorners>& corners, CameraProblem& problem,
-                          const CameraEstimate& start, const CameraStageOptions& options) {
-  CameraSolution solution = solveFromAfar(problem, start, options);
+/// The stage's solver with the board's shape, view selection and corner filter around it.
+TargetSolution solveStage(const AprilGrid& board, std::vector<PackedCorners>& corners,
+                          CameraProblem& problem, const CameraEstimate& start,
+                          const CameraStageOptions& options) {
+  TargetSolution stage =
+      estimateTarget(board, problem, solveFromAfar(problem, start, options), options);
+  CameraSolution& solution = stage.solution;
+  placeCorners(board, solution.estimate, corners);
   int iterations = solution.iterations;
   const auto again = [&] {
     dropBareFrames(problem, solution.estimate);
     solution = solveCameraProblem(problem, solution.estimate, solverOptions(options));
+    placeCorners(board, solution.estimate, corners);
     iterations += solution.iterations;
   };
   if (options.filter == CornerFilter::kKalibr) {
@@ -154,34 +158,7 @@ CameraSolution solveStage(std::vector<PackedCorners>& corners, CameraProblem& pr
     again();
   }
   solution.iterations = iterations;
-  return solution;
-}
-
-/// Minimises every frame's cost over its own pose; the sum of costs in units of pixel_sigma.
-double refinePoses(const CameraProblem& problem, CameraEstimate& estimate, bool& converged) {
-  PoseRefinementOptions options{problem.gram, kPoseIterations, kPoseTolerance};
-  std::vector<double> cost(problem.frames.size(), 0);
-  std::vector<char> settled(problem.frames.size(), 0);
-  forChunks(problem.frameCount(), 32, problem.threads, [&](const Chunk& chunk) {
-    for (auto f = static_cast<std::size_t>(chunk.begin); f < static_cast<std::size_t>(chunk.end);
-         ++f) {
-      std::vector<FrameView> views;
-      for (std::size_t c = 0; c < estimate.intrinsics.size(); ++c) {
-        const int index = problem.frames[f].view[c];
-        if (index < 0) continue;
-        views.push_back({&estimate.intrinsics[c], problem.corners[c].view(index),
-                         estimate.T_C0Ci[c].inverse()});
-      }
-      const PoseRefinement refined = refinePose(views, estimate.T_C0F[f], options);
-      estimate.T_C0F[f] = refined.T_C0F;
-      cost[f] = refined.cost;
-      settled[f] = refined.converged ? 1 : 0;
-    }
-  });
-  double sum = 0;
-  for (const double c : cost) sum += c;
-  converged = std::all_of(settled.begin(), settled.end(), [](char s) { return s != 0; });
-  return 0.5 * sum / (problem.pixel_sigma * problem.pixel_sigma);
+  return stage;
 }
 
 }  // namespace
@@ -231,10 +208,12 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
   CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
-  const CameraSolution solution = solveStage(corners, problem, start.value().estimate, options);
+  const TargetSolution solved =
+      solveStage(session.target, corners, problem, start.value().estimate, options);
   const double solve_s = watch.lap();
-  auto result = stageResult(session, problem, solution, ResidualList::kKeep);
+  auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
   if (!result) return result;
+  result.value().target_fit = solved.fit;
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.initialise = initialise_s;
   seconds.solve = solve_s;
@@ -257,8 +236,7 @@ Result<CameraStageResult> scoreCameras(const Session& session,
   CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
   CameraEstimate estimate = std::move(start.value().estimate);
   const double initialise_s = watch.lap();
-  bool converged = false;
-  double cost = refinePoses(problem, estimate, converged);
+  RefinedPoses poses = refinePoses(problem, estimate);
   std::size_t rejected = 0;
   if (options.filter == CornerFilter::kKalibr) {
     rejected = rejectLikeKalibr(corners, problem, estimate);
@@ -267,12 +245,12 @@ Result<CameraStageResult> scoreCameras(const Session& session,
   }
   if (rejected > 0) {
     dropBareFrames(problem, estimate);
-    cost = refinePoses(problem, estimate, converged);
+    poses = refinePoses(problem, estimate);
   }
   CameraStageResult result = resultFrom(session, problem, estimate);
   addResiduals(session, problem, estimate, ResidualList::kKeep, result);
-  result.summary.converged = converged;
-  result.summary.cost = cost;
+  result.summary.converged = poses.converged;
+  result.summary.cost = poses.total(problem.pixel_sigma);
   result.summary.seconds.initialise = initialise_s;
   result.summary.seconds.solve = watch.lap();
   result.summary.seconds.total = initialise_s + result.summary.seconds.solve;

@@ -32,6 +32,14 @@ struct ViewSelectionOptions {
   void check() const;
 };
 
+/// What is done about the board's own shape (base/target_shape.h).
+enum class TargetMode {
+  kGiven,     ///< the session's target is taken as it is
+  kTested,    ///< the same, but it is said whether its shape is another (TargetFit)
+  kAuto,      ///< estimated, and kept where the recording determines it and it is significant
+  kEstimate,  ///< estimated and kept
+};
+
 struct CameraStageOptions : MeasurementModel {
   /// One per camera of the session. Empty: the words of the session's cameras, pinhole-radtan where
   /// they have none.
@@ -42,6 +50,11 @@ struct CameraStageOptions : MeasurementModel {
   CornerFilter filter = CornerFilter::kNone;
   double filter_sigmas = 4;                          ///< of CornerFilter::kSigma
   std::optional<ViewSelectionOptions> select_views;  ///< none: all frames are used
+
+  TargetMode target = TargetMode::kGiven;
+  /// Of TargetMode::kAuto: the board is taken as stated where the cluster-robust standard deviation
+  /// of some term exceeds this [m].
+  double target_max_std = 5e-4;
 
   FrameOptions frames;        ///< how views are paired
   int min_start_corners = 4;  ///< views with fewer corners give no first guess of their pose
@@ -72,6 +85,8 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
 ///
 /// The covariance lists every camera's stacked intrinsics ("cam0.fu" ...), then the tangent of
 /// every T_C0Ci ("T_C0C1.tx" ... "T_C0C1.rz"); poses are marginalised.
+/// With options.target the board's terms are estimated besides (CameraStageResult::target); the
+/// covariance is the cameras', with the terms marginalised.
 /// views_offered counts all views of the session, whatever they saw; corners_offered their corners.
 /// Fails with kTooFewViews, kNoOverlap, kNotObservable or kNotConverged; throws InputError for
 /// models that cannot be calibrated, or lists whose length does not match the session.

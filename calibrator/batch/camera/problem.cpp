@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cassert>
 
 #include "calibrator/base/lie.h"
@@ -46,27 +48,76 @@ Eigen::Matrix<double, Rows::RowsAtCompileTime, 6> timesTwice(const Rows& H,
 /// Sums over frames of one chunk: per camera, in its own twist, so that the chain to the tangent of
 /// T_C0Ci is applied once instead of once per frame.
 struct CameraSums {
-  ViewGram gram;
-  CameraSums(int intrinsics) {
+  TargetViewGram gram;
+  bool target;
+  CameraSums(int intrinsics, bool with_target) : target(with_target) {
     gram.H_pose_k.setZero(6, intrinsics);
     gram.H_k.setZero(intrinsics, intrinsics);
     gram.b_k.setZero(intrinsics);
+    gram.H_pose_s.setZero();
+    gram.H_k_s.setZero(intrinsics, kTargetTerms);
+    gram.H_s.setZero();
+    gram.b_s.setZero();
   }
-  void add(const ViewGram& g, double weight) {
+  void add(const TargetViewGram& g, double weight) {
     gram.H += weight * g.H;
     gram.b += weight * g.b;
     gram.H_pose_k += weight * g.H_pose_k;
     gram.H_k += weight * g.H_k;
     gram.b_k += weight * g.b_k;
     gram.cost += weight * g.cost;
+    if (!target) return;
+    gram.H_pose_s += weight * g.H_pose_s;
+    gram.H_k_s += weight * g.H_k_s;
+    gram.H_s += weight * g.H_s;
+    gram.b_s += weight * g.b_s;
   }
 };
 
 std::vector<CameraSums> emptySums(const CameraLayout& layout) {
   std::vector<CameraSums> sums;
-  for (const int size : layout.intrinsics_size) sums.emplace_back(size);
+  for (const int size : layout.intrinsics_size) sums.emplace_back(size, layout.target >= 0);
   return sums;
 }
+
+/// The corners of a board with given terms, and the columns of a view on it: places x y z in F,
+/// then the functions of the basis.
+class PlacedTarget {
+ public:
+  PlacedTarget(const TargetModel& model, const TargetTerms& terms) {
+    AprilGrid board = model.grid;
+    board.shape = {terms, std::nullopt};
+    const std::vector<Eigen::Vector3d> points = cornerPoints(board);
+    for (std::size_t id = 0; id < points.size(); ++id) {
+      std::array<double, kColumns> row{};
+      std::copy_n(points[id].data(), 3, row.begin());
+      const auto& functions = model.basis.functions(static_cast<int>(id));
+      std::copy(functions.begin(), functions.end(), row.begin() + 3);
+      rows_.push_back(row);
+    }
+  }
+
+  /// The view with its corners on this board; `columns` is the memory of both.
+  PackedView place(PackedView view, std::vector<double>& columns, TargetColumns& target) const {
+    const auto n = static_cast<std::size_t>(view.padded);
+    columns.resize(kColumns * n);
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto& row = rows_[static_cast<std::size_t>(view.id[j])];
+      for (std::size_t i = 0; i < kColumns; ++i) columns[i * n + j] = row[i];
+    }
+    view.x = columns.data();
+    view.y = view.x + n;
+    view.z = view.y + n;
+    for (std::size_t i = 0; i < TargetBasis::kFunctions; ++i) {
+      target.function[i] = columns.data() + (3 + i) * n;
+    }
+    return view;
+  }
+
+ private:
+  static constexpr std::size_t kColumns = 3 + TargetBasis::kFunctions;
+  std::vector<std::array<double, kColumns>> rows_;
+};
 
 /// Everything that the evaluation of a frame reads.
 struct Evaluation {
@@ -75,13 +126,28 @@ struct Evaluation {
   const CameraLayout& layout;
   const std::vector<CameraDerivatives>& derivatives;
   const GramOptions& gram;
+  const std::optional<PlacedTarget>& target;
 };
 
 /// Terms of a frame's views, one per camera that has one, and the pose's block of them.
 struct FrameTerms {
-  std::vector<ViewGram> grams;
+  std::vector<TargetViewGram> grams;  ///< without their last part where the board is fixed
   Matrix6d H;
+  std::vector<double> columns;  ///< memory of PlacedTarget::place()
 };
+
+void evaluateView(const Evaluation& at, std::size_t c, const Transform& T_CiF,
+                  const PackedView& view, const GramOptions& gram, FrameTerms& terms) {
+  TargetViewGram& g = terms.grams[c];
+  const Intrinsics& lens = at.estimate.intrinsics[c];
+  if (!at.target) {
+    static_cast<ViewGram&>(g) = viewGram(lens, T_CiF, view, gram);
+    return;
+  }
+  TargetColumns columns{};
+  const PackedView placed = at.target->place(view, terms.columns, columns);
+  g = targetViewGram(lens, T_CiF, placed, columns, gram);
+}
 
 void evaluateFrame(const Evaluation& at, std::size_t f, const GramOptions& gram,
                    FrameTerms& terms) {
@@ -92,8 +158,8 @@ void evaluateFrame(const Evaluation& at, std::size_t f, const GramOptions& gram,
     if (frame.view[c] < 0) continue;
     const CameraDerivatives& d = at.derivatives[c];
     const Transform T_CiF = c == 0 ? at.estimate.T_C0F[f] : d.T_CiC0 * at.estimate.T_C0F[f];
-    ViewGram& g = terms.grams[c];
-    g = viewGram(at.estimate.intrinsics[c], T_CiF, at.problem.corners[c].view(frame.view[c]), gram);
+    evaluateView(at, c, T_CiF, at.problem.corners[c].view(frame.view[c]), gram, terms);
+    const ViewGram& g = terms.grams[c];
     if (c == 0) {
       terms.H += g.H;
     } else {
@@ -118,9 +184,13 @@ void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out
   auto b = out.b_pose.segment<6>(6 * f);
   for (std::size_t c = 0; c < sums.size(); ++c) {
     if (frame.view[c] < 0) continue;
-    const ViewGram& g = terms.grams[c];
+    const TargetViewGram& g = terms.grams[c];
     const CameraDerivatives& d = at.derivatives[c];
     sums[c].add(g, weight);
+    if (at.layout.target >= 0) {
+      out.P.block<6, kTargetTerms>(6 * f, at.layout.target) +=
+          weight * (c == 0 ? g.H_pose_s : d.A_pose.transpose() * g.H_pose_s);
+    }
     auto P_k = out.P.block(6 * f, at.layout.intrinsics[c], 6, at.layout.intrinsics_size[c]);
     if (c == 0) {
       b += weight * g.b;
@@ -135,13 +205,20 @@ void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out
 }
 
 /// Camera c's terms into the cameras' part.
-void addCamera(const ViewGram& g, const CameraDerivatives& d, const CameraLayout& layout,
+void addCamera(const TargetViewGram& g, const CameraDerivatives& d, const CameraLayout& layout,
                std::size_t c, CameraNormals& out) {
   const int k = layout.intrinsics[c];
   const int n = layout.intrinsics_size[c];
   out.G.block(k, k, n, n) += g.H_k;
   out.b.segment(k, n) += g.b_k;
   out.cost += 0.5 * g.cost;
+  const int s = layout.target;
+  if (s >= 0) {
+    out.G.block<kTargetTerms, kTargetTerms>(s, s) += g.H_s;
+    out.b.segment<kTargetTerms>(s) += g.b_s;
+    out.G.block(k, s, n, kTargetTerms) += g.H_k_s;
+    out.G.block(s, k, kTargetTerms, n) += g.H_k_s.transpose();
+  }
   if (c == 0) return;
   const int e = layout.T_C0Ci[c];
   Matrix6d A = Matrix6d::Zero();
@@ -152,6 +229,18 @@ void addCamera(const ViewGram& g, const CameraDerivatives& d, const CameraLayout
   const Eigen::MatrixXd cross = A.transpose() * g.H_pose_k;
   out.G.block(e, k, 6, n) += cross;
   out.G.block(k, e, n, 6) += cross.transpose();
+  if (s < 0) return;
+  const Eigen::Matrix<double, 6, kTargetTerms> with_target = A.transpose() * g.H_pose_s;
+  out.G.block<6, kTargetTerms>(e, s) += with_target;
+  out.G.block<kTargetTerms, 6>(s, e) += with_target.transpose();
+}
+
+void addTargetPrior(const CameraProblem& problem, const CameraEstimate& estimate,
+                    const CameraLayout& layout, CameraNormals& out) {
+  const double information = 1 / (problem.target->prior_std * problem.target->prior_std);
+  out.G.diagonal().segment<kTargetTerms>(layout.target).array() += information;
+  out.b.segment<kTargetTerms>(layout.target) += information * *estimate.target;
+  out.cost += 0.5 * information * estimate.target->squaredNorm();
 }
 
 CameraNormals emptyNormals(int frames, int size) {
@@ -198,6 +287,12 @@ CameraLayout::CameraLayout(const std::vector<Intrinsics>& cameras) {
   }
 }
 
+CameraLayout::CameraLayout(const CameraEstimate& estimate) : CameraLayout(estimate.intrinsics) {
+  if (!estimate.target) return;
+  target = size;
+  size += kTargetTerms;
+}
+
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate) {
   return normalsAt(problem, estimate, problem.gram);
 }
@@ -205,9 +300,12 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate,
                         const GramOptions& gram) {
   assert(static_cast<int>(estimate.T_C0F.size()) == problem.frameCount());
-  const CameraLayout layout(estimate.intrinsics);
+  assert(!estimate.target || problem.target);
+  const CameraLayout layout(estimate);
   const auto derivatives = derivativesOf(estimate);
-  const Evaluation at{problem, estimate, layout, derivatives, gram};
+  std::optional<PlacedTarget> target;
+  if (estimate.target) target.emplace(*problem.target, *estimate.target);
+  const Evaluation at{problem, estimate, layout, derivatives, gram, target};
   CameraNormals out = emptyNormals(problem.frameCount(), layout.size);
   std::vector<std::vector<CameraSums>> sums(
       static_cast<std::size_t>(chunkCount(problem.frameCount(), kChunk)), emptySums(layout));
@@ -224,6 +322,7 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   for (std::size_t c = 0; c < total.size(); ++c) {
     addCamera(total[c].gram, derivatives[c], layout, c, out);
   }
+  if (estimate.target) addTargetPrior(problem, estimate, layout, out);
   if (problem.prior) {
     const QuadraticCost prior = problem.prior(estimate);
     out.G += prior.H;
@@ -245,6 +344,9 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
     inner.weights = {problem.weight(static_cast<int>(f))};
     at.T_C0F = {estimate.T_C0F[f]};
     shares[f] = reducedInformation(normalsAt(inner, at));
+    if (!at.target) continue;
+    const double prior = 1 / (problem.target->prior_std * problem.target->prior_std);
+    shares[f].diagonal().tail<kTargetTerms>().array() -= prior;
   }
   return shares;
 }

@@ -3,12 +3,16 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
+#include "calibrator/base/target_shape.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/linear/dense.h"
 #include "calibrator/linear/levenberg_marquardt.h"
@@ -22,6 +26,8 @@ struct CameraEstimate {
   std::vector<Intrinsics> intrinsics;
   std::vector<Transform> T_C0Ci;  ///< identity for camera 0
   std::vector<Transform> T_C0F;   ///< one per frame
+  /// The board's terms [m] where they are estimated; otherwise the corners hold its shape.
+  std::optional<TargetTerms> target;
 
   int cameraCount() const { return static_cast<int>(intrinsics.size()); }
 };
@@ -29,6 +35,16 @@ struct CameraEstimate {
 /// The cameras as given, and a frame for each pose.
 CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
                           std::span<const Transform> T_FC0 = {});
+
+/// A board whose shape is estimated: about its grid, with what is known of the terms beforehand.
+struct TargetModel {
+  explicit TargetModel(const AprilGrid& board) : grid(board), basis(board) {}
+  AprilGrid grid;
+  TargetBasis basis;
+  /// Of each term, about 0 [m]: weak, so that a recording that says nothing of a term leaves the
+  /// system regular. 0.5 mm and more change no estimate of EuRoC's board.
+  double prior_std = 5e-3;
+};
 
 /// All measurements of the camera batch. The corners are shared between problems (a first solution
 /// on some views, then all of them); who makes the problem keeps them alive.
@@ -39,6 +55,8 @@ struct CameraProblem {
   double pixel_sigma = 1;       ///< [px]
   GramOptions gram{0, 0};       ///< of which the solver chooses triggs_clamp by itself
   int threads = 1;
+  /// The board whose terms the estimate has.
+  std::shared_ptr<const TargetModel> target;
   /// What is known of the cameras besides, in units of pixel_sigma: a cost about the estimate's
   /// cameras, in their tangents and the layout's order. Empty: nothing.
   std::function<QuadraticCost(const CameraEstimate&)> prior;
@@ -49,14 +67,18 @@ struct CameraProblem {
   }
 };
 
-/// Where each parameter of the cameras stands: intrinsics of all cameras, then all extrinsics.
+/// Where each parameter of the cameras stands: intrinsics of all cameras, then all extrinsics, then
+/// the board's terms.
 struct CameraLayout {
   std::vector<int> intrinsics;       ///< per camera, first of stacked()
   std::vector<int> intrinsics_size;  ///< per camera
   std::vector<int> T_C0Ci;           ///< per camera, first of 6; -1 for camera 0
+  int target = -1;                   ///< first of kTargetTerms; -1: not estimated
   int size = 0;
 
   explicit CameraLayout(const std::vector<Intrinsics>& cameras);
+  explicit CameraLayout(const CameraEstimate& estimate);
+  int camerasSize() const { return target < 0 ? size : target; }  ///< of the cameras alone
 };
 
 /// Normal equations at an estimate, in units of pixel_sigma: with d_f the left twist (rho, phi) of

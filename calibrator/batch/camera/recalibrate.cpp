@@ -21,6 +21,7 @@ void CameraStageOptions::check() const {
   requireAtLeast(4, "min_start_corners", min_start_corners);
   requireAtLeast(1, "start_views", start_views);
   requirePositive("max_start_error", max_start_error);
+  requirePositive("target_max_std", target_max_std);
   requireAtLeast(1, "threads", threads);
   requireAtLeast(1, "max_iterations", max_iterations);
   requirePositive("tolerance", tolerance);
@@ -67,10 +68,13 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
                                              const CameraStageOptions& options) {
   options.check();
   checkCameras(session, earlier.cameras);
-  const std::vector<PackedCorners> corners =
-      usedCorners(session, earlier.frames, earlier.residuals);
+  std::vector<PackedCorners> corners = usedCorners(session, earlier.frames, earlier.residuals);
   CameraProblem problem = problemOf(corners, {}, options);
   CameraEstimate estimate = estimateOf(earlier.cameras);
+  if (earlier.target_fit && earlier.target_fit->finding == TargetFinding::kBent) {
+    problem.target = std::make_shared<TargetModel>(session.target);
+    estimate.target = earlier.target.terms;
+  }
   for (const FrameSegment& segment : segments) {
     for (int f = segment.first; f < segment.first + segment.count; ++f) {
       problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
@@ -79,6 +83,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
     }
   }
   const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
+  placeCorners(session.target, solution.estimate, corners);
   return stageResult(session, problem, solution, ResidualList::kDrop);
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
 #include <cassert>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
@@ -67,6 +69,22 @@ void addView(int camera, int frame, const PackedView& view,
   }
 }
 
+/// Of the first n parameters, the others marginalised: their Schur complement.
+Eigen::MatrixXd marginalInformation(const Eigen::MatrixXd& information, int n) {
+  const auto rest = information.rows() - n;
+  if (rest == 0) return information;
+  const Eigen::LLT<Eigen::MatrixXd> llt(information.bottomRightCorner(rest, rest));
+  if (llt.info() != Eigen::Success) return information.topLeftCorner(n, n);
+  return information.topLeftCorner(n, n) -
+         information.topRightCorner(n, rest) * llt.solve(information.bottomLeftCorner(rest, n));
+}
+
+std::optional<TargetCovariance> targetCovariance(const Eigen::MatrixXd& information) {
+  const auto covariance = covarianceOf(information);
+  if (!covariance) return std::nullopt;
+  return TargetCovariance(covariance->bottomRightCorner<kTargetTerms, kTargetTerms>());
+}
+
 }  // namespace
 
 std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
@@ -96,6 +114,14 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   return std::nullopt;
 }
 
+void placeCorners(AprilGrid board, const CameraEstimate& estimate,
+                  std::vector<PackedCorners>& corners) {
+  if (!estimate.target) return;
+  board.shape.terms = *estimate.target;
+  const std::vector<Eigen::Vector3d> points = cornerPoints(board);
+  for (PackedCorners& camera : corners) camera.place(points);
+}
+
 CameraStageResult resultFrom(const Session& session, const CameraProblem& problem,
                              const CameraEstimate& estimate) {
   CameraStageResult result;
@@ -108,6 +134,8 @@ CameraStageResult resultFrom(const Session& session, const CameraProblem& proble
     result.cameras.push_back(std::move(camera));
   }
   result.frames = problem.frames;
+  result.target = session.target.shape;
+  if (estimate.target) result.target = {*estimate.target, std::nullopt};
   for (const Transform& T_C0F : estimate.T_C0F) result.T_FC0.push_back(T_C0F.inverse());
   return result;
 }
@@ -137,7 +165,10 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
                                       const CameraSolution& solution, ResidualList list) {
   CameraStageResult result = resultFrom(session, problem, solution.estimate);
   const double trust = solution.converged ? 1 : kTrustUnconverged;
-  const auto failure = addCovariance(trust * reducedInformation(solution.normals), result);
+  const Eigen::MatrixXd information = trust * reducedInformation(solution.normals);
+  if (solution.estimate.target) result.target.covariance = targetCovariance(information);
+  const auto failure = addCovariance(
+      marginalInformation(information, CameraLayout(solution.estimate).camerasSize()), result);
   if (failure) return *failure;
   if (!solution.converged) {
     return Failure{FailureCode::kCamerasNotConverged, {{"iterations", solution.iterations}}};
@@ -146,6 +177,11 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   result.summary.iterations = solution.iterations;
   result.summary.cost = solution.normals.cost;
   addResiduals(session, problem, solution.estimate, list, result);
+  if (list == ResidualList::kDrop) return result;
+  if (const auto robust = robustCovariance(problem, solution)) {
+    const auto n = result.summary.covariance.matrix.rows();
+    result.summary.robust_std = robust->matrix.diagonal().head(n).cwiseSqrt();
+  }
   return result;
 }
 

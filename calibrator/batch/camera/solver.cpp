@@ -104,7 +104,7 @@ Transform twisted(const Transform& T, const Vector6d& x) {
 
 CameraEstimate moved(const CameraEstimate& from, const Step& step) {
   CameraEstimate to = from;
-  const CameraLayout layout(from.intrinsics);
+  const CameraLayout layout(from);
   for (std::size_t c = 0; c < to.intrinsics.size(); ++c) {
     const int first = layout.intrinsics[c];
     const int size = layout.intrinsics_size[c];
@@ -113,6 +113,7 @@ CameraEstimate moved(const CameraEstimate& from, const Step& step) {
       to.T_C0Ci[c] = boxplus(from.T_C0Ci[c], step.cameras.segment<6>(layout.T_C0Ci[c]));
     }
   }
+  if (to.target) *to.target += step.cameras.segment<kTargetTerms>(layout.target);
   for (std::size_t f = 0; f < to.T_C0F.size(); ++f) {
     to.T_C0F[f] = twisted(from.T_C0F[f], step.poses.segment<6>(6 * static_cast<Eigen::Index>(f)));
   }

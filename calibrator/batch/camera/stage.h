@@ -59,6 +59,19 @@ enum class ResidualList { kKeep, kDrop };
 void addResiduals(const Session& session, const CameraProblem& problem,
                   const CameraEstimate& estimate, ResidualList list, CameraStageResult& result);
 
+/// Every frame's pose where its own corners want it, cameras and board fixed.
+struct RefinedPoses {
+  std::vector<double> cost;  ///< per frame: sum of rho(|e|^2) [px^2]
+  bool converged = false;    ///< all of them
+
+  double total(double pixel_sigma) const;  ///< 0.5 sum / pixel_sigma^2
+};
+RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate);
+
+/// Moves the corners onto the board that an estimate has terms of; nothing where it has none.
+void placeCorners(AprilGrid board, const CameraEstimate& estimate,
+                  std::vector<PackedCorners>& corners);
+
 /// Everything that is reported of a solution. A free direction explains a solver that did not
 /// converge better than the solver could, so it is looked for first, and then a weak one will do.
 Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,

@@ -74,7 +74,7 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   CameraProblem problem;
   problem.corners = {&corners, 1};
   problem.threads = threads;
-  CameraEstimate estimate{{plain}, {Transform()}, {}};
+  CameraEstimate estimate{{plain}, {Transform()}, {}, std::nullopt};
   double count = 0;
   const double width = plain.resolution.width;
   problem.gram.cauchy_px = kStartLoss * width;

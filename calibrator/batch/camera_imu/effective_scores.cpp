@@ -124,7 +124,7 @@ class Terms {
     const double c2 = gram_.cauchy_px * gram_.cauchy_px;
     for (int k = 0; k < corners.count; ++k) {
       if (!(corners.w[k] > 0)) continue;
-      const Eigen::Vector3d p = T_CF * Eigen::Vector3d(corners.x[k], corners.y[k], 0);
+      const Eigen::Vector3d p = T_CF * Eigen::Vector3d(corners.x[k], corners.y[k], corners.z[k]);
       const auto image = projectWithJacobians(lens, p);
       if (!image) continue;
       const Eigen::Vector2d error = image->uv - Eigen::Vector2d(corners.u[k], corners.v[k]);

@@ -40,7 +40,8 @@ void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& es
       r.frame = frame;
       r.corner_id = view.id[k];
       const Eigen::Vector2d uv(view.u[k], view.v[k]);
-      const auto p = project(camera.intrinsics, T_CF * Eigen::Vector3d(view.x[k], view.y[k], 0));
+      const auto p =
+          project(camera.intrinsics, T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k]));
       r.uv = uv.cast<float>();
       r.used = view.w[k] > 0 && p.has_value();
       if (p) r.error = (uv - *p).cast<float>();

@@ -89,6 +89,7 @@ std::vector<FaultyFrame> faultyFrames(const SimulatedSession& s, int index,
 
 AprilGrid statedTarget(const SimulationOptions& o) {
   AprilGrid target = o.target;
+  target.shape = {};
   for (const NumberedFault& f : faultsOf(o.faults, {kWrongSize})) target.tag_size *= 1 + f->value;
   return target;
 }
@@ -101,6 +102,7 @@ ViewFaults::ViewFaults(const SimulatedSession& simulated, int index, const Simul
       bumps_(faultsOfCamera(o.faults, {kBump}, index, 1)),
       displacements_(faultsOf(o.faults, {kSway, kMovedTarget})),
       shapes_(faultsOf(o.faults, {kStretch, kBow})),
+      board_(cornerPoints(o.target)),
       blurs_(faultsOfCamera(o.faults, {kBlur}, index)) {}
 
 Transform ViewFaults::cameraPose(double t_s) const {
@@ -117,7 +119,7 @@ Transform ViewFaults::cameraPose(double t_s) const {
 Vector3d ViewFaults::boardCorner(int id) const {
   const AprilGrid& target = options_.target;
   const Vector2d flat = target.corner(id);
-  Vector3d p(flat.x(), flat.y(), 0);
+  Vector3d p = board_[static_cast<std::size_t>(id)];
   const Vector2d centre(0.5 * target.width(), 0.5 * target.height());
   for (const NumberedFault& f : shapes_) {
     if (f->kind == kStretch) p[f->axis.value_or(0)] *= 1 + f->value;

@@ -52,7 +52,9 @@ class ViewFaults {
   const SimulationOptions& options_;
   std::size_t camera_;
   double readout_s_ = 0;
-  std::vector<NumberedFault> bumps_, displacements_, shapes_, blurs_;
+  std::vector<NumberedFault> bumps_, displacements_, shapes_;
+  std::vector<Eigen::Vector3d> board_;  // its corners before the faults
+  std::vector<NumberedFault> blurs_;
 };
 
 /// What happens to the detected corners of camera `index`, in this order: false corners, swapped

@@ -75,14 +75,14 @@ double reprojectionRms(const Session& session, std::size_t camera, const Intrins
                        const std::vector<CameraPose>& poses) {
   double sum = 0;
   int count = 0;
+  const std::vector<Eigen::Vector3d> points = cornerPoints(session.target);
   const std::size_t step = std::max<std::size_t>(1, poses.size() / kViewsForRms);
   for (std::size_t i = 0; i < poses.size(); i += step) {
     const ImageView* view = viewAt(session.cameras[camera], poses[i].t);
     if (view == nullptr) continue;
     const Transform T_CF = poses[i].T_FC0.inverse();
     for (const Corner& corner : view->corners) {
-      const Eigen::Vector2d xy = session.target.corner(corner.id);
-      const auto uv = project(intrinsics, T_CF * Eigen::Vector3d(xy.x(), xy.y(), 0));
+      const auto uv = project(intrinsics, T_CF * points[static_cast<std::size_t>(corner.id)]);
       if (!uv) continue;
       sum += (*uv - corner.uv).squaredNorm();
       ++count;

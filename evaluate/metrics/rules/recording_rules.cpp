@@ -141,4 +141,47 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
   return findings;
 }
 
+Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t) {
+  if (!stage.target_fit) return {};
+  const TargetFit& fit = *stage.target_fit;
+  const auto terms = fit.shape.terms.head<kTargetTerms - 1>();  // without the tags' edge
+  const double rms_mm = 1e3 * terms.norm();
+  const Rule rule{"Shape of the target", "mm", t.target_shape_mm,
+                  "Use a flatter and more even target, or one on glass or aluminium."};
+  const std::string found = fmt::format(
+      "the board departs from the grid of target.yaml by {:.2f} mm (RMS over its "
+      "corners; {:.2f} mm in height); frames that the fit did not see are predicted to "
+      "{:.4f} px with its own shape and to {:.4f} px without",
+      rms_mm, 1e3 * fit.shape.terms.segment<3>(8).norm(), fit.held_out_px, fit.flat_held_out_px);
+  switch (fit.finding) {
+    case TargetFinding::kBent:
+      if (stage.target != fit.shape && stage.target.terms != fit.shape.terms) {
+        Rule flat = rule;
+        flat.advice =
+            "The calibration takes the target as target.yaml states it, and its parameters are "
+            "biased by that. Run again with --target-shape auto, or with the board's own "
+            "target_shape.yaml.";
+        return {finding(flat, std::max(VerdictLevel::kCaution, levelAbove(rms_mm, rule.bound)),
+                        rms_mm, found)};
+      }
+      return {above(rule, rms_mm, found + "; estimated with the cameras")};
+    case TargetFinding::kAsStated:
+      return {
+          finding(rule, VerdictLevel::kGood, 0,
+                  fmt::format("no difference from target.yaml that frames which the fit did not "
+                              "see would confirm ({:.4f} px with a shape of its own, {:.4f} px "
+                              "without)",
+                              fit.held_out_px, fit.flat_held_out_px))};
+    case TargetFinding::kUndetermined:
+      return {finding(rule, VerdictLevel::kGood, 0,
+                      fmt::format("taken as target.yaml states it: this recording determines the "
+                                  "board's shape to {:.2f} mm only",
+                                  1e3 * fit.std.maxCoeff()))};
+    case TargetFinding::kNotTested:
+      return {finding(rule, VerdictLevel::kGood, 0,
+                      "taken as target.yaml states it: the recording is too short to tell")};
+  }
+  return {};
+}
+
 }  // namespace plumbline

@@ -54,16 +54,31 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     const std::string suffix = dot == std::string::npos ? "" : estimate.name.substr(dot + 1);
     if (estimate.name.rfind(prefix, 0) != 0) continue;
     if (std::find(suffixes.begin(), suffixes.end(), suffix) == suffixes.end()) continue;
-    const bool resampled = estimate.resample_std && *estimate.resample_std > estimate.std;
-    const double std = resampled ? *estimate.resample_std : estimate.std;
+    double std = estimate.std;
+    StdKind kind = StdKind::kFormal;
+    const auto consider = [&](const std::optional<double>& other, StdKind of) {
+      if (!other || !(*other > std)) return;
+      std = *other;
+      kind = of;
+    };
+    consider(estimate.robust_std, StdKind::kRobust);
+    consider(estimate.resample_std, StdKind::kBootstrap);
     const double value = relative ? std / std::abs(estimate.value) : std;
-    if (worst.name.empty() || !(value <= worst.value)) worst = {value, estimate.name, resampled};
+    if (worst.name.empty() || !(value <= worst.value)) worst = {value, estimate.name, kind};
   }
   return worst;
 }
 
 std::string kindOf(const LargestStd& largest) {
-  return largest.resampled ? "bootstrap std" : "formal standard deviation";
+  switch (largest.kind) {
+    case StdKind::kFormal:
+      return "formal standard deviation";
+    case StdKind::kRobust:
+      return "cluster-robust standard deviation";
+    case StdKind::kBootstrap:
+      break;
+  }
+  return "bootstrap std";
 }
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }

@@ -32,11 +32,13 @@ Finding finding(const Rule& rule, VerdictLevel level, double value, std::string 
 Finding above(const Rule& rule, double value, std::string evidence);
 Finding below(const Rule& rule, double value, std::string evidence);
 
-/// The larger of formal and resampled standard deviation of a parameter.
+enum class StdKind { kFormal, kRobust, kBootstrap };
+
+/// The largest of a parameter's standard deviations: formal, cluster-robust, bootstrap.
 struct LargestStd {
   double value = 0;
   std::string name;  ///< of the parameter; empty where there was none
-  bool resampled = false;
+  StdKind kind = StdKind::kFormal;
 };
 
 /// The largest among the parameters whose name starts with `prefix` and, after the dot, is one of
@@ -81,6 +83,9 @@ Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThres
 Findings judgeResolutions(const CameraStageResult& stage, const VerdictThresholds& t);
 /// tagRows and tagSpacing of target.yaml against the tags that were seen.
 Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t);
+/// The board's own shape: by how much it departs from the grid, and whether the calibration stands
+/// on it. A bent board that was taken as flat is caution, whatever its size.
+Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t);
 
 // ---- how well the data determine the parameters (observability_rules.cpp)
 Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds& t);

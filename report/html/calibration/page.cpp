@@ -7,6 +7,7 @@
 #include "report/html/calibration/held_scores.h"
 #include "report/html/calibration/imu_figures.h"
 #include "report/html/calibration/reprojection_figures.h"
+#include "report/html/calibration/target_section.h"
 #include "report/html/page.h"
 #include "report/html/page_data.h"
 #include "report/html/page_parts.h"
@@ -85,6 +86,9 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   if (record.held) sections.push_back(heldScoresSection(*record.held));
   Section correlations = correlationSection(record);
   if (!correlations.blocks.empty()) sections.push_back(std::move(correlations));
+  if (record.camera && record.camera->target_fit) {
+    sections.push_back(targetSection(record.target, *record.camera));
+  }
   if (record.camera) {
     sections.push_back(reprojectionSection(viewOf(*record.camera), "reprojection-camera"));
   }
@@ -122,22 +126,27 @@ std::string parametersLead(const CalibrationRecord& record) {
   if (record.held) return heldLead(*record.held);
   const bool spread = record.camera_resample || record.camera_imu_resample;
   return std::string(
-             "Std is the formal standard deviation: it follows from the assumed noise and holds "
-             "only if model and noise are right. ") +
+             "Std is cluster-robust where a formal one stands beside it: it is taken from how the "
+             "blocks of the recording pull on the estimate, and holds also where neighbouring "
+             "frames err together. The formal standard deviation follows from the assumed noise "
+             "and holds only if model and noise are right. ") +
          (spread ? "Spread is what resampled time segments of the recording gave; where it is "
                    "several times the std, trust the spread."
                  : "A resampled calibration would show the real spread beside it.");
 }
 
 Block parameterBlock(const ParameterGroup& group) {
-  Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}, {"Unit"}},
-              {}};
+  Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}}, {}};
+  if (group.has_formal) table.columns.push_back({"Formal std", kNumber});
+  table.columns.push_back({"Unit"});
   if (group.has_spread) {
     table.columns.push_back({"Spread", kNumber});
     table.columns.push_back({"Spread / std", kNumber});
   }
   for (const ParameterRow& r : group.rows) {
-    std::vector<Cell> row = {code(r.name), number(r.value), number(r.std), {r.unit}};
+    std::vector<Cell> row = {code(r.name), number(r.value), number(r.std)};
+    if (group.has_formal) row.push_back(number(r.formal));
+    row.push_back({r.unit});
     if (group.has_spread) row.insert(row.end(), {number(r.spread), number(r.ratio)});
     table.rows.push_back(std::move(row));
   }

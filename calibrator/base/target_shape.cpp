@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/base/target_shape.h"
+
+#include <Eigen/QR>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "calibrator/base/april_grid.h"
+
+namespace plumbline {
+namespace {
+
+using Column = Eigen::ArrayXd;  // a value per corner
+
+/// The pair over its joint RMS length; zero where it has none.
+void toUnitRms(Column& x, Column& y) {
+  const double rms = std::sqrt((x.square() + y.square()).mean());
+  const double factor = rms > 1e-9 ? 1 / rms : 0;
+  x *= factor;
+  y *= factor;
+}
+
+Column centredUnitRms(Column q) {
+  q -= q.mean();
+  Column none = Column::Zero(q.size());
+  toUnitRms(q, none);
+  return q;
+}
+
+}  // namespace
+
+// (X, Y) is the scale and (-Y, X) the rotation. The weights make stretch and shear orthogonal to
+// them over the corners, also on a board that is not square; the quadratic terms are so by the
+// grid's symmetry about its centre, once their mean, a translation, is gone.
+TargetBasis::TargetBasis(const AprilGrid& grid) {
+  const int n = grid.cornerCount();
+  const Eigen::Vector2d centre(0.5 * grid.width(), 0.5 * grid.height());
+  Column X(n), Y(n);
+  for (int id = 0; id < n; ++id) {
+    const Eigen::Vector2d p = (grid.corner(id) - centre) / centre.norm();
+    X[id] = p.x();
+    Y[id] = p.y();
+  }
+  const double xx = X.square().mean();
+  const double yy = Y.square().mean();
+  Column stretch_x = yy * X, stretch_y = -xx * Y;
+  Column shear_x = xx * Y, shear_y = yy * X;
+  toUnitRms(stretch_x, stretch_y);
+  toUnitRms(shear_x, shear_y);
+  const Column q1 = centredUnitRms(X.square());
+  const Column q2 = centredUnitRms(X * Y);
+  const Column q3 = centredUnitRms(Y.square());
+  for (int id = 0; id < n; ++id) {
+    const int k = id % 4;
+    const double edge_x = k == 1 || k == 2 ? 0.5 : -0.5;
+    const double edge_y = k == 2 || k == 3 ? 0.5 : -0.5;
+    functions_.push_back({stretch_x[id], stretch_y[id], shear_x[id], shear_y[id], q1[id], q2[id],
+                          q3[id], edge_x, edge_y});
+  }
+}
+
+Eigen::Matrix<double, 3, kTargetTerms> TargetBasis::columns(const Functions& f) {
+  Eigen::Matrix<double, 3, kTargetTerms> B = Eigen::Matrix<double, 3, kTargetTerms>::Zero();
+  B.col(0).head<2>() << f[kStretchX], f[kStretchY];
+  B.col(1).head<2>() << f[kShearX], f[kShearY];
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int q = 0; q < 3; ++q) {
+      B(axis, 2 + 3 * axis + q) = f[static_cast<std::size_t>(kQ1 + q)];
+    }
+  }
+  B.col(11).head<2>() << f[kEdgeX], f[kEdgeY];
+  return B;
+}
+
+std::array<bool, kTargetTerms> TargetBasis::observable() const {
+  Eigen::Array<double, 1, kTargetTerms> largest = Eigen::Array<double, 1, kTargetTerms>::Zero();
+  for (int id = 0; id < cornerCount(); ++id) {
+    largest = largest.max(columns(id).cwiseAbs().colwise().maxCoeff().array());
+  }
+  std::array<bool, kTargetTerms> out{};
+  for (int j = 0; j < kTargetTerms; ++j) out[static_cast<std::size_t>(j)] = largest[j] > 0;
+  return out;
+}
+
+TargetTerms fitTargetTerms(const AprilGrid& grid,
+                           const std::vector<Eigen::Vector3d>& displacement) {
+  const int n = grid.cornerCount();
+  assert(static_cast<int>(displacement.size()) == n);
+  const TargetBasis basis(grid);
+  Eigen::Matrix<double, Eigen::Dynamic, kTargetTerms + 7> A(3 * n, kTargetTerms + 7);
+  Eigen::VectorXd d(3 * n);
+  for (int id = 0; id < n; ++id) {
+    const Eigen::Vector2d p = grid.corner(id);
+    Eigen::Matrix<double, 3, 7> similarity;      // translation, rotation, scale
+    similarity << 1, 0, 0, 0, 0, -p.y(), p.x(),  //
+        0, 1, 0, 0, 0, p.x(), p.y(),             //
+        0, 0, 1, p.y(), -p.x(), 0, 0;
+    A.middleRows<3>(3 * id) << basis.columns(id), similarity;
+    d.segment<3>(3 * id) = displacement[static_cast<std::size_t>(id)];
+  }
+  return A.completeOrthogonalDecomposition().solve(d).head<kTargetTerms>();
+}
+
+std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(static_cast<std::size_t>(board.cornerCount()));
+  for (int id = 0; id < board.cornerCount(); ++id) {
+    const Eigen::Vector2d p = board.corner(id);
+    points.emplace_back(p.x(), p.y(), 0);
+  }
+  if (board.shape.isFlat()) return points;
+  const TargetBasis basis(board);
+  for (std::size_t id = 0; id < points.size(); ++id) {
+    points[id] += basis.columns(static_cast<int>(id)) * board.shape.terms;
+  }
+  return points;
+}
+
+}  // namespace plumbline

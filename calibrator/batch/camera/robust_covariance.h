@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "calibrator/batch/camera/problem.h"
+
+namespace plumbline {
+
+/// Cluster-robust ("sandwich") covariance of the cameras' parameters and the board's terms: with
+/// the reduced information S and the scores s_f of the frames (gradient of frame f's cost, its pose
+/// eliminated) summed over M blocks of time,
+///   S^-1 (sum_b s_b s_b^T) S^-1  M / (M - 1).
+/// It holds where corners err together within a block, or the model misfits: then the formal S^-1
+/// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise.
+struct RobustCovariance {
+  Eigen::MatrixXd matrix;         ///< in the order of CameraLayout
+  int blocks = 0;                 ///< M: the matrix has rank M - 1 at most
+  double correlation_frames = 1;  ///< correlation length of the scores [frames]
+};
+
+/// At a solution. Blocks are equally many consecutive frames: two correlation lengths of the
+/// scores, where those are correlated, and 40 blocks at most; what neighbouring blocks share is
+/// made up for as if the correlation fell exponentially. Empty where fewer than 6 blocks are left,
+/// or S is singular.
+std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
+                                                 const CameraSolution& solution);
+
+}  // namespace plumbline

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/target_shape.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/files/numbers.h"
+#include "datasets/files/yaml_map.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kFile =
+    "tagRows, tagCols, tagSize, tagSpacing, and terms_mm with the terms of the board's shape [mm]";
+constexpr double kMillimetres = 1e3;
+constexpr double kLargest = 0.05;  // [m]; no board is bent by more and still found
+
+void checkGrid(const YamlMap& file, const AprilGrid& grid) {
+  const auto same = [&](const char* key, double value) {
+    const double stated = file.number(key, "a number of the grid, as in target.yaml");
+    if (std::abs(stated - value) <= 1e-6 * std::abs(value)) return;
+    throw file.fault(key,
+                     {InputFault::kContradiction,
+                      fmt::format("{} is {:g}, the session's target has {:g}", key, stated, value),
+                      "the shape of the board that was recorded",
+                      "give that board's file, or --target-shape flat"});
+  };
+  same("tagRows", grid.rows);
+  same("tagCols", grid.cols);
+  same("tagSize", grid.tag_size);
+  same("tagSpacing", grid.spacing);
+}
+
+TargetTerms readTerms(const YamlMap& terms) {
+  TargetTerms out;
+  for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
+    const char* name = kTargetTermNames[j];
+    const double value = terms.number(name, "a term of the board's shape [mm]") / kMillimetres;
+    if (!(std::abs(value) <= kLargest)) {
+      throw terms.fault(
+          name, {InputFault::kOutOfRange, fmt::format("{} is {:g} mm", name, kMillimetres * value),
+                 "a displacement of at most 50 mm", "write millimetres"});
+    }
+    out[static_cast<Eigen::Index>(j)] = value;
+  }
+  for (const std::string& key : terms.keys()) {
+    if (std::find(kTargetTermNames.begin(), kTargetTermNames.end(), key) ==
+        kTargetTermNames.end()) {
+      throw terms.fault(key,
+                        {InputFault::kUnknownWord, "there is no term '" + key + "'",
+                         fmt::format("{}", fmt::join(kTargetTermNames, ", ")), "correct the name"});
+    }
+  }
+  return out;
+}
+
+TargetCovariance readCovariance(const YamlMap& file) {
+  constexpr const char* kKey = "covariance_mm2";
+  const auto rows = file.rows(kKey, "12 rows of 12 numbers [mm^2]");
+  TargetCovariance out;
+  bool square = rows.size() == kTargetTerms;
+  for (std::size_t i = 0; square && i < rows.size(); ++i) {
+    square = rows[i].size() == kTargetTerms;
+    for (std::size_t j = 0; square && j < rows[i].size(); ++j) {
+      out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          rows[i][j] / (kMillimetres * kMillimetres);
+    }
+  }
+  const auto definite = [&] {
+    const Eigen::SelfAdjointEigenSolver<TargetCovariance> eigen(out);
+    return eigen.eigenvalues().minCoeff() >= -1e-9 * eigen.eigenvalues().maxCoeff();
+  };
+  if (square && out.allFinite() && out.isApprox(out.transpose(), 1e-9) && definite()) return out;
+  throw file.fault(kKey, {InputFault::kOutOfRange, "this is not a covariance of the terms",
+                          "12 rows of 12 numbers, symmetric and positive semi-definite",
+                          "take the file as the program wrote it, or leave the key out"});
+}
+
+}  // namespace
+
+std::string targetShapeText(const AprilGrid& board) {
+  std::string text =
+      "# The shape of an AprilGrid board: terms of displacement from the even grid, RMS over the\n"
+      "# corners [mm]; tag_edge is by how much the tags look larger [mm].\n";
+  text +=
+      fmt::format("tagRows: {}\ntagCols: {}\ntagSize: {}\ntagSpacing: {}\nterms_mm:\n", board.rows,
+                  board.cols, yamlNumber(board.tag_size), yamlNumber(board.spacing));
+  for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
+    text += fmt::format("  {}: {}\n", kTargetTermNames[j],
+                        yamlNumber(kMillimetres * board.shape.terms[static_cast<Eigen::Index>(j)]));
+  }
+  if (!board.shape.covariance) return text;
+  text += "covariance_mm2:\n";
+  for (const auto& row : board.shape.covariance->rowwise()) {
+    std::string numbers;
+    for (const double value : row) {
+      numbers += (numbers.empty() ? "" : ", ") + yamlNumber(kMillimetres * kMillimetres * value);
+    }
+    text += "  - [" + numbers + "]\n";
+  }
+  return text;
+}
+
+TargetShape readTargetShape(const std::string& path, const AprilGrid& grid) {
+  const YamlMap file = YamlMap::load(path, kFile);
+  checkGrid(file, grid);
+  TargetShape shape;
+  shape.terms = readTerms(file.map("terms_mm", kFile));
+  if (file.has("covariance_mm2")) shape.covariance = readCovariance(file);
+  return shape;
+}
+
+}  // namespace plumbline

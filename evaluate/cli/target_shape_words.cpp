@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/target_shape_words.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kLongest = 0.02;  // [m]
+constexpr double kMost = 0.05;     // share
+
+/// A corner about the grid's centre.
+struct Place {
+  Eigen::Vector2d p;     ///< [m]
+  Eigen::Vector2d half;  ///< half of the grid's width and height [m]
+  Eigen::Vector2d edge;  ///< side of its tag, -1/2 or 1/2 along x and y
+};
+
+using Displacement = std::function<Eigen::Vector3d(const Place&, double value)>;
+
+struct Word {
+  const char* name;
+  bool is_length;
+  Displacement displacement;
+};
+
+const std::array<Word, 6>& allWords() {
+  static const std::array<Word, 6> words = {{
+      {"bow", true,
+       [](const Place& c, double v) {
+         return Eigen::Vector3d(0, 0, v * (1 - c.p.squaredNorm() / c.half.squaredNorm()));
+       }},
+      {"twist", true,
+       [](const Place& c, double v) {
+         return Eigen::Vector3d(0, 0, v * c.p.prod() / c.half.prod());
+       }},
+      {"stretch", false,
+       [](const Place& c, double v) {
+         return Eigen::Vector3d(0.5 * v * c.p.x(), -0.5 * v * c.p.y(), 0);
+       }},
+      {"shear", false,
+       [](const Place& c, double v) {
+         return Eigen::Vector3d(0.5 * v * c.p.y(), 0.5 * v * c.p.x(), 0);
+       }},
+      {"keystone", false,
+       [](const Place& c, double v) {
+         return Eigen::Vector3d(0.5 * v * c.p.x() * c.p.y() / c.half.y(), 0, 0);
+       }},
+      {"tag-edge", true,
+       [](const Place& c, double v) { return Eigen::Vector3d(v * c.edge.x(), v * c.edge.y(), 0); }},
+  }};
+  return words;
+}
+
+[[noreturn]] void refuse(const std::string& words, const std::string& complaint) {
+  throw InputError(
+      fmt::format("--target-shape {}: {}; expected e.g. "
+                  "bow=1mm,twist=0.5mm,stretch=0.3%,shear=0.1%,keystone=0.2%,"
+                  "tag-edge=0.1mm",
+                  words, complaint));
+}
+
+double valueOf(const std::string& words, const Word& word, const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  const std::string unit(at, end);
+  if (error != std::errc() || !std::isfinite(value)) {
+    refuse(words, fmt::format("'{}' is no number", text));
+  }
+  if (word.is_length ? unit != "mm" && unit != "m" : unit != "%" && !unit.empty()) {
+    refuse(words, fmt::format("{} needs {}", word.name,
+                              word.is_length ? "a length in mm or m" : "a share, e.g. 0.3%"));
+  }
+  if (unit == "mm") value *= 1e-3;
+  if (unit == "%") value *= 1e-2;
+  const double most = word.is_length ? kLongest : kMost;
+  if (std::abs(value) > most) {
+    refuse(words, fmt::format("{} is above {}", word.name, word.is_length ? "20 mm" : "5 %"));
+  }
+  return value;
+}
+
+const Word& wordNamed(const std::string& words, const std::string& name) {
+  for (const Word& word : allWords()) {
+    if (name == word.name) return word;
+  }
+  refuse(words, fmt::format("there is no '{}'", name));
+}
+
+}  // namespace
+
+TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid) {
+  const Eigen::Vector2d half(0.5 * grid.width(), 0.5 * grid.height());
+  std::vector<Eigen::Vector3d> moved(static_cast<std::size_t>(grid.cornerCount()),
+                                     Eigen::Vector3d::Zero());
+  if (words.empty()) refuse(words, "no word is given");
+  std::istringstream parts(words);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto equals = part.find('=');
+    if (equals == std::string::npos) refuse(words, fmt::format("'{}' has no value", part));
+    const Word& word = wordNamed(words, part.substr(0, equals));
+    const double value = valueOf(words, word, part.substr(equals + 1));
+    for (int id = 0; id < grid.cornerCount(); ++id) {
+      const int k = id % 4;
+      const Eigen::Vector2d edge(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5);
+      moved[static_cast<std::size_t>(id)] +=
+          word.displacement({grid.corner(id) - half, half, edge}, value);
+    }
+  }
+  return {fitTargetTerms(grid, moved), std::nullopt};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/calibration/target_section.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr double kMm = 1e3;       // per metre
+constexpr double kArrow = 0.6;    // length of the longest arrow over the tags' pitch
+constexpr int kLabelledTags = 8;  // along a side: heights are written into the cells up to here
+
+std::string foundText(const TargetFit& fit, bool kept) {
+  switch (fit.finding) {
+    case TargetFinding::kBent:
+      return fmt::format(
+          "The board is not what target.yaml says. Frames that the fit did not see are predicted "
+          "to {:.4f} px with the board's own shape, and to {:.4f} px with the stated one. {}",
+          fit.held_out_px, fit.flat_held_out_px,
+          kept ? "The calibration stands on the estimated shape."
+               : "The calibration stands on the stated one, as it was asked to.");
+    case TargetFinding::kAsStated:
+      return fmt::format(
+          "The board is as target.yaml says: with a shape of its own, frames that the fit did not "
+          "see are predicted no better ({:.4f} px) than without ({:.4f} px).",
+          fit.held_out_px, fit.flat_held_out_px);
+    case TargetFinding::kUndetermined:
+      return fmt::format(
+          "This recording does not determine the board's shape (to {:.2f} mm only): it is taken as "
+          "target.yaml says.",
+          kMm * fit.std.maxCoeff());
+    case TargetFinding::kNotTested:
+      break;
+  }
+  return "The recording is too short to tell the board's shape: it is taken as target.yaml says.";
+}
+
+Table termTable(const TargetFit& fit) {
+  Table table{
+      {{"Term", Cell::Kind::kCode}, {"RMS displacement [mm]", kNumber}, {"Std [mm]", kNumber}}, {}};
+  for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    table.rows.push_back({code(kTargetTermNames[j]),
+                          number(fmt::format("{:+.4f}", kMm * fit.shape.terms[i])),
+                          number(fmt::format("{:.4f}", kMm * fit.std[i]))});
+  }
+  return table;
+}
+
+PlotFrame boardFrame(const AprilGrid& grid, const std::string& title) {
+  const double gap = grid.pitch() - grid.tag_size;
+  PlotFrame frame;
+  frame.title = title;
+  frame.x = {"x of the board [mm]", Range{-0.5 * kMm * gap, kMm * (grid.width() + 0.5 * gap)}, {}};
+  frame.y = {"y of the board [mm]", Range{-0.5 * kMm * gap, kMm * (grid.height() + 0.5 * gap)}, {}};
+  frame.equal_axes = true;
+  frame.height = 460;
+  return frame;
+}
+
+/// Mean height of each tag, from the top row down.
+HeatMap heightMap(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& points) {
+  HeatMap map;
+  map.frame = boardFrame(grid, "Height above the plane");
+  map.columns = grid.cols;
+  map.rows = grid.rows;
+  map.colours = ColourMap::kDiverging;
+  map.value_label = "height [mm]";
+  const bool labelled = std::max(grid.rows, grid.cols) <= kLabelledTags;
+  double largest = 1e-3;
+  for (int row = grid.rows - 1; row >= 0; --row) {
+    for (int col = 0; col < grid.cols; ++col) {
+      const auto first = static_cast<std::size_t>(4 * (row * grid.cols + col));
+      double height = 0;
+      for (std::size_t k = 0; k < 4; ++k) height += 0.25 * kMm * points[first + k].z();
+      map.values.push_back(height);
+      largest = std::max(largest, std::abs(height));
+      if (labelled) map.cell_labels.push_back(fmt::format("{:+.2f}", height));
+    }
+  }
+  map.value_range = Range{-largest, largest};
+  return map;
+}
+
+VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& points) {
+  VectorField field;
+  field.frame = boardFrame(grid, "Displacement in the plane");
+  field.colour = seriesColour(0);
+  double largest = 1e-6;
+  for (int id = 0; id < grid.cornerCount(); ++id) {
+    const Eigen::Vector2d p = kMm * grid.corner(id);
+    const Eigen::Vector2d d = kMm * points[static_cast<std::size_t>(id)].head<2>() - p;
+    largest = std::max(largest, d.norm());
+    field.arrows.push_back({p.x(), p.y(), d.x(), d.y(),
+                            fmt::format("corner {}: {:+.3f}, {:+.3f} mm", id, d.x(), d.y())});
+  }
+  field.magnification = kArrow * kMm * grid.pitch() / largest;
+  field.reference = std::pow(10, std::floor(std::log10(largest)));
+  field.reference_label = fmt::format("{:g} mm", field.reference);
+  return field;
+}
+
+}  // namespace
+
+Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
+  const TargetFit& fit = *stage.target_fit;
+  Section section{
+      "target", "Target", foundText(fit, stage.target.terms == fit.shape.terms), {}, {}};
+  if (!fit.shape.covariance) return section;
+  AprilGrid board = grid;
+  board.shape = fit.shape;
+  const std::vector<Eigen::Vector3d> points = cornerPoints(board);
+  Block block;
+  block.text =
+      "Each term is the RMS displacement over the corners that it makes; tag_edge is by how much "
+      "the tags look larger at unchanged pitch, which says more of light and detector than of the "
+      "board. The shape holds no scale: that stays target.yaml's.";
+  block.table = termTable(fit);
+  block.figures = {
+      {toSvg(heightMap(grid, points), "target-height"),
+       "Mean height of each tag above the plane that fits the board best, seen from the front."},
+      {toSvg(displacementField(grid, points), "target-plane"),
+       "Where the corners lie against the even grid of target.yaml, magnified."}};
+  section.blocks.push_back(std::move(block));
+  return section;
+}
+
+}  // namespace plumbline::html_internal

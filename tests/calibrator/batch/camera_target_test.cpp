@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The board's own shape, estimated together with the cameras.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "tests/calibrator/oracle/camera_oracle.h"
+
+namespace plumbline {
+namespace {
+
+SimulationOptions recordingOf(const TargetTerms& terms, double sigma_px) {
+  SimulationOptions options;
+  options.duration_s = 15;
+  options.camera_rate_hz = 5;
+  options.corner_sigma_px = sigma_px;
+  options.target.shape.terms = terms;
+  return options;
+}
+
+/// Bowed, stretched and keystoned by some tenths of a millimetre, as real boards are.
+TargetTerms bentTerms() {
+  TargetTerms terms;
+  terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4, 0;
+  return terms;
+}
+
+CameraStageOptions estimating(TargetMode mode, double pixel_sigma = 1) {
+  CameraStageOptions options;
+  options.cauchy_px = 0;
+  options.pixel_sigma = pixel_sigma;
+  options.target = mode;
+  return options;
+}
+
+/// Of the cameras' parameters, in standard deviations.
+double largestError(const CameraStageResult& result, const Calibration& truth) {
+  const Eigen::VectorXd error = oracle::difference({result.cameras, {}}, {truth.cameras, {}});
+  return error.cwiseQuotient(result.summary.covariance.standardDeviations()).cwiseAbs().maxCoeff();
+}
+
+TEST(CameraTarget, RecoversABentBoardWithoutNoise) {
+  for (const char* rig : {"euroc", "tumvi"}) {
+    const auto s = simulateSession(simulatedRig(rig), recordingOf(bentTerms(), 0));
+    EXPECT_TRUE(s.session.target.shape.isFlat());  // what target.yaml says
+    const auto result = calibrateCameras(s.session, estimating(TargetMode::kEstimate));
+    ASSERT_TRUE(result.ok()) << result.failure();
+    // The prior of 5 mm pulls by a millionth of what a pixel of noise does.
+    EXPECT_LT((result->target.terms - bentTerms()).norm(), 1e-7);
+    EXPECT_LT(largestError(*result, s.truth), 1e-3);
+    EXPECT_LT(result->summary.reprojection.rmse_px, 1e-4);
+  }
+}
+
+TEST(CameraTarget, FindsABentBoardBentAndAFlatOneFlat) {
+  const auto bent = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  const auto found = calibrateCameras(bent.session, estimating(TargetMode::kAuto, 0.2));
+  ASSERT_TRUE(found.ok() && found->target_fit);
+  EXPECT_EQ(found->target_fit->finding, TargetFinding::kBent);
+  EXPECT_LT(found->target_fit->held_out_px, 0.9 * found->target_fit->flat_held_out_px);
+  EXPECT_LT(largestError(*found, bent.truth), 4);
+
+  const auto flat = simulateSession(simulatedRig("euroc"), recordingOf(TargetTerms::Zero(), 0.2));
+  const auto kept = calibrateCameras(flat.session, estimating(TargetMode::kAuto, 0.2));
+  const auto stated = calibrateCameras(flat.session, estimating(TargetMode::kGiven, 0.2));
+  ASSERT_TRUE(kept.ok() && kept->target_fit && stated.ok());
+  EXPECT_EQ(kept->target_fit->finding, TargetFinding::kAsStated);
+  EXPECT_TRUE(kept->target.isFlat());
+  EXPECT_EQ(kept->summary.cost, stated->summary.cost);
+  EXPECT_EQ(kept->summary.covariance.matrix, stated->summary.covariance.matrix);
+}
+
+TEST(CameraTarget, AKnownShapeGivesTheCamerasBack) {
+  auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0));
+  s.session.target.shape.terms = bentTerms();
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kGiven));
+  ASSERT_TRUE(result.ok());
+  EXPECT_LT(largestError(*result, s.truth), 1e-6);
+  EXPECT_EQ(result->target.terms, bentTerms());
+}
+
+TEST(CameraTarget, AFlatBoardInItsPlaceBiasesTheCameras) {
+  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kGiven, 0.2));
+  ASSERT_TRUE(result.ok());
+  EXPECT_GT(largestError(*result, s.truth), 8);
+}
+
+TEST(CameraTarget, DoesNotDependOnTheNumberOfThreads) {
+  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
+  const auto one = calibrateCameras(s.session, options);
+  options.threads = 3;
+  const auto three = calibrateCameras(s.session, options);
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_EQ(one->target.terms, three->target.terms);
+  EXPECT_EQ(one->target_fit->gain_px2, three->target_fit->gain_px2);
+  EXPECT_EQ(one->target_fit->std, three->target_fit->std);
+}
+
+TEST(CameraTarget, DrawsOfABootstrapEstimateTheBoardAgain) {
+  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  const CameraStageOptions options = estimating(TargetMode::kEstimate, 0.2);
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_TRUE(result.ok());
+  const int half = static_cast<int>(result->frames.size()) / 2;
+  const auto again = recalibrateCameras(s.session, *result, {{0, half, 1}}, options);
+  ASSERT_TRUE(again.ok());
+  EXPECT_NE(again->target.terms, result->target.terms);
+  EXPECT_LT((again->target.terms - bentTerms()).norm(), 1e-4);
+}
+
+TEST(CameraTarget, AVeryShortRecordingIsLeftAsStated) {
+  SimulationOptions recording = recordingOf(bentTerms(), 0.2);
+  recording.duration_s = 1;
+  const auto s = simulateSession(simulatedRig("euroc"), recording);
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kAuto, 0.2));
+  ASSERT_TRUE(result.ok()) << result.failure();
+  ASSERT_TRUE(result->target_fit);
+  EXPECT_NE(result->target_fit->finding, TargetFinding::kBent);
+  EXPECT_TRUE(result->target.isFlat());
+}
+
+}  // namespace
+}  // namespace plumbline

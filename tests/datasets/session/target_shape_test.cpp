@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// target_shape.yaml: what is written is read, and each fault of a file has its code and line.
+#include "datasets/session/target_shape.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/datasets/refusal.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+AprilGrid board() {
+  AprilGrid grid;
+  for (int j = 0; j < kTargetTerms; ++j) grid.shape.terms[j] = 1.1e-4 * (j - 5);
+  const TargetCovariance A = TargetCovariance::Random();
+  grid.shape.covariance = 1e-10 * (A * A.transpose());
+  return grid;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+class TargetShapeFile : public ::testing::Test {
+ protected:
+  std::optional<BadInput> refusal(const std::string& text) {
+    const std::string file = folder_.write("target_shape.yaml", text);
+    return refusalOf([&] { (void)readTargetShape(file, AprilGrid()); });
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(TargetShapeFile, WhatIsWrittenIsRead) {
+  const AprilGrid written = board();
+  const std::string file = folder_.write("target_shape.yaml", targetShapeText(written));
+  const TargetShape read = readTargetShape(file, AprilGrid());
+  EXPECT_LT((read.terms - written.shape.terms).norm(), 1e-18);
+  ASSERT_TRUE(read.covariance);
+  EXPECT_TRUE(read.covariance->isApprox(*written.shape.covariance, 1e-12));
+}
+
+TEST_F(TargetShapeFile, WithoutACovarianceItIsExact) {
+  AprilGrid written = board();
+  written.shape.covariance.reset();
+  const std::string file = folder_.write("target_shape.yaml", targetShapeText(written));
+  EXPECT_FALSE(readTargetShape(file, AprilGrid()).covariance);
+}
+
+TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
+  const std::string good = targetShapeText(board());
+  const struct {
+    std::string text;
+    InputFault code;
+  } cases[] = {
+      {replaced(good, "tagRows: 6", "tagRows: 5"), InputFault::kContradiction},
+      {replaced(good, "tagSize: 0.088", "tagSize: 0.08"), InputFault::kContradiction},
+      {replaced(good, "  shear:", "  sheer:"), InputFault::kMissingKey},
+      {replaced(good, "terms_mm:", "terms_mm:\n  wobble: 1"), InputFault::kUnknownWord},
+      {replaced(good, "  stretch: ", "  stretch: 6000 #"), InputFault::kOutOfRange},
+      {replaced(good, "covariance_mm2:\n  - [", "covariance_mm2:\n  - [-1e9, "),
+       InputFault::kOutOfRange},
+      {"", InputFault::kEmpty},
+  };
+  for (const auto& c : cases) {
+    const auto fault = refusal(c.text);
+    ASSERT_TRUE(fault) << c.text.substr(0, 400);
+    EXPECT_EQ(fault->code(), c.code) << fault->what();
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Words for the shape of a simulated board, against the places of its corners.
+#include "evaluate/cli/target_shape_words.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<Eigen::Vector3d> pointsOf(const std::string& words) {
+  AprilGrid board;
+  board.shape = targetShapeFromWords(words, board);
+  return cornerPoints(board);
+}
+
+// Corner ids at the ends of a 6 x 6 grid.
+constexpr int kBottomLeft = 0, kBottomRight = 4 * 5 + 1, kTopRight = 4 * 35 + 2,
+              kTopLeft = 4 * 30 + 3, kMiddle = 4 * 14 + 2;
+
+TEST(TargetShapeWords, ABowLiftsTheMiddleAboveTheCorners) {
+  const auto p = pointsOf("bow=1mm");
+  EXPECT_NEAR(p[kMiddle].z() - p[kBottomLeft].z(), 1e-3, 0.02e-3);
+  EXPECT_NEAR(p[kTopRight].z(), p[kBottomLeft].z(), 1e-12);
+}
+
+TEST(TargetShapeWords, ATwistLiftsOppositeCorners) {
+  const auto p = pointsOf("twist=0.5mm");
+  EXPECT_NEAR(p[kTopRight].z() - p[kTopLeft].z(), 1e-3, 1e-9);
+  EXPECT_NEAR(p[kTopRight].z(), p[kBottomLeft].z(), 1e-12);
+}
+
+TEST(TargetShapeWords, AStretchIsTheRatioOfTheSides) {
+  const auto p = pointsOf("stretch=0.3%");
+  const double width = (p[kBottomRight] - p[kBottomLeft]).norm();
+  const double height = (p[kTopLeft] - p[kBottomLeft]).norm();
+  EXPECT_NEAR(width / height, 1.003, 1e-5);
+}
+
+TEST(TargetShapeWords, AKeystoneIsWiderAtTheTop) {
+  const auto p = pointsOf("keystone=0.2%");
+  const double top = (p[kTopRight] - p[kTopLeft]).norm();
+  const double bottom = (p[kBottomRight] - p[kBottomLeft]).norm();
+  EXPECT_NEAR(top / bottom, 1.002, 1e-5);
+}
+
+TEST(TargetShapeWords, WordsAddUp) {
+  const AprilGrid grid;
+  const auto sum = targetShapeFromWords("bow=1mm,stretch=0.3%,tag-edge=-0.2mm", grid).terms;
+  const auto parts = targetShapeFromWords("bow=1mm", grid).terms +
+                     targetShapeFromWords("stretch=0.3%", grid).terms +
+                     targetShapeFromWords("tag-edge=-0.0002m", grid).terms;
+  EXPECT_LT((sum - parts).norm(), 1e-15);
+}
+
+TEST(TargetShapeWords, RefusesWhatItDoesNotKnow) {
+  for (const char* words : {"", "bow", "bow=", "bow=1", "bow=1px", "bow=1m", "wobble=1mm",
+                            "stretch=0.3mm", "stretch=9%", "bow=nan", "bow=1mm,,"}) {
+    EXPECT_THROW((void)targetShapeFromWords(words, AprilGrid()), InputError) << words;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
