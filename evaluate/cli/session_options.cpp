@@ -25,7 +25,12 @@ namespace plumbline {
 namespace {
 
 constexpr int kMostThreads = 1024;
-constexpr const char* kAuto = "auto";
+constexpr const char* kAuto = "auto";  // of --target-shape
+constexpr const char* kFlat = "flat";
+
+bool namesAFile(const std::string& target_shape) {
+  return target_shape != kAuto && target_shape != kFlat;
+}
 
 CLI::Validator numberThat(const std::string& is, const std::function<bool(double)>& holds) {
   return CLI::Validator(
@@ -120,7 +125,7 @@ LoadRequest SessionOptions::request() const {
   request.read.target_path = target;
   request.read.imu_path = imu;
   request.target = target_shape == kAuto ? TargetMode::kAuto : TargetMode::kTested;
-  if (target_shape != kAuto && target_shape != "flat") request.target_shape = target_shape;
+  if (namesAFile(target_shape)) request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);
   request.read.from_s = from_s;
   if (to_s) request.read.to_s = *to_s;
@@ -144,6 +149,7 @@ std::vector<std::string> SessionOptions::inputs() const {
   if (!session.empty()) given.push_back(session);
   if (target) given.push_back(*target);
   if (imu) given.push_back(*imu);
+  if (namesAFile(target_shape)) given.push_back(target_shape);
   return given;
 }
 

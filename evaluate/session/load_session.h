@@ -25,8 +25,6 @@ struct LoadRequest {
   std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
   /// Told why the cache cannot be used: the work goes on without. Unset: an InputError.
   std::function<void(const std::string& why)> without_cache;
-  std::vector<std::string> only;    ///< cameras to use, by name; empty: all
-  std::vector<std::string> others;  ///< further files that the input hash covers
   /// File with the board's shape; empty: flat, or estimated where `target` says so.
   std::optional<std::string> target_shape;
   TargetMode target = TargetMode::kGiven;  ///< of jobs that calibrate
