@@ -109,6 +109,7 @@ void returnFreedArrays() { mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 
 int run(int argc, char** argv) {
   returnFreedArrays();
+  occupyStandardStreams();
   endInOrderOnSignals();
   CLI::App app{"Calibrates and judges camera-IMU rigs from recordings of an AprilGrid.",
                "plumbline"};

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -17,6 +18,14 @@ namespace {
 int output_error = 0;  // errno of the first write that failed
 
 }  // namespace
+
+void occupyStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) != -1) continue;
+    (void)open("/dev/null",
+               stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // the lowest free number
+  }
+}
 
 void writeOut(std::string_view bytes) {
   const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), stdout);

@@ -12,6 +12,11 @@
 
 namespace plumbline {
 
+/// Standard streams that the caller closed are occupied: the next file that is opened would take
+/// the place of one, and what is printed would go into it. Nothing can be written to a closed
+/// output.
+void occupyStandardStreams();
+
 /// Writes on standard output as it is, for machines. Faults are kept for closeOutput().
 void writeOut(std::string_view bytes);
 

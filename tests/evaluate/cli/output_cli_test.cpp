@@ -195,6 +195,13 @@ TEST_F(FailingCalls, AFullStandardOutputIsNoSuccess) {
   EXPECT_THAT(full.text, HasSubstr("standard output cannot be written (No space left on device)"));
   EXPECT_TRUE(isWhole(out()));
   EXPECT_NE(shell(std::string(PLUMBLINE_BINARY) + " --help > /dev/full").exit_code, 0);
+  // Closed ones are not taken by files of the result.
+  for (const char* closed : {" >&-", " 2>&-", " <&- >&- 2>&-"}) {
+    const Outcome outcome =
+        shell(std::string(PLUMBLINE_BINARY) + " " + words + " --force" + closed);
+    EXPECT_EQ(outcome.exit_code, std::string(closed) == " 2>&-" ? 0 : 1) << closed;
+    EXPECT_TRUE(isWhole(out())) << closed;
+  }
 }
 
 TEST_F(FailingCalls, ATooLargeFileIsSaid) {
