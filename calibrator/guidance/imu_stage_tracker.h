@@ -90,8 +90,6 @@ class ImuStageTracker {
   /// Puts the frames that the recording's samples reach by now into the window. A frame without a
   /// solution is dropped from the recording.
   void drain(ImuStageRecording& recording, Decision& decision);
-  /// Frames that wait for IMU samples.
-  std::size_t pending() const { return pending_.size(); }
 
  private:
   FrameLink linkTo(const PosedFrame& frame, const ImuStageRecording& recording,

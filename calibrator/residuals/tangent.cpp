@@ -29,15 +29,6 @@ Matrix6d twistFromTangent(const Transform& T) {
   return A;
 }
 
-CameraChain cameraChain(const Transform& T_FC0, const Transform& T_C0Ci) {
-  const Transform T_CiC0 = T_C0Ci.inverse();
-  CameraChain chain;
-  chain.T_CiF = T_CiC0 * T_FC0.inverse();
-  chain.A_FC0 = throughInverse(T_CiC0, T_FC0);
-  chain.A_C0Ci = throughInverse(Transform(), T_C0Ci);
-  return chain;
-}
-
 CameraImuChain cameraImuChain(const Transform& T_FS, const Transform& T_SC0,
                               const Transform& T_C0Ci) {
   const Transform T_CiC0 = T_C0Ci.inverse();

@@ -14,14 +14,6 @@ namespace plumbline {
 /// rho = dt + t x da, phi = da.
 Matrix6d twistFromTangent(const Transform& T);
 
-/// Derivatives of T_CiF = T_C0Ci^-1 * T_FC0^-1 (camera calibration).
-struct CameraChain {
-  Transform T_CiF;
-  Matrix6d A_FC0;   ///< in the tangent of T_FC0
-  Matrix6d A_C0Ci;  ///< in the tangent of T_C0Ci
-};
-CameraChain cameraChain(const Transform& T_FC0, const Transform& T_C0Ci);
-
 /// Derivatives of T_CiF = T_C0Ci^-1 * T_SC0^-1 * T_FS^-1 (camera-IMU calibration).
 struct CameraImuChain {
   Transform T_CiF;

@@ -96,9 +96,9 @@ void packRecording(benchmark::State& state) {
 BENCHMARK(packRecording)->Unit(benchmark::kMillisecond);
 
 void chainToTangents(benchmark::State& state) {
-  const Transform T_FC0 = testing::examplePose().inverse();
+  const Transform T_FS = testing::examplePose().inverse();
   const Transform T_C0C1 = testing::examplePose();
-  for (auto _ : state) benchmark::DoNotOptimize(cameraChain(T_FC0, T_C0C1));
+  for (auto _ : state) benchmark::DoNotOptimize(cameraImuChain(T_FS, T_C0C1, T_C0C1));
 }
 BENCHMARK(chainToTangents);
 

@@ -53,17 +53,6 @@ TEST(Tangent, OfAPoseEqualsDifferences) {
              differences([](const Vector6d& d) { return boxplus(kT_FC0, d); }));
 }
 
-TEST(Tangent, CameraChainEqualsDifferences) {
-  const CameraChain chain = cameraChain(kT_FC0, kT_C0Ci);
-  EXPECT_TRUE(chain.T_CiF.matrix().isApprox((kT_FC0 * kT_C0Ci).inverse().matrix(), 1e-14));
-  expectNear(chain.A_FC0, differences([](const Vector6d& d) {
-               return (boxplus(kT_FC0, d) * kT_C0Ci).inverse();
-             }));
-  expectNear(chain.A_C0Ci, differences([](const Vector6d& d) {
-               return (kT_FC0 * boxplus(kT_C0Ci, d)).inverse();
-             }));
-}
-
 TEST(Tangent, CameraImuChainEqualsDifferences) {
   const CameraImuChain chain = cameraImuChain(kT_FS, kT_SC0, kT_C0Ci);
   EXPECT_TRUE(chain.T_CiF.matrix().isApprox((kT_FS * kT_SC0 * kT_C0Ci).inverse().matrix(), 1e-14));
