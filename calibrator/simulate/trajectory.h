@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/base/enum_words.h"
 #include "calibrator/simulate/motion.h"
 #include "calibrator/simulate/rig.h"
 
@@ -19,6 +21,9 @@ enum class MotionKind {
   kStatic,              ///< no motion
   kFrontoParallel,      ///< camera 0 faces the target squarely, translating and rolling
 };
+constexpr std::array<const char*, 6> enumWords(MotionKind /*of*/) {
+  return {"full", "pure-rotation", "single-axis", "planar", "static", "fronto-parallel"};
+}
 
 struct TrajectoryOptions {
   MotionKind kind = MotionKind::kFull;

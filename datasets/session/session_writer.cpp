@@ -24,29 +24,11 @@ namespace plumbline {
 
 namespace {
 
-const char* nameOf(MotionKind kind) {
-  switch (kind) {
-    case MotionKind::kFull:
-      return "full";
-    case MotionKind::kPureRotation:
-      return "pure-rotation";
-    case MotionKind::kSingleAxisRotation:
-      return "single-axis-rotation";
-    case MotionKind::kPlanar:
-      return "planar";
-    case MotionKind::kStatic:
-      return "static";
-    case MotionKind::kFrontoParallel:
-      return "fronto-parallel";
-  }
-  return "unknown";
-}
-
 Json jsonOf(const SimulationOptions& o) {
   return {{"seed", o.seed},
           {"trajectory",
            {{"seed", o.trajectory.seed},
-            {"kind", nameOf(o.trajectory.kind)},
+            {"kind", toString(o.trajectory.kind)},
             {"axis_S", toJson(o.trajectory.axis_S)},
             {"pace", o.trajectory.pace},
             {"distance_ratio", o.trajectory.distance_ratio}}},

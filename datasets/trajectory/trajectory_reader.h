@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/transform.h"
 
 namespace plumbline {
@@ -18,6 +20,9 @@ enum class TrajectoryFormat {
   kMotive,  ///< OptiTrack Motive's CSV export 1.2x with rigid bodies
   kVicon,   ///< Vicon Tracker's CSV export of objects
 };
+constexpr std::array<const char*, 5> enumWords(TrajectoryFormat /*of*/) {
+  return {"tum", "euroc", "kitti", "motive", "vicon"};
+}
 
 struct TrajectoryReadOptions {
   std::optional<TrajectoryFormat> format;  ///< none: told from the content

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/option_values.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <map>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -117,15 +115,10 @@ void addRange(const std::string& option, const std::vector<std::string>& ends,
   for (int k = 0; k <= static_cast<int>(count); ++k) amounts.push_back(cleaned(from + k * step));
 }
 
-// The value that nameOf() calls `word`.
-template <class Value>
-Value byName(const char* option, const std::string& word, std::span<const Value> values) {
-  std::string names;
-  for (const Value value : values) {
-    if (word == nameOf(value)) return value;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", nameOf(value));
-  }
-  refuse(option, word, "one of " + names);
+template <WordedEnum E>
+E byWord(const char* option, const std::string& word) {
+  if (const auto value = enumFrom<E>(word)) return *value;
+  refuse(option, word, "one of " + allWords<E>());
 }
 
 RelativeDelta relativeDeltaFrom(const std::string& word) {
@@ -137,15 +130,11 @@ RelativeDelta relativeDeltaFrom(const std::string& word) {
   const auto [rest, error] = std::from_chars(word.data(), end, delta.delta);
   if (error != std::errc() || !(delta.delta > 0) || !std::isfinite(delta.delta)) fail();
   const std::string unit(rest, end);
-  for (const auto candidate : {RelativeDelta::Unit::kFrames, RelativeDelta::Unit::kMetres,
-                               RelativeDelta::Unit::kSeconds}) {
-    if (unit != nameOf(candidate)) continue;
-    delta.unit = candidate;
-    const bool whole = delta.delta == std::floor(delta.delta) && delta.delta < 1e9;
-    if (candidate == RelativeDelta::Unit::kFrames && !whole) fail();
-    return delta;
-  }
-  fail();
+  const auto known = enumFrom<RelativeDelta::Unit>(unit);
+  if (!known) fail();
+  delta.unit = *known;
+  const bool whole = delta.delta == std::floor(delta.delta) && delta.delta < 1e9;
+  if (delta.unit == RelativeDelta::Unit::kFrames && !whole) fail();
   return delta;
 }
 
@@ -204,18 +193,7 @@ Resolution resolutionFrom(const std::string& word, const char* option) {
   refuse(option, word, "WIDTHxHEIGHT, e.g. 752x480");
 }
 
-MotionKind motionFrom(const std::string& word) {
-  static const std::map<std::string, MotionKind> kMotions{
-      {"full", MotionKind::kFull},
-      {"pure-rotation", MotionKind::kPureRotation},
-      {"single-axis", MotionKind::kSingleAxisRotation},
-      {"planar", MotionKind::kPlanar},
-      {"static", MotionKind::kStatic},
-      {"fronto-parallel", MotionKind::kFrontoParallel}};
-  const auto found = kMotions.find(word);
-  if (found != kMotions.end()) return found->second;
-  refuse("--motion", word, "full, pure-rotation, single-axis, planar, static or fronto-parallel");
-}
+MotionKind motionFrom(const std::string& word) { return byWord<MotionKind>("--motion", word); }
 
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) {
   const auto equals = assignment.find('=');
@@ -269,25 +247,15 @@ std::vector<double> amountsFrom(const std::string& option, const std::string& wo
 }
 
 AlignmentKind alignmentFrom(const std::string& word) {
-  static constexpr std::array kKinds = {AlignmentKind::kSe3,      AlignmentKind::kSim3,
-                                        AlignmentKind::kScale,    AlignmentKind::kYaw,
-                                        AlignmentKind::kOrigin,   AlignmentKind::kSe3First,
-                                        AlignmentKind::kYawFirst, AlignmentKind::kNone};
-  return byName<AlignmentKind>("--align", word, kKinds);
+  return byWord<AlignmentKind>("--align", word);
 }
 
 AssociationRule associationFrom(const std::string& word) {
-  static constexpr std::array kRules = {AssociationRule::kOneToOne, AssociationRule::kInterpolate,
-                                        AssociationRule::kEvo, AssociationRule::kRpg,
-                                        AssociationRule::kOvEval};
-  return byName<AssociationRule>("--association", word, kRules);
+  return byWord<AssociationRule>("--association", word);
 }
 
 RelativePairs relativePairsFrom(const std::string& word) {
-  static constexpr std::array kPairs = {RelativePairs::kPlumbline, RelativePairs::kEvo,
-                                        RelativePairs::kEvoAll, RelativePairs::kRpg,
-                                        RelativePairs::kOvEval};
-  return byName<RelativePairs>("--rpe-pairs", word, kPairs);
+  return byWord<RelativePairs>("--rpe-pairs", word);
 }
 
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
@@ -300,16 +268,7 @@ std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
 }
 
 TrajectoryFormat trajectoryFormatFrom(const std::string& word) {
-  static constexpr std::array<std::pair<const char*, TrajectoryFormat>, 5> kFormats = {
-      {{"tum", TrajectoryFormat::kTum},
-       {"euroc", TrajectoryFormat::kEuroc},
-       {"kitti", TrajectoryFormat::kKitti},
-       {"motive", TrajectoryFormat::kMotive},
-       {"vicon", TrajectoryFormat::kVicon}}};
-  for (const auto& [name, format] : kFormats) {
-    if (word == name) return format;
-  }
-  refuse("--format", word, "one of tum, euroc, kitti, motive, vicon");
+  return byWord<TrajectoryFormat>("--format", word);
 }
 
 }  // namespace plumbline

@@ -84,7 +84,7 @@ std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<Relativ
       throw InputError(
           fmt::format("--rpe-pairs {}: that tool has no pairs over {}; expected --rpe "
                       "in metres, e.g. 8m",
-                      word, nameOf(delta.unit)));
+                      word, toString(delta.unit)));
     }
     delta.pairs = pairs;
   }

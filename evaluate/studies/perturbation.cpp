@@ -65,26 +65,6 @@ Session withNoisyCorners(Session session, const Perturbation& p) {
 
 }  // namespace
 
-std::string toString(PerturbationKind kind) {
-  switch (kind) {
-    case PerturbationKind::kImuShift:
-      return "imu-shift";
-    case PerturbationKind::kTargetSize:
-      return "target-size";
-    case PerturbationKind::kNoiseDensities:
-      return "noise-densities";
-    case PerturbationKind::kInitialIntrinsics:
-      return "initial-intrinsics";
-    case PerturbationKind::kDroppedFrames:
-      return "dropped-frames";
-    case PerturbationKind::kDroppedImu:
-      return "dropped-imu";
-    case PerturbationKind::kCornerNoise:
-      return "corner-noise";
-  }
-  return "";
-}
-
 std::string unitOf(PerturbationKind kind) {
   switch (kind) {
     case PerturbationKind::kImuShift:

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
@@ -24,9 +26,10 @@ enum class PerturbationKind {
   kCornerNoise,        ///< adds normal noise of `amount` px to both coordinates of every corner
 };
 
-/// "imu-shift", "target-size", "noise-densities", "initial-intrinsics", "dropped-frames",
-/// "dropped-imu", "corner-noise".
-std::string toString(PerturbationKind kind);
+constexpr std::array<const char*, 7> enumWords(PerturbationKind /*of*/) {
+  return {"imu-shift",      "target-size", "noise-densities", "initial-intrinsics",
+          "dropped-frames", "dropped-imu", "corner-noise"};
+}
 /// Of `amount`: "ms", "%", "x" (a factor), "px".
 std::string unitOf(PerturbationKind kind);
 /// Whether anything is drawn, so that repeats under other seeds differ.

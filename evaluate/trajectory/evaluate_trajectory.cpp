@@ -124,9 +124,9 @@ std::vector<std::string> remarksOnErrors(const TrajectoryRun& run, bool with_rot
 }
 
 bool isFit(const AlignmentRecord& alignment) {
-  return alignment.kind == nameOf(AlignmentKind::kSe3) ||
-         alignment.kind == nameOf(AlignmentKind::kSim3) ||
-         alignment.kind == nameOf(AlignmentKind::kYaw);
+  return alignment.kind == toString(AlignmentKind::kSe3) ||
+         alignment.kind == toString(AlignmentKind::kSim3) ||
+         alignment.kind == toString(AlignmentKind::kYaw);
 }
 
 // `evaluation` with the NEES of the pairs, whose covariances are the estimate's.
@@ -204,8 +204,8 @@ void TrajectoryMetricOptions::check() const {
   if (clock && !(clock->max_offset_s > 0)) throw InputError("a clock is searched within 0 s");
   for (const RelativeDelta& over : rpe) {
     if (over.delta > 0 && hasPairsOver(over.pairs, over.unit)) continue;
-    throw InputError(fmt::format("no pairs of {} over {:g} {}", nameOf(over.pairs), over.delta,
-                                 nameOf(over.unit)));
+    throw InputError(fmt::format("no pairs of {} over {:g} {}", toString(over.pairs), over.delta,
+                                 toString(over.unit)));
   }
 }
 
@@ -216,7 +216,7 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
   const bool with_rotation = estimate.has_orientation && truth.has_orientation;
   if (!with_rotation && standsOnRotation(options.alignment.kind)) {
     return Failure{FailureCode::kAlignmentNeedsOrientations,
-                   {{"alignment", nameOf(options.alignment.kind)}}};
+                   {{"alignment", toString(options.alignment.kind)}}};
   }
   const Result<CommonFrames> frames = commonFrames(estimate, truth, options);
   if (!frames) return frames.failure();

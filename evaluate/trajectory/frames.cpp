@@ -117,7 +117,7 @@ Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& 
   }
   if (!options.hand_eye) return frames;
   if (scaleIsUnknown(options.alignment.kind)) {
-    return Failure{FailureCode::kScaleUnknown, {{"alignment", nameOf(options.alignment.kind)}}};
+    return Failure{FailureCode::kScaleUnknown, {{"alignment", toString(options.alignment.kind)}}};
   }
   const auto hand_eye = handEyeOf(estimate, truth, options, frames.time_offset_s);
   if (!hand_eye) return hand_eye.failure();

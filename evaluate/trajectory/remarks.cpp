@@ -97,7 +97,7 @@ std::vector<std::string> remarksOn(const Association& association) {
     remarks.push_back(fmt::format("{} of {} estimated poses have no partner and are not judged",
                                   without, r.estimate_poses));
   }
-  if (r.rule == nameOf(AssociationRule::kEvo)) {
+  if (r.rule == toString(AssociationRule::kEvo)) {
     const std::size_t twice = usedTwice(association.pairs);
     if (twice > 0) {
       remarks.push_back(

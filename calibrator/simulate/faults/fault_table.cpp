@@ -130,34 +130,12 @@ const std::array kDescriptions{
 }  // namespace
 
 const char* unitOf(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::kAngle:
-      return "rad";
-    case Quantity::kTime:
-      return "s";
-    case Quantity::kDrift:
-      return "s/s";
-    case Quantity::kLength:
-      return "m";
-    case Quantity::kFrequency:
-      return "Hz";
-    case Quantity::kRate:
-      return "1/s";
-    case Quantity::kAcceleration:
-      return "m/s^2";
-    case Quantity::kAngularRate:
-      return "rad/s";
-    case Quantity::kGyroPerAccel:
-      return "rad/s per m/s^2";
-    case Quantity::kPixels:
-      return "px";
-    case Quantity::kNone:
-    case Quantity::kFactor:
-    case Quantity::kShare:
-    case Quantity::kCount:
-      break;
-  }
-  return "-";
+  // In the order of the enumeration.
+  constexpr std::array kUnits{"-",  "-",  "-",   "rad",   "s",     "s/s",
+                              "m",  "Hz", "1/s", "m/s^2", "rad/s", "rad/s per m/s^2",
+                              "px", "-"};
+  static_assert(kUnits.size() == static_cast<std::size_t>(Quantity::kCount) + 1);
+  return kUnits[static_cast<std::size_t>(quantity)];
 }
 
 std::span<const FaultDescription> faultDescriptions() { return kDescriptions; }

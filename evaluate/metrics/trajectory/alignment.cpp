@@ -133,7 +133,7 @@ Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentO
       o.first_n > 0 ? std::min(pairs.size(), static_cast<std::size_t>(o.first_n)) : pairs.size();
   if (count < kFewestPairs) {
     return Failure{FailureCode::kTooFewPairs,
-                   {{"aligned", count}, {"pairs", pairs.size()}, {"alignment", nameOf(o.kind)}}};
+                   {{"aligned", count}, {"pairs", pairs.size()}, {"alignment", toString(o.kind)}}};
   }
   const PointMoments m = momentsOf(pairs, count);
   if (standsStill(m.variance_x, m.mean_x) || standsStill(m.variance_y, m.mean_y)) {
@@ -166,33 +166,11 @@ Result<AlignmentRecord> alignUnnamed(const std::vector<PosePair>& pairs,
 
 }  // namespace
 
-const char* nameOf(AlignmentKind kind) {
-  switch (kind) {
-    case AlignmentKind::kSe3:
-      return "se3";
-    case AlignmentKind::kSim3:
-      return "sim3";
-    case AlignmentKind::kScale:
-      return "scale";
-    case AlignmentKind::kYaw:
-      return "yaw";
-    case AlignmentKind::kOrigin:
-      return "origin";
-    case AlignmentKind::kSe3First:
-      return "se3-first";
-    case AlignmentKind::kYawFirst:
-      return "yaw-first";
-    case AlignmentKind::kNone:
-      return "none";
-  }
-  return "";
-}
-
 Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const AlignmentOptions& options) {
   assert(options.first_n >= 0);
   Result<AlignmentRecord> result = alignUnnamed(pairs, options);
   if (!result) return result;
-  result.value().kind = nameOf(options.kind);
+  result.value().kind = toString(options.kind);
   result.value().first_n = isFit(options.kind) ? options.first_n : 0;
   return result;
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/association.h"
@@ -24,8 +26,9 @@ enum class AlignmentKind {
   kNone,      ///< s = 1, R = I, t = 0
 };
 
-/// "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none".
-const char* nameOf(AlignmentKind kind);
+constexpr std::array<const char*, 8> enumWords(AlignmentKind /*of*/) {
+  return {"se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none"};
+}
 
 struct AlignmentOptions {
   AlignmentKind kind = AlignmentKind::kSe3;

@@ -105,7 +105,7 @@ InterpolatedPairs interpolatedPairs(const std::vector<StampedPose>& estimate,
 AssociationRecord describe(const Trajectory& estimate, const Trajectory& truth,
                            const AssociationOptions& o) {
   AssociationRecord record;
-  record.rule = nameOf(o.rule);
+  record.rule = toString(o.rule);
   record.max_dt_s = o.rule == AssociationRule::kInterpolate ? 0 : o.max_dt_s;
   record.time_offset_s = o.time_offset_s;
   record.estimate_poses = estimate.poses.size();
@@ -132,22 +132,6 @@ Interpolated poseAt(const std::vector<StampedPose>& poses, TimeNs t, TimeNs max_
   const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
   const Eigen::Vector3d p = (1 - u) * a.p + u * b.p;
   return {StampedPose{t, p, a.q.normalized().slerp(u, b.q.normalized())}, false};
-}
-
-const char* nameOf(AssociationRule rule) {
-  switch (rule) {
-    case AssociationRule::kOneToOne:
-      return "one-to-one";
-    case AssociationRule::kInterpolate:
-      return "interpolate";
-    case AssociationRule::kEvo:
-      return "evo";
-    case AssociationRule::kRpg:
-      return "rpg";
-    case AssociationRule::kOvEval:
-      return "ov_eval";
-  }
-  return "";
 }
 
 Association associate(const Trajectory& estimate, const Trajectory& truth,

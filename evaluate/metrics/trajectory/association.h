@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/transform.h"
 #include "report/records/trajectory_record.h"
 
@@ -30,8 +32,9 @@ enum class AssociationRule {
   kOvEval,       ///< one forward sweep, first local minimum of |dt| below max_dt_s
 };
 
-/// "one-to-one", "interpolate", "evo", "rpg", "ov_eval".
-const char* nameOf(AssociationRule rule);
+constexpr std::array<const char*, 5> enumWords(AssociationRule /*of*/) {
+  return {"one-to-one", "interpolate", "evo", "rpg", "ov_eval"};
+}
 
 struct AssociationOptions {
   AssociationRule rule = AssociationRule::kOneToOne;

@@ -153,34 +153,6 @@ std::vector<double> relativeErrors(const AlignedPoses& poses, const std::vector<
   return errors;
 }
 
-const char* nameOf(RelativeDelta::Unit unit) {
-  switch (unit) {
-    case RelativeDelta::Unit::kFrames:
-      return "frames";
-    case RelativeDelta::Unit::kMetres:
-      return "m";
-    case RelativeDelta::Unit::kSeconds:
-      return "s";
-  }
-  return "";
-}
-
-const char* nameOf(RelativePairs pairs) {
-  switch (pairs) {
-    case RelativePairs::kPlumbline:
-      return "plumbline";
-    case RelativePairs::kEvo:
-      return "evo";
-    case RelativePairs::kEvoAll:
-      return "evo-all";
-    case RelativePairs::kRpg:
-      return "rpg";
-    case RelativePairs::kOvEval:
-      return "ov_eval";
-  }
-  return "";
-}
-
 bool hasPairsOver(RelativePairs pairs, RelativeDelta::Unit unit) {
   if (pairs == RelativePairs::kPlumbline || unit == RelativeDelta::Unit::kMetres) return true;
   const bool evo = pairs == RelativePairs::kEvo || pairs == RelativePairs::kEvoAll;
@@ -209,8 +181,8 @@ RelativeErrorRecord relativeErrorOver(const RelativeDelta& delta, const AlignedP
   const std::vector<IndexPair> pairs = pairsOver(delta, poses, t);
   RelativeErrorRecord record;
   record.delta = delta.delta;
-  record.unit = nameOf(delta.unit);
-  record.pairs = nameOf(delta.pairs);
+  record.unit = toString(delta.unit);
+  record.pairs = toString(delta.pairs);
   record.translation_m =
       sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kTranslation));
   record.rotation_deg =

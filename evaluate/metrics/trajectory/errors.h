@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/alignment.h"
@@ -85,8 +87,9 @@ enum class RelativePairs {
   kOvEval,     ///< likewise within 0.5 m
 };
 
-/// "plumbline", "evo", "evo-all", "rpg", "ov_eval".
-const char* nameOf(RelativePairs pairs);
+constexpr std::array<const char*, 5> enumWords(RelativePairs /*of*/) {
+  return {"plumbline", "evo", "evo-all", "rpg", "ov_eval"};
+}
 
 /// A distance over which relative motion is judged.
 struct RelativeDelta {
@@ -98,8 +101,9 @@ struct RelativeDelta {
 /// Whether the tool has such pairs: evo over frames and metres, rpg and ov_eval over metres.
 bool hasPairsOver(RelativePairs pairs, RelativeDelta::Unit unit);
 
-/// "frames", "m", "s".
-const char* nameOf(RelativeDelta::Unit unit);
+constexpr std::array<const char*, 3> enumWords(RelativeDelta::Unit /*of*/) {
+  return {"frames", "m", "s"};
+}
 
 /// By delta.pairs, which hasPairsOver() delta.unit. This program's pairs are overlapping, from
 /// every matched pose. Frames: i to i + delta. Metres and seconds: to the pose whose path along the
