@@ -47,6 +47,7 @@ std::optional<std::vector<Corner>> decode(std::string_view text) {
   for (std::size_t at = 0; at < body.size(); at += sizeof(StoredCorner)) {
     StoredCorner stored{};
     std::memcpy(&stored, body.data() + at, sizeof stored);
+    if (!std::in_range<int>(stored.id)) return std::nullopt;
     corners.push_back({static_cast<int>(stored.id), {stored.u, stored.v}});
   }
   return corners;

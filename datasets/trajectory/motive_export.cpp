@@ -144,7 +144,7 @@ const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::
 }
 
 struct BodyFrame {
-  long number = 0;
+  double number = 0;   // whole
   double seconds = 0;  // as the file rounds it
   std::optional<StampedPose> pose;
   int line = 0;
@@ -164,7 +164,7 @@ std::vector<BodyFrame> readFrames(TextTable& table, const Body& body) {
     if (table.row().empty()) continue;
     const Cells cells = table.cells();
     BodyFrame frame;
-    frame.number = std::lround(table.numberIn(cells, 0));
+    frame.number = std::round(table.numberIn(cells, 0));
     frame.seconds = table.numberIn(cells, 1);
     frame.pose = poseOf(table, cells, body);
     frame.line = table.line();
@@ -176,7 +176,7 @@ std::vector<BodyFrame> readFrames(TextTable& table, const Body& body) {
 // The stamps from frame numbers must agree with the rounded Time column.
 void checkTimes(const TrajectorySource& source, const std::vector<BodyFrame>& frames, double rate) {
   if (frames.empty()) return;
-  const double span = static_cast<double>(frames.back().number - frames.front().number) / rate;
+  const double span = (frames.back().number - frames.front().number) / rate;
   const double stated = frames.back().seconds - frames.front().seconds;
   if (std::abs(span - stated) <= 2e-3) return;
   throw source.fault(frames.back().line,

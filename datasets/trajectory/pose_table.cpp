@@ -50,10 +50,11 @@ void takeHeader(Layout& layout, const TableHeader& header) {
 }
 
 bool knownCount(const NumberRow& row, const Layout& layout) {
-  if (layout.order_is_stated) {
-    const auto last = std::max(*std::max_element(layout.q.begin(), layout.q.end()), layout.p + 2);
-    return static_cast<std::size_t>(row.columns) > last;
-  }
+  const auto holds = [&](std::size_t column) {
+    return static_cast<std::size_t>(row.columns) > column;
+  };
+  if (!holds(layout.p + 2)) return false;  // where the header puts it
+  if (layout.order_is_stated) return std::all_of(layout.q.begin(), layout.q.end(), holds);
   if (row.columns == 4 || row.columns == 8) return true;
   return layout.format == TrajectoryFormat::kEuroc ? row.columns == 11 || row.columns == 17
                                                    : row.columns == kOpenVinsColumns;
@@ -170,7 +171,7 @@ class TableReader {
     if (!t) {
       throw table_.fault({InputFault::kBadNumber,
                           fmt::format("the stamp '{}' is no time", row.stamp),
-                          "a decimal number within 292 years of 0", "repair or delete this line"});
+                          "a decimal number within 146 years of 0", "repair or delete this line"});
     }
     const StampedPose pose = poseOf(row, layout, *t);
     builder.add(pose, table_.line());
