@@ -12,6 +12,9 @@ function(plumbline_library name)
   endif()
   add_library(plumbline_${name} STATIC ${sources} ${ARG_SOURCES})
   target_link_libraries(plumbline_${name} PUBLIC plumbline_flags ${ARG_DEPENDS})
+  if(NOT name STREQUAL "calibrator")
+    target_compile_options(plumbline_${name} PRIVATE ${PLUMBLINE_READER_OPTIONS})
+  endif()
   plumbline_precompile_library(plumbline_${name})
 endfunction()
 
@@ -59,6 +62,7 @@ function(plumbline_precompile_library target)
     if(NOT TARGET ${headers})
       find_package(nlohmann_json REQUIRED)
       plumbline_headers(${headers} PRIVATE fmt::fmt nlohmann_json::nlohmann_json
+        OPTIONS ${PLUMBLINE_READER_OPTIONS}
         HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <fstream> <sstream> <fmt/format.h>
                 <nlohmann/json.hpp> ${PROJECT_SOURCE_DIR}/report/records/calibration_record.h)
     endif()
