@@ -2,11 +2,89 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cassert>
-
-#include "calibrator/base/target_shape.h"
+#include <optional>
+#include <vector>
 
 namespace plumbline {
+
+struct AprilGrid;
+
+/// Parameters by which a board departs from the flat and even grid of target.yaml.
+inline constexpr int kTargetTerms = 12;
+using TargetTerms = Eigen::Matrix<double, kTargetTerms, 1>;
+using TargetCovariance = Eigen::Matrix<double, kTargetTerms, kTargetTerms>;
+
+/// Their names, in order: the board's plane (stretch, shear, and quadratic displacements along x
+/// and y), its height (quadratic), and the size of the tags at unchanged pitch.
+inline constexpr std::array<const char*, kTargetTerms> kTargetTermNames = {
+    "stretch", "shear", "x_xx", "x_xy", "x_yy", "y_xx",
+    "y_xy",    "y_yy",  "z_xx", "z_xy", "z_yy", "tag_edge"};
+
+/// The board's own shape: a displacement of every corner of the grid in F,
+///   p = p_grid + sum_j B_j(p_grid) terms_j,   B_j of TargetBasis.
+/// All zero: flat and even, as target.yaml says. It holds no similarity (translation, rotation,
+/// scale stay those of the grid). The last term is one of recording and detector rather than of
+/// the board: how much wider the tags look [m].
+struct TargetShape {
+  TargetTerms terms = TargetTerms::Zero();     ///< [m]
+  std::optional<TargetCovariance> covariance;  ///< of terms [m^2]; none: taken as exact
+
+  bool isFlat() const { return terms.isZero(0); }
+  bool operator==(const TargetShape& other) const {
+    return terms == other.terms && covariance == other.covariance;
+  }
+};
+
+/// How far each term moves each corner of a grid. With X, Y from the grid's centre over half its
+/// diagonal, every displacement but the last has unit RMS over the corners, so that a term is the
+/// RMS displacement [m] that it makes:
+///   stretch (a X, -b Y) and shear (c Y, d X), without scale and rotation;
+///   q_1 ~ X^2 - mean, q_2 ~ X Y - mean, q_3 ~ Y^2 - mean, along x, along y, and along z;
+///   tag_edge: (+-1/2, +-1/2), the tag's edges by the term itself.
+/// What a small grid cannot tell (no extent, as q_1 on a single tag) is zero.
+class TargetBasis {
+ public:
+  /// The scalar functions of a corner that the terms are made of.
+  enum Function {
+    kStretchX,
+    kStretchY,
+    kShearX,
+    kShearY,
+    kQ1,
+    kQ2,
+    kQ3,
+    kEdgeX,
+    kEdgeY,
+    kFunctions
+  };
+  using Functions = std::array<double, kFunctions>;
+
+  explicit TargetBasis(const AprilGrid& grid);
+
+  int cornerCount() const { return static_cast<int>(functions_.size()); }
+  const Functions& functions(int corner_id) const {
+    return functions_[static_cast<std::size_t>(corner_id)];
+  }
+  /// Columns B_j: the displacement of a corner [m] per term [m].
+  Eigen::Matrix<double, 3, kTargetTerms> columns(int corner_id) const {
+    return columns(functions(corner_id));
+  }
+  static Eigen::Matrix<double, 3, kTargetTerms> columns(const Functions& functions);
+  /// Terms that move a corner at all.
+  std::array<bool, kTargetTerms> observable() const;
+
+ private:
+  std::vector<Functions> functions_;
+};
+
+/// The terms that come closest to the given displacements of all corners [m], by least squares, a
+/// small similarity besides (translation, rotation, scale) being free.
+TargetTerms fitTargetTerms(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement);
+
+/// All corners of a board in F [m], by corner_id.
+std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board);
 
 /// Geometry of Kalibr's AprilGrid in its own frame F: z = 0 plane, x right along a row of tags, y
 /// up, origin at the bottom-left corner of tag 0. Tags run along x first; the corners of a tag are

@@ -117,9 +117,19 @@ struct Decision {
 };
 
 /// Adds to a decision's detail.
-void note(Decision& decision, const std::string& text);
+inline void note(Decision& decision, const std::string& text) {
+  decision.detail += (decision.detail.empty() ? "" : "; ") + text;
+}
 
 /// A frame that was accepted, by this decision or an earlier one, leaves the estimate; says why.
-void withdraw(int frame, const std::string& why, Decision& decision);
+inline void withdraw(int frame, const std::string& why, Decision& decision) {
+  if (frame == decision.frame) {
+    decision.accepted = false;
+    note(decision, why + ": left out");
+    return;
+  }
+  decision.withdrawn.push_back(frame);
+  note(decision, "frame " + std::to_string(frame) + ": " + why + ": left out");
+}
 
 }  // namespace plumbline

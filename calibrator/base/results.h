@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/statistics.h"
-#include "calibrator/base/target_shape.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "calibrator/base/target_shape.h"
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/residuals/packed_corners.h"
@@ -52,7 +52,7 @@ struct ViewGram : PoseGram {
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxIntrinsics, 1> b_k;
 };
 
-/// ViewGram with the terms s of the board's shape (base/target_shape.h): p_C' = p_C + R_CF B s.
+/// ViewGram with the terms s of the board's shape (base/april_grid.h): p_C' = p_C + R_CF B s.
 struct TargetViewGram : ViewGram {
   Eigen::Matrix<double, 6, kTargetTerms> H_pose_s;
   Eigen::Matrix<double, Eigen::Dynamic, kTargetTerms, 0, kMaxIntrinsics, kTargetTerms> H_k_s;

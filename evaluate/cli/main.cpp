@@ -1,26 +1,71 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The one binary: a table of subcommands, and the only place where errors become exit codes.
+#include <atomic>
+#include <csignal>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/interruption.h"
 #include "evaluate/cli/terminal.h"
 #include "generated/version.h"
 
 namespace plumbline {
 namespace {
+
+std::atomic<bool> ending{false};
+
+[[noreturn]] void endOn(sigset_t awaited) {
+  int signal = 0;
+  while (sigwait(&awaited, &signal) != 0) {
+  }
+  ending = true;
+  abandonWorkplaces();
+  const char* clear = isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "";
+  fmt::print(stderr, "{}plumbline: stopped by signal {}; what was unfinished is removed\n", clear,
+             signal);
+  _exit(128 + signal);
+}
+
+bool isIgnored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+/// From here on SIGINT, SIGTERM and SIGHUP end the process in order: what is being written is
+/// removed, older results stay, and the exit code is 128 and the signal's number (130, 143, 129). A
+/// thread waits for them, so that no handler runs in between and long work needs no checks. Signals
+/// that the caller has the process ignore stay ignored. A file that grows beyond its limit
+/// (SIGXFSZ) becomes an error of the write. Call before any other thread is started.
+void endInOrderOnSignals() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond its limit is an error of the write
+  sigset_t awaited;
+  sigemptyset(&awaited);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (!isIgnored(signal)) sigaddset(&awaited, signal);
+  }
+  pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
+  std::thread(endOn, awaited).detach();
+}
+
+/// Returns unless a signal is ending the process: then what fails, fails for that reason, and there
+/// is nothing to be said of it.
+void waitIfEnding() {
+  while (ending) pause();
+}
 
 std::vector<Command> commands() {
   return {simulateCommand(), detectCommand(),  calibrateCommand(),

@@ -32,7 +32,7 @@ struct ViewSelectionOptions {
   void check() const;
 };
 
-/// What is done about the board's own shape (base/target_shape.h).
+/// What is done about the board's own shape (base/april_grid.h).
 enum class TargetMode {
   kGiven,     ///< the session's target is taken as it is
   kTested,    ///< the same, but it is said whether its shape is another (TargetFit)

@@ -12,7 +12,6 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
-#include "calibrator/base/target_shape.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/linear/dense.h"
 #include "calibrator/linear/levenberg_marquardt.h"

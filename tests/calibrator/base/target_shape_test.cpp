@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The basis of a board's shape: unit displacements that hold no similarity.
-#include "calibrator/base/target_shape.h"
-
 #include <Eigen/Core>
 #include <vector>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/target_shape.h"
+#include "calibrator/base/april_grid.h"
 
 #include <Eigen/QR>
 #include <cassert>
