@@ -98,7 +98,7 @@ TEST(KalibrFiles, ImuAndTargetComeBack) {
   EXPECT_EQ(imu.noise.accel_random_walk, 4.4e-3);
   EXPECT_EQ(imu.noise.rate_hz, 400);
   EXPECT_EQ(imu.rostopic, "/imu7");
-  const AprilGrid grid{7, 5, 0.046, 0.25};
+  const AprilGrid grid{.rows = 7, .cols = 5, .tag_size = 0.046, .spacing = 0.25};
   const AprilGrid again = readTarget(folder.write("target.yaml", kalibrTargetText(grid)));
   EXPECT_EQ(again.rows, 7);
   EXPECT_EQ(again.cols, 5);
