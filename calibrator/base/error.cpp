@@ -29,6 +29,7 @@ struct CodeRow {
 constexpr CodeRow kCodes[] = {
     {Code::kNoImu, "NoImu", Reason::kNoOverlap},
     {Code::kTooFewSamples, "TooFewSamples", Reason::kNoOverlap, Input::kImuSamples},
+    {Code::kSamplesInBursts, "SamplesInBursts", Reason::kImplausible, Input::kImuSamples},
     {Code::kColumnsSwapped, "ColumnsSwapped", Reason::kImplausible, Input::kImuSamples},
     {Code::kAccelerometerInG, "AccelerometerInG", Reason::kImplausible, Input::kImuSamples},
     {Code::kAccelerometerInMilliG, "AccelerometerInMilliG", Reason::kImplausible,
@@ -37,6 +38,7 @@ constexpr CodeRow kCodes[] = {
     {Code::kNoRotation, "NoRotation", Reason::kNotObservable},
     {Code::kRotationAboutOneAxis, "RotationAboutOneAxis", Reason::kNotObservable},
     {Code::kRatesDoNotCorrelate, "RatesDoNotCorrelate", Reason::kNoOverlap, Input::kImuSamples},
+    {Code::kStampsWander, "StampsWander", Reason::kImplausible},
     {Code::kGyroscopeMirrored, "GyroscopeMirrored", Reason::kImplausible, Input::kImuSamples},
     {Code::kGyroscopeInDegrees, "GyroscopeInDegrees", Reason::kImplausible, Input::kImuSamples},
     {Code::kGyroscopeScale, "GyroscopeScale", Reason::kImplausible, Input::kImuSamples},

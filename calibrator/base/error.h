@@ -55,6 +55,7 @@ enum class FailureCode {
   // The IMU's samples and their units (calibrator/initialise/imu_sanity).
   kNoImu,                  ///< the session has no IMU samples
   kTooFewSamples,          ///< fewer than two samples
+  kSamplesInBursts,        ///< count (samples a burst), apart_s (within), pause_s (between)
   kColumnsSwapped,         ///< accel, gyro (medians of the norms), gravity
   kAccelerometerInG,       ///< as kColumnsSwapped
   kAccelerometerInMilliG,  ///< as kColumnsSwapped
@@ -62,6 +63,7 @@ enum class FailureCode {
   kNoRotation,             ///< rms [rad/s]
   kRotationAboutOneAxis,   ///< axis, rms [rad/s] across it
   kRatesDoNotCorrelate,    ///< correlation, needed
+  kStampsWander,           ///< from_s, to_s (time offset in parts of the recording), std_s
   kGyroscopeMirrored,      ///< mirrored, rotated (correlations)
   kGyroscopeInDegrees,     ///< ratio to the camera's rate
   kGyroscopeScale,         ///< ratio to the camera's rate

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,13 +33,21 @@ enum class UnmodelledFault {
   kImuMoved,           ///< change of T_SC0 from an instant on (3 m, 3 rad)
   kClockStep,          ///< change of the time offset from an instant on [s]
   kCameraMoved,        ///< change of T_C0Ci from an instant on (3 m, 3 rad)
+  kTargetShape,        ///< the target is not flat or not square, shapeColumns()' 11 terms [m]
+  kTargetMoved,        ///< displacement of the target in F at an instant, 3 [m]
+  kTargetSways,        ///< target swinging in F, sine x y z and cosine x y z [m]
+  kGyroBiasJump,       ///< jump of the gyroscope's bias at an instant, 3 [rad/s]
+  kAccelBiasJump,      ///< jump of the accelerometer's bias at an instant, 3 [m/s^2]
+  kStampsWander,       ///< changes of the time offset at seven instants, evenly spaced [s]
 };
 
 /// Words of the documents, in the order above.
-inline constexpr std::array<const char*, 13> enumWords(UnmodelledFault) {
-  return {"accel-scale", "accel-misalignment", "gyro-scale",  "gyro-misalignment", "g-sensitivity",
-          "imu-delay",   "clock-drift",        "line-delay",  "target-size",       "camera-delay",
-          "imu-moved",   "clock-step",         "camera-moved"};
+inline constexpr std::array<const char*, 19> enumWords(UnmodelledFault) {
+  return {"accel-scale",    "accel-misalignment", "gyro-scale",   "gyro-misalignment",
+          "g-sensitivity",  "imu-delay",          "clock-drift",  "line-delay",
+          "target-size",    "camera-delay",       "imu-moved",    "clock-step",
+          "camera-moved",   "target-shape",       "target-moved", "target-sways",
+          "gyro-bias-jump", "accel-bias-jump",    "stamps-wander"};
 }
 
 /// A score test: is the fault there, how large is it, and what does it do to the calibration?
@@ -48,12 +57,59 @@ struct FaultTest {
   std::optional<TimeNs> since;  ///< of faults that begin at an instant, where they explain most
   Eigen::VectorXd estimate;     ///< to first order, see UnmodelledFault
   Eigen::VectorXd std;          ///< cluster-robust
-  double chi2 = 0;              ///< of the estimate against zero, see diagnoseFaults()
+  std::optional<double> frequency_hz;  ///< of what swings
+  double chi2 = 0;                     ///< of the estimate against zero, see diagnoseFaults()
+  double explained = 0;  ///< by how much twice the batch's cost falls with the fault in the model,
+                         ///< over the factor by which robust variances exceed formal ones
   int dof = 0;
   double significance = 0;  ///< of chi2, in standard deviations (Wilson and Hilferty)
   /// What modelling the fault would add to T_SC0 (3 m, 3 rad) and the time offset [s].
   Eigen::Matrix<double, 7, 1> shift = Eigen::Matrix<double, 7, 1>::Zero();
   double shift_sigma = 0;  ///< the largest of them in its robust standard deviation
+};
+
+/// A reading that its neighbours contradict; its sample is not integrated.
+struct ImuSpike {
+  TimeNs t = 0;     ///< of the sample, as recorded
+  int channel = 0;  ///< 0 to 2: gyroscope x, y, z; 3 to 5: accelerometer
+  double size = 0;  ///< reading less what the neighbours say [rad/s, m/s^2]
+  int line = 0;     ///< of the file, for who knows it
+};
+
+/// A pause between two samples that breaks the chain of motion.
+struct ImuPause {
+  TimeNs t = 0;           ///< of the sample before it, as recorded
+  double duration_s = 0;  ///< to the next one
+  int line = 0;           ///< of the sample before it, for who knows the file
+};
+
+/// A view that repeats the corners of the one before it, although the rig moved.
+struct RepeatedView {
+  int camera = 0;
+  TimeNs t = 0;  ///< the view's own stamp
+};
+
+/// A tag that stands where another's id belongs.
+struct MisplacedTag {
+  int camera = 0;
+  TimeNs t = 0;   ///< the view's own stamp
+  int tag = 0;    ///< id that was read
+  int place = 0;  ///< tag in whose place it stands
+};
+
+/// Measurements that contradict their neighbours or the target's geometry, and were left out.
+struct Screening {
+  std::vector<ImuSpike> spikes;
+  std::vector<ImuPause> pauses;
+  std::vector<RepeatedView> repeated_views;
+  std::vector<MisplacedTag> misplaced_tags;
+  std::size_t false_corners = 0;    ///< used ones, far off where their view says they are
+  std::size_t grazing_corners = 0;  ///< seen at 89 degrees and more from the optical axis
+
+  bool empty() const {
+    return spikes.empty() && pauses.empty() && repeated_views.empty() && misplaced_tags.empty() &&
+           false_corners == 0 && grazing_corners == 0;
+  }
 };
 
 struct FaultDiagnosis {
@@ -205,6 +261,9 @@ struct InertialCheck {
   double target_scale = 1;  ///< metres per stated metre of the target; 0.5: stated twice too large
   double target_scale_std = 0;
   double gravity_m_s2 = 0;  ///< magnitude as measured; 0: not known
+  /// What the fit leaves, over what noise of the poses and densities explains; 0: not known. Well
+  /// above 1 the motion contradicts the IMU, and neither figure is to be believed.
+  double residual_ratio = 0;
 };
 
 /// Covariances of what each recording has of its own, everything else marginalised. Tangents are
@@ -233,6 +292,7 @@ struct CameraImuStageResult {
   int imu_gaps = 0;             ///< pauses of the IMU that broke the chain
   double imu_rate_hz = 0;       ///< inverse of the median interval between IMU samples
   InertialCheck inertial_check;
+  Screening screening;                                   ///< what was left out of the recording
   std::optional<ImuStateCovariances> state_covariances;  ///< if asked for
   std::optional<FaultDiagnosis> faults;                  ///< if asked for, and long enough
   StageSummary summary;

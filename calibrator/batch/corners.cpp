@@ -8,6 +8,7 @@
 #include "calibrator/base/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/initialise/screening.h"
 
 namespace plumbline {
 namespace {
@@ -90,6 +91,12 @@ std::vector<PackedCorners> packCorners(const Session& session) {
   for (const CameraStream& stream : session.cameras) {
     corners.emplace_back(session.target, stream.views);
   }
+  const auto repeated = repeatedViews(session);
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    for (const int view : repeated[c]) {
+      for (int k = 0; k < corners[c].view(view).count; ++k) corners[c].setWeight(view, k, 0);
+    }
+  }
   return corners;
 }
 
@@ -137,6 +144,11 @@ void addReprojection(const CameraErrors& errors, const Session& session, StageSu
     summary.views_offered += static_cast<int>(stream.views.size());
     for (const ImageView& view : stream.views) summary.corners_offered += view.corners.size();
   }
+}
+
+void weigh(const std::vector<CornerPlace>& places, double weight,
+           std::vector<PackedCorners>& corners) {
+  for (const CornerPlace& p : places) corners[p.camera].setWeight(p.view, p.position, weight);
 }
 
 void checkFilter(CornerFilter filter, double sigmas) {

@@ -30,7 +30,7 @@ enum class CornerFilter {
 std::vector<Eigen::Vector2d> viewErrors(const Intrinsics& camera, const Transform& T_CF,
                                         const PackedView& view);
 
-/// All corners of a session, one block per camera.
+/// All corners of a session, one block per camera; those of repeatedViews() have no weight.
 std::vector<PackedCorners> packCorners(const Session& session);
 
 /// The same without those that an earlier result of the session rejected (their weight is 0): its
@@ -51,6 +51,16 @@ ReprojectionSummary summariseErrors(const CameraErrors& errors);
 
 /// The used corners' errors into a stage's summary, and what the session offered.
 void addReprojection(const CameraErrors& errors, const Session& session, StageSummary& summary);
+
+/// A corner by camera, view of the camera and position within the view.
+struct CornerPlace {
+  std::size_t camera = 0;
+  int view = 0;
+  int position = 0;
+};
+/// Gives corners their weight: 0 rejects them.
+void weigh(const std::vector<CornerPlace>& places, double weight,
+           std::vector<PackedCorners>& corners);
 
 /// Throws InputError where a sigma filter has no positive factor.
 void checkFilter(CornerFilter filter, double sigmas);

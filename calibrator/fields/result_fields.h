@@ -164,6 +164,48 @@ void fields(V& v, InertialCheck& c) {
   v("target_scale", c.target_scale, "1", "metres per stated metre of the target");
   v("target_scale_std", c.target_scale_std, "1", "its standard deviation");
   v("gravity_m_s2", c.gravity_m_s2, "m/s^2", "magnitude as measured; 0: not known");
+  v.ifSet("residual_ratio", c.residual_ratio, "what the fit leaves over what noise explains");
+}
+
+template <class V>
+void fields(V& v, ImuSpike& s) {
+  v("t_ns", s.t, "stamp of the sample, as recorded");
+  v("channel", s.channel, "0 to 2: gyroscope x, y, z; 3 to 5: accelerometer");
+  v("size", s.size, "reading less what its neighbours say, SI units");
+  v("line", s.line, "of the file; 0: not known");
+}
+
+template <class V>
+void fields(V& v, ImuPause& p) {
+  v("t_ns", p.t, "stamp of the sample before it, as recorded");
+  v("duration_s", p.duration_s, "s", "to the next sample");
+  v("line", p.line, "of the sample before it in the file; 0: not known");
+}
+
+template <class V>
+void fields(V& v, RepeatedView& r) {
+  v("camera", r.camera, "its position");
+  v("t_ns", r.t, "stamp of the view");
+}
+
+template <class V>
+void fields(V& v, MisplacedTag& m) {
+  v("camera", m.camera, "its position");
+  v("t_ns", m.t, "stamp of the view");
+  v("tag", m.tag, "id that was read");
+  v("place", m.place, "tag in whose place it stands");
+}
+
+template <class V>
+void fields(V& v, Screening& s) {
+  v.ifSet("spikes", s.spikes, "samples of the IMU that their neighbours contradict: left out");
+  v.ifSet("pauses", s.pauses, "of the IMU's samples: the chain of motion is broken there");
+  v.ifSet("repeated_views", s.repeated_views,
+          "views that repeat the corners before them though the rig moved: left out");
+  v.ifSet("misplaced_tags", s.misplaced_tags, "tags that do not stand where their id belongs");
+  v.ifSet("false_corners", s.false_corners, "used ones, far off where their view says they are");
+  v.ifSet("grazing_corners", s.grazing_corners,
+          "left out: seen at 89 degrees and more from the optical axis");
 }
 
 template <class V>
@@ -173,7 +215,9 @@ void fields(V& v, FaultTest& t) {
   v("since_ns", t.since, "instant from which it holds, camera clock");
   v("estimate", t.estimate, "size to first order, SI units (calibrator/base/results.h)");
   v("std", t.std, "its cluster-robust standard deviation");
+  v("frequency_hz", t.frequency_hz, "of what swings");
   v("chi2", t.chi2, "of the estimate against zero");
+  v("explained", t.explained, "by how much twice the batch's cost falls with the fault modelled");
   v("dof", t.dof, "number of its parameters");
   v("significance", t.significance, "chi2 as a deviate of the normal distribution");
   v("shift", t.shift, "what modelling it would add to T_SC0 (3 m, 3 rad) and the offset [s]");
@@ -212,6 +256,7 @@ void fields(V& v, CameraImuStageResult& s) {
   v("imu_gaps", s.imu_gaps, "1", "pauses of the IMU that broke the chain");
   v("imu_rate_hz", s.imu_rate_hz, "Hz", "inverse of the median interval between IMU samples");
   v("inertial_check", s.inertial_check, "linear fit before the batch");
+  v.ifSet("screening", s.screening, "measurements that contradict their neighbours or the target");
   v("faults", s.faults, "score tests of faults that the batch does not model");
   v("gravity_F_m_s2", s.gravity_F, "m/s^2", "gravity in the target's frame, pointing down");
   v.array("frames", s.frames, "frames of the solution");

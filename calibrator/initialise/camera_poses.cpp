@@ -159,6 +159,7 @@ class PoseSteps {
 
   double cost() const { return 0.5 * now_.cost; }
   const Transform& T_C0F() const { return T_C0F_; }
+  const Matrix6d& information() const { return now_.H; }
 
   std::optional<double> solve(double damping) {
     Matrix6d A = now_.H;
@@ -242,7 +243,8 @@ PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& 
   minimiser.max_iterations = options.max_iterations;
   minimiser.tolerance = options.tolerance;
   const MinimiserSummary summary = minimise(steps, minimiser);
-  return {steps.T_C0F(), 2 * steps.cost(), countUsed(views), summary.converged()};
+  return {steps.T_C0F(), 2 * steps.cost(), countUsed(views), summary.converged(),
+          steps.information()};
 }
 
 std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, double good_px,

@@ -33,6 +33,7 @@ struct PoseRefinement {
   double cost = 0;     ///< sum of rho(|e|^2) [px^2]
   double corners = 0;  ///< used ones
   bool converged = false;
+  Matrix6d information = Matrix6d::Zero();  ///< under 1 px, in the left twist (rho, phi) of T_C0F
 
   /// sqrt(cost / corners) [px]: the RMS error, of which a loss lets gross errors take little.
   double errorPx() const;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
 
 namespace plumbline {
@@ -205,6 +206,78 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
   TimeOffsetEstimate out;
   out.offset_s = best.offset_s;
   out.alignment = alignRates(pairRates(camera, gyro, best.offset_s));
+  return out;
+}
+
+namespace {
+
+/// Standard deviation of an offset that moves the gyroscope's rates along their slopes, by what the
+/// alignment leaves of them.
+double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
+                 const TimeOffsetEstimate& estimate) {
+  constexpr double kSlope = 0.01;  // [s] over which a slope is taken
+  double squares = 0, slopes = 0, count = 0;
+  const RateAlignment& a = estimate.alignment;
+  for (const CameraRate& c : camera) {
+    const auto at = gyro.meanRate(c.from, c.to, estimate.offset_s);
+    const auto before = gyro.meanRate(c.from, c.to, estimate.offset_s - kSlope);
+    const auto after = gyro.meanRate(c.from, c.to, estimate.offset_s + kSlope);
+    if (!at || !before || !after) continue;
+    squares += (*at - a.R_SC0 * c.rate_C - a.gyro_bias).squaredNorm();
+    slopes += ((*after - *before) / (2 * kSlope)).squaredNorm();
+    count += 3;
+  }
+  return slopes > 0 ? std::sqrt(squares / count / slopes) : 1;
+}
+
+}  // namespace
+
+std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
+                                          const GyroIntegral& gyro, double offset_s) {
+  constexpr std::size_t kParts = 10;
+  constexpr double kCorrelated = 0.95;
+  constexpr double kSameRotation = 0.1;  // [rad]
+  std::vector<CameraRate> shifted(camera.begin(), camera.end());
+  for (CameraRate& rate : shifted) {
+    rate.from += toNanoseconds(offset_s);
+    rate.to += toNanoseconds(offset_s);
+  }
+  TimeOffsetOptions options;
+  options.max_offset_s = 0.5;
+  options.min_pairs = 10;
+  struct Part {
+    TimeOffsetEstimate estimate;
+    double std_s = 0;
+  };
+  std::vector<Part> found;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const std::size_t from = k * shifted.size() / kParts;
+    const std::size_t to = (k + 1) * shifted.size() / kParts;
+    const std::span<const CameraRate> part(shifted.data() + from, to - from);
+    const auto estimate = estimateTimeOffset(part, gyro, options);
+    if (!estimate || estimate->alignment.correlation < kCorrelated) continue;
+    found.push_back({*estimate, offsetStd(part, gyro, *estimate)});
+  }
+  if (found.empty()) return std::nullopt;
+  // Short parts of any two motions correlate under some rotation; those of one share it.
+  const Part& best =
+      *std::max_element(found.begin(), found.end(), [](const Part& a, const Part& b) {
+        return a.estimate.alignment.correlation < b.estimate.alignment.correlation;
+      });
+  std::optional<PartOffsets> out;
+  std::size_t agreeing = 0;
+  for (const Part& part : found) {
+    const Eigen::Matrix3d turn =
+        best.estimate.alignment.R_SC0.transpose() * part.estimate.alignment.R_SC0;
+    if (logSO3(turn).norm() > kSameRotation) continue;
+    ++agreeing;
+    const double offset = offset_s + part.estimate.offset_s;
+    if (!out) out = PartOffsets{offset, offset, 0};
+    out->least_s = std::min(out->least_s, offset);
+    out->most_s = std::max(out->most_s, offset);
+    out->std_s = std::max(out->std_s, part.std_s);
+  }
+  if (2 * agreeing < kParts) return std::nullopt;
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics.h"
 #include "calibrator/residuals/preintegration.h"
 
 namespace plumbline {
@@ -52,7 +53,30 @@ std::vector<Triple> chooseTriples(std::span<const CameraPose> poses,
 struct Equation {
   Rows A;
   Eigen::Vector3d rhs;
+  double positions = 0;  ///< variance per component by the poses' positions [(m/s^2)^2]
+  double forces = 0;     ///< by attitudes and samples, which the inverse scale multiplies
 };
+
+constexpr double kGravity = 9.8;     // [m/s^2] by which a wrong attitude turns into a force
+constexpr double kTripleSigmas = 6;  // beyond which a triple is left out
+constexpr int kTripleRounds = 5;
+
+/// Variances of a triple's equation: the second difference of three positions; attitudes that turn
+/// gravity, white noise of the accelerometer under a triangle of length 2 T, and the attitude that
+/// the gyroscope's noise leaves after T.
+void addVariances(const CameraPose& a, const CameraPose& b, const CameraPose& c,
+                  const ImuNoise& noise, Equation& e) {
+  const double T1 = secondsBetween(a.t, b.t);
+  const double T2 = secondsBetween(b.t, c.t);
+  const double mean = 0.5 * (T1 + T2);
+  const double positions = c.position_variance / (T2 * T2) + a.position_variance / (T1 * T1) +
+                           b.position_variance * std::pow(1 / T1 + 1 / T2, 2);
+  const double attitude = 0.5 * (a.rotation_variance + b.rotation_variance);
+  const double gyro = noise.gyro_density * noise.gyro_density * mean / 3;
+  const double accel = noise.accel_density * noise.accel_density * 2 / (3 * mean);
+  e.positions = positions / (mean * mean);
+  e.forces = kGravity * kGravity * (attitude + gyro) + accel;
+}
 
 /// Whether IMU samples pause for longer than `longest_s` between two instants of the camera's
 /// clock.
@@ -75,7 +99,7 @@ bool pausesBetween(TimeNs from, TimeNs to, double offset_s, std::span<const ImuS
 /// velocities (three frames, as Mur-Artal and Tardos 2017, section IV).
 std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraPose> poses,
                                    std::span<const ImuSample> samples, const Eigen::Matrix3d& R_SC0,
-                                   const ImuBias& bias, double offset_s) {
+                                   const ImuBias& bias, double offset_s, const ImuNoise& noise) {
   const CameraPose& a = poses[triple.a];
   const CameraPose& b = poses[triple.b];
   const CameraPose& c = poses[triple.c];
@@ -96,11 +120,18 @@ std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraP
   e.rhs = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
   e.A /= mean;
   e.rhs /= mean;
+  addVariances(a, b, c, noise, e);
   return e;
 }
 
-InertialAlignment solve(const std::vector<Equation>& equations,
-                        const InertialAlignmentOptions& options) {
+struct Fit {
+  Eigen::LDLT<Normal> ldlt;
+  Unknowns x = Unknowns::Zero();
+};
+
+/// Least squares; with `scale` held at 1 where asked (a weight far above what any data give).
+Fit fitted(const std::vector<Equation>& equations, const InertialAlignmentOptions& options,
+           double weight_of_unit_scale) {
   Normal H = Normal::Zero();
   Unknowns b = Unknowns::Zero();
   for (const Equation& e : equations) {
@@ -111,20 +142,64 @@ InertialAlignment solve(const std::vector<Equation>& equations,
   const double weight = 0.1 * 0.1;
   H.diagonal().segment<3>(1).array() += weight / std::pow(options.t_SC0_prior_m, 2);
   H.diagonal().tail<3>().array() += weight / std::pow(options.accel_bias_prior, 2);
-  const Eigen::LDLT<Normal> ldlt(H);
-  const Unknowns x = ldlt.solve(b);
+  H(0, 0) += weight_of_unit_scale;
+  b(0) += weight_of_unit_scale;
+  Fit fit;
+  fit.ldlt.compute(H);
+  fit.x = fit.ldlt.solve(b);
+  return fit;
+}
+
+double rmsOf(const std::vector<Equation>& equations, const Unknowns& x) {
   double squared = 0;
   for (const Equation& e : equations) squared += (e.A * x - e.rhs).squaredNorm();
+  return std::sqrt(squared / (3 * static_cast<double>(equations.size())));
+}
+
+/// Without the equations that contradict the fit of the rest.
+std::vector<Equation> agreeing(const std::vector<Equation>& all,
+                               const InertialAlignmentOptions& options) {
+  constexpr double kChiMedian = 1.538;  // median of |x| for three unit Gaussians
+  std::vector<Equation> used = all;
+  for (int round = 0; round < kTripleRounds; ++round) {
+    const Unknowns x = fitted(used, options, 0).x;
+    std::vector<double> sizes;
+    for (const Equation& e : all) sizes.push_back((e.A * x - e.rhs).norm());
+    const double limit = kTripleSigmas * median(sizes) / kChiMedian;
+    std::vector<Equation> kept;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (sizes[k] <= limit) kept.push_back(all[k]);
+    }
+    const bool settled = kept.size() == used.size();
+    used = std::move(kept);
+    if (settled) break;
+  }
+  return used;
+}
+
+InertialAlignment solve(const std::vector<Equation>& all, const InertialAlignmentOptions& options) {
+  constexpr double kHeld = 1e9;
+  const std::vector<Equation> equations = agreeing(all, options);
+  const Fit fit = fitted(equations, options, 0);
+  const Unknowns& x = fit.x;
   InertialAlignment out;
   out.equations = static_cast<int>(equations.size());
-  out.residual_rms = std::sqrt(squared / (3 * static_cast<double>(equations.size())));
+  out.residual_rms = rmsOf(equations, x);
+  out.fixed_rms = rmsOf(equations, fitted(equations, options, kHeld).x);
+  double variance = 0;
+  bool known = true;
+  for (const Equation& e : equations) {
+    variance += (e.positions + x(0) * x(0) * e.forces) / static_cast<double>(equations.size());
+    known = known && e.positions > 0;
+  }
+  out.noise_rms = known ? std::sqrt(variance) : 0;
   out.scale = 1 / x(0);  // and its deviation to first order, d(1/k) = dk / k^2
   out.scale_std =
-      out.residual_rms * std::sqrt(ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
+      out.residual_rms * std::sqrt(fit.ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
   Unknowns down = Unknowns::Zero();
   down.segment<3>(4) = x.segment<3>(4).normalized();
   out.residual_rms *= std::abs(out.scale);
-  out.gravity_std = out.residual_rms * std::sqrt(down.dot(ldlt.solve(down)));
+  out.gravity_std = out.residual_rms * std::sqrt(down.dot(fit.ldlt.solve(down)));
   out.t_SC0 = out.scale * x.segment<3>(1);
   out.gravity_F = out.scale * x.segment<3>(4);
   out.accel_bias = out.scale * x.tail<3>();
@@ -154,7 +229,7 @@ std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> pos
   for (const Triple& triple : chooseTriples(poses, options)) {
     const TimeNs from = poses[triple.a].t;
     if (pausesBetween(from, poses[triple.c].t, time_offset_s, samples, longest_s)) continue;
-    const auto e = equationOf(triple, poses, samples, R_SC0, bias, time_offset_s);
+    const auto e = equationOf(triple, poses, samples, R_SC0, bias, time_offset_s, options.noise);
     if (e) equations.push_back(*e);
   }
   if (equations.size() < 10) return std::nullopt;

@@ -15,6 +15,8 @@ namespace plumbline {
 struct CameraPose {
   TimeNs t = 0;
   Transform T_FC0;
+  double position_variance = 0;  ///< by the corners' noise, per axis [m^2]; 0: not known
+  double rotation_variance = 0;  ///< likewise [rad^2]
 };
 
 /// A pause between samples longer than this many times their median interval is a gap.

@@ -36,8 +36,30 @@ void SanityOptions::check() const {
   requireOption(scale_tolerance > 0, "scale_tolerance", scale_tolerance, "a positive ratio");
   requireOption(significance > 0, "significance", significance, "a positive factor");
   requireOption(gravity_tolerance > 0, "gravity_tolerance", gravity_tolerance, "a positive ratio");
+  requireOption(noise_floor > 0, "noise_floor", noise_floor, "a positive factor");
   requireOption(max_residual_m_s2 > 0, "max_residual_m_s2", max_residual_m_s2,
                 "a positive acceleration");
+}
+
+std::optional<Failure> checkSampleStamps(std::span<const ImuSample> samples) {
+  constexpr double kShort = 0.2;
+  constexpr double kShareInBursts = 0.3;
+  if (samples.size() < 2) return std::nullopt;
+  const auto count = static_cast<double>(samples.size() - 1);
+  const double mean = secondsBetween(samples.front().t, samples.back().t) / count;
+  std::vector<double> within, between;
+  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
+    const double interval = secondsBetween(samples[k].t, samples[k + 1].t);
+    (interval < kShort * mean ? within : between).push_back(interval);
+  }
+  if (between.empty() || static_cast<double>(within.size()) < kShareInBursts * count) {
+    return std::nullopt;
+  }
+  const double size = count / static_cast<double>(between.size());
+  return Failure{FailureCode::kSamplesInBursts,
+                 {{"count", std::lround(size)},
+                  {"apart_s", median(std::move(within))},
+                  {"pause_s", median(std::move(between))}}};
 }
 
 std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
@@ -96,6 +118,12 @@ std::optional<Failure> checkRates(const RateAlignment& alignment, const SanityOp
   return std::nullopt;
 }
 
+double residualRatio(const InertialAlignment& alignment) {
+  if (!(alignment.noise_rms > 0)) return 0;
+  // Both in the camera's units: a larger target has larger noise.
+  return alignment.residual_rms / (std::abs(alignment.scale) * alignment.noise_rms);
+}
+
 std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
                                      const SanityOptions& options) {
   const double g = alignment.gravity_F.norm();
@@ -110,7 +138,16 @@ std::optional<Failure> checkInertial(const InertialAlignment& alignment, const A
                    {{"measured", g}, {"expected", options.gravity_m_s2}}};
   }
   const double off = std::abs(alignment.scale - 1);
-  if (off > options.scale_tolerance && off > options.significance * alignment.scale_std) {
+  // Where another size explains nearly all that is left, noise need not be known.
+  constexpr double kNearlyAll = 5;
+  constexpr double kWorse = 1.3;  // what the stated size leaves over what is noise with the other
+  const double free_rms = alignment.residual_rms / std::abs(alignment.scale);
+  const bool to_noise =
+      residualRatio(alignment) < options.noise_floor && alignment.fixed_rms > kWorse * free_rms;
+  const bool explains =
+      alignment.noise_rms == 0 || to_noise || alignment.fixed_rms > kNearlyAll * free_rms;
+  if (explains && off > options.scale_tolerance &&
+      off > options.significance * alignment.scale_std) {
     return Failure{FailureCode::kScaleDisagrees,
                    {{"scale", alignment.scale},
                     {"scale_std", alignment.scale_std},

@@ -26,10 +26,15 @@ struct SanityOptions {
   double significance = 6;             ///< and in standard deviations
   double gravity_tolerance = 0.03;     ///< of |g| as estimated, relative
   double max_residual_m_s2 = 1.5;      ///< RMS of the inertial alignment
+  double noise_floor = 2;  ///< residuals up to this many times their expected RMS are noise
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;
 };
+
+/// Samples that are read at once and stamped then: three in ten intervals and more are shorter than
+/// a fifth of their mean.
+std::optional<Failure> checkSampleStamps(std::span<const ImuSample> samples);
 
 /// Swapped gyro and accelerometer columns, accelerometer in g or milli-g or otherwise scaled: by
 /// the median norms of both.
@@ -45,8 +50,13 @@ std::optional<Failure> checkExcitation(const RateAlignment& alignment,
 std::optional<Failure> checkRates(const RateAlignment& alignment,
                                   const SanityOptions& options = {});
 
+/// What the inertial alignment leaves over what noise explains; 0: not known.
+double residualRatio(const InertialAlignment& alignment);
+
 /// Accelerometer axes that do not fit the gyroscope's, gravity of the wrong size, target of the
-/// wrong size.
+/// wrong size. The target is blamed only where what is left is noise with another size and is more
+/// than that with the stated one: any fault of the IMU changes the scale as well, but then no scale
+/// explains the motion.
 std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
                                      const SanityOptions& options = {});
 

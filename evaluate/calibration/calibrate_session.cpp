@@ -83,6 +83,7 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
                    {{"iterations", stage->summary.iterations}}};
   }
   record.camera_imu = std::move(stage).value();
+  locateSamples(loaded, record.camera_imu->screening);
   addLoading(loaded, record.camera_imu->summary.seconds);
   if (request.resamples > 0) {
     progress("resampling camera and IMU", -1);

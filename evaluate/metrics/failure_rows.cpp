@@ -18,6 +18,12 @@ const FailureRow kRows[] = {
      "add imu0/data.csv, or calibrate the cameras alone"},
     {Code::kTooFewSamples, "the IMU has fewer than two samples",
      "record the IMU together with the cameras"},
+    {Code::kSamplesInBursts,
+     "the IMU's samples are stamped in bursts: {count} samples {apart_us:.3g} us apart, then a "
+     "pause "
+     "of {pause_ms:.3g} ms",
+     "stamp every sample when it is taken (the sensor's own clock), or spread the stamps of each "
+     "burst evenly over the time since the one before"},
     {Code::kColumnsSwapped, "{norms}: gyroscope and accelerometer columns are swapped",
      "put the angular rate first and the acceleration second"},
     {Code::kAccelerometerInG, "{norms}: the accelerometer is in g",
@@ -40,6 +46,12 @@ const FailureRow kRows[] = {
      "check that both are of the same recording, that their stamps are of one clock (a larger "
      "offset can be given by --imu-shift-ms), that each gyroscope column is what it should be, and "
      "that neither single samples (spikes) nor tag ids are wrong"},
+    {Code::kStampsWander,
+     "the time offset between gyroscope and cameras wanders: from {from_ms:.1f} to {to_ms:.1f} ms "
+     "in "
+     "parts of the recording, each known to {std_ms:.1g} ms",
+     "look for frames or samples that were lost while the others were stamped evenly, a clock that "
+     "was set, or clocks that run at different rates; use the stamps that the sensors give"},
     {Code::kGyroscopeMirrored,
      "the gyroscope's axes are permuted or mirrored: its rates fit the camera's only after a "
      "reflection (correlation {mirrored:.3f} against {rotated:.3f} for a rotation)",
@@ -47,7 +59,7 @@ const FailureRow kRows[] = {
     {Code::kGyroscopeInDegrees,
      "the gyroscope turns {ratio:.1f} times as fast as the camera: it is in degrees per second",
      "multiply its columns by pi / 180"},
-    {Code::kGyroscopeScale, "the gyroscope turns {ratio:.3g} times as fast as the camera",
+    {Code::kGyroscopeScale, "the gyroscope turns {ratio:.3g} times as fast as the camera{cut_off}",
      "check the gyroscope's units (rad/s), its scale and the stamps' unit (ns); or the cameras' "
      "focal lengths, where they were given"},
     {Code::kAccelerometerAxes,

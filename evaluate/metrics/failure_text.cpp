@@ -127,6 +127,23 @@ void addDerived(const Failure& f, Words& words) {
                                "m/s^2), the gyroscope's {:.4g}",
                                f.number("accel"), f.number("gravity"), f.number("gyro"))));
       return;
+    case Code::kGyroscopeScale:
+      words.push_back(fmt::arg(
+          "cut_off", f.values.count("cut_off_at") == 0
+                         ? std::string()
+                         : fmt::format("; its readings are cut off at {:.3g} rad/s, the end of the "
+                                       "sensor's range: move more gently, or set a wider range",
+                                       f.number("cut_off_at"))));
+      return;
+    case Code::kSamplesInBursts:
+      words.push_back(fmt::arg("apart_us", 1e6 * f.number("apart_s")));
+      words.push_back(fmt::arg("pause_ms", 1e3 * f.number("pause_s")));
+      return;
+    case Code::kStampsWander:
+      words.push_back(fmt::arg("from_ms", 1e3 * f.number("from_s")));
+      words.push_back(fmt::arg("to_ms", 1e3 * f.number("to_s")));
+      words.push_back(fmt::arg("std_ms", 1e3 * f.number("std_s")));
+      return;
     case Code::kRotationAboutOneAxis:
       words.push_back(fmt::arg("across", otherAxes(axisOf(f, "axis"))));
       return;

@@ -34,7 +34,9 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
          judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", t));
   append(findings, judgeRejected(stage.residuals, "camera-IMU", t));
   append(findings, judgeFramesAndGaps(stage, t));
+  append(findings, judgeScreening(stage, t));
   append(findings, judgeFaults(stage, t));
+  append(findings, judgeStampJitter(stage, t));
   append(findings, judgeIsolatedResiduals(stage, t));
   append(findings, judgeLongResiduals(stage, t));
   append(findings, judgeStatements(record, t));

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -70,6 +71,22 @@ void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
 Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session) {
   failure.where = placeOf(failure.input(), loaded, session);
   return failure;
+}
+
+void locateSamples(const LoadedSession& loaded, Screening& screening) {
+  const std::string& path = loaded.imu_samples_path;
+  if ((screening.spikes.empty() && screening.pauses.empty()) || !path.ends_with(".csv")) return;
+  std::map<std::string, int> lines;  // by the stamp as it is written
+  for (const ImuSpike& spike : screening.spikes) lines[std::to_string(spike.t)] = 0;
+  for (const ImuPause& pause : screening.pauses) lines[std::to_string(pause.t)] = 0;
+  std::ifstream file(path);
+  std::string text;
+  for (int line = 1; std::getline(file, text); ++line) {
+    const auto found = lines.find(text.substr(0, text.find(',')));
+    if (found != lines.end()) found->second = line;
+  }
+  for (ImuSpike& spike : screening.spikes) spike.line = lines[std::to_string(spike.t)];
+  for (ImuPause& pause : screening.pauses) pause.line = lines[std::to_string(pause.t)];
 }
 
 void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {

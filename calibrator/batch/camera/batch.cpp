@@ -2,6 +2,7 @@
 #include "calibrator/batch/camera/batch.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/view_selection.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/initialise/screening.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +36,7 @@ std::vector<PosedView> posedViews(const CameraProblem& problem, const CameraEsti
 constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
 constexpr double kWideLoss = 0.01;  // scale over the image's width
+constexpr double kNearGrazing = 86 * std::numbers::pi / 180;
 
 void checkSession(const Session& session) {
   if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
@@ -52,17 +55,57 @@ void refuseModel(const std::string& camera, const CameraModelPair& model) {
       camera, toString(model.projection), toString(model.distortion)));
 }
 
+/// Corners that an estimate puts beyond an angle from the optical axis.
+std::vector<CornerPlace> cornersBeyond(const CameraProblem& problem, const CameraEstimate& estimate,
+                                       double angle_rad) {
+  std::vector<CornerPlace> places;
+  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+    for (const PosedView& posed : posedViews(problem, estimate, c)) {
+      for (const int k : beyondAngle(problem.corners[c].view(posed.view), posed.T_CF, angle_rad)) {
+        places.push_back({c, posed.view, k});
+      }
+    }
+  }
+  return places;
+}
+
+/// Corners of tags that do not stand where their ids belong.
+std::vector<CornerPlace> misplacedCorners(const AprilGrid& target, const CameraProblem& problem,
+                                          const CameraEstimate& estimate) {
+  std::vector<CornerPlace> places;
+  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+    const Intrinsics& lens = estimate.intrinsics[c];
+    for (const PosedView& posed : posedViews(problem, estimate, c)) {
+      const PackedView view = problem.corners[c].view(posed.view);
+      if (countFalseCorners(lens, view, posed.T_CF) == 0) continue;
+      for (const MisplacedTag& tag : findMisplacedTags(target, lens, view, posed.T_CF)) {
+        for (const int k : cornersOfTag(view, tag.tag)) places.push_back({c, posed.view, k});
+      }
+    }
+  }
+  return places;
+}
+
 /// Solves, with a loss so wide that it touches gross errors only first where the loss is robust:
-/// its normal equations lead closer to the minimum from afar.
-CameraSolution solveFromAfar(CameraProblem& problem, const CameraEstimate& start,
+/// its normal equations lead closer to the minimum from afar. Corners that stand near 90 degrees
+/// take no part in the first solution, whose lens may be off by some degrees there.
+CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>& corners,
+                             CameraProblem& problem, const CameraEstimate& start,
                              const CameraStageOptions& options) {
   const MinimiserOptions solver = solverOptions(options);
-  if (options.cauchy_px == 0) return solveCameraProblem(problem, start, solver);
+  const auto near_grazing = cornersBeyond(problem, start, kNearGrazing);
+  weigh(near_grazing, 0, corners);
   MinimiserOptions rough = solver;
   rough.cost_tolerance = 1e-3;
   const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
   problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
-  const CameraSolution wide = solveCameraProblem(problem, start, rough);
+  CameraSolution wide{start, {}, false, 0};
+  if (options.cauchy_px > 0 || !near_grazing.empty()) {
+    wide = solveCameraProblem(problem, start, rough);
+  }
+  weigh(near_grazing, 1, corners);
+  weigh(cornersBeyond(problem, wide.estimate, kGrazing), 0, corners);
+  weigh(misplacedCorners(target, problem, wide.estimate), 0, corners);
   problem.gram.cauchy_px = options.cauchy_px;
   CameraSolution robust = solveCameraProblem(problem, wide.estimate, solver);
   robust.iterations += wide.iterations;
@@ -131,8 +174,8 @@ std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraPr
 TargetSolution solveStage(const AprilGrid& board, std::vector<PackedCorners>& corners,
                           CameraProblem& problem, const CameraEstimate& start,
                           const CameraStageOptions& options) {
-  TargetSolution stage =
-      estimateTarget(board, problem, solveFromAfar(problem, start, options), options);
+  TargetSolution stage = estimateTarget(
+      board, problem, solveFromAfar(board, corners, problem, start, options), options);
   CameraSolution& solution = stage.solution;
   placeCorners(board, solution.estimate, corners);
   int iterations = solution.iterations;

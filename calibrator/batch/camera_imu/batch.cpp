@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/batch.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "calibrator/batch/camera_imu/start.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/initialise/screening.h"
 
 namespace plumbline {
 namespace {
@@ -64,6 +66,26 @@ std::vector<CameraPose> take(const FrameSelection& selection, const PosedFrames&
   return poses;
 }
 
+/// A gyroscope that seems too slow may be cut off at the end of its range.
+Failure withCutOff(Failure failure, std::span<const ImuSample> samples) {
+  if (failure.code != FailureCode::kGyroscopeScale) return failure;
+  for (const CutOff& channel : findCutOff(samples)) {
+    if (channel.channel < 3) failure.values.insert_or_assign("cut_off_at", channel.limit);
+  }
+  return failure;
+}
+
+/// Pauses of the recorded samples between the first and the last frame.
+int pausesWithin(const CameraImuProblem& problem, const CameraImuOptions& options,
+                 double offset_s) {
+  const auto pauses = imuGaps(problem.recorded, options.max_gap_intervals);
+  const TimeNs from = problem.frames.front().t + toNanoseconds(offset_s);
+  const TimeNs to = problem.frames.back().t + toNanoseconds(offset_s);
+  return static_cast<int>(std::count_if(pauses.begin(), pauses.end(), [&](const ImuGap& gap) {
+    return gap.to > from && gap.from < to;
+  }));
+}
+
 /// Chooses the frames under the first guess of the offset and solves; again with more margin should
 /// the offset leave the samples.
 Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFrames& posed,
@@ -84,7 +106,7 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
     }
     const auto poses = take(selection, posed, problem);
     out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());
-    out.gaps = selection.gaps_used;
+    out.gaps = pausesWithin(problem, options, start.time_offsets.front().s);
     out.solution = solveFrom(problem,
                              {startStates(poses, start), start.T_SC0, start.gravity_direction,
                               start.time_offsets, cameras},
@@ -154,6 +176,17 @@ void addInformation(CameraImuProblem problem, const CameraImuSolution& solution,
   summary.covariance = std::move(*covariance);
 }
 
+/// All that was left out of the recording, with stamps as recorded.
+Screening screeningOf(const PosedFrames& posed, const CameraImuProblem& problem,
+                      const CameraImuOptions& options) {
+  Screening screening = posed.screening;
+  screening.spikes = problem.spikes;
+  for (const ImuGap& gap : imuGaps(problem.recorded, options.max_gap_intervals)) {
+    screening.pauses.push_back({gap.from - options.imu_shift_ns, secondsBetween(gap.from, gap.to)});
+  }
+  return screening;
+}
+
 }  // namespace
 
 Result<CameraImuStageResult> scoreCameraImu(const Session& session,
@@ -168,6 +201,8 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   problem.fixed_calibration = true;
   const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
+  weigh(posed.rejected, 0, problem.corners);
+  const Screening screening = screeningOf(posed, problem, options);
   const CameraImuStart start = startFromCalibration(posed.poses, problem.samples, imu);
   if (options.filter == CornerFilter::kKalibr) {
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
@@ -188,6 +223,7 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   result.value().frames_without_pose = posed.without_pose;
   result.value().frames_without_imu = selected->frames_without_imu;
   result.value().imu_gaps = selected->gaps;
+  result.value().screening = screening;
   if (options.score_information_px) {
     addInformation(std::move(problem), solution, *options.score_information_px,
                    result.value().summary);
@@ -204,8 +240,12 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   CameraImuProblem problem = makeProblem(session, options);
   const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
-  auto start = startCameraImu(posed.poses, problem.samples, session.target, options);
-  if (!start) return start.failure();
+  weigh(posed.rejected, 0, problem.corners);
+  const Screening screening = screeningOf(posed, problem, options);
+  CameraImuOptions with_noise = options;
+  with_noise.noise = problem.noise;
+  auto start = startCameraImu(posed.poses, problem.samples, session.target, with_noise);
+  if (!start) return withCutOff(start.failure(), problem.recorded);
   freeOwnOffsets(session, posed.frames, start.value().time_offsets);
   if (options.filter == CornerFilter::kKalibr) {
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
@@ -232,6 +272,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   result.value().frames_without_pose = posed.without_pose;
   result.value().frames_without_imu = selected->frames_without_imu;
   result.value().imu_gaps = selected->gaps;
+  result.value().screening = screening;
   result.value().inertial_check = start->check;
   return result;
 }

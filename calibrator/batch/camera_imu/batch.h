@@ -54,7 +54,7 @@ struct CameraImuOptions : MeasurementModel {
   bool diagnose_faults = true;
 
   int threads = 1;  ///< results do not depend on it
-  int max_iterations = 50;
+  int max_iterations = 100;
   /// The last step is shorter than this, in standard deviations of all parameters together
   /// (sqrt(b' H^-1 b)).
   double tolerance = 1e-4;

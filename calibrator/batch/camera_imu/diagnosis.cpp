@@ -143,15 +143,15 @@ class ScoreTests {
     out.estimate = -A_inverse * s;
     const MatrixXd C = A_inverse * scatter(fault, P, out.estimate) * A_inverse;
     out.std = C.diagonal().cwiseSqrt();
-    out.chi2 = std::min(out.estimate.dot(inverseOf(C) * out.estimate),
-                        s.dot(A_inverse * s) / overdispersion());
+    const double explained = s.dot(A_inverse * s);
+    out.explained = explained / overdispersion();
+    out.chi2 = std::min(out.estimate.dot(inverseOf(C) * out.estimate), out.explained);
     out.significance = significanceOf(out.chi2, out.dof);
     out.shift = listed(-(P * out.estimate));
     out.shift_sigma = out.shift.cwiseAbs().cwiseQuotient(robustStd()).maxCoeff();
     return out;
   }
 
- private:
   /// By how much the calibration's robust variances exceed the formal ones, in the mean of logs.
   double overdispersion() const {
     const Eigen::Array<double, 7, 1> ratio =
@@ -159,6 +159,7 @@ class ScoreTests {
     return std::exp(2 * ratio.log().mean());
   }
 
+ private:
   /// Sum of s s' over blocks of the fault's scores, with fault and model at their estimates.
   MatrixXd scatter(const Terms& fault, const MatrixXd& P, const VectorXd& estimate) const {
     MatrixXd V = MatrixXd::Zero(P.cols(), P.cols());
@@ -188,7 +189,12 @@ struct Candidate {
   UnmodelledFault fault{};
   int camera = -1;
   std::vector<int> columns;
-  bool begins = false;  ///< at an instant
+  bool begins = false;                   ///< at an instant
+  std::vector<int> nuisance{};           ///< free beside it, though the batch holds them
+  std::optional<TimeNs> at{};            ///< where its instant was found already
+  std::optional<double> frequency_hz{};  ///< likewise its frequency
+  int changes = 0;                       ///< at so many instants, evenly spaced
+  double dispersion = 0;                 ///< of what it explains by chance, where that is known
 };
 
 std::vector<int> columnRange(int first, int count) {
@@ -197,13 +203,28 @@ std::vector<int> columnRange(int first, int count) {
   return out;
 }
 
-std::vector<Candidate> candidates(const FaultColumns& columns) {
+/// What a calibration of the cameras has adapted to the target: their lenses and distances.
+std::vector<int> cameraColumns(const FaultColumns& columns, const CameraImuEstimate& estimate) {
+  std::vector<int> out;
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    const auto count = static_cast<int>(estimate.cameras[c].intrinsics.stacked().size());
+    for (int k = 0; k < count; ++k) out.push_back(columns.intrinsics[c] + k);
+    for (int k = 0; c > 0 && k < 6; ++k) out.push_back(columns.T_C0Ci[c] + k);
+  }
+  return out;
+}
+
+std::vector<Candidate> candidates(const FaultColumns& columns, const CameraImuEstimate& estimate,
+                                  const EffectiveScores& found) {
   const int a = columns.samples + SampleFaults::kAccel;
   const int g = columns.samples + SampleFaults::kGyro;
   const auto diagonal = [](int m) { return std::vector<int>{m, m + 4, m + 8}; };
   const auto rest = [](int m) {
     return std::vector<int>{m + 1, m + 2, m + 3, m + 5, m + 6, m + 7};
   };
+  // Jumps are measured against the stated walk of the biases, which a pixel_sigma that is too large
+  // does not touch, though the calibration's deviations do shrink by it.
+  constexpr double kWalk = 1;
   std::vector<Candidate> out = {
       {UnmodelledFault::kAccelScale, -1, diagonal(a)},
       {UnmodelledFault::kAccelMisalignment, -1, rest(a)},
@@ -216,7 +237,44 @@ std::vector<Candidate> candidates(const FaultColumns& columns) {
       {UnmodelledFault::kLineDelay, -1, {columns.line_delay}},
       {UnmodelledFault::kTargetSize, -1, {columns.target_size}},
       {UnmodelledFault::kImuMoved, -1, columnRange(BorderLayout::kExtrinsics, 6), true},
-      {UnmodelledFault::kClockStep, -1, {BorderLayout::kOffset}, true}};
+      {UnmodelledFault::kClockStep, -1, {BorderLayout::kOffset}, true},
+      {UnmodelledFault::kTargetShape, -1, columnRange(columns.shape, FaultColumns::kShape), false,
+       cameraColumns(columns, estimate)},
+      {UnmodelledFault::kTargetMoved,
+       -1,
+       columnRange(columns.target_jump, 3),
+       false,
+       {},
+       found.target_jump_at,
+       {},
+       0,
+       found.target_jump_dispersion},
+      {UnmodelledFault::kTargetSways,
+       -1,
+       columnRange(columns.sway, 6),
+       false,
+       {},
+       {},
+       found.sway_hz},
+      {UnmodelledFault::kGyroBiasJump,
+       -1,
+       columnRange(columns.gyro_jump, 3),
+       false,
+       {},
+       found.gyro_jump_at,
+       {},
+       0,
+       kWalk},
+      {UnmodelledFault::kAccelBiasJump,
+       -1,
+       columnRange(columns.accel_jump, 3),
+       false,
+       {},
+       found.accel_jump_at,
+       {},
+       0,
+       kWalk},
+      {UnmodelledFault::kStampsWander, -1, {BorderLayout::kOffset}, false, {}, {}, {}, 7}};
   for (std::size_t c = 1; c < columns.T_C0Ci.size(); ++c) {
     const int camera = static_cast<int>(c);
     if (columns.own_offset[c] >= columns.border.size) {
@@ -231,8 +289,9 @@ std::vector<Candidate> candidates(const FaultColumns& columns) {
 struct Tested {
   FaultTest test;
   Terms terms;
+  /// By Schwarz's criterion: what the fault explains, less what any would by chance.
   double evidence(std::size_t blocks) const {
-    return test.chi2 - test.dof * std::log(static_cast<double>(blocks));
+    return test.explained - test.dof * std::log(static_cast<double>(blocks));
   }
 };
 
@@ -249,9 +308,28 @@ Terms withColumns(Terms model, const std::vector<int>& columns) {
 
 Tested tested(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
   Tested out;
-  if (!candidate.begins) {
-    for (const int column : candidate.columns) out.terms.push_back({column, 0});
+  if (candidate.changes > 0) {
+    const auto parts = static_cast<std::size_t>(candidate.changes) + 1;
+    for (std::size_t k = 1; k < parts; ++k) {
+      out.terms.push_back({candidate.columns.front(), k * scores.count() / parts});
+    }
     out.test = tests.test(out.terms);
+  } else if (!candidate.begins) {
+    for (const int column : candidate.columns) out.terms.push_back({column, 0});
+    if (candidate.nuisance.empty()) {
+      out.test = tests.test(out.terms);
+    } else {
+      const ScoreTests beside(scores, withColumns(tests.model(), candidate.nuisance));
+      out.test = beside.test(out.terms);
+    }
+    if (candidate.dispersion > tests.overdispersion()) {
+      const double share = tests.overdispersion() / candidate.dispersion;
+      out.test.explained *= share;
+      out.test.chi2 = std::min(out.test.chi2, out.test.explained);
+      out.test.significance = significanceOf(out.test.chi2, out.test.dof);
+    }
+    out.test.since = candidate.at;
+    out.test.frequency_hz = candidate.frequency_hz;
   } else {
     const ScoreTests changes(scores, withColumns(tests.model(), candidate.columns));
     const auto n = static_cast<double>(scores.count());
@@ -271,7 +349,32 @@ Tested tested(const Scores& scores, const ScoreTests& tests, const Candidate& ca
 }
 
 bool isSignificant(const FaultTest& test, const DiagnosisOptions& options) {
+  if (test.frequency_hz) return test.significance > options.significance_frequency;
   return test.significance > (test.since ? options.significance_since : options.significance);
+}
+
+/// Faults of the stamps, each of which looks like the others.
+bool isOfClock(UnmodelledFault fault) {
+  return fault == UnmodelledFault::kClockDrift || fault == UnmodelledFault::kClockStep ||
+         fault == UnmodelledFault::kStampsWander;
+}
+
+/// Whether a fault is one of its own beside causes that were found. What begins when a cause does
+/// is the same event, whose instant is known to a block. Where the first cause moves the
+/// calibration far, its own terms of second order look like other faults.
+bool standsAlone(const FaultTest& test, const FaultDiagnosis& found, double block_s) {
+  constexpr double kSameEvent = 2;  // blocks
+  constexpr double kFar = 20;       // formal deviations
+  constexpr double kShare = 1.0 / 3;
+  for (const FaultTest& cause : found.causes) {
+    if (isOfClock(test.fault) && isOfClock(cause.fault)) return false;
+    if (!test.since || !cause.since) continue;
+    if (std::abs(secondsBetween(*cause.since, *test.since)) < kSameEvent * block_s) return false;
+  }
+  if (found.causes.empty()) return true;
+  const FaultTest& first = found.causes.front();
+  const double far = first.shift.cwiseAbs().cwiseQuotient(found.formal_std).maxCoeff();
+  return far < kFar || test.explained > kShare * first.explained;
 }
 
 /// Takes the faults that explain most into the model, one after the other.
@@ -283,7 +386,9 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
     for (const Candidate& candidate : all) {
       Tested t = tested(scores, tests, candidate);
       if (round == 0) out.tests.push_back(t.test);
-      if (isSignificant(t.test, options)) significant.push_back(std::move(t));
+      if (isSignificant(t.test, options) && standsAlone(t.test, out, options.block_s)) {
+        significant.push_back(std::move(t));
+      }
     }
     if (significant.empty()) return;
     std::sort(significant.begin(), significant.end(), [&](const Tested& a, const Tested& b) {
@@ -292,7 +397,7 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
     const Tested& first = significant.front();
     out.causes.push_back(first.test);
     if (round == 0 && significant.size() > 1 &&
-        significant[1].test.chi2 > options.alike * first.test.chi2) {
+        significant[1].test.explained > options.alike * first.test.explained) {
       out.alternative = significant[1].test;
     }
     model.insert(model.end(), first.terms.begin(), first.terms.end());
@@ -306,6 +411,7 @@ void DiagnosisOptions::check() const {
   requireAtLeast(4, "DiagnosisOptions.fewest_blocks", fewest_blocks);
   requirePositive("DiagnosisOptions.significance", significance);
   requirePositive("DiagnosisOptions.significance_since", significance_since);
+  requirePositive("DiagnosisOptions.significance_frequency", significance_frequency);
   requireAtLeast(0, "DiagnosisOptions.most_causes", most_causes);
   requireWithin(0, 1, "DiagnosisOptions.alike", alike);
 }
@@ -315,17 +421,17 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                              const DiagnosisOptions& options) {
   options.check();
   const FaultColumns columns(solution.estimate, problem.free_cameras);
-  auto blocks = effectiveScores(problem, solution, columns, options.block_s);
-  if (!blocks || blocks->size() < static_cast<std::size_t>(options.fewest_blocks)) {
+  auto found = effectiveScores(problem, solution, columns, options.block_s);
+  if (!found || found->blocks.size() < static_cast<std::size_t>(options.fewest_blocks)) {
     return std::nullopt;
   }
-  const Scores scores(std::move(*blocks));
+  const Scores scores(std::move(found->blocks));
   const Terms model = range(0, columns.border.size);
   FaultDiagnosis out;
   const ScoreTests tests(scores, model);
   out.robust_std = tests.robustStd();
   out.formal_std = tests.formalStd();
-  findCauses(scores, candidates(columns), model, options, out);
+  findCauses(scores, candidates(columns, solution.estimate, *found), model, options, out);
   return out;
 }
 

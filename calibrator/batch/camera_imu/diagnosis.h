@@ -9,10 +9,11 @@
 namespace plumbline {
 
 struct DiagnosisOptions {
-  double block_s = 1;             ///< length of the blocks of the robust deviations [s]
-  int fewest_blocks = 8;          ///< below that nothing is diagnosed
-  double significance = 5;        ///< of a cause, in standard deviations
-  double significance_since = 6;  ///< of one whose instant was searched as well
+  double block_s = 1;                 ///< length of the blocks of the robust deviations [s]
+  int fewest_blocks = 8;              ///< below that nothing is diagnosed
+  double significance = 5;            ///< of a cause, in standard deviations
+  double significance_since = 6;      ///< of one whose instant was searched as well
+  double significance_frequency = 7;  ///< of one whose frequency was searched
   int most_causes = 3;
   double alike = 0.9;  ///< share of the first cause's chi2 that an alternative explains
 
@@ -30,7 +31,8 @@ struct DiagnosisOptions {
 /// the robust one and the formal one over the factor by which robust variances of the calibration
 /// exceed formal ones, since either alone can be fooled (few blocks; a wrong pixel_sigma).
 ///
-/// The first cause is the fault with the largest chi2 less dof log(blocks), the next ones are those
+/// The first cause is the significant fault that explains most (Schwarz's criterion: what the cost
+/// falls by over that factor, less dof log(blocks)), the next ones are those
 /// that remain significant with the first in the model. Estimates are right to first order: faults
 /// that move the calibration far are found, their size is then a guess. Empty where the recording
 /// has too few blocks or the system has no inverse.

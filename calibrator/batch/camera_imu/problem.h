@@ -31,10 +31,13 @@ struct CameraImuProblem {
   std::vector<PackedCorners> corners;  ///< per camera, all views of the session
   /// Per camera and view, the view's stamp; empty: all views are taken at their frames' instants.
   std::vector<std::vector<TimeNs>> view_stamps;
-  std::vector<ImuSample> samples;  ///< stamps shifted by the option
-  std::vector<Frame> frames;       ///< n, ascending in time
-  std::vector<FrameLink> links;    ///< n - 1, between frame i and i + 1
-  std::vector<double> weights;     ///< n, how often a frame (and the link after it) counts
+  std::vector<ImuSample> recorded;  ///< stamps shifted by the option; without spikes
+  std::vector<ImuSample> samples;   ///< the same without readings that are cut off: integrated
+  std::vector<ImuSpike> spikes;     ///< what was left out, stamps as recorded
+  std::vector<Frame> frames;        ///< n, ascending in time
+  std::vector<FrameLink> links;     ///< n - 1, between frame i and i + 1
+  std::vector<double> weights;      ///< n, how often a frame (and the link after it) counts
+  AprilGrid target;
   ImuNoise noise;
   double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   double pixel_sigma = 1;

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/initialise/screening.h"
+
 namespace plumbline {
 namespace {
 
@@ -95,12 +97,16 @@ CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& opt
   options.check();
   CameraImuProblem problem;
   problem.corners = packCorners(session);
+  problem.target = session.target;
   for (const CameraStream& camera : session.cameras) {
     auto& stamps = problem.view_stamps.emplace_back();
     for (const ImageView& view : camera.views) stamps.push_back(view.t);
   }
-  problem.samples = shiftedSamples(session.imu->samples, options.imu_shift_ns);
   problem.noise = options.noise.value_or(session.imu->noise);
+  problem.spikes = findSpikes(session.imu->samples, problem.noise);
+  problem.recorded =
+      shiftedSamples(withoutSpikes(session.imu->samples, problem.spikes), options.imu_shift_ns);
+  problem.samples = withoutCutOff(problem.recorded, findCutOff(problem.recorded));
   problem.gravity_m_s2 = options.gravity_m_s2;
   problem.pixel_sigma = options.pixel_sigma;
   problem.gram.cauchy_px = options.cauchy_px;

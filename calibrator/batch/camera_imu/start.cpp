@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/start.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include "calibrator/base/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/imu_gravity.h"
+#include "calibrator/initialise/screening.h"
 
 namespace plumbline {
 namespace {
@@ -56,27 +58,173 @@ Eigen::Vector3d downFromMeanForce(std::span<const CameraPose> poses,
   return sum.norm() > 0 ? Eigen::Vector3d(-sum.normalized()) : start.gravity_direction;
 }
 
-/// Pose of camera 0 from a frame's corners; empty where there is none that fits.
-std::optional<Transform> framePose(const std::vector<CameraCalibration>& cameras,
-                                   const std::vector<PackedCorners>& corners, const Frame& frame,
-                                   double max_rms_px) {
-  std::vector<FrameView> views;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    if (frame.view[c] < 0) continue;
-    views.push_back(
-        {&cameras[c].intrinsics, corners[c].view(frame.view[c]), cameras[c].T_C0Ci.inverse()});
+constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2)
+constexpr double kRoughLoss = 0.01;  // scale of the first loss over the image's width
+constexpr double kGoodPose = 0.005;  // error of a rough pose, likewise
+constexpr double kFineLoss = 1.5;    // [px] where the options have no loss
+constexpr int kRobustIterations = 10;
+
+/// A frame's pose with what was wrong in its views.
+struct PosedFrame {
+  CameraPose pose;
+  std::vector<CornerPlace> rejected;
+  Screening screening;
+};
+
+class FramePoses {
+ public:
+  FramePoses(const Session& session, const std::vector<PackedCorners>& corners,
+             const std::vector<CameraCalibration>& cameras, const CameraImuOptions& options)
+      : session_(session), corners_(corners), cameras_(cameras), options_(options) {}
+
+  /// Empty where there is no pose that fits.
+  std::optional<PosedFrame> of(const Frame& frame) const {
+    const std::vector<FrameView> views = viewsOf(frame);
+    if (views.empty()) return std::nullopt;
+    auto found = plainPose(views);
+    if (!found || hasFalseCorners(views, found->T_C0F)) {
+      if (auto robust = robustPose(views)) found = robust;
+    }
+    if (!found) return std::nullopt;
+    PosedFrame out;
+    const double sigma = medianError(views, found->T_C0F) / kRayleighMedian;
+    if (!(std::sqrt(2.0) * sigma < options_.max_start_rms_px)) return std::nullopt;
+    out.pose = {frame.t, found->T_C0F.inverse()};
+    addVariances(*found, sigma, out.pose);
+    screen(frame, found->T_C0F, out);
+    return out;
   }
-  const auto fullest = std::max_element(
-      views.begin(), views.end(),
-      [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
-  if (fullest == views.end()) return std::nullopt;
-  const auto start = homographyPose(*fullest->camera, fullest->view);
-  if (!start) return std::nullopt;
-  PoseRefinementOptions options;
-  options.max_iterations = kPoseIterations;
-  const auto refined = refinePose(views, fullest->T_CiC0.inverse() * *start, options);
-  if (!(std::sqrt(refined.cost / refined.corners) < max_rms_px)) return std::nullopt;
-  return refined.T_C0F.inverse();
+
+ private:
+  std::vector<FrameView> viewsOf(const Frame& frame) const {
+    std::vector<FrameView> views;
+    for (std::size_t c = 0; c < cameras_.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      const PackedView view = corners_[c].view(frame.view[c]);
+      if (std::none_of(view.w, view.w + view.count, [](double w) { return w > 0; })) continue;
+      views.push_back({&cameras_[c].intrinsics, view, cameras_[c].T_C0Ci.inverse()});
+    }
+    return views;
+  }
+
+  std::optional<PoseRefinement> plainPose(const std::vector<FrameView>& views) const {
+    const auto fullest = std::max_element(
+        views.begin(), views.end(),
+        [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
+    const auto start = homographyPose(*fullest->camera, fullest->view);
+    if (!start) return std::nullopt;
+    PoseRefinementOptions options;
+    options.max_iterations = kPoseIterations;
+    const auto refined = refinePose(views, fullest->T_CiC0.inverse() * *start, options);
+    if (!(std::sqrt(refined.cost / refined.corners) < options_.max_start_rms_px)) {
+      return std::nullopt;
+    }
+    return refined;
+  }
+
+  /// Some corners are wrong: parts of the views are tried as starts under a wide loss, and the best
+  /// is refined under a narrow one, which the wrong corners no longer reach.
+  std::optional<PoseRefinement> robustPose(const std::vector<FrameView>& views) const {
+    const double width = views.front().camera->resolution.width;
+    PoseRefinementOptions options;
+    options.max_iterations = kRobustIterations;
+    options.gram.cauchy_px = kRoughLoss * width;
+    const auto rough = findPose(views, kGoodPose * width, options);
+    if (!rough) return std::nullopt;
+    options.gram.cauchy_px = options_.cauchy_px > 0 ? options_.cauchy_px : kFineLoss;
+    return refinePose(views, rough->T_C0F, options);
+  }
+
+  static bool hasFalseCorners(const std::vector<FrameView>& views, const Transform& T_C0F) {
+    return std::any_of(views.begin(), views.end(), [&](const FrameView& v) {
+      return countFalseCorners(*v.camera, v.view, v.T_CiC0 * T_C0F) > 0;
+    });
+  }
+
+  static double medianError(const std::vector<FrameView>& views, const Transform& T_C0F) {
+    std::vector<double> errors;
+    for (const FrameView& v : views) {
+      const auto all = viewErrors(*v.camera, v.T_CiC0 * T_C0F, v.view);
+      for (int k = 0; k < v.view.count; ++k) {
+        if (v.view.w[k] > 0) errors.push_back(all[static_cast<std::size_t>(k)].norm());
+      }
+    }
+    return middleOf(std::move(errors));
+  }
+
+  /// Of the camera's position, -R' t of T_C0F = (R, t): its derivative by (rho, phi) is (-R', 0).
+  static void addVariances(const PoseRefinement& found, double sigma, CameraPose& pose) {
+    const Eigen::LDLT<Matrix6d> ldlt(found.information);
+    if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return;
+    const Matrix6d covariance = sigma * sigma * ldlt.solve(Matrix6d::Identity());
+    pose.position_variance = covariance.topLeftCorner<3, 3>().trace() / 3;
+    pose.rotation_variance = covariance.bottomRightCorner<3, 3>().trace() / 3;
+  }
+
+  void screen(const Frame& frame, const Transform& T_C0F, PosedFrame& out) const {
+    for (std::size_t c = 0; c < cameras_.size(); ++c) {
+      const int index = frame.view[c];
+      if (index < 0) continue;
+      const PackedView view = corners_[c].view(index);
+      const Intrinsics& lens = cameras_[c].intrinsics;
+      const Transform T_CF = cameras_[c].T_C0Ci.inverse() * T_C0F;
+      const auto rejectAt = [&](int k) { out.rejected.push_back({c, index, k}); };
+      for (const int k : beyondAngle(view, T_CF, kGrazing)) {
+        rejectAt(k);
+        ++out.screening.grazing_corners;
+      }
+      const std::size_t wrong = countFalseCorners(lens, view, T_CF);
+      if (wrong == 0) continue;
+      std::size_t of_tags = 0;
+      for (MisplacedTag tag : findMisplacedTags(session_.target, lens, view, T_CF)) {
+        for (const int k : cornersOfTag(view, tag.tag)) {
+          rejectAt(k);
+          ++of_tags;
+        }
+        tag.camera = static_cast<int>(c);
+        tag.t = session_.cameras[c].views[static_cast<std::size_t>(index)].t;
+        out.screening.misplaced_tags.push_back(tag);
+      }
+      out.screening.false_corners += wrong - std::min(wrong, of_tags);
+    }
+  }
+
+  const Session& session_;
+  const std::vector<PackedCorners>& corners_;
+  const std::vector<CameraCalibration>& cameras_;
+  const CameraImuOptions& options_;
+};
+
+void append(const Screening& more, Screening& all) {
+  all.misplaced_tags.insert(all.misplaced_tags.end(), more.misplaced_tags.begin(),
+                            more.misplaced_tags.end());
+  all.false_corners += more.false_corners;
+  all.grazing_corners += more.grazing_corners;
+}
+
+/// Views without weight, see packCorners().
+std::vector<RepeatedView> repeatedIn(const Session& session) {
+  std::vector<RepeatedView> out;
+  const auto repeated = repeatedViews(session);
+  for (std::size_t c = 0; c < repeated.size(); ++c) {
+    for (const int view : repeated[c]) {
+      out.push_back(
+          {static_cast<int>(c), session.cameras[c].views[static_cast<std::size_t>(view)].t});
+    }
+  }
+  return out;
+}
+
+/// Whether parts of the recording, each of which correlates, have offsets of their own.
+bool wanders(const PartOffsets& parts) {
+  constexpr double kSigmas = 10;
+  constexpr double kLeast = 5e-3;  // [s]
+  return parts.most_s - parts.least_s > std::max(kLeast, kSigmas * parts.std_s);
+}
+
+Failure wandering(const PartOffsets& parts) {
+  return {FailureCode::kStampsWander,
+          {{"from_s", parts.least_s}, {"to_s", parts.most_s}, {"std_s", parts.std_s}}};
 }
 
 }  // namespace
@@ -146,21 +294,25 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
       return !std::binary_search(options.frame_stamps->begin(), options.frame_stamps->end(), f.t);
     });
   }
-  std::vector<std::optional<Transform>> poses(all.size());
+  const FramePoses find(session, corners, cameras, options);
+  std::vector<std::optional<PosedFrame>> posed(all.size());
   forChunks(static_cast<int>(all.size()), 16, options.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      poses[at] = framePose(cameras, corners, all[at], options.max_start_rms_px);
+      posed[at] = find.of(all[at]);
     }
   });
   PosedFrames out;
+  out.screening.repeated_views = repeatedIn(session);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!poses[i]) {
+    if (!posed[i]) {
       ++out.without_pose;
       continue;
     }
-    out.poses.push_back({all[i].t, *poses[i]});
+    out.poses.push_back(posed[i]->pose);
     out.frames.push_back(std::move(all[i]));
+    out.rejected.insert(out.rejected.end(), posed[i]->rejected.begin(), posed[i]->rejected.end());
+    append(posed[i]->screening, out.screening);
   }
   return out;
 }
@@ -173,6 +325,7 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   // is refused at the first step that shows it.
   SanityOptions sanity = options.sanity;
   sanity.gravity_m_s2 = options.gravity_m_s2;
+  if (const auto failure = checkSampleStamps(samples)) return *failure;
   if (const auto failure = checkSampleUnits(samples, sanity)) return *failure;
   const std::vector<CameraRate> rates = cameraRates(poses, 2.5 * medianInterval(poses));
   const GyroIntegral gyro(samples);
@@ -180,7 +333,12 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   if (!offset) return offset.failure();
   const RateAlignment& alignment = offset->alignment;
   if (const auto failure = checkExcitation(alignment, sanity)) return *failure;
-  if (const auto failure = checkRates(alignment, sanity)) return *failure;
+  if (const auto failure = checkRates(alignment, sanity)) {
+    const auto parts = failure->code == FailureCode::kRatesDoNotCorrelate
+                           ? offsetsOfParts(rates, gyro, offset->offset_s)
+                           : std::nullopt;
+    return parts && wanders(*parts) ? wandering(*parts) : *failure;
+  }
 
   CameraImuStart start;
   start.time_offsets = {{offset->offset_s}};
@@ -188,11 +346,14 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   start.bias.gyro = alignment.gyro_bias;
   start.excitation = alignment.excitation;
   start.gravity_direction = downFromMeanForce(poses, samples, start);
-  const auto inertial =
-      alignInertially(poses, samples, alignment.R_SC0, alignment.gyro_bias, offset->offset_s);
+  InertialAlignmentOptions inertial_options;
+  inertial_options.noise = options.noise.value_or(ImuNoise());
+  const auto inertial = alignInertially(poses, samples, alignment.R_SC0, alignment.gyro_bias,
+                                        offset->offset_s, inertial_options);
   if (!inertial) return start;
   if (const auto failure = checkInertial(*inertial, target, sanity)) return *failure;
-  start.check = {inertial->scale, inertial->scale_std, inertial->gravity_F.norm()};
+  start.check = {inertial->scale, inertial->scale_std, inertial->gravity_F.norm(),
+                 residualRatio(*inertial)};
   start.T_SC0.t = inertial->t_SC0;
   start.gravity_direction = inertial->gravity_F.normalized();
   start.bias.accel = inertial->accel_bias;

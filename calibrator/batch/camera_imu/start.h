@@ -12,6 +12,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/camera_imu/problem.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/initialise/imu_rates.h"
 
 namespace plumbline {
@@ -50,10 +51,15 @@ struct PosedFrames {
   std::vector<Frame> frames;
   std::vector<CameraPose> poses;
   int without_pose = 0;  ///< frames left out
+  /// Corners to be left out: of misplaced tags, and grazing ones; see calibrator/initialise.
+  std::vector<CornerPlace> rejected;
+  Screening screening;  ///< of the views
 
   std::vector<TimeNs> stamps() const;
 };
-/// Pairs the session's views and finds each frame's pose from its corners alone.
+/// Pairs the session's views and finds each frame's pose from its corners alone: least squares from
+/// a homography, and where that leaves corners far off, the best of several starts under a
+/// redescending loss.
 PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>& corners,
                        const std::vector<CameraCalibration>& cameras,
                        const CameraImuOptions& options);

@@ -42,6 +42,16 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
 
 namespace {
 
+// "; the longest, 0.20 s, after imu0/data.csv:2401".
+std::string pausesIn(const Screening& screening) {
+  const auto longest = std::max_element(
+      screening.pauses.begin(), screening.pauses.end(),
+      [](const ImuPause& a, const ImuPause& b) { return a.duration_s < b.duration_s; });
+  if (longest == screening.pauses.end()) return "";
+  return fmt::format("; the longest, {:.3g} s, after {}", longest->duration_s,
+                     sampleName(longest->t, longest->line));
+}
+
 // The cameras' own time offsets, where they were found not to be synchronised.
 std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
                                       const VerdictThresholds& t) {
@@ -96,7 +106,8 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
       {"Gaps in the IMU's samples", "-", t.imu_gaps,
        "The chain of motion is broken there, which costs information only; find out why samples "
        "were lost (driver, bus load, disk)."},
-      stage.imu_gaps, fmt::format("number of gaps: {}", stage.imu_gaps)));
+      stage.imu_gaps,
+      fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))));
   findings.push_back(
       above({"Frames without a pose (camera-IMU)", "-", t.rejected,
              "So many frames without a plausible pose point to false detections or to intrinsics "
@@ -129,6 +140,8 @@ Findings judgeStatements(const CalibrationRecord& record, const VerdictThreshold
              "is biased by it."},
             std::abs(check.gravity_m_s2 / assumed - 1),
             fmt::format("measured {:.3f} m/s^2, assumed {:.3f}", check.gravity_m_s2, assumed)));
+  // Where the fit leaves more than noise, its scale says nothing of the target.
+  if (check.residual_ratio > t.inertial_fit.caution) return findings;
   findings.push_back(above(
       {"Size of the target by the IMU", "-", t.target_scale,
        "Measure the target again (tagSize and tagSpacing in target.yaml); a wrong focal length or "

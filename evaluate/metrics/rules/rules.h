@@ -107,10 +107,19 @@ Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresh
 /// The largest whitened residual of an interval, per sensor, over the median of all: spikes, jumps
 /// of a bias, wrong stamps.
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// Stamps of frames that err one by one: rotation residuals along the motion, with opposite signs
+/// in neighbouring intervals.
+Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// RMS of the whitened residuals of the whole chain over what the noise check, which cuts it into
 /// segments with biases of their own, expects of them: above 1 where the segments do not fit
 /// together.
 Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t);
+
+// ---- what was left out (screening_rules.cpp)
+/// A sample of the IMU as a person finds it: file and line, or its stamp.
+std::string sampleName(TimeNs t, int line);
+/// Spikes, views delivered twice, tags with another's id, false corners: found and left out.
+Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThresholds& t);
 
 // ---- faults that the calibration does not model (fault_rules.cpp)
 /// What the score tests name, and whether it moves the calibration by more than its deviations.

@@ -11,63 +11,15 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/initialise/screening.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
 
-// A reading that is cut off repeats in a row, and far more often than the next ones below it: those
-// of a coarse converter repeat as well, but the largest of them the least.
-constexpr double kSame = 1e-9;           // relative: the same reading
-constexpr int kFewestRepeats = 5;        // at the limit in all,
-constexpr int kFewestNeighbours = 2;     // of which so many twice in a row,
-constexpr int kTimesMore = 3;            // and so many times more than any
-constexpr std::size_t kNextLevels = 10;  // of the next levels
-
 constexpr double kLeastRedundancy = 50;  // of residuals that judge noise
-
-struct Clipping {
-  std::string channel;
-  double limit = 0;
-  int samples = 0;
-};
-
-/// The largest count of equal values among the levels that follow the first, in descending order.
-int mostOfNextLevels(std::vector<double> sizes) {
-  std::sort(sizes.rbegin(), sizes.rend());
-  int most = 0;
-  int count = 0;
-  std::size_t level = 0;
-  for (std::size_t k = 1; k < sizes.size() && level <= kNextLevels; ++k) {
-    const bool same = sizes[k] >= sizes[k - 1] * (1 - kSame);
-    level += same ? 0 : 1;
-    count = same ? count + 1 : 1;
-    if (level > 0) most = std::max(most, count);
-  }
-  return most;
-}
-
-/// Samples of one channel that stand at its largest magnitude, if they look cut off.
-Clipping clippingOf(const std::vector<double>& values, std::string channel) {
-  std::vector<double> sizes;
-  for (const double value : values) sizes.push_back(std::abs(value));
-  const double limit = *std::max_element(sizes.begin(), sizes.end());
-  int samples = 0;
-  int neighbours = 0;
-  bool before = false;
-  for (const double size : sizes) {
-    const bool here = size >= limit * (1 - kSame);
-    samples += here ? 1 : 0;
-    neighbours += here && before ? 1 : 0;
-    before = here;
-  }
-  const int below =
-      mostOfNextLevels(std::move(sizes));  // 0: one level only, a channel that is dead
-  const bool clipped = samples >= kFewestRepeats && neighbours >= kFewestNeighbours && below > 0 &&
-                       samples > kTimesMore * below;
-  return {std::move(channel), limit, clipped ? samples : 0};
-}
 
 /// The rows of a whitened interval that one sensor's samples decide.
 struct RowGroup {
@@ -83,24 +35,49 @@ constexpr std::array<RowGroup, 4> kRowGroups{{{"rotation (gyroscope)", 0, 3},
 
 Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresholds& t) {
   std::string list;
-  int worst = 0;
-  for (const bool gyro : {false, true}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double> values;
-      for (const ImuSample& s : samples) values.push_back((gyro ? s.gyro : s.accel)(axis));
-      const Clipping clipping = clippingOf(
-          values, fmt::format("{} {}", gyro ? "gyroscope" : "accelerometer", "xyz"[axis]));
-      if (clipping.samples == 0) continue;
-      worst = std::max(worst, clipping.samples);
-      list += fmt::format("{}{} at {:.4g} ({} samples)", list.empty() ? "" : ", ", clipping.channel,
-                          clipping.limit, clipping.samples);
-    }
+  std::size_t worst = 0;
+  for (const CutOff& c : findCutOff(samples)) {
+    worst = std::max(worst, c.samples.size());
+    list += fmt::format("{}{} {} at {:.4g} ({} samples)", list.empty() ? "" : ", ",
+                        c.channel < 3 ? "gyroscope" : "accelerometer", "xyz"[c.channel % 3],
+                        c.limit, c.samples.size());
   }
-  return {
-      above({"Readings at the end of the sensor's range", "-", t.clipped_samples,
-             "Move more gently, or set the IMU to a wider range: readings that are cut off bias "
-             "T_SC0."},
-            worst, list.empty() ? "no channel repeats its largest reading" : list)};
+  return {above(
+      {"Readings at the end of the sensor's range", "-", t.clipped_samples,
+       "Move more gently, or set the IMU to a wider range: these samples were left out "
+       "(unless they are 40 % of all and more), since readings that are cut off bias T_SC0."},
+      static_cast<double>(worst), list.empty() ? "no channel repeats its largest reading" : list)};
+}
+
+Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  constexpr std::size_t kFewest = 100;  // intervals
+  constexpr double kAlong = 2;          // residuals along the rate over those across, squared
+  constexpr double kAlternates = -0.2;  // correlation of neighbours; -1/2 where stamps alone err
+  double along = 0, across = 0, rates = 0, neighbours = 0, before = 0;
+  for (std::size_t k = 0; k + 1 < stage.states.size() && k < stage.imu_residuals.size(); ++k) {
+    const ImuIntervalResidual& r = stage.imu_residuals[k];
+    if (r.t != stage.frames[k].t || !(r.dt_s > 0)) break;
+    const Eigen::Matrix3d turn = stage.states[k].T_FS.R.transpose() * stage.states[k + 1].T_FS.R;
+    const Eigen::Vector3d rate = logSO3(turn) / r.dt_s;
+    const double part = rate.norm() > 0 ? r.rotation_rad.dot(rate.normalized()) : 0;
+    along += part * part;
+    across += 0.5 * (r.rotation_rad.squaredNorm() - part * part);
+    rates += rate.squaredNorm();
+    neighbours += part * before;
+    before = part;
+  }
+  if (stage.imu_residuals.size() < kFewest || !(along > 0) || !(across > 0)) return {};
+  const bool found = along > kAlong * across && neighbours < kAlternates * along;
+  const double jitter_ms = 1e3 * std::sqrt(std::max(0.0, along - across) / (2 * rates));
+  return {above(
+      {"Jitter of the frames' stamps", "ms", t.stamp_jitter_ms,
+       "Stamp frames by the camera's own clock or a hardware trigger, not when they "
+       "arrive: the calibration takes stamps as exact."},
+      found ? jitter_ms : 0,
+      fmt::format("rotation residuals along the motion have {:.1f} times the power of "
+                  "those across, and neighbours correlate by {:.2f}{}",
+                  along / across, neighbours / along,
+                  found ? fmt::format(": stamps err by {:.2g} ms and more", jitter_ms) : ""))};
 }
 
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -146,6 +147,72 @@ TEST(CameraImuDiagnosis, RollingShutterAndALateCamera) {
   const FaultDiagnosis diagnosis = diagnosisOf({late});
   expectCause(diagnosis, UnmodelledFault::kCameraDelay, {1.5e-3}, 1e-4);
   EXPECT_EQ(diagnosis.causes.front().camera, 1);
+}
+
+/// The first cause or its alternative is this one; empty where neither is.
+std::optional<FaultTest> causeOf(const FaultDiagnosis& diagnosis, UnmodelledFault kind) {
+  if (!diagnosis.causes.empty() && diagnosis.causes.front().fault == kind) {
+    return diagnosis.causes.front();
+  }
+  const bool other = diagnosis.alternative && diagnosis.alternative->fault == kind;
+  return other ? diagnosis.alternative : std::nullopt;
+}
+
+/// The cameras are calibrated on the same recording first.
+FaultDiagnosis diagnosisWithOwnCameras(const std::vector<Fault>& faults, const std::string& rig) {
+  SimulationOptions simulation = testing::noisyRecording(5, kDuration);
+  simulation.trajectory.seed = 5;
+  simulation.faults = faults;
+  const SimulatedSession simulated = testing::simulate(simulation, rig);
+  const auto cameras = calibrateCameras(simulated.session);
+  EXPECT_TRUE(cameras);
+  const auto result = calibrateCameraImu(simulated.session, cameras->cameras,
+                                         testing::matchedOptions(simulated, 0.2));
+  EXPECT_TRUE(result && result->faults);
+  return *result->faults;
+}
+
+TEST(CameraImuDiagnosis, ATargetThatIsNotFlatOrNotEven) {
+  for (const char* rig : {"euroc", "tumvi"}) {
+    const auto bow = causeOf(diagnosisWithOwnCameras({faultOf(FaultKind::kBow, 1e-3)}, rig),
+                             UnmodelledFault::kTargetShape);
+    ASSERT_TRUE(bow) << rig;
+    // z = v (1 - r^2 / R^2): X^2 and Y^2 by -v each, in the last three terms.
+    EXPECT_NEAR(bow->estimate(8), -1e-3, 1e-4);
+    EXPECT_NEAR(bow->estimate(9), 0, 1e-4);
+    EXPECT_NEAR(bow->estimate(10), -1e-3, 1e-4);
+    Fault stretch = faultOf(FaultKind::kStretch, 5e-3);
+    stretch.axis = 0;
+    EXPECT_TRUE(causeOf(diagnosisWithOwnCameras({stretch}, rig), UnmodelledFault::kTargetShape));
+  }
+}
+
+TEST(CameraImuDiagnosis, ATargetThatMovedOrSways) {
+  Fault moved = faultOf(FaultKind::kMovedTarget, 5e-3);
+  moved.at_s = 12;
+  moved.axis = 1;
+  const auto jump = causeOf(diagnosisOf({moved}), UnmodelledFault::kTargetMoved);
+  ASSERT_TRUE(jump && jump->since);
+  EXPECT_NEAR(jump->estimate.norm(), 5e-3, 1e-3);
+  Fault sway = faultOf(FaultKind::kSway, 10e-3);
+  sway.extent = 0.5;
+  sway.axis = 0;
+  const auto sine = causeOf(diagnosisOf({sway}), UnmodelledFault::kTargetSways);
+  ASSERT_TRUE(sine && sine->frequency_hz);
+  EXPECT_NEAR(*sine->frequency_hz, 0.5, 0.02);
+}
+
+TEST(CameraImuDiagnosis, BiasesThatJump) {
+  Fault gyro = faultOf(FaultKind::kBiasJump, 0.05);
+  gyro.at_s = 12;
+  const auto rate = causeOf(diagnosisOf({gyro}), UnmodelledFault::kGyroBiasJump);
+  ASSERT_TRUE(rate);
+  EXPECT_NEAR(rate->estimate.norm(), 0.05, 0.01);
+  Fault accel = faultOf(FaultKind::kAccelBiasJump, 0.5);
+  accel.at_s = 12;
+  const auto force = causeOf(diagnosisOf({accel}), UnmodelledFault::kAccelBiasJump);
+  ASSERT_TRUE(force);
+  EXPECT_NEAR(force->estimate.norm(), 0.5, 0.1);
 }
 
 }  // namespace

@@ -63,7 +63,13 @@ std::map<std::string, FailureValue> everyValue() {
                              "nearest_s",
                              "as_read_deg",
                              "reordered_deg",
-                             "aligned"}) {
+                             "aligned",
+                             "count",
+                             "apart_s",
+                             "pause_s",
+                             "from_s",
+                             "to_s",
+                             "std_s"}) {
     values.emplace(number, 0.5);
   }
   for (const char* word :

@@ -3,10 +3,12 @@
 // others. Not proven here: how large a cut or a jump has to be to bias a calibration.
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/lie.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -80,6 +82,44 @@ TEST(SampleRules, PartsThatDoNotFitTogetherAreFound) {
   EXPECT_EQ(judgeLongResiduals(stage, {}).front().level, VerdictLevel::kGood);
   stage.imu_summary.gyro_normalised_rms = 8;
   EXPECT_EQ(judgeLongResiduals(stage, {}).front().level, VerdictLevel::kCaution);
+}
+
+// A sensor that turns about changing axes; frames' stamps err by `jitter_s`, and rotations by noise
+// of `noise_rad` on every axis. The residual of an interval is what both do to it.
+CameraImuStageResult stageWithJitter(double jitter_s, double noise_rad) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> unit;
+  CameraImuStageResult stage;
+  constexpr int kFrames = 400;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  double before = jitter_s * unit(random);
+  for (int k = 0; k < kFrames; ++k) {
+    stage.frames.push_back({50'000'000LL * k, {k}});
+    ImuState state;
+    state.T_FS.R = R;
+    stage.states.push_back(state);
+    const double t = 0.05 * k;
+    const Eigen::Vector3d rate(std::sin(t), std::cos(0.7 * t), 0.5 * std::sin(1.3 * t));
+    R *= expSO3(0.05 * rate);
+    if (k + 1 == kFrames) break;
+    const double after = jitter_s * unit(random);
+    ImuIntervalResidual r;
+    r.t = 50'000'000LL * k;
+    r.dt_s = 0.05;
+    r.rotation_rad = (after - before) * rate;
+    for (int axis = 0; axis < 3; ++axis) r.rotation_rad(axis) += noise_rad * unit(random);
+    stage.imu_residuals.push_back(r);
+    before = after;
+  }
+  return stage;
+}
+
+TEST(SampleRules, StampsThatJitterAreFoundWithTheirSize) {
+  EXPECT_EQ(judgeStampJitter(stageWithJitter(0, 1e-3), {}).front().level, VerdictLevel::kGood);
+  const Findings findings = judgeStampJitter(stageWithJitter(2e-3, 1e-4), {});
+  EXPECT_EQ(findings.front().level, VerdictLevel::kCaution);
+  EXPECT_NEAR(findings.front().value, 2, 0.3);
+  EXPECT_TRUE(judgeStampJitter({}, {}).empty());
 }
 
 }  // namespace

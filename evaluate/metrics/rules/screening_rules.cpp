@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measurements that were left out because they contradict their neighbours or the target.
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMostListed = 4;
+constexpr std::array<const char*, 6> kChannels{"gyroscope x",     "gyroscope y",
+                                               "gyroscope z",     "accelerometer x",
+                                               "accelerometer y", "accelerometer z"};
+
+/// "a, b, c, d and 7 more".
+template <class List, class Words>
+std::string listed(const List& list, const Words& words) {
+  std::string out;
+  for (std::size_t k = 0; k < list.size() && k < kMostListed; ++k) {
+    out += (k == 0 ? "" : ", ") + words(list[k]);
+  }
+  if (list.size() > kMostListed) out += fmt::format(" and {} more", list.size() - kMostListed);
+  return out;
+}
+
+std::string spikeWords(const ImuSpike& s) {
+  const bool gyro = s.channel < 3;
+  return fmt::format("{} at {} ({:+.3g} {})", kChannels.at(static_cast<std::size_t>(s.channel)),
+                     sampleName(s.t, s.line), s.size, gyro ? "rad/s" : "m/s^2");
+}
+
+std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>& cameras) {
+  const std::string& camera = cameras[static_cast<std::size_t>(m.camera)].name;
+  return fmt::format("tag {} of {}, frame {}, stands in the place of tag {}", m.tag, camera, m.t,
+                     m.place);
+}
+
+std::string counted(std::size_t count, const char* what, const std::string& list) {
+  return count == 0 ? fmt::format("no {}", what) : fmt::format("{} {}: {}", count, what, list);
+}
+
+}  // namespace
+
+std::string sampleName(TimeNs t, int line) {
+  return line > 0 ? fmt::format("imu0/data.csv:{}", line) : fmt::format("stamp {}", t);
+}
+
+Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  const Screening& s = stage.screening;
+  Findings findings;
+  findings.push_back(
+      above({"Spikes of the IMU", "-", t.imu_spikes,
+             "These samples were left out. Single readings far off their neighbours come from "
+             "errors of the bus or the driver: find out which, for an estimator that runs on this "
+             "IMU will see them too."},
+            static_cast<double>(s.spikes.size()),
+            counted(s.spikes.size(), "isolated readings", listed(s.spikes, spikeWords))));
+  findings.push_back(above(
+      {"Views delivered twice", "-", t.repeated_views,
+       "These views were left out. The camera or its driver repeated an image under a new stamp: "
+       "look for lost frames that were filled up, and a bus that is overloaded."},
+      static_cast<double>(s.repeated_views.size()),
+      counted(s.repeated_views.size(), "views repeat the corners before them though the rig moved",
+              listed(s.repeated_views, [&](const RepeatedView& r) {
+                return fmt::format("{} at {}",
+                                   stage.cameras[static_cast<std::size_t>(r.camera)].name, r.t);
+              }))));
+  findings.push_back(above(
+      {"Tags with another's id", "-", t.misplaced_tags,
+       "These tags were left out. Look at the images there: a reflection, a second target, or "
+       "a detector that accepts too many wrong bits."},
+      static_cast<double>(s.misplaced_tags.size()),
+      counted(s.misplaced_tags.size(), "tags do not stand where their id belongs",
+              listed(s.misplaced_tags,
+                     [&](const MisplacedTag& m) { return tagWords(m, stage.cameras); }))));
+  const auto offered = static_cast<double>(stage.summary.corners_offered);
+  const double wrong = share(static_cast<double>(s.false_corners), offered);
+  findings.push_back(
+      above({"False corners", "-", t.false_corners,
+             "The loss takes their influence away, but find out where they come from (blur, "
+             "reflections, a wrong refinement window), or reject them with --outliers sigma:4."},
+            wrong,
+            fmt::format("{} of {:.0f} corners are far off where their view says they are",
+                        s.false_corners, offered)));
+  return findings;
+}
+
+}  // namespace plumbline
