@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/calibration/kalibr_writer.h"
+#include "datasets/session/target_shape.h"
 #include "evaluate/results/text.h"
 #include "report/records/documents.h"
 
@@ -72,6 +73,21 @@ void addVerdict(Text& text, const Verdict& verdict) {
   }
 }
 
+// What was found of the board, where that was asked for.
+void addTarget(Text& text, const TargetFit& fit, bool kept) {
+  if (fit.finding != TargetFinding::kBent) {
+    add(text, "Target: taken as stated ({})\n", toString(fit.finding));
+    return;
+  }
+  add(text,
+      "Target: {:.2f} mm RMS off the even grid{}; unseen frames {:.4f} px with its own shape, "
+      "{:.4f} "
+      "px without\n",
+      1e3 * fit.shape.terms.head<kTargetTerms - 1>().norm(),
+      kept ? ", estimated with the cameras" : ", left as stated", fit.held_out_px,
+      fit.flat_held_out_px);
+}
+
 Calibration calibrationOf(const CalibrationRecord& record) {
   Calibration calibration;
   calibration.cameras = record.cameras();
@@ -106,6 +122,9 @@ std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool r
       {"calibration.json", documentOf(record)},
       {imu ? "camchain-imucam.yaml" : "camchain.yaml", kalibrCamchainText(calibration)}};
   if (imu) files.push_back({"imu.yaml", kalibrImuText(imu->noise, imu->rostopic)});
+  if (!record.target.shape.isFlat()) {
+    files.push_back({"target_shape.yaml", targetShapeText(record.target)});
+  }
   if (residuals) files.push_back({"residuals.csv", residualsTable(record)});
   return files;
 }
@@ -113,6 +132,10 @@ std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool r
 std::string calibrationSummary(const CalibrationRecord& record) {
   Text text;
   if (record.camera) addErrors(text, "Cameras", record.camera->summary);
+  if (record.camera && record.camera->target_fit) {
+    const TargetFit& fit = *record.camera->target_fit;
+    addTarget(text, fit, record.camera->target.terms == fit.shape.terms);
+  }
   addCameras(text, record.cameras());
   if (record.camera_imu) {
     addErrors(text, "Camera-IMU", record.camera_imu->summary);

@@ -78,6 +78,7 @@ void SessionOptions::declare(CLI::App& app) {
 
 void SessionOptions::declareEstimating(CLI::App& app) {
   target_shape = kAuto;
+  estimating_ = true;
   declare(app);
 }
 
@@ -124,7 +125,9 @@ LoadRequest SessionOptions::request() const {
   request.session = session;
   request.read.target_path = target;
   request.read.imu_path = imu;
-  request.target = target_shape == kAuto ? TargetMode::kAuto : TargetMode::kTested;
+  if (estimating_) {
+    request.target = target_shape == kAuto ? TargetMode::kAuto : TargetMode::kTested;
+  }
   if (namesAFile(target_shape)) request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);
   request.read.from_s = from_s;

@@ -45,6 +45,8 @@ struct SessionOptions {
 
  private:
   void declareDetails(CLI::App& app);
+
+  bool estimating_ = false;  // whether the board's shape is a question of the command
 };
 
 /// What is assumed of the measurements, and which views count; defaults are the library's.
