@@ -64,7 +64,7 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
       {replaced(good, "  stretch: ", "  stretch: 6000 #"), InputFault::kOutOfRange},
       {replaced(good, "covariance_mm2:\n  - [", "covariance_mm2:\n  - [-1e9, "),
        InputFault::kOutOfRange},
-      {"", InputFault::kEmpty},
+      {"", InputFault::kUnknownFile},
   };
   for (const auto& c : cases) {
     const auto fault = refusal(c.text);

@@ -62,8 +62,8 @@ TEST(WriteTum, RoundTripKeepsEveryBit) {
 
 TEST(WriteTum, ReachesTheEndsOfTime) {
   Trajectory trajectory;
-  trajectory.poses = {{-std::numeric_limits<TimeNs>::max(), {0, 0, 0}, {1, 0, 0, 0}},
-                      {std::numeric_limits<TimeNs>::max(), {0, 0, 0}, {1, 0, 0, 0}}};
+  constexpr TimeNs kFarthest = TimeNs{1} << 62;  // 146 years: differences of stamps stay stamps
+  trajectory.poses = {{-kFarthest, {0, 0, 0}, {1, 0, 0, 0}}, {kFarthest, {0, 0, 0}, {1, 0, 0, 0}}};
   const TemporaryFolder folder;
   writeTum(folder.path("out.txt"), trajectory);
   const TrajectoryFile file = readTrajectory(folder.path("out.txt"));
