@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/statistics.h"
+#include "calibrator/batch/camera/batch.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/target_layout.h"
@@ -173,6 +174,16 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                               "without)",
                               fit.held_out_px, fit.flat_held_out_px))};
     case TargetFinding::kUndetermined:
+      if (fit.std.maxCoeff() <= CameraStageOptions().target_max_std) {
+        Rule lens = rule;
+        lens.advice =
+            "Run again with the other lens model (--models pinhole-equidistant or "
+            "pinhole-radtan).";
+        return {finding(lens, VerdictLevel::kCaution, rms_mm,
+                        "the other lens model predicts frames that the fit did not see better than "
+                        "this one does, so that the board's shape cannot be told from what this "
+                        "lens model leaves; taken as target.yaml states it")};
+      }
       return {finding(rule, VerdictLevel::kGood, 0,
                       fmt::format("taken as target.yaml states it: this recording determines the "
                                   "board's shape to {:.2f} mm only",

@@ -11,8 +11,9 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr double kMm = 1e3;       // per metre
-constexpr double kArrow = 0.6;    // length of the longest arrow over the tags' pitch
+constexpr double kMm = 1e3;             // per metre
+constexpr double kArrow = 0.6;          // length of the longest arrow over the tags' pitch
+constexpr double kUndetermined = 5e-4;  // [m], from where on a term is not determined
 constexpr int kLabelledTags = 8;  // along a side: heights are written into the cells up to here
 
 std::string foundText(const TargetFit& fit, bool kept) {
@@ -30,6 +31,11 @@ std::string foundText(const TargetFit& fit, bool kept) {
           "see are predicted no better ({:.4f} px) than without ({:.4f} px).",
           fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kUndetermined:
+      if (fit.std.maxCoeff() < kUndetermined) {
+        return "The other lens model predicts frames that the fit did not see better than this one "
+               "does, so that the board's shape cannot be told from what this lens model leaves: "
+               "it is taken as target.yaml says.";
+      }
       return fmt::format(
           "This recording does not determine the board's shape (to {:.2f} mm only): it is taken as "
           "target.yaml says.",
