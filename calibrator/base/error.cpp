@@ -104,6 +104,8 @@ constexpr CodeRow kCodes[] = {
     {Code::kUpsideDown, "UpsideDown", Reason::kNotObservable},
 };
 
+static_assert(std::size(kCodes) == kFailureCodes, "a row for each code");
+
 constexpr bool inOrder() {
   for (std::size_t i = 0; i < std::size(kCodes); ++i) {
     if (static_cast<std::size_t>(kCodes[i].code) != i) return false;

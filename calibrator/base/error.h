@@ -136,6 +136,7 @@ enum class FailureCode {
   kNoHorizontalMotion,          ///< to align
   kUpsideDown,                  ///< the first poses
 };
+inline constexpr int kFailureCodes = static_cast<int>(FailureCode::kUpsideDown) + 1;
 
 /// A number, a count, a word, a list of names or a direction that a failure states.
 class FailureValue {

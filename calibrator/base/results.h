@@ -33,12 +33,12 @@ enum class UnmodelledFault {
   kImuMoved,           ///< change of T_SC0 from an instant on (3 m, 3 rad)
   kClockStep,          ///< change of the time offset from an instant on [s]
   kCameraMoved,        ///< change of T_C0Ci from an instant on (3 m, 3 rad)
-  kTargetShape,        ///< the target is not flat or not square, shapeColumns()' 11 terms [m]
-  kTargetMoved,        ///< displacement of the target in F at an instant, 3 [m]
-  kTargetSways,        ///< target swinging in F, sine x y z and cosine x y z [m]
-  kGyroBiasJump,       ///< jump of the gyroscope's bias at an instant, 3 [rad/s]
-  kAccelBiasJump,      ///< jump of the accelerometer's bias at an instant, 3 [m/s^2]
-  kStampsWander,       ///< changes of the time offset at seven instants, evenly spaced [s]
+  kTargetShape,   ///< the target is not flat or not even, all terms of TargetBasis but tag_edge [m]
+  kTargetMoved,   ///< displacement of the target in F at an instant, 3 [m]
+  kTargetSways,   ///< target swinging in F, sine x y z and cosine x y z [m]
+  kGyroBiasJump,  ///< jump of the gyroscope's bias at an instant, 3 [rad/s]
+  kAccelBiasJump,  ///< jump of the accelerometer's bias at an instant, 3 [m/s^2]
+  kStampsWander,   ///< changes of the time offset at seven instants, evenly spaced [s]
 };
 
 /// Words of the documents, in the order above.
@@ -168,6 +168,7 @@ struct StageSummary {
 enum class TargetFinding {
   kNotTested,     ///< too short a recording, or no solution with the terms
   kUndetermined,  ///< the recording does not determine some term
+  kLensMisfits,   ///< another lens model predicts unseen frames better: board or lens, who knows
   kAsStated,      ///< its own terms predict unseen frames no better than the stated board
   kBent,          ///< they do
 };

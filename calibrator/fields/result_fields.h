@@ -78,8 +78,8 @@ void fields(V& v, StageSummary& s) {
   v("covariance", s.covariance, "of the calibration parameters");
 }
 
-constexpr std::array<const char*, 4> enumWords(TargetFinding /*of*/) {
-  return {"not tested", "not determined", "as stated", "bent"};
+constexpr std::array<const char*, 5> enumWords(TargetFinding /*of*/) {
+  return {"not tested", "not determined", "lens model misfits", "as stated", "bent"};
 }
 
 template <class V>

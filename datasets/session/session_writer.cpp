@@ -261,7 +261,14 @@ void writeSession(const Session& session, double camera_rate_hz, ViewFormat view
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const fs::path& folder, const SimulatedSessionFormat& format) {
   format.check();
-  if (format.views == ViewFormat::kImages) checkRendered(options.faults);
+  if (format.views == ViewFormat::kImages) {
+    checkRendered(options.faults);
+    if (!options.target.shape.isFlat()) {
+      throw BadInput(InputFault::kUnsupported,
+                     "images are rendered of a flat and even board only; write corners, or leave "
+                     "out the board's shape");
+    }
+  }
   writeSession(simulated.session, simulated.camera_rate_hz, format.views, folder);
   std::vector<TextFile> truths = {{"camchain-imucam.yaml", kalibrCamchainText(simulated.truth)},
                                   {"trajectory.csv", trajectoryCsv(simulated)},

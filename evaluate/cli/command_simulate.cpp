@@ -82,6 +82,11 @@ int simulate(SimulateOptions o) {
     o.simulation.target.shape = targetShapeFromWords(*o.target_shape, o.simulation.target);
   }
   if (o.images) checkRendered(o.simulation.faults);
+  if (o.images && o.target_shape) {
+    throw InputError(
+        "--images are rendered of a flat and even board only; leave out --target-shape, or "
+        "--images");
+  }
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);
   if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;

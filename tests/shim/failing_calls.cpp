@@ -4,6 +4,7 @@
 //   PLUMBLINE_KILL_AT=N   SIGKILL before the N-th call that changes a file or a name
 //   PLUMBLINE_FULL_AT=N   from the N-th call that writes bytes on, there is no space (ENOSPC)
 //   PLUMBLINE_NO_EXCHANGE=1  a file system that cannot exchange names
+//   PLUMBLINE_PID=N       the process takes itself for this one, as two in containers may
 //   PLUMBLINE_COUNTS=FILE the numbers of both, written when the program ends
 #include <atomic>
 #include <cerrno>
@@ -60,6 +61,12 @@ struct Counts {
 } counts;
 
 }  // namespace
+
+extern "C" pid_t getpid() {
+  static const long stated = numberIn("PLUMBLINE_PID");
+  static auto* const real = next<pid_t()>("getpid");
+  return stated < 0 ? real() : static_cast<pid_t>(stated);
+}
 
 // Every one of the C library's under its own name.
 #define PLUMBLINE_CHANGE(name, declared, given)          \

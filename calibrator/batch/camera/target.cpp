@@ -191,7 +191,7 @@ TargetFit judge(const AprilGrid& board, const CameraProblem& problem, const Came
   fit.finding = findingOf(fit, options);
   if (fit.finding == TargetFinding::kBent &&
       otherLensIsBetter(board, problem, bent.estimate, with)) {
-    fit.finding = TargetFinding::kUndetermined;
+    fit.finding = TargetFinding::kLensMisfits;
   }
   return fit;
 }

@@ -72,7 +72,8 @@ const FaultWords kFaultWords[] = {
      "mount the cameras rigidly and record again; or calibrate the parts before and after "
      "apart"},
     {UnmodelledFault::kTargetShape,
-     "shape of the target (it is not flat, or not even): displacement at its corners", 1e3, "mm",
+     "shape of the target (it is not flat, or not even): RMS displacement of its corners", 1e3,
+     "mm",
      "mount the target on a rigid flat plate (glass, aluminium), print it again without "
      "scaling one axis, and record again"},
     {UnmodelledFault::kTargetMoved, "displacement of the target along x, y, z of itself", 1e3, "mm",
@@ -113,14 +114,12 @@ std::string figures(const FaultTest& test, const FaultWords& words) {
 
 /// The terms that are known to differ from zero: "z_xx -0.96, z_yy -1.02 mm (+- 0.03, 0.04)".
 std::string shapeFigures(const FaultTest& test, const FaultWords& words) {
-  constexpr std::array<const char*, 11> kTerms = {
-      "stretch", "shear", "x_xx", "x_xy", "x_yy", "y_xx", "y_xy", "y_yy", "z_xx", "z_xy", "z_yy"};
   constexpr double kKnown = 3;
   std::string terms, deviations;
   for (Eigen::Index k = 0; k < test.estimate.size(); ++k) {
     if (std::abs(test.estimate(k)) < kKnown * test.std(k)) continue;
     const char* comma = terms.empty() ? "" : ", ";
-    terms += fmt::format("{}{} {:+.3g}", comma, kTerms.at(static_cast<std::size_t>(k)),
+    terms += fmt::format("{}{} {:+.3g}", comma, kTargetTermNames.at(static_cast<std::size_t>(k)),
                          words.scale * test.estimate(k));
     deviations += fmt::format("{}{:.1g}", comma, words.scale * test.std(k));
   }

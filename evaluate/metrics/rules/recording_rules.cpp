@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/statistics.h"
-#include "calibrator/batch/camera/batch.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/target_layout.h"
@@ -156,7 +155,7 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
       rms_mm, 1e3 * fit.shape.terms.segment<3>(8).norm(), fit.held_out_px, fit.flat_held_out_px);
   switch (fit.finding) {
     case TargetFinding::kBent:
-      if (stage.target != fit.shape && stage.target.terms != fit.shape.terms) {
+      if (stage.target.terms != fit.shape.terms) {
         Rule flat = rule;
         flat.advice =
             "The calibration takes the target as target.yaml states it, and its parameters are "
@@ -173,17 +172,17 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                               "see would confirm ({:.4f} px with a shape of its own, {:.4f} px "
                               "without)",
                               fit.held_out_px, fit.flat_held_out_px))};
+    case TargetFinding::kLensMisfits: {
+      Rule lens = rule;
+      lens.advice =
+          "Run again with the other lens model (--models pinhole-equidistant or "
+          "pinhole-radtan).";
+      return {finding(lens, VerdictLevel::kCaution, rms_mm,
+                      "the other lens model predicts frames that the fit did not see better than "
+                      "this one does, so that the board's shape cannot be told from what this "
+                      "lens model leaves; taken as target.yaml states it")};
+    }
     case TargetFinding::kUndetermined:
-      if (fit.std.maxCoeff() <= CameraStageOptions().target_max_std) {
-        Rule lens = rule;
-        lens.advice =
-            "Run again with the other lens model (--models pinhole-equidistant or "
-            "pinhole-radtan).";
-        return {finding(lens, VerdictLevel::kCaution, rms_mm,
-                        "the other lens model predicts frames that the fit did not see better than "
-                        "this one does, so that the board's shape cannot be told from what this "
-                        "lens model leaves; taken as target.yaml states it")};
-      }
       return {finding(rule, VerdictLevel::kGood, 0,
                       fmt::format("taken as target.yaml states it: this recording determines the "
                                   "board's shape to {:.2f} mm only",

@@ -124,15 +124,16 @@ std::string heldLead(const HeldCalibration& held) {
 
 std::string parametersLead(const CalibrationRecord& record) {
   if (record.held) return heldLead(*record.held);
-  const bool spread = record.camera_resample || record.camera_imu_resample;
+  const bool bootstrap = record.camera_resample || record.camera_imu_resample;
   return std::string(
              "Std is cluster-robust where a formal one stands beside it: it is taken from how the "
              "blocks of the recording pull on the estimate, and holds also where neighbouring "
              "frames err together. The formal standard deviation follows from the assumed noise "
              "and holds only if model and noise are right. ") +
-         (spread ? "Spread is what resampled time segments of the recording gave; where it is "
-                   "several times the std, trust the spread."
-                 : "A resampled calibration would show the real spread beside it.");
+         (bootstrap
+              ? "The bootstrap std comes from resampled time segments of the recording; where "
+                "it is several times the std, trust it."
+              : "A resampled calibration would show a bootstrap std beside it.");
 }
 
 Block parameterBlock(const ParameterGroup& group) {
@@ -140,8 +141,8 @@ Block parameterBlock(const ParameterGroup& group) {
   if (group.has_formal) table.columns.push_back({"Formal std", kNumber});
   table.columns.push_back({"Unit"});
   if (group.has_spread) {
-    table.columns.push_back({"Spread", kNumber});
-    table.columns.push_back({"Spread / std", kNumber});
+    table.columns.push_back({"Bootstrap std", kNumber});
+    table.columns.push_back({"Bootstrap / std", kNumber});
   }
   for (const ParameterRow& r : group.rows) {
     std::vector<Cell> row = {code(r.name), number(r.value), number(r.std)};

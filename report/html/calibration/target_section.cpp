@@ -11,10 +11,14 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr double kMm = 1e3;             // per metre
-constexpr double kArrow = 0.6;          // length of the longest arrow over the tags' pitch
-constexpr double kUndetermined = 5e-4;  // [m], from where on a term is not determined
+constexpr double kMm = 1e3;       // per metre
+constexpr double kArrow = 0.6;    // length of the longest arrow over the tags' pitch
 constexpr int kLabelledTags = 8;  // along a side: heights are written into the cells up to here
+
+constexpr const char* kTermsText =
+    "Each term is the RMS displacement over the corners that it makes; tag_edge is by how much "
+    "the tags look larger at unchanged pitch, which says more of light and detector than of the "
+    "board. The shape holds no scale: that stays target.yaml's.";
 
 std::string foundText(const TargetFit& fit, bool kept) {
   switch (fit.finding) {
@@ -30,12 +34,11 @@ std::string foundText(const TargetFit& fit, bool kept) {
           "The board is as target.yaml says: with a shape of its own, frames that the fit did not "
           "see are predicted no better ({:.4f} px) than without ({:.4f} px).",
           fit.held_out_px, fit.flat_held_out_px);
+    case TargetFinding::kLensMisfits:
+      return "The other lens model predicts frames that the fit did not see better than this one "
+             "does, so that the board's shape cannot be told from what this lens model leaves: it "
+             "is taken as target.yaml says.";
     case TargetFinding::kUndetermined:
-      if (fit.std.maxCoeff() < kUndetermined) {
-        return "The other lens model predicts frames that the fit did not see better than this one "
-               "does, so that the board's shape cannot be told from what this lens model leaves: "
-               "it is taken as target.yaml says.";
-      }
       return fmt::format(
           "This recording does not determine the board's shape (to {:.2f} mm only): it is taken as "
           "target.yaml says.",
@@ -58,12 +61,11 @@ Table termTable(const TargetFit& fit) {
   return table;
 }
 
-PlotFrame boardFrame(const AprilGrid& grid, const std::string& title) {
-  const double gap = grid.pitch() - grid.tag_size;
+PlotFrame boardFrame(const AprilGrid& grid, const std::string& title, double margin) {
   PlotFrame frame;
   frame.title = title;
-  frame.x = {"x of the board [mm]", Range{-0.5 * kMm * gap, kMm * (grid.width() + 0.5 * gap)}, {}};
-  frame.y = {"y of the board [mm]", Range{-0.5 * kMm * gap, kMm * (grid.height() + 0.5 * gap)}, {}};
+  frame.x = {"x of the board [mm]", Range{-kMm * margin, kMm * (grid.width() + margin)}, {}};
+  frame.y = {"y of the board [mm]", Range{-kMm * margin, kMm * (grid.height() + margin)}, {}};
   frame.equal_axes = true;
   frame.height = 460;
   return frame;
@@ -72,7 +74,7 @@ PlotFrame boardFrame(const AprilGrid& grid, const std::string& title) {
 /// Mean height of each tag, from the top row down.
 HeatMap heightMap(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& points) {
   HeatMap map;
-  map.frame = boardFrame(grid, "Height above the plane");
+  map.frame = boardFrame(grid, "Height above the plane", 0.5 * (grid.pitch() - grid.tag_size));
   map.columns = grid.cols;
   map.rows = grid.rows;
   map.colours = ColourMap::kDiverging;
@@ -95,7 +97,7 @@ HeatMap heightMap(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& poi
 
 VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& points) {
   VectorField field;
-  field.frame = boardFrame(grid, "Displacement in the plane");
+  field.frame = boardFrame(grid, "Displacement in the plane", kArrow * grid.pitch());
   field.colour = seriesColour(0);
   double largest = 1e-6;
   for (int id = 0; id < grid.cornerCount(); ++id) {
@@ -118,14 +120,15 @@ Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
   Section section{
       "target", "Target", foundText(fit, stage.target.terms == fit.shape.terms), {}, {}};
   if (!fit.shape.covariance) return section;
+  if (fit.finding != TargetFinding::kBent) {  // a picture of noise says nothing
+    section.blocks.push_back({"", kTermsText, termTable(fit), {}, {}});
+    return section;
+  }
   AprilGrid board = grid;
   board.shape = fit.shape;
   const std::vector<Eigen::Vector3d> points = cornerPoints(board);
   Block block;
-  block.text =
-      "Each term is the RMS displacement over the corners that it makes; tag_edge is by how much "
-      "the tags look larger at unchanged pitch, which says more of light and detector than of the "
-      "board. The shape holds no scale: that stays target.yaml's.";
+  block.text = kTermsText;
   block.table = termTable(fit);
   block.figures = {
       {toSvg(heightMap(grid, points), "target-height"),

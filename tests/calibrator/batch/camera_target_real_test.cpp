@@ -76,7 +76,7 @@ TEST(CameraTargetReal, ALensModelThatMisfitsLeavesTheBoardAsStated) {
   const auto result =
       calibrateCameras(recorded(), optionsOf(DistortionModel::kRadtan, TargetMode::kAuto));
   ASSERT_TRUE(result.ok() && result->target_fit);
-  EXPECT_EQ(result->target_fit->finding, TargetFinding::kUndetermined);
+  EXPECT_EQ(result->target_fit->finding, TargetFinding::kLensMisfits);
   EXPECT_TRUE(result->target.isFlat());
 }
 

@@ -233,15 +233,27 @@ TEST_F(FailingCalls, SiblingsOfOneNewParentDoNotHurtEachOther) {
 }
 
 TEST_F(FailingCalls, EqualProcessIdsOfContainersDoNotMeet) {
-  const std::string apart = "unshare --pid --fork --mount-proc ";
-  if (shell(apart + "true").exit_code != 0) GTEST_SKIP() << "namespaces are not permitted here";
-  const std::string words =
-      std::string(PLUMBLINE_BINARY) + " simulate --duration 4 --out " + out().string() + " --seed ";
-  const std::string both = apart + words + "1 & " + apart + words + "2 & wait";
-  const Outcome outcome = shell(both);
+  const auto simulation = [&](int seed) {
+    return std::string("ASAN_OPTIONS=verify_asan_link_order=0 PLUMBLINE_PID=7 LD_PRELOAD=") +
+           PLUMBLINE_FAILING_CALLS + " " + PLUMBLINE_BINARY + " simulate --duration 4 --out " +
+           out().string() + " --seed " + std::to_string(seed);
+  };
+  const Outcome outcome = shell(simulation(1) + " & " + simulation(2) + " & wait");
   EXPECT_TRUE(isWhole(out())) << outcome.text;
   EXPECT_EQ(entriesBeside(), 0U);
   EXPECT_THAT(outcome.text, AllOf(HasSubstr("The truth is in"), HasSubstr("holds an earlier")));
+}
+
+TEST_F(FailingCalls, TheLockNamesTheProcess) {  // so that the test above has two of one id
+  fs::create_directories(root_ / "parent");
+  const long calls = countsOf(command("export")).changes;
+  fs::remove_all(out());
+  run(command("export"), "PLUMBLINE_PID=7 PLUMBLINE_KILL_AT=" + std::to_string(calls / 2));
+  std::string locks;
+  for (const auto& entry : fs::recursive_directory_iterator(root_)) {
+    if (entry.path().filename() == "lock") locks += read(entry.path());
+  }
+  EXPECT_THAT(locks, HasSubstr("pid 7\n"));
 }
 
 // Starts simulate, which renders for long, waits for its workplace and sends a signal.
@@ -310,6 +322,7 @@ TEST_F(FailingCalls, ADeadOnesWorkplaceGoesAtTheNextStart) {
                 .exit_code,
             0);
   EXPECT_EQ(entriesBeside(), 0U);
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("The truth is in"), HasSubstr("holds an earlier")));
 }
 
 }  // namespace

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/metrics/failure_text.h"
 
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,73 +14,27 @@ namespace {
 
 using ::testing::HasSubstr;
 
+constexpr const char* kNumbers =
+    "accel gyro gravity rms correlation needed mirrored rotated ratio measured "
+    "expected scale scale_std tag_size rates covered intervals range_s frames_to_s "
+    "samples_from_s samples_to_s views least offered fullest asked frames "
+    "iterations calibrated session offset_s translation_std_m rotation_std_rad "
+    "offset_std_s pairs across rms_deg rms_m distance_m estimate_from_s "
+    "estimate_to_s truth_from_s truth_to_s poses truth in_gaps max_gap_s max_dt_s "
+    "nearest_s as_read_deg reordered_deg aligned count apart_s pause_s from_s to_s "
+    "std_s ";
+constexpr const char* kWords = "trajectory camera stage part calibration problem which alignment";
+
+std::vector<std::string> split(const std::string& text) {
+  std::istringstream words(text);
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
 /// One value for every name that any code states.
 std::map<std::string, FailureValue> everyValue() {
   std::map<std::string, FailureValue> values;
-  for (const char* number : {"accel",
-                             "gyro",
-                             "gravity",
-                             "rms",
-                             "correlation",
-                             "needed",
-                             "mirrored",
-                             "rotated",
-                             "ratio",
-                             "measured",
-                             "expected",
-                             "scale",
-                             "scale_std",
-                             "tag_size",
-                             "rates",
-                             "covered",
-                             "intervals",
-                             "range_s",
-                             "frames_to_s",
-                             "samples_from_s",
-                             "samples_to_s",
-                             "views",
-                             "least",
-                             "offered",
-                             "fullest",
-                             "asked",
-                             "frames",
-                             "iterations",
-                             "calibrated",
-                             "session",
-                             "offset_s",
-                             "translation_std_m",
-                             "rotation_std_rad",
-                             "offset_std_s",
-                             "pairs",
-                             "across",
-                             "rms_deg",
-                             "rms_m",
-                             "distance_m",
-                             "estimate_from_s",
-                             "estimate_to_s",
-                             "truth_from_s",
-                             "truth_to_s",
-                             "poses",
-                             "truth",
-                             "in_gaps",
-                             "max_gap_s",
-                             "max_dt_s",
-                             "nearest_s",
-                             "as_read_deg",
-                             "reordered_deg",
-                             "aligned",
-                             "count",
-                             "apart_s",
-                             "pause_s",
-                             "from_s",
-                             "to_s",
-                             "std_s"}) {
-    values.emplace(number, 0.5);
-  }
-  for (const char* word :
-       {"trajectory", "camera", "stage", "part", "calibration", "problem", "which", "alignment"}) {
-    values.emplace(word, word);
-  }
+  for (const std::string& number : split(kNumbers)) values.emplace(number, 0.5);
+  for (const std::string& word : split(kWords)) values.emplace(word, word);
   for (const char* axis : {"axis", "translation_axis", "rotation_axis"}) {
     values.emplace(axis, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
   }
@@ -86,7 +45,7 @@ std::map<std::string, FailureValue> everyValue() {
 }
 
 TEST(FailureText, EveryCodeHasASentenceAndACureMadeOfItsValues) {
-  for (int i = 0; i <= static_cast<int>(FailureCode::kUpsideDown); ++i) {
+  for (int i = 0; i < kFailureCodes; ++i) {
     const Failure failure{static_cast<FailureCode>(i), everyValue()};
     const FailureText text = textOf(failure);
     EXPECT_NE(text.message, toString(failure)) << toString(failure.code);

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu/effective_terms.h"
+
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/parallel.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/residuals/tangent.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+constexpr int kChunk = 64;  // views, links
+using StateRows = Eigen::Matrix<double, Eigen::Dynamic, kChainBlock>;
+
+class ViewRows {
+ public:
+  ViewRows(const CameraImuProblem& problem, const CameraImuSolution& solution,
+           const FaultColumns& columns)
+      : problem_(problem), solution_(solution), columns_(columns), basis_(problem.target) {
+    gram_ = problem.gram;
+    gram_.triggs_clamp = 0;
+  }
+
+  ViewTerms view(std::size_t i, std::size_t c) const {
+    const CameraImuEstimate& e = solution_.estimate;
+    const CameraCalibration& camera = e.cameras[c];
+    const ExposurePose pose = exposurePose(problem_, e, i, exposureDelay(problem_, e, i, c));
+    const CameraImuChain chain = cameraImuChain(pose.T_FS, e.T_SC0, camera.T_C0Ci);
+    const Vector6d twist = chain.A_FS * pose.by_delay;
+    ViewTerms out;
+    out.frame = i;
+    fillGram(camera.intrinsics, chain.T_CiF, problem_.corners[c].view(problem_.frames[i].view[c]),
+             twist, out);
+    const Index k = camera.intrinsics.stacked().size();
+    for (Index i_k = 0; i_k < k; ++i_k) out.own.push_back(columns_.intrinsics[c] + i_k);
+    for (int term = 0; term < FaultColumns::kShape; ++term) {
+      out.own.push_back(columns_.shape + term);
+    }
+    out.own.push_back(columns_.line_delay);
+    out.A_x = chain.A_FS * pose.by_state;
+    out.A_B.setZero(6, columns_.size);
+    out.A_B.leftCols<BorderLayout::kFixed>() = chain.A_FS * pose.by_calibration;
+    out.A_B.leftCols<6>() += chain.A_SC0;
+    if (columns_.own_offset[c] >= 0) out.A_B.col(columns_.own_offset[c]) = twist;
+    if (columns_.T_C0Ci[c] >= 0) out.A_B.middleCols<6>(columns_.T_C0Ci[c]) = chain.A_C0Ci;
+    // A larger target is the same as one that is nearer by as much; the cameras' own distances,
+    // which were calibrated on it, grow with it.
+    out.A_B.col(columns_.target_size) = chain.A_C0Ci.leftCols<3>() * camera.T_C0Ci.t;
+    out.A_B.col(columns_.target_size).head<3>() -= chain.T_CiF.t;
+    const double weight = problem_.weights[i] / (problem_.pixel_sigma * problem_.pixel_sigma);
+    out.H *= weight;
+    out.b *= weight;
+    return out;
+  }
+
+ private:
+  /// Rows of a corner: u and v by all columns of the view. With h the row over the image's height,
+  /// from -1/2 to 1/2, it is exposed at h times the readout time.
+  void fillGram(const Intrinsics& lens, const Transform& T_CF, const PackedView& corners,
+                const Vector6d& twist, ViewTerms& out) const {
+    const Index k = lens.stacked().size();
+    const Index n = 6 + k + FaultColumns::kShape + 1;
+    const double c2 = gram_.cauchy_px * gram_.cauchy_px;
+    MatrixXd J = MatrixXd::Zero(2 * corners.count, n);
+    VectorXd r = VectorXd::Zero(2 * corners.count);
+    for (int i = 0; i < corners.count; ++i) {
+      if (!(corners.w[i] > 0)) continue;
+      const Eigen::Vector3d p = T_CF * Eigen::Vector3d(corners.x[i], corners.y[i], corners.z[i]);
+      const auto image = projectWithJacobians(lens, p);
+      if (!image) continue;
+      const Eigen::Vector2d error = image->uv - Eigen::Vector2d(corners.u[i], corners.v[i]);
+      const double h = corners.v[i] / lens.resolution.height - 0.5;
+      const double w = std::sqrt(c2 > 0 ? 1 / (1 + error.squaredNorm() / c2) : 1.0);
+      auto rows = J.middleRows<2>(2 * i);
+      rows.leftCols<3>() = w * image->J_point;
+      rows.middleCols<3>(3) = -w * image->J_point * skew(p);
+      rows.middleCols(6, k) = w * image->J_intrinsics;
+      rows.middleCols<FaultColumns::kShape>(6 + k) =
+          w * image->J_point * T_CF.R *
+          basis_.columns(corners.id[i]).leftCols<FaultColumns::kShape>();
+      rows.col(n - 1) = h * rows.leftCols<6>() * twist;
+      r.segment<2>(2 * i) = w * error;
+    }
+    out.H = J.transpose() * J;
+    out.b = J.transpose() * r;
+  }
+
+  const CameraImuProblem& problem_;
+  const CameraImuSolution& solution_;
+  const FaultColumns& columns_;
+  TargetBasis basis_;
+  GramOptions gram_;
+};
+
+class LinkRows {
+ public:
+  LinkRows(const CameraImuProblem& problem, const CameraImuSolution& solution,
+           const FaultColumns& columns, double sway_hz)
+      : problem_(problem), solution_(solution), columns_(columns), sway_hz_(sway_hz) {
+    middle_ = problem.frames.front().t + (problem.frames.back().t - problem.frames.front().t) / 2;
+  }
+
+  std::optional<LinkTerms> link(std::size_t k) const {
+    LinkTerms out;
+    out.at = k;
+    const bool inertial = problem_.links[k] == FrameLink::kInertial;
+    const Index rows = inertial ? 15 : 6;
+    out.J_i = StateRows::Zero(rows, kChainBlock);
+    out.J_j = out.J_i;
+    out.J_B = MatrixXd::Zero(rows, columns_.size);
+    out.r = VectorXd::Zero(rows);
+    addWalk(k, out);
+    if (inertial && !addMotion(k, out)) return std::nullopt;
+    const double scale = std::sqrt(problem_.weights[k]);
+    for (auto* m : {&out.J_i, &out.J_j}) *m *= scale;
+    out.J_B *= scale;
+    out.r *= scale;
+    return out;
+  }
+
+ private:
+  void addWalk(std::size_t k, LinkTerms& out) const {
+    const ImuWeight& weight = solution_.weights[k];
+    Vector6d w;
+    w << Eigen::Vector3d::Constant(weight.gyro_walk), Eigen::Vector3d::Constant(weight.accel_walk);
+    const auto& states = solution_.estimate.states;
+    out.r.tail<6>() = w.cwiseProduct(biasWalkResidual(states[k], states[k + 1]));
+    out.J_i.bottomRightCorner<6, 6>() = (-w).asDiagonal();
+    out.J_j.bottomRightCorner<6, 6>() = w.asDiagonal();
+  }
+
+  bool addMotion(std::size_t k, LinkTerms& out) const {
+    const CameraImuEstimate& e = solution_.estimate;
+    const ImuState& i = e.states[k];
+    const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.timeOffset()};
+    const ImuBias bias{i.gyro_bias, i.accel_bias};
+    auto motion = preintegrate(problem_.samples, window, bias);
+    const auto faults = sampleFaultDerivatives(problem_.samples, window, bias);
+    if (!motion || !faults) return false;
+    const Vector9d d = smoothOffsetDerivative(problem_.samples, window, bias, *motion);
+    motion->R_td = d.head<3>();
+    motion->v_td = d.segment<3>(3);
+    motion->p_td = d.tail<3>();
+    const Gravity gravity{e.gravity_direction, problem_.gravity_m_s2};
+    const ImuResidual r = imuResidual(*motion, i, e.states[k + 1], gravity);
+    const Matrix9d& W = solution_.weights[k].sqrt_information;
+    out.r.head<9>() = W * r.r;
+    out.J_i.topRows<9>() = W * r.J_i;
+    out.J_j.topLeftCorner<9, 9>() = W * r.J_j;
+    auto J_B = out.J_B.topRows<9>();
+    J_B.middleCols<2>(BorderLayout::kGravity) = W * r.J_gravity;
+    J_B.col(BorderLayout::kOffset) = W * r.J_offset;
+    J_B.middleCols<SampleFaults::kCount>(columns_.samples) = -W * *faults;
+    J_B.col(columns_.drift) = secondsBetween(middle_, window.from) * J_B.col(BorderLayout::kOffset);
+    addSway(k, out);
+    return true;
+  }
+
+  /// The motion is that against the target: a displacement d(t) of it moves positions and
+  /// velocities of the states by d and its derivative.
+  void addSway(std::size_t k, LinkTerms& out) const {
+    const double w = 2 * std::numbers::pi * sway_hz_;
+    const double a = w * secondsBetween(middle_, problem_.frames[k].t);
+    const double b = w * secondsBetween(middle_, problem_.frames[k + 1].t);
+    const auto column = [&](int axis, double d_i, double v_i, double d_j, double v_j) -> VectorXd {
+      return out.J_i.col(axis) * d_i + out.J_i.col(6 + axis) * v_i + out.J_j.col(axis) * d_j +
+             out.J_j.col(6 + axis) * v_j;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      out.J_B.col(columns_.sway + axis) =
+          column(axis, std::sin(a), w * std::cos(a), std::sin(b), w * std::cos(b));
+      out.J_B.col(columns_.sway + 3 + axis) =
+          column(axis, std::cos(a), -w * std::sin(a), std::cos(b), -w * std::sin(b));
+    }
+  }
+
+  const CameraImuProblem& problem_;
+  const CameraImuSolution& solution_;
+  const FaultColumns& columns_;
+  double sway_hz_;
+  TimeNs middle_ = 0;
+};
+
+}  // namespace
+
+FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
+    : border(estimate, free_cameras) {
+  int at = border.size;
+  const auto take = [&at](int count) {
+    const int first = at;
+    at += count;
+    return first;
+  };
+  samples = take(SampleFaults::kCount);
+  drift = take(1);
+  line_delay = take(1);
+  target_size = take(1);
+  shape = take(kShape);
+  sway = take(6);
+  gyro_jump = take(3);
+  accel_jump = take(3);
+  target_jump = take(3);
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    const bool own = border.own_offset[c] >= 0;
+    own_offset.push_back(c == 0 ? -1 : own ? border.own_offset[c] : take(1));
+  }
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    T_C0Ci.push_back(c == 0 ? -1 : free_cameras ? border.T_C0Ci[c] : take(6));
+  }
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    const auto count = static_cast<int>(estimate.cameras[c].intrinsics.stacked().size());
+    intrinsics.push_back(free_cameras ? border.intrinsics[c] : take(count));
+  }
+  size = at;
+}
+
+std::vector<ViewTerms> viewTerms(const CameraImuProblem& problem, const CameraImuSolution& solution,
+                                 const FaultColumns& columns) {
+  const ViewRows rows(problem, solution, columns);
+  std::vector<ViewIndex> list;
+  for (std::size_t i = 0; i < problem.frames.size(); ++i) {
+    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+      if (problem.frames[i].view[c] >= 0) list.push_back({i, c});
+    }
+  }
+  std::vector<ViewTerms> out(list.size());
+  forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      out[at] = rows.view(list[at].frame, list[at].camera);
+    }
+  });
+  return out;
+}
+
+std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
+                                                const CameraImuSolution& solution,
+                                                const FaultColumns& columns, double sway_hz) {
+  const LinkRows rows(problem, solution, columns, sway_hz);
+  std::vector<std::size_t> list;
+  for (std::size_t k = 0; k < problem.links.size(); ++k) {
+    if (problem.links[k] != FrameLink::kBroken) list.push_back(k);
+  }
+  std::vector<LinkTerms> out(list.size());
+  std::atomic<bool> covered{true};
+  forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      auto link = rows.link(list[static_cast<std::size_t>(k)]);
+      if (link) {
+        out[static_cast<std::size_t>(k)] = std::move(*link);
+      } else {
+        covered = false;
+      }
+    }
+  });
+  if (!covered) return std::nullopt;
+  return out;
+}
+
+}  // namespace plumbline
