@@ -17,6 +17,7 @@
 #include "report/html/comparison/page.h"
 #include "report/html/perturbation/page.h"
 #include "report/html/replay/page.h"
+#include "report/html/study/page.h"
 #include "report/html/trajectory/page.h"
 #include "report/store/store.h"
 
@@ -57,6 +58,8 @@ std::string pageOf(const Store& store, const RunSummary& run) {
       return renderPerturbationPage(store.loadPerturbation(run.id));
     case RunKind::kReplay:
       return renderReplayPage(store.loadReplay(run.id));
+    case RunKind::kStudy:
+      return renderStudyPage(store.loadStudy(run.id));
   }
   return "";
 }

@@ -17,6 +17,7 @@ struct Cell {
   std::string text;
   Kind kind = Kind::kText;
   std::optional<VerdictLevel> level = {};  ///< a dot of its colour before the text
+  std::string link = {};                   ///< relative address that the text leads to
 };
 
 inline constexpr auto kNumber = Cell::Kind::kNumber;

@@ -6,6 +6,7 @@
 #include "report/records/comparison_record.h"
 #include "report/records/perturbation_record.h"
 #include "report/records/replay_record.h"
+#include "report/records/study_record.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
@@ -14,6 +15,7 @@ std::string documentOf(const CalibrationRecord& record) { return documentText(re
 std::string documentOf(const ComparisonRecord& record) { return documentText(record); }
 std::string documentOf(const PerturbationRecord& record) { return documentText(record); }
 std::string documentOf(const ReplayRecord& record) { return documentText(record); }
+std::string documentOf(const StudyRecord& record) { return documentText(record); }
 std::string documentOf(const TrajectoryRecord& record) { return documentText(record); }
 std::string documentOf(const TrajectoryRun& run) { return documentText(run); }
 

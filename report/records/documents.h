@@ -9,6 +9,7 @@ struct CalibrationRecord;
 struct ComparisonRecord;
 struct PerturbationRecord;
 struct ReplayRecord;
+struct StudyRecord;
 struct TrajectoryRecord;
 struct TrajectoryRun;
 
@@ -19,6 +20,7 @@ std::string documentOf(const CalibrationRecord& record);   ///< calibration.json
 std::string documentOf(const ComparisonRecord& record);    ///< comparison.json
 std::string documentOf(const PerturbationRecord& record);  ///< perturbation.json
 std::string documentOf(const ReplayRecord& record);        ///< replay.json
+std::string documentOf(const StudyRecord& record);         ///< summary.json
 std::string documentOf(const TrajectoryRecord& record);    ///< trajectory.json
 std::string documentOf(const TrajectoryRun& run);          ///< `evaluate trajectory --json`
 

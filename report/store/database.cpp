@@ -7,7 +7,7 @@ namespace plumbline::store_internal {
 namespace {
 
 constexpr int kApplicationId = 0x504c4d42;  // "PLMB": tells our files from other SQLite files
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 
 int pragma(SQLite::Database& db, const char* name) {
   return db.execAndGet(std::string("PRAGMA ") + name).getInt();
@@ -21,12 +21,23 @@ void makeSchema(SQLite::Database& db) {
   transaction.commit();
 }
 
+// Version 1 has no runs of kind 'study', and SQLite changes no CHECK of a table in place. Foreign
+// keys are off here (SQLite's default), so that rows that refer to the table outlive its exchange.
+void bringUpToDate(SQLite::Database& db) {
+  if (pragma(db, "user_version") == kSchemaVersion) return;
+  SQLite::Transaction transaction(db);
+  db.exec(embedded::migrate_1());
+  db.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+  transaction.commit();
+}
+
 std::int64_t writeInto(const std::filesystem::path& path, bool existed,
                        const std::function<std::int64_t(SQLite::Database&)>& insert) {
   try {
     SQLite::Database db(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     if (existed) {
       checkOwner(db, path.string());
+      bringUpToDate(db);
     } else {
       makeSchema(db);
     }
@@ -49,7 +60,7 @@ void checkOwner(SQLite::Database& db, const std::string& path) {
   if (pragma(db, "application_id") != kApplicationId || version < 1) {
     throw InputError(path, 0, "is an SQLite file of another program; name a store of Plumbline's");
   }
-  if (version != kSchemaVersion) {
+  if (version > kSchemaVersion) {
     throw InputError(path, 0,
                      "has store version " + std::to_string(version) + ", this program knows " +
                          std::to_string(kSchemaVersion) +

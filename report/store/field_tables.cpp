@@ -10,6 +10,7 @@
 #include "report/records/field_walker.h"
 #include "report/records/perturbation_record.h"
 #include "report/records/replay_record.h"
+#include "report/records/study_record.h"
 #include "report/records/trajectory_record.h"
 #include "report/store/packed_fields.h"
 
@@ -127,7 +128,9 @@ std::string fieldTables() {
   walkFields(sink, TrajectoryRecord());
   text += sink.take("trajectory.json");
   walkFields(sink, ReplayRecord());
-  return text + sink.take("replay.json");
+  text += sink.take("replay.json");
+  walkFields(sink, StudyRecord());
+  return text + sink.take("summary.json of a study");
 }
 
 }  // namespace plumbline

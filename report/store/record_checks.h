@@ -8,6 +8,7 @@
 #include "report/records/comparison_record.h"
 #include "report/records/perturbation_record.h"
 #include "report/records/replay_record.h"
+#include "report/records/study_record.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline::store_internal {
@@ -20,6 +21,7 @@ void checkRecord(const PerturbationRecord& record);
 void checkRecord(const ReplayRecord& record);
 inline void checkRecord(const TrajectoryRecord& /*record*/) {}
 inline void checkRecord(const ComparisonRecord& /*record*/) {}
+inline void checkRecord(const StudyRecord& /*record*/) {}
 
 /// JSON of a document. Throws std::runtime_error where it is larger, or nested deeper, than any
 /// that this program writes, and nlohmann's exceptions for what is no JSON.

@@ -210,6 +210,15 @@ std::vector<StageParameters> parametersOf(const PerturbationRecord& record) {
   return stages;
 }
 
+std::vector<StageParameters> parametersOf(const StudyRecord& record) {
+  std::vector<StageParameters> stages;
+  std::map<std::string, int> seen;
+  for (const StudySession& s : record.sessions) {
+    if (!s.estimates.empty()) stages.push_back({unique(s.name, seen), s.estimates});
+  }
+  return stages;
+}
+
 std::vector<StageParameters> parametersOf(const TrajectoryRecord& /*record*/) { return {}; }
 std::vector<StageParameters> parametersOf(const ReplayRecord& /*record*/) { return {}; }
 

@@ -28,12 +28,14 @@ struct StageParameters {
   std::vector<ParameterEstimate> parameters;
 };
 
-/// Of both stages; of every calibration; of the base and every case; other records have none.
+/// Of both stages; of every calibration; of the base and every case; of every session of a study;
+/// other records have none.
 std::vector<StageParameters> parametersOf(const CalibrationRecord& record);
 std::vector<StageParameters> parametersOf(const ComparisonRecord& record);
 std::vector<StageParameters> parametersOf(const PerturbationRecord& record);
 std::vector<StageParameters> parametersOf(const TrajectoryRecord& record);
 std::vector<StageParameters> parametersOf(const ReplayRecord& record);
+std::vector<StageParameters> parametersOf(const StudyRecord& record);
 
 /// A run being written.
 class RunWriter {

@@ -135,6 +135,10 @@ std::int64_t Store::save(const ReplayRecord& record) const {
   return saveAs(RunKind::kReplay, path_, record);
 }
 
+std::int64_t Store::save(const StudyRecord& record) const {
+  return saveAs(RunKind::kStudy, path_, record);
+}
+
 CalibrationRecord Store::loadCalibration(std::optional<std::int64_t> run) const {
   return loadAs<CalibrationRecord>(RunKind::kCalibration, path_, run);
 }
@@ -153,6 +157,10 @@ PerturbationRecord Store::loadPerturbation(std::optional<std::int64_t> run) cons
 
 ReplayRecord Store::loadReplay(std::optional<std::int64_t> run) const {
   return loadAs<ReplayRecord>(RunKind::kReplay, path_, run);
+}
+
+StudyRecord Store::loadStudy(std::optional<std::int64_t> run) const {
+  return loadAs<StudyRecord>(RunKind::kStudy, path_, run);
 }
 
 std::string Store::document(std::int64_t run) const {

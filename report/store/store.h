@@ -12,15 +12,16 @@
 #include "report/records/comparison_record.h"
 #include "report/records/perturbation_record.h"
 #include "report/records/replay_record.h"
+#include "report/records/study_record.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
 
 /// Which record a run holds.
-enum class RunKind { kCalibration, kTrajectory, kComparison, kPerturbation, kReplay };
+enum class RunKind { kCalibration, kTrajectory, kComparison, kPerturbation, kReplay, kStudy };
 
-constexpr std::array<const char*, 5> enumWords(RunKind /*of*/) {
-  return {"calibration", "trajectory", "comparison", "perturbation", "replay"};
+constexpr std::array<const char*, 6> enumWords(RunKind /*of*/) {
+  return {"calibration", "trajectory", "comparison", "perturbation", "replay", "study"};
 }
 
 /// A run as it is listed.
@@ -38,7 +39,8 @@ struct RunSummary {
 /// findings; their column `stage` names the part of the run (a stage of a calibration, a case of a
 /// perturbation study, a calibration of a comparison, a trajectory). See sql/schema.sql.
 ///
-/// A file that is missing, is no SQLite file, belongs to another program, has another version or is
+/// A store of an older version is read as it is and brought to this one by the first save(). A file
+/// that is missing, is no SQLite file, belongs to another program, has a newer version or is
 /// damaged ends in an InputError that names it.
 class Store {
  public:
@@ -51,6 +53,7 @@ class Store {
   std::int64_t save(const ComparisonRecord& record) const;
   std::int64_t save(const PerturbationRecord& record) const;
   std::int64_t save(const ReplayRecord& record) const;
+  std::int64_t save(const StudyRecord& record) const;
 
   /// The record of a run, or of the latest of its kind. InputError where the run is of another.
   CalibrationRecord loadCalibration(std::optional<std::int64_t> run = std::nullopt) const;
@@ -58,6 +61,7 @@ class Store {
   ComparisonRecord loadComparison(std::optional<std::int64_t> run = std::nullopt) const;
   PerturbationRecord loadPerturbation(std::optional<std::int64_t> run = std::nullopt) const;
   ReplayRecord loadReplay(std::optional<std::int64_t> run = std::nullopt) const;
+  StudyRecord loadStudy(std::optional<std::int64_t> run = std::nullopt) const;
 
   /// The JSON document of a run, as the command that made it wrote it into its folder.
   std::string document(std::int64_t run) const;

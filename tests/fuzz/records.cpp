@@ -98,6 +98,9 @@ void loadRun(const Store& store, const RunSummary& run) {
     case RunKind::kReplay:
       documentOf(store.loadReplay(run.id));
       return;
+    case RunKind::kStudy:
+      documentOf(store.loadStudy(run.id));
+      return;
   }
 }
 
@@ -109,7 +112,8 @@ Parser document() {
                            static_cast<int>(isDocumentOf<TrajectoryRecord>(path)) +
                            static_cast<int>(isDocumentOf<ComparisonRecord>(path)) +
                            static_cast<int>(isDocumentOf<PerturbationRecord>(path)) +
-                           static_cast<int>(isDocumentOf<ReplayRecord>(path)) >
+                           static_cast<int>(isDocumentOf<ReplayRecord>(path)) +
+                           static_cast<int>(isDocumentOf<StudyRecord>(path)) >
                        0;
     if (!known) throw InputError(path, 0, "is no document of a record");
   };

@@ -295,10 +295,66 @@ TEST_F(StoreTest, RefusesDamagedRows) {
 
 TEST_F(StoreTest, RefusesAStoreOfAnotherVersion) {
   Store(file()).save(test::syntheticPerturbation());
-  EXPECT_EQ(number("PRAGMA user_version"), 1);
-  change("PRAGMA user_version = 2");
+  EXPECT_EQ(number("PRAGMA user_version"), 2);
+  change("PRAGMA user_version = 3");
   EXPECT_THAT(complaintOf([&] { Store(file()).runs(); }),
-              HasSubstr("has store version 2, this program knows 1"));
+              HasSubstr("has store version 3, this program knows 2"));
+}
+
+StudyRecord smallStudy() {
+  StudyRecord record;
+  record.name = "two participants";
+  record.methods = {"free", "guided"};
+  StudySession session;
+  session.name = "p01_free";
+  session.participant = "p01";
+  session.method = "free";
+  session.period = 1;
+  session.capture_s = 73.25;
+  session.held_out_rmse_px = 0.31;
+  session.estimates = {{"cam0.fu", 458.5, 0.1, "px", {}, 0.15}};
+  record.sessions = {session, session};
+  record.sessions[1].name = "p01_guided";
+  record.sessions[1].finished = false;
+  record.sessions[1].held_out_rmse_px.reset();
+  record.trajectories = {{"p01_free", "seq01", "0", 0.12, ""},
+                         {"p01_guided", "seq01", "0", {}, "diverged"}};
+  record.statistics.effects.resize(1);
+  record.statistics.effects[0].effect = {0.82, 0.7, std::nullopt};
+  return record;
+}
+
+TEST_F(StoreTest, KeepsAStudyWithItsFiguresAsRows) {
+  const StudyRecord record = smallStudy();
+  const Store store(file());
+  store.save(record);
+  EXPECT_EQ(store.summary().kind, RunKind::kStudy);
+  EXPECT_EQ(documentOf(store.loadStudy()), documentOf(record));
+  EXPECT_EQ(number("SELECT value FROM metrics WHERE stage = 'p01_free' AND name = 'capture_s'"),
+            73.25);
+  EXPECT_EQ(number("SELECT count(*) FROM metrics WHERE stage = 'p01_guided' AND name = "
+                   "'held_out_rmse_px'"),
+            0);
+  EXPECT_EQ(number("SELECT value FROM parameters WHERE stage = 'p01_free' AND name = 'cam0.fu'"),
+            458.5);
+}
+
+// As version 1 wrote them: its CHECK knew no studies.
+TEST_F(StoreTest, BringsAStoreOfVersion1UpToDateWithItsRuns) {
+  const Store store(file());
+  const auto run = store.save(test::syntheticPerturbation());
+  const std::string document = store.document(run);
+  change(
+      "PRAGMA writable_schema = ON; UPDATE sqlite_master SET sql = replace(sql, ', ''study''', '') "
+      "WHERE name = 'runs'; PRAGMA user_version = 1");
+  EXPECT_EQ(store.document(run), document) << "read as it is";
+  EXPECT_EQ(number("PRAGMA user_version"), 1);
+  const auto study = store.save(smallStudy());
+  EXPECT_GT(study, run);
+  EXPECT_EQ(number("PRAGMA user_version"), 2);
+  EXPECT_EQ(store.document(run), document);
+  EXPECT_EQ(store.loadStudy(study).sessions.size(), 2U);
+  EXPECT_EQ(number("SELECT count(*) FROM pragma_foreign_key_check"), 0);
 }
 
 TEST(PackedFields, SayWhatAnElementHolds) {

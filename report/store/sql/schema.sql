@@ -1,13 +1,14 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- Version 1 of the store. A run is its record's document (JSON, the same that a command writes) and
+-- Version 2 of the store. A run is its record's document (JSON, the same that a command writes) and
 -- its samples (arrays, packed little-endian). What a study asks for are rows of their own: metrics,
 -- parameters, findings. `stage` names the part of the run that a number belongs to ("camera" and
 -- "camera_imu" of a calibration, a case of a perturbation study, a calibration of a comparison,
--- "sequence/calibration/run" of trajectories); `name` is the field's path within that part.
+-- "sequence/calibration/run" of trajectories, a session of a study); `name` is the field's path within
+-- that part.
 CREATE TABLE runs (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   kind TEXT NOT NULL CHECK (
-    kind IN ('calibration', 'trajectory', 'comparison', 'perturbation', 'replay')
+    kind IN ('calibration', 'trajectory', 'comparison', 'perturbation', 'replay', 'study')
   ),
   name TEXT NOT NULL,
   version TEXT NOT NULL,
