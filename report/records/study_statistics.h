@@ -40,6 +40,7 @@ void fields(V& v, StudyInterval& i) {
 struct StudyEffect {
   std::string endpoint, unit;
   std::string baseline, method;
+  bool declared = false;  ///< in STUDY.yaml: one of those that Holm's correction is over
   StudyDesign design = StudyDesign::kTooFew;
   bool ratio = true;
   int participants = 0;                      ///< with both methods
@@ -47,9 +48,9 @@ struct StudyEffect {
   int first_baseline = 0, first_method = 0;  ///< of them, who began with which
   StudyInterval effect;                      ///< period taken out in a crossover
   std::optional<StudyInterval> bca;          ///< the same effect, bias-corrected bootstrap
-  std::optional<double> p, p_holm;           ///< two-sided permutation test within sequences
-  bool exact = false;                        ///< all permutations were enumerated
-  double permutations = 0;                   ///< that were looked at
+  std::optional<double> p, p_holm;  ///< two-sided; the orders are permuted over participants
+  bool exact = false;               ///< all permutations were enumerated
+  double permutations = 0;          ///< that were looked at
   std::optional<double> wilcoxon_p;
   std::optional<StudyInterval> hodges_lehmann;
   std::optional<StudyInterval> period;      ///< second period against first
@@ -65,6 +66,7 @@ void fields(V& v, StudyEffect& e) {
   v("unit", e.unit, "of the endpoint");
   v("baseline", e.baseline, "method compared against");
   v("method", e.method, "method compared");
+  v("declared", e.declared, "in STUDY.yaml; the others are exploratory and not corrected");
   v("design", e.design, "`crossover`; `one-order`: no p-value; `too-few`");
   v("ratio", e.ratio, "effects are factors method / baseline; else differences method - baseline");
   v("participants", e.participants, "1", "with a figure under both");
@@ -74,7 +76,7 @@ void fields(V& v, StudyEffect& e) {
   v("effect", e.effect,
     "in a crossover with the period taken out; interval by inverting the permutation test");
   v("bca", e.bca, "the same effect; interval by the BCa bootstrap");
-  v("p", e.p, "1", "permutation test within sequences, two-sided");
+  v("p", e.p, "1", "two-sided; the orders are permuted over participants, the groups' sizes kept");
   v("p_holm", e.p_holm, "1", "corrected over the declared endpoints");
   v("exact", e.exact, "every permutation was looked at");
   v("permutations", e.permutations, "1", "that were looked at");

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/statistics/endpoints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "calibrator/base/statistics.h"
+#include "report/records/field_walker.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kAte = "ate_m";
+constexpr const char* kStages = "stages_s.";  // as STUDY.yaml has them
+
+/// The number of one name among a session's fields. Stages go by their names.
+struct FigureFinder {
+  static constexpr bool kAll = false;
+  std::string wanted;
+  std::vector<std::string> path = {};
+  std::optional<double> value = {};
+  std::string unit = {};
+
+  template <class T>
+  bool field(const char* /*name*/, const std::string& /*unit*/, const char* /*text*/) {
+    return true;
+  }
+  void number(const char* name, const std::string& its_unit, double its_value) {
+    std::string full;
+    for (const std::string& part : path) full += part + ".";
+    if (full + name != wanted) return;
+    value = its_value;
+    unit = its_unit;
+  }
+  template <class T>
+  void array(const char* /*name*/, const T& /*values*/, const char* /*text*/) {}
+  void enter(const char* name) { path.emplace_back(name); }
+  void leave() { path.pop_back(); }
+  void element(std::size_t /*index*/, const std::string& label) { path.push_back(label); }
+};
+
+FigureFinder findFigure(const StudySession& session, const std::string& name) {
+  FigureFinder finder{name};
+  if (name.starts_with(kStages)) {
+    finder.wanted = "stages." + name.substr(std::string(kStages).size()) + ".seconds";
+  }
+  walkFields(finder, session);
+  return finder;
+}
+
+std::string wordsFor(const std::string& name) {
+  static const std::pair<const char*, const char*> kWords[] = {
+      {kAte, "ATE"},
+      {"held_out_rmse_px", "held-out RMSE"},
+      {"camera_rmse_px", "RMSE of the camera stage"},
+      {"camera_imu_rmse_px", "RMSE of the camera-IMU stage"},
+      {"capture_s", "capture time"},
+      {"camera_entropy_nats", "camera entropy"},
+      {"camera_imu_entropy_nats", "camera-IMU entropy"},
+      {"time_offset_std_s", "standard deviation of the time offset"},
+      {"calibration_s", "computing time"}};
+  for (const auto& [word, words] : kWords) {
+    if (name == word) return words;
+  }
+  return name.starts_with(kStages) ? "time of stage " + name.substr(std::string(kStages).size())
+                                   : name;
+}
+
+bool signedFigure(const std::string& name) { return name == "time_offset_s"; }
+
+double mean(const std::vector<double>& values) { return sampleStatistics(values).mean; }
+
+/// Log-ATE by sequence of a participant's sessions of a method, mean over sessions and runs.
+std::map<std::string, double> logErrors(const StudyRecord& record, const std::string& participant,
+                                        const std::string& method) {
+  std::set<std::string> sessions;
+  for (const StudySession& s : record.sessions) {
+    if (s.participant == participant && s.method == method) sessions.insert(s.name);
+  }
+  std::map<std::string, std::vector<double>> runs;
+  for (const StudyTrajectory& t : record.trajectories) {
+    if (t.ate_m && *t.ate_m > 0 && sessions.contains(t.session)) {
+      runs[t.sequence].push_back(std::log(*t.ate_m));
+    }
+  }
+  std::map<std::string, double> errors;
+  for (const auto& [sequence, values] : runs) errors[sequence] = mean(values);
+  return errors;
+}
+
+/// Values of the methods of one participant on the endpoint's scale; empty unless all have one.
+std::vector<double> ateValues(const StudyRecord& record, const std::string& participant,
+                              const std::vector<std::string>& methods) {
+  std::vector<std::map<std::string, double>> errors;
+  for (const std::string& m : methods) errors.push_back(logErrors(record, participant, m));
+  std::vector<std::vector<double>> common(methods.size());
+  for (const auto& error : errors.front()) {
+    const std::string& sequence = error.first;
+    const bool everywhere = std::all_of(errors.begin(), errors.end(), [&](const auto& of_method) {
+      return of_method.contains(sequence);
+    });
+    for (std::size_t k = 0; everywhere && k < errors.size(); ++k) {
+      common[k].push_back(errors[k].at(sequence));
+    }
+  }
+  std::vector<double> values;
+  for (const auto& of_method : common) {
+    if (of_method.empty()) return {};
+    values.push_back(mean(of_method));
+  }
+  return values;
+}
+
+std::vector<double> figureValues(const StudyRecord& record, const Endpoint& endpoint,
+                                 const std::string& participant,
+                                 const std::vector<std::string>& methods) {
+  std::vector<double> values;
+  for (const std::string& method : methods) {
+    std::vector<double> of_method;
+    for (const StudySession& s : record.sessions) {
+      if (s.participant != participant || s.method != method) continue;
+      const auto x = figureOf(record, s, endpoint.name);
+      if (x && std::isfinite(*x)) of_method.push_back(endpoint.ratio ? std::log(*x) : *x);
+    }
+    if (of_method.empty()) return {};
+    values.push_back(mean(of_method));
+  }
+  return values;
+}
+
+std::vector<double> valuesOf(const StudyRecord& record, const Endpoint& endpoint,
+                             const std::string& participant,
+                             const std::vector<std::string>& methods) {
+  return endpoint.name == kAte ? ateValues(record, participant, methods)
+                               : figureValues(record, endpoint, participant, methods);
+}
+
+/// The participant's first period of a method; none without a session of it.
+std::optional<int> periodOf(const StudyRecord& record, const std::string& participant,
+                            const std::string& method) {
+  std::optional<int> first;
+  for (const StudySession& s : record.sessions) {
+    if (s.participant != participant || s.method != method) continue;
+    first = std::min(first.value_or(s.period), s.period);
+  }
+  return first;
+}
+
+}  // namespace
+
+std::optional<double> figureOf(const StudyRecord& record, const StudySession& session,
+                               const std::string& name) {
+  if (name == "capture_s" && !session.finished) return record.limit_s;
+  return findFigure(session, name).value;
+}
+
+std::optional<Endpoint> endpointOf(const StudyRecord& record, const std::string& name) {
+  if (name == kAte) {
+    const bool any = std::any_of(record.trajectories.begin(), record.trajectories.end(),
+                                 [](const StudyTrajectory& t) { return t.ate_m.has_value(); });
+    return any ? std::optional(Endpoint{name, "m", wordsFor(name), true}) : std::nullopt;
+  }
+  std::optional<Endpoint> endpoint;
+  for (const StudySession& session : record.sessions) {
+    const FigureFinder found = findFigure(session, name);
+    if (!found.value) continue;
+    if (!endpoint) {
+      const bool size = found.unit == "px" || found.unit == "s" || found.unit == "m";
+      endpoint = {name, found.unit, wordsFor(name), size && !signedFigure(name)};
+    }
+    if (!(*found.value > 0)) endpoint->ratio = false;
+  }
+  return endpoint;
+}
+
+std::vector<std::string> participantsOf(const StudyRecord& record) {
+  std::vector<std::string> names;
+  for (const StudySession& s : record.sessions) {
+    if (std::find(names.begin(), names.end(), s.participant) == names.end()) {
+      names.push_back(s.participant);
+    }
+  }
+  return names;
+}
+
+EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,
+                      const std::string& baseline, const std::string& method) {
+  EndpointPairs result;
+  for (const std::string& participant : participantsOf(record)) {
+    const auto first = periodOf(record, participant, baseline);
+    const auto second = periodOf(record, participant, method);
+    if (!first && !second) continue;
+    const std::vector<double> values = valuesOf(record, endpoint, participant, {baseline, method});
+    if (values.empty()) {
+      ++result.left_out;
+    } else {
+      result.pairs.push_back({values[0], values[1], *second < *first});
+    }
+  }
+  return result;
+}
+
+std::vector<std::vector<double>> blocksOf(const StudyRecord& record, const Endpoint& endpoint) {
+  std::vector<std::vector<double>> blocks;
+  for (const std::string& participant : participantsOf(record)) {
+    std::vector<double> values = valuesOf(record, endpoint, participant, record.methods);
+    if (!values.empty()) blocks.push_back(std::move(values));
+  }
+  return blocks;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/statistics/paired_analysis.h"
+
+#include <algorithm>
+
+#include "calibrator/base/statistics.h"
+
+namespace plumbline {
+namespace {
+
+PermutationResult halved(PermutationResult result) {
+  result.estimate /= 2;
+  if (result.low) *result.low /= 2;
+  if (result.high) *result.high /= 2;
+  return result;
+}
+
+std::vector<double> negated(std::vector<double> values) {
+  for (double& v : values) v = -v;
+  return values;
+}
+
+double meanOfMeans(const Groups& groups) {
+  double sum = 0;
+  for (const auto& group : groups) sum += sampleStatistics(group).mean;
+  return sum / static_cast<double>(groups.size());
+}
+
+}  // namespace
+
+PairedAnalysis analysePairs(const std::vector<PairedValues>& pairs, const PairedOptions& options) {
+  std::vector<double> all, method_first, baseline_first, sums_method, sums_baseline;
+  for (const PairedValues& pair : pairs) {
+    const double difference = pair.method - pair.baseline;
+    all.push_back(difference);
+    (pair.method_first ? method_first : baseline_first).push_back(difference);
+    (pair.method_first ? sums_method : sums_baseline).push_back(pair.method + pair.baseline);
+  }
+  PairedAnalysis result;
+  result.first_method = static_cast<int>(method_first.size());
+  result.first_baseline = static_cast<int>(baseline_first.size());
+  if (pairs.size() < 2) return result;
+  result.signed_rank = signedRank(all, options.permutation.confidence);
+  if (method_first.empty() || baseline_first.empty()) {
+    result.design = StudyDesign::kOneOrder;
+    result.effect = shiftOfPairs(all, options.permutation);
+    result.bca = bcaInterval({all}, meanOfMeans, options.bootstrap);
+    return result;
+  }
+  result.design = StudyDesign::kCrossover;
+  result.effect = halved(shiftBetween(method_first, negated(baseline_first), options.permutation));
+  result.bca = bcaInterval({method_first, baseline_first}, meanOfMeans, options.bootstrap);
+  result.period = halved(shiftBetween(baseline_first, method_first, options.permutation));
+  result.carry_over = shiftBetween(sums_method, sums_baseline, options.permutation);
+  return result;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/statistics/sentences.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+namespace {
+
+/// A size with its direction: 0.82 as 18 % lower.
+struct Change {
+  double size = 0;
+  bool lower = false;
+};
+
+Change changeOf(double value, bool ratio) {
+  if (ratio) return {100 * std::abs(value - 1), value < 1};
+  return {std::abs(value), value < 0};
+}
+
+std::string numberText(double size, bool ratio) {
+  if (!ratio) return fmt::format("{:.3g}", size);
+  return size < 9.95 && size > 0 ? fmt::format("{:.2g}", size) : fmt::format("{:.0f}", size);
+}
+
+const char* direction(bool lower) { return lower ? "lower" : "higher"; }
+
+std::string unitText(const StudyEffect& effect) {
+  if (effect.ratio) return " %";
+  return effect.unit == "1" ? "" : " " + effect.unit;
+}
+
+/// "7 to 27 %", or "7 % lower to 5 % higher" where it holds no change at all.
+std::string intervalText(const StudyInterval& interval, bool ratio, const std::string& unit) {
+  if (!interval.low || !interval.high) return "no 95 % interval with so few participants";
+  const Change low = changeOf(*interval.low, ratio), high = changeOf(*interval.high, ratio);
+  if (low.lower == high.lower) {
+    const auto [least, most] = std::minmax(low.size, high.size);
+    return fmt::format("95 % interval {} to {}{}", numberText(least, ratio),
+                       numberText(most, ratio), unit);
+  }
+  return fmt::format("95 % interval {}{} {} to {}{} {}", numberText(low.size, ratio), unit,
+                     direction(low.lower), numberText(high.size, ratio), unit,
+                     direction(high.lower));
+}
+
+std::string pText(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }
+
+std::string participantsText(int count) {
+  return fmt::format("{} participant{}", count, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string effectSentence(const StudyEffect& e, const std::string& words) {
+  if (e.design == StudyDesign::kTooFew) {
+    return fmt::format("{}: {} with both methods, too few for any statement", words,
+                       participantsText(e.participants));
+  }
+  const Change change = changeOf(e.effect.estimate, e.ratio);
+  const std::string unit = unitText(e);
+  std::string text = fmt::format("{} has {}{} {} {} than {}, {}", e.method,
+                                 numberText(change.size, e.ratio), unit, direction(change.lower),
+                                 words, e.baseline, intervalText(e.effect, e.ratio, unit));
+  if (e.design == StudyDesign::kOneOrder) {
+    const std::string& first = e.first_method > 0 ? e.method : e.baseline;
+    return text + fmt::format(" ({}); all began with {}, so method and order cannot be told apart",
+                              participantsText(e.participants), first);
+  }
+  text += fmt::format(" ({}", pText(*e.p));
+  if (e.p_holm) text += fmt::format(", {:.2g} by Holm", *e.p_holm);
+  return text + fmt::format("; {})", participantsText(e.participants));
+}
+
+std::string quadeSentence(const StudyQuade& q, const std::string& words) {
+  return fmt::format("{}: the methods {} (Quade's F({}, {}) = {:.3g}, {}; {})", words,
+                     q.p <= 0.05 ? "differ" : "were not shown to differ", q.dof1, q.dof2,
+                     q.statistic, pText(q.p), participantsText(q.participants));
+}
+
+std::string timeSentence(const StudyTimeDifference& t, double limit_s) {
+  if (t.design == StudyDesign::kTooFew) {
+    return fmt::format("time to finish: {} with both methods, too few for any statement",
+                       participantsText(t.participants));
+  }
+  const double mean = t.difference_s.estimate;
+  std::string text = fmt::format("{} takes {:.3g} s {} than {} on average up to {:g} s", t.method,
+                                 std::abs(mean), mean < 0 ? "less" : "more", t.baseline, limit_s);
+  if (t.difference_s.low && t.difference_s.high) {
+    text += fmt::format(", 95 % interval of the difference {:+.3g} to {:+.3g} s",
+                        *t.difference_s.low, *t.difference_s.high);
+  }
+  if (t.p) return text + fmt::format(" ({}; {})", pText(*t.p), participantsText(t.participants));
+  return text + " (all in one order: method and order cannot be told apart)";
+}
+
+}  // namespace plumbline

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <map>
+
+#include <boost/math/distributions/chi_squared.hpp>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/statistics.h"
+#include "evaluate/statistics/study_statistics.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kLeastSessions = 3;
+constexpr double kTail = 0.025;
+
+/// A session's estimates by name; the last stage's where both have one.
+using Estimates = std::map<std::string, ParameterEstimate>;
+
+Estimates estimatesOf(const StudySession& session) {
+  Estimates estimates;
+  for (const ParameterEstimate& e : session.estimates) estimates.insert_or_assign(e.name, e);
+  return estimates;
+}
+
+/// The rotation vector that a name such as "T_SC0.rx" belongs to; empty where it is none, or the
+/// others are missing.
+std::optional<Eigen::Vector3d> rotationOf(const Estimates& estimates, const std::string& name) {
+  const std::size_t dot = name.find(".r");
+  if (dot == std::string::npos || dot + 3 != name.size()) return std::nullopt;
+  Eigen::Vector3d vector;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto found = estimates.find(name.substr(0, dot + 2) + static_cast<char>('x' + axis));
+    if (found == estimates.end()) return std::nullopt;
+    vector[axis] = found->second.value;
+  }
+  return vector;
+}
+
+/// The value, for rotations its first session's plus the step in the left tangent from there: the
+/// deviations are of that tangent, while components of Log(R) are of none.
+double comparedValue(const Estimates& estimates, const Estimates& first, const std::string& name) {
+  const auto rotation = rotationOf(estimates, name), reference = rotationOf(first, name);
+  if (!rotation || !reference) return estimates.at(name).value;
+  const Eigen::Vector3d step = logSO3(expSO3(*rotation) * expSO3(*reference).transpose());
+  return first.at(name).value + step[name.back() - 'x'];
+}
+
+struct Sample {
+  std::vector<double> values, stated;
+  std::string unit;
+};
+
+StudySpread spreadOf(const std::string& method, const std::string& parameter, const Sample& x) {
+  StudySpread s{method, parameter, x.unit, static_cast<int>(x.values.size())};
+  double weights = 0;
+  for (std::size_t i = 0; i < x.values.size(); ++i) {
+    const double weight = 1 / (x.stated[i] * x.stated[i]);
+    weights += weight;
+    s.mean += weight * x.values[i];
+  }
+  s.mean /= weights;
+  double chi2 = 0;
+  for (std::size_t i = 0; i < x.values.size(); ++i) {
+    chi2 += std::pow((x.values[i] - s.mean) / x.stated[i], 2);
+  }
+  const auto dof = static_cast<double>(s.sessions - 1);
+  const boost::math::chi_squared distribution(dof);
+  s.std = sampleStatistics(x.values, 1).std;
+  s.stated_std = sampleStatistics(x.stated).rmse;
+  s.ratio = std::sqrt(chi2 / dof);
+  s.low = std::sqrt(boost::math::quantile(distribution, kTail) / dof);
+  s.high = std::sqrt(boost::math::quantile(complement(distribution, kTail)) / dof);
+  return s;
+}
+
+}  // namespace
+
+std::vector<StudySpread> spreadOverSessions(const StudyRecord& record) {
+  std::vector<StudySpread> spread;
+  for (const std::string& method : record.methods) {
+    std::map<std::string, Sample> samples;
+    std::map<std::string, Estimates> firsts;
+    for (const StudySession& session : record.sessions) {
+      if (session.method != method || session.status != StudyStatus::kOk) continue;
+      const Estimates estimates = estimatesOf(session);
+      for (const auto& [name, e] : estimates) {
+        const double stated = e.shownStd();
+        if (!(stated > 0) || !std::isfinite(stated) || !std::isfinite(e.value)) continue;
+        const Estimates& first = firsts.try_emplace(name, estimates).first->second;
+        Sample& sample = samples[name];
+        sample.unit = e.unit;
+        sample.values.push_back(comparedValue(estimates, first, name));
+        sample.stated.push_back(stated);
+      }
+    }
+    for (const auto& [name, sample] : samples) {
+      if (sample.values.size() >= kLeastSessions) spread.push_back(spreadOf(method, name, sample));
+    }
+  }
+  return spread;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Known effects are found in made-up studies, on the right scale, apart from the period; where
+// nothing can be told apart nothing is claimed.
+#include "evaluate/statistics/study_statistics.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "report/records/documents.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kEffect = 0.82, kPeriod = 0.9;  // factors of method and of the second session
+
+/// Counterbalanced: even participants begin with "free". Each has a level of its own.
+StudyRecord study(int participants, bool one_order = false) {
+  StudyRecord record;
+  record.methods = {"free", "guided"};
+  record.endpoints = {"held_out_rmse_px"};
+  for (int i = 0; i < participants; ++i) {
+    const bool free_first = one_order || i % 2 == 0;
+    for (const bool guided : {false, true}) {
+      StudySession s;
+      s.participant = "p" + std::to_string(i);
+      s.method = guided ? "guided" : "free";
+      s.name = s.participant + "_" + s.method;
+      s.period = guided == free_first ? 2 : 1;
+      const double noise = 1 + 0.01 * ((7 * i + (guided ? 3 : 0)) % 5 - 2);
+      s.held_out_rmse_px =
+          (0.2 + 0.05 * i) * noise * (guided ? kEffect : 1) * (s.period == 2 ? kPeriod : 1);
+      s.capture_s = (60 + 5 * i) * (guided ? 1.2 : 1);
+      record.sessions.push_back(s);
+    }
+  }
+  return record;
+}
+
+const StudyEffect& effectOn(const StudyRecord& record, const std::string& endpoint) {
+  for (const StudyEffect& e : record.statistics.effects) {
+    if (e.endpoint == endpoint) return e;
+  }
+  throw std::runtime_error("no effect on " + endpoint);
+}
+
+TEST(StudyStatistics, FindTheMethodsEffectWithThePeriodTakenOut) {
+  StudyRecord record = study(12);
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "held_out_rmse_px");
+  EXPECT_EQ(e.design, StudyDesign::kCrossover);
+  EXPECT_TRUE(e.ratio);
+  EXPECT_NEAR(e.effect.estimate, kEffect, 0.01);
+  EXPECT_LT(*e.effect.low, kEffect);
+  EXPECT_GT(*e.effect.high, kEffect);
+  EXPECT_NEAR(e.period->estimate, kPeriod, 0.01);
+  EXPECT_NEAR(e.bca->low.value(), *e.effect.low, 0.01);
+  EXPECT_TRUE(e.exact);
+  EXPECT_DOUBLE_EQ(e.permutations, 924);  // 12 over 6
+  EXPECT_DOUBLE_EQ(*e.p, 2.0 / 924);      // nothing is more extreme, either way
+  EXPECT_EQ(e.first_baseline, 6);
+}
+
+// An effect of the period alone must not become one of the method, whatever the order's balance.
+TEST(StudyStatistics, TakeAPeriodForNoMethod) {
+  StudyRecord record = study(13);
+  for (StudySession& s : record.sessions) {
+    if (s.method == "guided") *s.held_out_rmse_px /= kEffect;
+    if (s.period == 2) *s.held_out_rmse_px *= 0.5;
+  }
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "held_out_rmse_px");
+  EXPECT_NEAR(e.effect.estimate, 1, 0.015);
+  EXPECT_NEAR(e.period->estimate, 0.5 * kPeriod, 0.01);
+}
+
+TEST(StudyStatistics, SayNoPValueOfTheMethodWhereAllHadOneOrder) {
+  StudyRecord record = study(12, true);
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "held_out_rmse_px");
+  EXPECT_EQ(e.design, StudyDesign::kOneOrder);
+  EXPECT_NEAR(e.effect.estimate, kEffect * kPeriod, 0.01);
+  EXPECT_FALSE(e.p || e.p_holm || e.wilcoxon_p || e.period);
+  EXPECT_THAT(e.sentence, HasSubstr("method and order cannot be told apart"));
+  EXPECT_THAT(e.sentence, Not(HasSubstr("p =")));
+  EXPECT_FALSE(record.statistics.time[0].p);
+}
+
+TEST(StudyStatistics, SpeakFirstOfTheDeclaredEndpoints) {
+  StudyRecord record = study(12);
+  addStatistics(record);
+  EXPECT_EQ(record.statistics.sentences.front(), effectOn(record, "held_out_rmse_px").sentence);
+  EXPECT_THAT(
+      record.statistics.sentences.front(),
+      ::testing::MatchesRegex("guided has 18 % lower held-out RMSE than free, 95 % interval "
+                              "1[67] to (19|20) % \\(p = 0.0022, 0.0022 by Holm; 12 "
+                              "participants\\)"));
+}
+
+TEST(StudyStatistics, CorrectOverTheDeclaredEndpointsAlone) {
+  StudyRecord record = study(12);
+  record.endpoints = {"held_out_rmse_px", "capture_s"};
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "held_out_rmse_px");
+  EXPECT_DOUBLE_EQ(*e.p_holm, std::min(1.0, 2 * *e.p));
+  record.endpoints = {"capture_s"};
+  addStatistics(record);
+  EXPECT_FALSE(effectOn(record, "held_out_rmse_px").p_holm);
+  EXPECT_FALSE(effectOn(record, "held_out_rmse_px").declared);
+}
+
+TEST(StudyStatistics, LeaveOutParticipantsWithoutBothFigures) {
+  StudyRecord record = study(12);
+  record.sessions[3].held_out_rmse_px.reset();
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "held_out_rmse_px");
+  EXPECT_EQ(e.participants, 11);
+  EXPECT_EQ(e.left_out, 1);
+}
+
+// The sequence that failed under one method is left out under the other as well.
+TEST(StudyStatistics, AverageTheLogAteOverSequencesCompleteUnderBoth) {
+  StudyRecord record = study(6);
+  for (const StudySession& s : record.sessions) {
+    const double factor = s.method == "guided" ? 0.5 : 1;
+    record.trajectories.push_back({s.name, "easy", "0", 0.1 * factor, ""});
+    const bool lost = s.name == "p2_guided";
+    record.trajectories.push_back({s.name, "hard", "0",
+                                   lost ? std::nullopt : std::optional(3 * factor),
+                                   lost ? "diverged" : ""});
+  }
+  addStatistics(record);
+  EXPECT_NEAR(effectOn(record, "ate_m").effect.estimate, 0.5, 1e-12);
+}
+
+TEST(StudyStatistics, CountWhoGaveUpAsUnfinishedAtTheLimit) {
+  StudyRecord record = study(8);
+  record.limit_s = 300;
+  for (StudySession& s : record.sessions) {
+    if (s.name == "p1_guided") s.finished = false, s.capture_s = 20;
+  }
+  addStatistics(record);
+  const StudySurvival& guided = record.statistics.survival[1];
+  EXPECT_EQ(guided.participants, 8);
+  EXPECT_EQ(guided.finished, 7);
+  double mean = 300;
+  for (const int i : {0, 2, 3, 4, 5, 6, 7}) mean += 1.2 * (60 + 5 * i);
+  EXPECT_NEAR(guided.restricted_mean_s, mean / 8, 1e-9);
+  const StudyTimeDifference& time = record.statistics.time[0];
+  EXPECT_NEAR(time.difference_s.estimate,
+              guided.restricted_mean_s - record.statistics.survival[0].restricted_mean_s, 1e-9);
+  EXPECT_DOUBLE_EQ(*time.p, 2.0 / 256) << "all were slower with the guide";
+}
+
+TEST(StudyStatistics, ReachStagesByTheirNames) {
+  StudyRecord record = study(6);
+  for (StudySession& s : record.sessions) {
+    s.stages = {{"camera", s.method == "guided" ? 20.0 : 40.0}, {"camera_imu", 30}};
+  }
+  record.endpoints = {"stages_s.camera", "nonsense"};
+  addStatistics(record);
+  EXPECT_NEAR(effectOn(record, "stages_s.camera").effect.estimate, 0.5, 1e-12);
+  EXPECT_THAT(record.statistics.sentences.back(), HasSubstr("nonsense has no figure"));
+}
+
+TEST(StudyStatistics, UseQuadesTestForThreeMethods) {
+  StudyRecord record = study(6);
+  record.methods.push_back("other");
+  for (int i = 0; i < 6; ++i) {
+    StudySession s = record.sessions[static_cast<std::size_t>(2 * i)];
+    s.method = "other";
+    s.name = s.participant + "_other";
+    s.period = 3;
+    *s.held_out_rmse_px *= 2;
+    record.sessions.push_back(s);
+  }
+  addStatistics(record);
+  ASSERT_FALSE(record.statistics.quade.empty());
+  EXPECT_EQ(record.statistics.quade[0].participants, 6);
+  EXPECT_LT(record.statistics.quade[0].p, 0.01);
+}
+
+/// Values that scatter by their deviations exactly: +-1 sigma about the mean.
+StudyRecord spreadStudy(double scatter) {
+  StudyRecord record;
+  record.methods = {"free"};
+  for (int i = 0; i < 10; ++i) {
+    StudySession s;
+    s.name = s.participant = "p" + std::to_string(i);
+    s.method = "free";
+    const double sign = i % 2 == 0 ? 1 : -1;
+    // A rotation by 120 degrees, so that Log's components are far from the tangent's.
+    const Eigen::Vector3d w =
+        logSO3(expSO3({0, 0, sign * scatter * 1e-3}) * expSO3({1.2, 1.2, 1.2}));
+    s.estimates = {{"cam0.fu", 450 + sign * scatter * 0.1, 0.1, "px", {}, {}},
+                   {"T_SC0.rx", w.x(), 1e-3, "rad", {}, {}},
+                   {"T_SC0.ry", w.y(), 1e-3, "rad", {}, {}},
+                   {"T_SC0.rz", w.z(), 1e-3, "rad", {}, {}}};
+    record.sessions.push_back(s);
+  }
+  return record;
+}
+
+TEST(Spread, IsMeasuredInStatedDeviationsAndForRotationsInTheirTangent) {
+  const auto spread = spreadOverSessions(spreadStudy(1));
+  ASSERT_EQ(spread.size(), 4U);
+  const double expected = std::sqrt(10.0 / 9);
+  EXPECT_EQ(spread[3].parameter, "cam0.fu");
+  EXPECT_NEAR(spread[3].ratio, expected, 1e-9);
+  EXPECT_NEAR(spread[3].mean, 450, 1e-9);
+  EXPECT_NEAR(spread[3].stated_std, 0.1, 1e-12);
+  EXPECT_EQ(spread[2].parameter, "T_SC0.rz");
+  EXPECT_NEAR(spread[2].ratio, expected, 1e-6);
+  EXPECT_NEAR(spread[0].ratio, 0, 1e-6) << "nothing turned about x";
+  // chi^2 of 9: 2.700 and 19.023.
+  EXPECT_NEAR(spread[3].low, std::sqrt(2.700389 / 9), 1e-6);
+  EXPECT_NEAR(spread[3].high, std::sqrt(19.022768 / 9), 1e-6);
+}
+
+TEST(Spread, ThatIsLargerThanStatedIsSaid) {
+  StudyRecord record = spreadStudy(3);
+  addStatistics(record);
+  EXPECT_THAT(record.statistics.sentences.front(), HasSubstr("2 more, 2 less"));
+}
+
+TEST(StudyStatistics, AreTheSameForTheSameRecord) {
+  StudyRecord a = study(10), b = study(10);
+  addStatistics(a);
+  addStatistics(a);  // from the rest alone
+  addStatistics(b);
+  EXPECT_EQ(documentOf(a), documentOf(b));
+}
+
+TEST(StudyStatistics, SayThatPairsAreTooFew) {
+  StudyRecord record = study(1);
+  addStatistics(record);
+  EXPECT_EQ(effectOn(record, "held_out_rmse_px").design, StudyDesign::kTooFew);
+  EXPECT_THAT(record.statistics.sentences.front(), HasSubstr("too few"));
+  StudyRecord none;
+  none.methods = {"free", "guided"};
+  addStatistics(none);
+  EXPECT_EQ(none.statistics.methods.size(), 2U);
+}
+
+}  // namespace
+}  // namespace plumbline
