@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Known effects are found in made-up studies, on the right scale, apart from the period; where
 // nothing can be told apart nothing is claimed.
-#include "evaluate/statistics/study_statistics.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
+#include "evaluate/statistics/study_statistics.h"
 #include "report/records/documents.h"
 
 namespace plumbline {
