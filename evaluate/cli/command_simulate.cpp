@@ -117,7 +117,13 @@ Command simulateCommand() {
           "plumbline simulate --out session --rig euroc --seed 7 --images", [](CLI::App& app) {
             auto options = std::make_shared<SimulateOptions>();
             declareSimulate(app, *options);
-            return std::function<int()>([options] { return simulate(*options); });
+            app.require_subcommand(0, 1);
+            const Command study = simulateStudyCommand();
+            CLI::App* sub = app.add_subcommand(study.name, study.summary);
+            sub->footer("Example:\n  " + study.example);
+            return std::function<int()>([options, sub, make_study = study.configure(*sub)] {
+              return sub->parsed() ? make_study() : simulate(*options);
+            });
           }};
 }
 

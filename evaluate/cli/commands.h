@@ -45,6 +45,9 @@ Command exportCommand();
 Command compareCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
+/// The subcommand of `simulate`.
+Command simulateStudyCommand();
+
 /// The subcommands of `evaluate`.
 Command evaluateTrajectoryCommand();
 Command evaluateTrajectoriesCommand();

@@ -2,6 +2,7 @@
 #include "evaluate/statistics/paired_analysis.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "calibrator/base/statistics.h"
 
@@ -20,6 +21,13 @@ std::vector<double> negated(std::vector<double> values) {
   return values;
 }
 
+/// Values that differ by their rounding are equal: the sign of what is left would be taken for one.
+double differenceOf(const PairedValues& pair) {
+  const double difference = pair.method - pair.baseline;
+  const double size = std::max(std::abs(pair.method), std::abs(pair.baseline));
+  return std::abs(difference) <= 1e-12 * size ? 0 : difference;
+}
+
 double meanOfMeans(const Groups& groups) {
   double sum = 0;
   for (const auto& group : groups) sum += sampleStatistics(group).mean;
@@ -31,7 +39,7 @@ double meanOfMeans(const Groups& groups) {
 PairedAnalysis analysePairs(const std::vector<PairedValues>& pairs, const PairedOptions& options) {
   std::vector<double> all, method_first, baseline_first, sums_method, sums_baseline;
   for (const PairedValues& pair : pairs) {
-    const double difference = pair.method - pair.baseline;
+    const double difference = differenceOf(pair);
     all.push_back(difference);
     (pair.method_first ? method_first : baseline_first).push_back(difference);
     (pair.method_first ? sums_method : sums_baseline).push_back(pair.method + pair.baseline);

@@ -10,7 +10,7 @@ namespace plumbline {
 struct PermutationOptions {
   double confidence = 0.95;              ///< of intervals, (0, 1)
   std::uint64_t enumerated_up_to = 2e5;  ///< permutations; above, random ones are drawn
-  std::uint64_t drawn = 100'000;         ///< how many; the identity is one more
+  std::uint64_t drawn = 20'000;          ///< how many; the identity is one more
   std::uint64_t seed = 1;                ///< of the draws
 
   /// Throws InputError naming the field that is out of its range.

@@ -217,8 +217,8 @@ std::string failuresSentence(const StudyRecord& record) {
                     [](const StudySession& s) { return s.status == StudyStatus::kFailed; });
   const auto gave_up = std::count_if(record.sessions.begin(), record.sessions.end(),
                                      [](const StudySession& s) { return !s.finished; });
-  return fmt::format("{} of {} sessions have no calibration; in {} the participant gave up", failed,
-                     record.sessions.size(), gave_up);
+  return fmt::format("sessions without a calibration: {} of {}; participants who gave up: {}",
+                     failed, record.sessions.size(), gave_up);
 }
 
 /// How many parameters spread as stated, by method.

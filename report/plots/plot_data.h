@@ -66,12 +66,21 @@ struct ColouredLine {
   double width = 2;  ///< [px]
 };
 
+/// A value that has a name and may lead somewhere.
+struct NamedPoint {
+  double x = 0, y = 0;
+  std::string title;  ///< shown when pointed at
+  std::string link;   ///< relative address; empty: none
+  Colour colour;
+};
+
 struct LinePlot {
   PlotFrame frame;
   std::vector<Series> series;
   std::vector<ColouredLine> coloured = {};  ///< above the series, with a colour bar
   std::string value_label = {};             ///< of the colour bar, with unit
   Range value_range = {};                   ///< of the colours; values beyond have the end's
+  std::vector<NamedPoint> points = {};      ///< above the lines
 };
 
 /// A cloud of points; above `max_points` in all it is drawn as a density of `bins` x `bins` cells
@@ -131,12 +140,14 @@ struct VectorField {
   Colour colour;
 };
 
-/// Groups of bars side by side: values[series][category].
+/// Groups of bars side by side, or of one bar in parts: values[series][category].
 struct BarPlot {
-  PlotFrame frame;  ///< the x axis' ticks are made from the categories
+  PlotFrame frame;  ///< the x axis' ticks are made from the categories, if none are given
   std::vector<std::string> categories;
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;
+  bool stacked = false;                 ///< on each other; what is not finite counts as 0
+  std::vector<std::string> links = {};  ///< of the categories; empty: none
 };
 
 /// Minimum, quartiles, maximum.
@@ -150,6 +161,7 @@ struct BoxPlot {
   PlotFrame frame;  ///< the x axis' ticks are made from the names
   std::vector<BoxSummary> boxes;
   std::vector<std::string> series = {};  ///< names for the legend; empty: none
+  std::vector<NamedPoint> points = {};   ///< above the boxes; the i-th box stands at x = i
 };
 
 }  // namespace plumbline

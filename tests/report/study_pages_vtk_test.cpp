@@ -12,10 +12,12 @@
 
 #include "report/html/comparison/page.h"
 #include "report/html/perturbation/page.h"
+#include "report/html/study/page.h"
 #include "report/html/trajectory/page.h"
 #include "report/store/store.h"
 #include "tests/report/markup.h"
 #include "tests/report/synthetic_studies.h"
+#include "tests/report/synthetic_user_study.h"
 
 namespace plumbline {
 namespace {
@@ -37,6 +39,7 @@ struct Study {
 
 std::string renderPerturbation() { return renderPerturbationPage(test::syntheticPerturbation()); }
 std::string renderTrajectory() { return renderTrajectoryPage(test::syntheticTrajectories()); }
+std::string renderUserStudy() { return renderStudyPage(test::syntheticUserStudy()); }
 std::string renderComparison() { return renderComparisonPage(test::syntheticComparison()); }
 
 // Each page is rendered once for all tests that only read it.
@@ -46,6 +49,10 @@ const std::string& perturbationPage() {
 }
 const std::string& trajectoryPage() {
   static const std::string page = renderTrajectory();
+  return page;
+}
+const std::string& userStudyPage() {
+  static const std::string page = renderUserStudy();
   return page;
 }
 const std::string& comparisonPage() {
@@ -71,7 +78,13 @@ const Study kStudies[] = {
      &renderComparison,
      {"key-figures", "calibrations", "parameters", "transforms", "time-offset", "scores", "entropy",
       "differences", "uncertainties", "runs", "overlays", "provenance"},
-     1 + 2 * 2 + 1 + 2 + 2 * 11 + 2 + 2}};
+     1 + 2 * 2 + 1 + 2 + 2 * 11 + 2 + 2},
+    {"study",
+     &userStudyPage,
+     &renderUserStudy,
+     {"key-figures", "results", "order", "time", "trajectories", "held-out", "entropies", "offsets",
+      "perturbations", "spread", "board", "tools", "nights", "failures", "sessions", "provenance"},
+     10}};
 
 std::string withoutScripts(std::string page) {
   page.resize(page.find("<script>"));
@@ -185,10 +198,51 @@ TEST(StudyPagesFromTheStore, AreTheSame) {
   store.save(test::syntheticPerturbation());
   store.save(test::syntheticTrajectories());
   store.save(test::syntheticComparison());
+  store.save(test::syntheticUserStudy());
   EXPECT_EQ(renderPerturbationPage(store.loadPerturbation()), perturbationPage());
   EXPECT_EQ(renderTrajectoryPage(store.loadTrajectory()), trajectoryPage());
   EXPECT_EQ(renderComparisonPage(store.loadComparison()), comparisonPage());
+  EXPECT_EQ(renderStudyPage(store.loadStudy()), userStudyPage());
   std::filesystem::remove(file);
+}
+
+TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
+  const StudyRecord record = test::syntheticUserStudy();
+  const std::string svg = plot(userStudyPage(), "study-held-out");
+  const AxisMapping axes(svg);
+  ASSERT_FALSE(record.held_out.empty());
+  std::size_t linked = 0;
+  for (const std::string& point : between(svg, "<a ", "</a>")) {
+    for (const StudyHeldOut& h : record.held_out) {
+      const std::string page = "sessions/" + h.session + "/report.html";
+      if (point.find(page) == std::string::npos ||
+          point.find(h.session + ", " + h.recording) == std::string::npos) {
+        continue;
+      }
+      ++linked;
+      EXPECT_NEAR(pointsOf(point).front().second, axes.pixelY(*h.rmse_px), kPixel);
+    }
+  }
+  EXPECT_EQ(linked, record.held_out.size());
+}
+
+TEST(UserStudyPage, StacksTheStagesOfASession) {
+  const StudyRecord record = test::syntheticUserStudy();
+  const std::string svg = plot(userStudyPage(), "study-stages");
+  const AxisMapping axes(svg);
+  const StudySession& s = record.sessions.front();
+  EXPECT_TRUE(drawnAt(svg, axes.pixelX(2 - 0.35), axes.pixelY(s.stages[0].seconds)));
+  EXPECT_TRUE(
+      drawnAt(svg, axes.pixelX(2 + 0.35), axes.pixelY(s.stages[0].seconds + s.stages[1].seconds)));
+}
+
+TEST(UserStudyPage, SaysTheResultsFirstAndTheFailuresWithTheirMessages) {
+  const std::string& page = userStudyPage();
+  const auto words = page.find("guided has 18 % lower held-out RMSE");
+  ASSERT_NE(words, std::string::npos);
+  EXPECT_LT(words, page.find("<svg "));
+  EXPECT_THAT(page, HasSubstr("cam1 saw the target in 0 frames"));
+  EXPECT_THAT(page, HasSubstr("<a href=\"sessions/p01_free/report.html\">p01_free</a>"));
 }
 
 TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {

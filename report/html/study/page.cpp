@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "generated/report/embedded.h"
 #include "report/html/page.h"
+#include "report/html/study/figures.h"
+#include "report/html/study/results.h"
 #include "report/html/study/tables.h"
 
 namespace plumbline {
@@ -13,29 +16,50 @@ namespace {
 
 using namespace html_internal;
 
+template <class Holds>
+std::size_t count(const StudyRecord& record, const Holds& holds) {
+  return static_cast<std::size_t>(
+      std::count_if(record.sessions.begin(), record.sessions.end(), holds));
+}
+
 std::vector<Card> cardsOf(const StudyRecord& record) {
-  const auto count = [&](const auto& holds) {
-    return std::count_if(record.sessions.begin(), record.sessions.end(), holds);
-  };
-  const auto failed = count([](const StudySession& s) { return s.status == StudyStatus::kFailed; });
-  const auto gave_up = count([](const StudySession& s) { return !s.finished; });
-  return {{"Sessions", std::to_string(record.sessions.size()), "",
-           fmt::format("{} calibrated, {} failed",
-                       count([](const StudySession& s) { return s.status == StudyStatus::kOk; }),
-                       failed)},
-          {"Gave up", std::to_string(gave_up), "", fmt::format("limit {:g} s", record.limit_s)}};
+  const auto failed =
+      count(record, [](const StudySession& s) { return s.status == StudyStatus::kFailed; });
+  const auto gave_up = count(record, [](const StudySession& s) { return !s.finished; });
+  std::vector<Card> cards = {
+      {"Sessions", std::to_string(record.sessions.size()), "",
+       fmt::format("{} calibrated, {} failed", record.sessions.size() - failed, failed)},
+      {"Gave up", std::to_string(gave_up), "", fmt::format("limit {:g} s", record.limit_s)}};
+  for (const StudyMethod& m : record.statistics.methods) {
+    if (!m.median_held_out_px) continue;
+    cards.push_back({"Held-out RMSE, " + m.method, fmt::format("{:.4f}", *m.median_held_out_px),
+                     "px", fmt::format("median of {} sessions", m.calibrated)});
+  }
+  if (!record.nights.empty()) {
+    const auto open = std::count_if(record.alarms.begin(), record.alarms.end(),
+                                    [](const StudyAlarm& a) { return !a.accepted; });
+    cards.push_back(
+        {"Alarms", std::to_string(open), "", fmt::format("night {}", record.nights.back().night)});
+  }
+  return cards;
 }
 
 }  // namespace
 
 std::string renderStudyPage(const StudyRecord& record) {
-  return renderPage({"Study",
-                     record.name,
-                     record.provenance,
-                     record.verdict,
-                     cardsOf(record),
-                     {methodsSection(record), failuresSection(record), sessionsSection(record)},
-                     {}});
+  return renderPage(
+      {.kicker = "User study",
+       .name = record.name,
+       .provenance = record.provenance,
+       .verdict = record.verdict,
+       .cards = cardsOf(record),
+       .sections = {resultsSection(record), orderSection(record), timeSection(record),
+                    trajectorySection(record), heldOutSection(record), entropySection(record),
+                    offsetSection(record), perturbationSection(record), spreadSection(record),
+                    boardSection(record), othersSection(record), nightsSection(record),
+                    failuresSection(record), sessionsSection(record)},
+       .assumptions = {},
+       .script = embedded::table_sort_js()});
 }
 
 }  // namespace plumbline

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/html/study/tables.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "report/html/text.h"
+#include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
 namespace {
-
-Cell orDash(const std::optional<double>& value, double factor, const char* format) {
-  if (!value) return number(kDash);
-  return number(fmt::format(fmt::runtime(format), factor * *value));
-}
-
-Cell linkTo(const StudySession& s) { return {s.name, Cell::Kind::kTight, {}, s.page}; }
 
 Cell offsetCell(const StudySession& s) {
   if (!s.time_offset_s) return number(kDash);
@@ -22,46 +19,180 @@ Cell offsetCell(const StudySession& s) {
 
 Cell verdictCell(const StudySession& s) {
   if (s.status == StudyStatus::kFailed) {
-    return {"failed: " + s.message, Cell::Kind::kText, VerdictLevel::kBad};
+    return {"failed: " + s.message, Cell::Kind::kText, VerdictLevel::kBad, {}};
   }
-  return {s.verdict_sentence.empty() ? toString(s.verdict) : s.verdict_sentence, Cell::Kind::kText,
-          s.verdict};
+  return {s.verdict_sentence.empty() ? toString(s.verdict) : s.verdict_sentence,
+          Cell::Kind::kText,
+          s.verdict,
+          {}};
+}
+
+Cell named(const StudyRecord& record, const std::string& session) {
+  const StudySession* s = sessionOf(record, session);
+  return s ? linkTo(*s) : tight(session);
+}
+
+/// What went wrong with a session; empty if nothing did.
+std::string problemOf(const StudySession& s) {
+  if (s.status == StudyStatus::kFailed) return "failed at " + s.failed_step;
+  if (!s.finished) return "gave up";
+  return s.verdict == VerdictLevel::kBad ? "bad verdict" : "";
+}
+
+/// The differences that are largest in deviations.
+std::string largestDifferences(const StudyOther& other) {
+  std::vector<StudyDifference> all = other.differences;
+  std::erase_if(all, [](const StudyDifference& d) { return !d.sigmas; });
+  std::stable_sort(all.begin(), all.end(), [](const StudyDifference& a, const StudyDifference& b) {
+    return std::abs(*a.sigmas) > std::abs(*b.sigmas);
+  });
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, all.size()); ++i) {
+    text += fmt::format("{}{} {:+.2g} \u03c3", i > 0 ? ", " : "", all[i].parameter, *all[i].sigmas);
+  }
+  return text.empty() ? kDash : text;
+}
+
+Figure nightsFigure(const StudyRecord& record) {
+  LinePlot plot;
+  Series line{"median held-out RMSE", {}, {}, seriesColour(0), 1.6, false, false};
+  double top = 0;
+  for (const StudyNight& n : record.nights) {
+    if (!n.held_out_rmse_px) continue;
+    line.x.push_back(n.night);
+    line.y.push_back(*n.held_out_rmse_px);
+    top = std::max(top, *n.held_out_rmse_px);
+  }
+  if (line.x.size() < 2) return {};
+  for (std::size_t i = 0; i < line.x.size(); ++i) {
+    plot.points.push_back({line.x[i], line.y[i],
+                           fmt::format("night {:g}: {:.4f} px", line.x[i], line.y[i]), "",
+                           seriesColour(0)});
+  }
+  plot.frame.title = "Held-out RMSE over the nights";
+  plot.frame.width = 960;
+  plot.frame.height = 260;
+  plot.frame.x = {"night", Range{line.x.front() - 0.5, line.x.back() + 0.5}, {}, false, false};
+  plot.frame.y = {"median over sessions [px]", Range{0, 1.1 * top}, {}, false, false};
+  plot.series.push_back(std::move(line));
+  return {toSvg(plot, "study-nights"), "", true};
+}
+
+Table nightsTable(const StudyRecord& record) {
+  Table table{{{"Night", kNumber},
+               {"Date"},
+               {"Version"},
+               {"Sessions", kNumber},
+               {"Failed", kNumber},
+               {"Alarms", kNumber},
+               {"Time [s]", kNumber}},
+              {}};
+  for (const StudyNight& n : record.nights) {
+    table.rows.push_back({number(std::to_string(n.night)), tight(n.date), tight(n.version),
+                          number(std::to_string(n.sessions)), number(std::to_string(n.failed)),
+                          number(std::to_string(n.alarms)), orDash(n.seconds, 1, "{:.0f}")});
+  }
+  return table;
+}
+
+Table alarmsTable(const StudyRecord& record) {
+  Table table{{{"Figure"},
+               {"Session"},
+               {"First bad night", kNumber},
+               {"By"},
+               {"Was", kNumber},
+               {"Is", kNumber},
+               {"Accepted"},
+               {"To run again", Cell::Kind::kCode}},
+              {}};
+  for (const StudyAlarm& a : record.alarms) {
+    Cell figure = code(a.metric);
+    figure.level = a.accepted ? VerdictLevel::kCaution : VerdictLevel::kBad;
+    table.rows.push_back({figure,
+                          named(record, a.session),
+                          number(std::to_string(a.night)),
+                          {a.kind},
+                          number(fmt::format("{:.6g}", a.was)),
+                          number(fmt::format("{:.6g}", a.is)),
+                          {a.accepted ? "yes" : "no"},
+                          code(a.command)});
+  }
+  return table;
 }
 
 }  // namespace
 
-Section methodsSection(const StudyRecord& record) {
-  Table table{{{"Method"},
-               {"Sessions", kNumber},
-               {"Calibrated", kNumber},
-               {"Gave up", kNumber},
-               {"Good", kNumber},
-               {"Caution", kNumber},
-               {"Bad", kNumber},
-               {"Median time [s]", kNumber},
-               {"Median held-out RMSE [px]", kNumber},
-               {"Suggestions reached", kNumber}},
+Cell orDash(const std::optional<double>& value, double factor, const char* format) {
+  if (!value) return number(kDash);
+  return number(fmt::format(fmt::runtime(format), factor * *value));
+}
+
+Cell linkTo(const StudySession& s) { return {s.name, Cell::Kind::kTight, {}, s.page}; }
+
+const StudySession* sessionOf(const StudyRecord& record, const std::string& name) {
+  const auto found = std::find_if(record.sessions.begin(), record.sessions.end(),
+                                  [&](const StudySession& s) { return s.name == name; });
+  return found == record.sessions.end() ? nullptr : &*found;
+}
+
+Section othersSection(const StudyRecord& record) {
+  Table table{{{"Session"},
+               {"Tool"},
+               {"Held-out RMSE [px]", kNumber},
+               {"Ours [px]", kNumber},
+               {"Largest differences from ours"}},
               {}};
-  for (const StudyMethod& m : record.statistics.methods) {
-    std::vector<Cell> row{{m.method}};
-    for (const int n : {m.sessions, m.calibrated, m.gave_up, m.good, m.caution, m.bad}) {
-      row.push_back(number(std::to_string(n)));
-    }
-    row.push_back(orDash(m.median_capture_s, 1, "{:.1f}"));
-    row.push_back(orDash(m.median_held_out_px, 1, "{:.4f}"));
-    row.push_back(orDash(m.compliance, 100, "{:.0f} %"));
-    table.rows.push_back(std::move(row));
+  for (const StudyOther& o : record.others) {
+    const StudySession* s = sessionOf(record, o.session);
+    Cell differences{o.failure.empty() ? largestDifferences(o) : "failed: " + o.failure};
+    if (!o.failure.empty()) differences.level = VerdictLevel::kBad;
+    table.rows.push_back({named(record, o.session),
+                          {o.tool},
+                          orDash(o.held_out_rmse_px, 1, "{:.4f}"),
+                          orDash(s ? s->held_out_rmse_px : std::nullopt, 1, "{:.4f}"),
+                          differences});
   }
-  return withTable({"methods", "Methods", "", {}, {}}, std::move(table));
+  return withTable({"tools",
+                    "Other tools",
+                    "Their calibrations of the same recordings, scored on the same held-out ones; "
+                    "differences in our deviations.",
+                    {},
+                    {}},
+                   std::move(table));
+}
+
+Section nightsSection(const StudyRecord& record) {
+  Section section{"nights",
+                  "Nights and alarms",
+                  "Figures of the same inputs and version must repeat; others are judged against "
+                  "the nights before.",
+                  {},
+                  {}};
+  Table alarms = alarmsTable(record);
+  if (!alarms.rows.empty()) section.blocks.push_back({"Alarms", "", std::move(alarms), {}, {}});
+  if (record.nights.empty()) return section;
+  Block nights{"Nights", "", nightsTable(record), {}, {}};
+  Figure figure = nightsFigure(record);
+  if (!figure.svg.empty()) nights.figures.push_back(std::move(figure));
+  section.blocks.push_back(std::move(nights));
+  return section;
 }
 
 Section failuresSection(const StudyRecord& record) {
-  Table table{{{"Session"}, {"Participant"}, {"Method"}, {"Step"}, {"Message"}}, {}};
+  Table table{{{"Session"}, {"Participant"}, {"Method"}, {"What"}, {"Why"}}, {}};
   for (const StudySession& s : record.sessions) {
-    if (s.status != StudyStatus::kFailed) continue;
-    table.rows.push_back({linkTo(s), {s.participant}, {s.method}, {s.failed_step}, {s.message}});
+    const std::string problem = problemOf(s);
+    if (problem.empty()) continue;
+    Cell why{s.status == StudyStatus::kFailed ? s.message : s.verdict_sentence};
+    why.level = s.status == StudyStatus::kFailed ? VerdictLevel::kBad : s.verdict;
+    table.rows.push_back({linkTo(s), {s.participant}, {s.method}, {problem}, why});
   }
-  return withTable({"failures", "Failures", "Sessions without a calibration, and why.", {}, {}},
+  return withTable({"failures",
+                    "What went wrong",
+                    "Sessions without a calibration, with a bad verdict, or whose participant gave "
+                    "up.",
+                    {},
+                    {}},
                    std::move(table));
 }
 
@@ -71,9 +202,10 @@ Section sessionsSection(const StudyRecord& record) {
                {"Method"},
                {"Period", kNumber},
                {"Time [s]", kNumber},
-               {"Camera RMSE [px]", kNumber},
-               {"Held-out RMSE [px]", kNumber},
+               {"Camera [px]", kNumber},
+               {"Held out [px]", kNumber},
                {"Offset [ms]", kNumber},
+               {"Reached", kNumber},
                {"Verdict"}},
               {}};
   for (const StudySession& s : record.sessions) {
@@ -87,9 +219,14 @@ Section sessionsSection(const StudyRecord& record) {
                           orDash(s.camera_rmse_px, 1, "{:.4f}"),
                           orDash(s.held_out_rmse_px, 1, "{:.4f}"),
                           offsetCell(s),
+                          orDash(s.compliance, 100, "{:.0f} %"),
                           verdictCell(s)});
   }
-  return withTable({"sessions", "All sessions", "A session's name leads to its page.", {}, {}},
+  return withTable({"sessions",
+                    "All sessions",
+                    "A name leads to the session's page; a click on a heading sorts.",
+                    {},
+                    {}},
                    std::move(table));
 }
 

@@ -46,6 +46,38 @@ void addBars(ChartPage& page, const Histogram& plot, const HistogramSeries& seri
   });
 }
 
+std::vector<double> stackedHeights(const BarPlot& plot) {
+  std::vector<double> sums(plot.categories.size(), 0);
+  for (const auto& values : plot.values) {
+    for (std::size_t i = 0; i < std::min(values.size(), sums.size()); ++i) {
+      if (std::isfinite(values[i])) sums[i] += values[i];
+    }
+  }
+  return sums;
+}
+
+void drawBars(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
+              const BarPlot& plot) {
+  const auto side_by_side = static_cast<double>(std::max<std::size_t>(1, plot.values.size()));
+  const double width = plot.stacked ? 0.7 : 0.8 / side_by_side;
+  std::vector<double> floor(plot.categories.size(), 0);
+  internal::setNoPen(painter);
+  for (std::size_t s = 0; s < plot.values.size(); ++s) {
+    internal::setBrush(painter, seriesColour(s));
+    for (std::size_t i = 0; i < plot.values[s].size(); ++i) {
+      const double value = plot.values[s][i];
+      if (!std::isfinite(value)) continue;
+      const double from = plot.stacked
+                              ? static_cast<double>(i) - width / 2
+                              : static_cast<double>(i) - 0.4 + width * static_cast<double>(s);
+      device.setShapeTitle(fmt::format("{}, {}: {:.4g}", plot.categories[i], plot.names[s], value));
+      device.setShapeLink(i < plot.links.size() ? plot.links[i] : "");
+      drawBox(painter, page, {from, from + width}, {floor[i], floor[i] + value});
+      if (plot.stacked) floor[i] += value;
+    }
+  }
+}
+
 std::vector<AxisTick> ticksOf(const std::vector<std::string>& names) {
   std::vector<AxisTick> ticks;
   for (const std::string& name : names) ticks.push_back({static_cast<double>(ticks.size()), name});
@@ -105,28 +137,19 @@ std::string toSvg(const Histogram& plot, const std::string& id) {
 std::string toSvg(const BarPlot& plot, const std::string& id) {
   internal::PageLayout layout;
   std::vector<const std::vector<double>*> heights;
+  const std::vector<double> sums = stackedHeights(plot);
+  if (plot.stacked) heights.push_back(&sums);
   for (std::size_t s = 0; s < plot.values.size(); ++s) {
-    heights.push_back(&plot.values[s]);
+    if (!plot.stacked) heights.push_back(&plot.values[s]);
     layout.legend.push_back({plot.names[s], seriesColour(s)});
   }
   layout.x = {-0.5, static_cast<double>(std::max<std::size_t>(1, plot.categories.size())) - 0.5};
   layout.y = plot.frame.y.range.value_or(heightRange(heights));
   PlotFrame frame = plot.frame;
-  frame.x.ticks = ticksOf(plot.categories);
+  if (frame.x.ticks.empty()) frame.x.ticks = ticksOf(plot.categories);
   ChartPage page(frame, layout, id);
   page.addDrawing([&page, &plot](vtkContext2D& painter, SvgDevice& device) {
-    const double width = 0.8 / static_cast<double>(std::max<std::size_t>(1, plot.values.size()));
-    internal::setNoPen(painter);
-    for (std::size_t s = 0; s < plot.values.size(); ++s) {
-      internal::setBrush(painter, seriesColour(s));
-      for (std::size_t i = 0; i < plot.values[s].size(); ++i) {
-        if (!std::isfinite(plot.values[s][i])) continue;
-        const double from = static_cast<double>(i) - 0.4 + width * static_cast<double>(s);
-        device.setShapeTitle(
-            fmt::format("{}, {}: {:.4g}", plot.categories[i], plot.names[s], plot.values[s][i]));
-        drawBox(painter, page, {from, from + width}, {0, plot.values[s][i]});
-      }
-    }
+    drawBars(painter, device, page, plot);
   });
   return page.svg();
 }
@@ -138,6 +161,7 @@ std::string toSvg(const BoxPlot& plot, const std::string& id) {
     names.push_back(box.name);
     values.insert(values.end(), box.quantiles.begin(), box.quantiles.end());
   }
+  for (const NamedPoint& point : plot.points) values.push_back(point.y);
   internal::PageLayout layout;
   layout.x = {-0.5, static_cast<double>(std::max<std::size_t>(1, names.size())) - 0.5};
   layout.y = plot.frame.y.range.value_or(rangeOf({&values}, 0.06));
@@ -152,6 +176,7 @@ std::string toSvg(const BoxPlot& plot, const std::string& id) {
       drawBoxSummary(painter, device, page, plot.boxes[i], static_cast<double>(i));
     }
   });
+  page.addNamedPoints(plot.points);
   return page.svg();
 }
 

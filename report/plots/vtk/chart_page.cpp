@@ -251,6 +251,19 @@ void ChartPage::addPoints(const Series& series) {
   chart_->AddPlot(points);
 }
 
+void ChartPage::addNamedPoints(const std::vector<NamedPoint>& points) {
+  if (points.empty()) return;
+  addDrawing([this, points](vtkContext2D& painter, SvgDevice& device) {
+    for (const NamedPoint& point : points) {
+      if (!std::isfinite(point.x) || !std::isfinite(point.y)) continue;
+      device.setShapeTitle(point.title);
+      device.setShapeLink(point.link);
+      setPen(painter, point.colour, 7);
+      painter.DrawPoint(static_cast<float>(unitX(point.x)), static_cast<float>(unitY(point.y)));
+    }
+  });
+}
+
 void ChartPage::addDrawing(Drawing drawing) {
   vtkNew<DrawnPlot> plot;
   plot->drawing = std::move(drawing);

@@ -44,6 +44,8 @@ class ChartPage {
   void addLine(const Series& series);
   /// Markers inside the axes only.
   void addPoints(const Series& series);
+  /// Each a shape of its own, with its title and link.
+  void addNamedPoints(const std::vector<NamedPoint>& points);
   void addPlot(vtkPlot* plot) { chart_->AddPlot(plot); }
   void addDrawing(Drawing drawing);
   void addOutside(Drawing drawing);

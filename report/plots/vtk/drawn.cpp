@@ -11,6 +11,7 @@ bool paint(const Drawing& drawing, vtkContext2D* painter) {
   if (!drawing || !device) return false;
   drawing(*painter, *device);
   device->setShapeTitle("");
+  device->setShapeLink("");
   return true;
 }
 

@@ -108,6 +108,7 @@ std::string toSvg(const LinePlot& plot, const std::string& id) {
   if (layout.colour_bar) {
     page.addColourBar(plot.value_range, plot.value_label, &internal::errorColour);
   }
+  page.addNamedPoints(plot.points);
   return page.svg();
 }
 

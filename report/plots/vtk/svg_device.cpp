@@ -67,6 +67,7 @@ void SvgDevice::start(const std::string& id, double height) {
   defs_.clear();
   body_.clear();
   shape_title_.clear();
+  shape_link_.clear();
   stack_.clear();
   matrix_ = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   clip_count_ = 0;
@@ -94,12 +95,14 @@ std::vector<double> SvgDevice::toPage(const float* points, int n) const {
 }
 
 void SvgDevice::element(const std::string& shape, const std::string& attributes) {
+  if (!shape_link_.empty()) body_ += "<a href=\"" + escapeXml(shape_link_) + "\">";
   body_ += '<' + shape + ' ' + attributes;
   if (shape_title_.empty()) {
     body_ += "/>";
   } else {
     body_ += "><title>" + escapeXml(shape_title_) + "</title></" + shape + '>';
   }
+  if (!shape_link_.empty()) body_ += "</a>";
 }
 
 std::string SvgDevice::strokeAttributes() const {

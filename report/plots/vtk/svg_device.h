@@ -27,6 +27,8 @@ class SvgDevice : public vtkContextDevice2D {
   std::string content() const;
   /// A <title> for the shapes drawn until the next call; empty for none.
   void setShapeTitle(const std::string& title) { shape_title_ = title; }
+  /// Where these shapes lead; empty for nowhere.
+  void setShapeLink(const std::string& link) { shape_link_ = link; }
   /// Lines drawn from now until the clip ends are data (class "data"), not grid lines.
   void startData() { in_data_ = true; }
 
@@ -79,7 +81,7 @@ class SvgDevice : public vtkContextDevice2D {
 
   std::string id_ = "plot";
   double height_ = 0;
-  std::string defs_, body_, shape_title_;
+  std::string defs_, body_, shape_title_, shape_link_;
   Matrix matrix_{1, 0, 0, 0, 1, 0, 0, 0, 1};
   std::vector<Matrix> stack_;
   std::array<int, 4> clip_{};

@@ -235,6 +235,16 @@ TEST(StudyStatistics, AreTheSameForTheSameRecord) {
   EXPECT_EQ(documentOf(a), documentOf(b));
 }
 
+// Equal but for their last digits: no sign may be read into them.
+TEST(StudyStatistics, FindNothingInValuesThatDifferByTheirRounding) {
+  StudyRecord record = study(12);
+  for (StudySession& s : record.sessions) {
+    s.time_offset_std_s = s.method == "guided" ? 7e-5 : std::nextafter(7e-5, 1);
+  }
+  addStatistics(record);
+  EXPECT_DOUBLE_EQ(*effectOn(record, "time_offset_std_s").p, 1);
+}
+
 TEST(StudyStatistics, SayThatPairsAreTooFew) {
   StudyRecord record = study(1);
   addStatistics(record);

@@ -232,7 +232,7 @@ def check_calibrations(write_page, tool, folder):
 
 
 def check_studies(write_page, tool, folder):
-    for study in ("perturbation", "trajectory", "comparison"):
+    for study in ("perturbation", "trajectory", "comparison", "study"):
         page = os.path.join(folder, study + ".html")
         subprocess.run([write_page, page, study], check=True)
         instrument(page, STUDY_PROBE)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the page of a synthetic record: write_page FILE [frames] [camera-only], or write_page FILE
-// perturbation|trajectory|comparison. The browser test opens what it writes; with the frames of a
-// long recording it is also the timing of a page.
+// perturbation|trajectory|comparison|study. The browser test opens what it writes; with the frames
+// of a long recording it is also the timing of a page.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -11,9 +11,11 @@
 #include "report/html/calibration/page.h"
 #include "report/html/comparison/page.h"
 #include "report/html/perturbation/page.h"
+#include "report/html/study/page.h"
 #include "report/html/trajectory/page.h"
 #include "tests/report/synthetic_record.h"
 #include "tests/report/synthetic_studies.h"
+#include "tests/report/synthetic_user_study.h"
 
 namespace {
 
@@ -22,6 +24,7 @@ std::string studyPage(const std::string& kind) {
   using namespace plumbline;
   if (kind == "perturbation") return renderPerturbationPage(test::syntheticPerturbation());
   if (kind == "trajectory") return renderTrajectoryPage(test::syntheticTrajectories());
+  if (kind == "study") return renderStudyPage(test::syntheticUserStudy());
   if (kind == "comparison") return renderComparisonPage(test::syntheticComparison());
   return "";
 }

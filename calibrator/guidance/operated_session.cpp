@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/operated_session.h"
+
+#include <optional>
+
+#include "calibrator/base/option_check.h"
+#include "calibrator/guidance/guide.h"
+#include "calibrator/simulate/operator/rig_sensors.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kSpacing_s = 0.1;  // of control poses: a hand's motion has little above 5 Hz
+
+/// The person, the rig in his hands and what it has recorded so far.
+class Recording {
+ public:
+  Recording(const SimulatedRig& rig, const OperatedOptions& options)
+      : options_(options),
+        sensors_(rig, options.simulation),
+        motion_(kSpacing_s),
+        person_(
+            options.skill, options.simulation.target,
+            fillingDistance(options.simulation.target, rig.calibration.cameras.front().intrinsics),
+            kSpacing_s, options.operator_seed) {
+    result_.session = sensors_.emptySession();
+  }
+
+  int frames() const { return sensors_.frames(); }
+  double secondsAt(int frame) const { return sensors_.secondsOf(sensors_.stampOf(frame)); }
+  SimulatedOperator& person() { return person_; }
+  OperatedSession& result() { return result_; }
+
+  /// The next frame, with the IMU samples that have arrived with it.
+  GuideFrame take(int frame) {
+    const TimeNs arrival = sensors_.stampOf(frame) + toNanoseconds(options_.arrival_s);
+    moveUntil(std::max(sensors_.exposureS(frame), sensors_.secondsOf(arrival)));
+    GuideFrame taken{frame, sensors_.stampOf(frame), sensors_.corners(motion_, frame),
+                     sensors_.samplesUntil(motion_, arrival)};
+    for (std::size_t c = 0; c < taken.corners.size(); ++c) {
+      result_.session.cameras[c].views.push_back({taken.t, taken.corners[c]});
+    }
+    keep(taken.imu);
+    return taken;
+  }
+
+  /// Ends the recording after this frame; the IMU goes on for the simulation's margin.
+  OperatedSession end(int frame) {
+    const double last_s = secondsAt(frame) + options_.simulation.imu_margin_s +
+                          std::max(0.0, sensors_.truth().imu->timeOffset());
+    moveUntil(last_s);
+    keep(sensors_.samplesUntil(motion_, options_.simulation.start_ns + toNanoseconds(last_s)));
+    return std::move(result_);
+  }
+
+ private:
+  void moveUntil(double t_s) {
+    while (motion_.knownUntilS() < t_s) motion_.add(person_.next());
+  }
+  void keep(const std::vector<ImuSample>& samples) {
+    auto& all = result_.session.imu->samples;
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+
+  const OperatedOptions& options_;
+  RigSensors sensors_;
+  SplineMotion motion_;
+  SimulatedOperator person_;
+  OperatedSession result_;
+};
+
+GuideRig guideRigOf(const SimulatedRig& rig, const AprilGrid& target) {
+  GuideRig guided;
+  guided.target = target;
+  guided.target.shape = {};
+  for (const CameraCalibration& c : rig.calibration.cameras) {
+    guided.cameras.push_back({c.name,
+                              c.intrinsics.resolution,
+                              {c.intrinsics.projection_model, c.intrinsics.distortion_model}});
+  }
+  guided.imu = rig.calibration.imu->noise;
+  return guided;
+}
+
+/// What a decision shows the person. A trajectory that may be followed now keeps being shown.
+void showDecision(const Decision& d, double t_s, Recording& recording) {
+  OperatedSession& result = recording.result();
+  if (d.event == SuggestionEvent::kReached) {
+    ++result.reached;
+    if (d.stage == GuideStage::kCameraImu) return recording.person().go(t_s);
+  }
+  if (d.opened) {
+    result.suggestions.push_back(*d.opened);
+    recording.person().show(d.opened, t_s);
+  } else if (d.event != SuggestionEvent::kNone) {
+    recording.person().show(std::nullopt, t_s);
+  }
+}
+
+}  // namespace
+
+void OperatedOptions::check() const {
+  simulation.check();
+  skill.check();
+  guide.check();
+  requireWithin(0, 1000, "trajectories", trajectories);
+  requireWithin(0, 10, "arrival_s", arrival_s);
+  requireWithin(0, 1, "camera_share", camera_share);
+}
+
+OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& options) {
+  options.check();
+  Recording recording(rig, options);
+  const double turn_s = options.camera_share * options.simulation.duration_s;
+  int frame = 0;
+  for (; frame < recording.frames(); ++frame) {
+    const double t_s = recording.secondsAt(frame);
+    recording.take(frame);
+    if (t_s >= turn_s) recording.person().hurry();
+    (t_s < turn_s ? recording.result().camera_s : recording.result().camera_imu_s) +=
+        1 / rig.camera_rate_hz;
+    if (!recording.person().givesUp(t_s)) continue;
+    recording.result().finished = false;
+    break;
+  }
+  return recording.end(std::min(frame, recording.frames() - 1));
+}
+
+OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options) {
+  options.check();
+  Recording recording(rig, options);
+  Guide guide(guideRigOf(rig, options.simulation.target), options.guide);
+  recording.result().finished = false;
+  int followed = 0;
+  int frame = 0;
+  for (; frame < recording.frames(); ++frame) {
+    const double t_s = recording.secondsAt(frame);
+    const Decision d = guide.step(recording.take(frame));
+    (d.stage == GuideStage::kCamera ? recording.result().camera_s
+                                    : recording.result().camera_imu_s) += 1 / rig.camera_rate_hz;
+    showDecision(d, t_s, recording);
+    if (recording.person().hasFollowed(t_s)) {
+      ++followed;
+      recording.person().show(std::nullopt, t_s);
+    }
+    const bool enough = options.trajectories > 0 && followed >= options.trajectories;
+    recording.result().finished = guide.finished() || enough;
+    if (recording.result().finished || recording.person().givesUp(t_s)) break;
+  }
+  return recording.end(std::min(frame, recording.frames() - 1));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "calibrator/guidance/guide_options.h"
+#include "calibrator/simulate/operator/simulated_operator.h"
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline {
+
+/// A recording that a simulated person made.
+struct OperatedSession {
+  Session session;
+  std::vector<Suggestion> suggestions;  ///< shown, in their order; none without a guide
+  int reached = 0;                      ///< of them, by the guide's own rule
+  bool finished = true;                 ///< false: the person gave up
+  double camera_s = 0;                  ///< spent for the cameras ...
+  double camera_imu_s = 0;              ///< ... and for the IMU [s]
+};
+
+struct OperatedOptions {
+  SimulationOptions
+      simulation;  ///< duration_s: of a free recording, or after which a guided one ends
+  OperatorSkill skill;
+  GuideOptions guide;
+  int trajectories = 0;     ///< guided: done after so many, if the guide is not before; 0: no limit
+  double arrival_s = 0.05;  ///< as GuideFramesOptions has it
+  double camera_share = 0.5;  ///< of a free recording, before the motion for the IMU begins
+  std::uint64_t operator_seed = 1;
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
+};
+
+/// As people record for an offline calibrator: views all around for a part of the time, then faster
+/// motion for the IMU. Ends after simulation.duration_s, or when patience does.
+OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& options);
+
+/// In closed loop: every frame goes to the Guide as it is taken, and the person sees what the guide
+/// suggests and moves accordingly, which makes the next frames. Ends when the guide is done or the
+/// trajectories that were agreed on are, when patience ends, or at simulation.duration_s
+/// (unfinished, too).
+OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options);
+
+}  // namespace plumbline

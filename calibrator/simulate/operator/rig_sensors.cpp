@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/operator/rig_sensors.h"
+
+#include <cmath>
+
+#include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/simulate/simulate_imu.h"
+#include "calibrator/simulate/simulate_views.h"
+
+namespace plumbline {
+
+RigSensors::RigSensors(const SimulatedRig& rig, const SimulationOptions& options)
+    : rig_(rig),
+      options_(options),
+      gravity_F_(rig.calibration.imu->gravity_m_s2 * options.down_F.normalized()),
+      frames_(static_cast<int>(std::lround(options.duration_s * rig.camera_rate_hz))) {
+  options_.check();
+  // At rest a sensor's readings are its noise, its bias and gravity.
+  TrajectoryOptions resting;
+  resting.kind = MotionKind::kStatic;
+  const AnalyticTrajectory rest(options_.target, rig_, resting);
+  const SimulatedImu imu = simulateImu(rest, *rig_.calibration.imu, gravity_F_, options_);
+  const Eigen::Vector3d exact = rest.at(0).T_FB.R.transpose() * -gravity_F_;
+  noise_.reserve(imu.samples.size());
+  for (const ImuSample& s : imu.samples) noise_.push_back({s.t, s.gyro, s.accel - exact});
+}
+
+TimeNs RigSensors::stampOf(int frame) const {
+  return options_.start_ns + toNanoseconds(frame / rig_.camera_rate_hz);
+}
+
+double RigSensors::exposureS(int frame) const {
+  return secondsOf(stampOf(frame)) + rig_.calibration.imu->timeOffset();
+}
+
+std::vector<std::vector<Corner>> RigSensors::corners(const SplineMotion& motion, int frame) const {
+  const Transform T_FC0 = motion.at(exposureS(frame)).T_FB;
+  std::vector<std::vector<Corner>> all;
+  for (std::size_t c = 0; c < rig_.calibration.cameras.size(); ++c) {
+    const CameraCalibration& camera = rig_.calibration.cameras[c];
+    all.push_back(visibleCorners(camera.intrinsics, T_FC0 * camera.T_C0Ci, options_));
+    disturbCorners(all.back(), camera.intrinsics.resolution, static_cast<int>(c),
+                   static_cast<std::uint64_t>(frame), options_);
+  }
+  return all;
+}
+
+std::vector<ImuSample> RigSensors::samplesUntil(const SplineMotion& motion, TimeNs t) {
+  const Transform T_C0S = rig_.calibration.imu->T_SC0.inverse();
+  std::vector<ImuSample> samples;
+  for (; taken_ < noise_.size() && noise_[taken_].t <= t; ++taken_) {
+    const Noise& noise = noise_[taken_];
+    const MotionState m = attached(motion.at(secondsOf(noise.t)), T_C0S);
+    samples.push_back({noise.t, m.omega_B + noise.gyro,
+                       m.T_FB.R.transpose() * (m.a_F - gravity_F_) + noise.accel});
+  }
+  return samples;
+}
+
+Session RigSensors::emptySession() const {
+  Session session;
+  session.name = "simulated-" + rig_.name;
+  session.target = options_.target;
+  session.target.shape = {};  // target.yaml states the grid
+  for (const CameraCalibration& camera : rig_.calibration.cameras) {
+    session.cameras.push_back({camera.name,
+                               camera.rostopic,
+                               camera.intrinsics.resolution,
+                               toString(camera.intrinsics.projection_model),
+                               toString(camera.intrinsics.distortion_model),
+                               {}});
+  }
+  session.imu = ImuStream{rig_.calibration.imu->rostopic, rig_.calibration.imu->noise, {}};
+  return session;
+}
+
+}  // namespace plumbline

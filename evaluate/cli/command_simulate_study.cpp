@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/simulation/simulate_study.h"
+
+namespace plumbline {
+namespace {
+
+struct SimulateStudyOptions {
+  OutputOptions output;
+  StudySimulationOptions study;
+};
+
+void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
+  auto& s = o.study;
+  o.output.declare(app, "Folder to write")->required();
+  app.add_option("--participants", s.participants, "How many, each with both methods")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--duration", s.duration_s, "Length of a free recording, about [s]")
+      ->check(CLI::Range(5.0, 600.0))
+      ->capture_default_str();
+  app.add_option("--seed", s.seed, "Seed of people, motion and noise: same seed, same bytes")
+      ->check(seedFrom(0))
+      ->capture_default_str();
+  app.add_option("--held-out", s.held_out, "Evaluation recordings that no method saw")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  app.add_option("--sequences", s.sequences, "Sequences with motion capture")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
+      ->capture_default_str();
+  app.add_option("--threads", s.threads, "Threads (0: all cores)")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+int simulateStudyFolder(const SimulateStudyOptions& o) {
+  o.study.check();
+  OutputFolder out(o.output.request("simulated study"));
+  ProgressBar bar;
+  const StudySimulationSummary made = simulateStudy(o.study, out.path(), bar.sink());
+  out.commit();
+  bar.clear();
+  say("Simulated {} sessions of {} participants (seed {}) in {}\n", made.sessions,
+      o.study.participants, o.study.seed, o.output.out);
+  say("Median time: free {:.1f} s, guided {:.1f} s; {} gave up; {} of {} suggestions reached\n",
+      made.free_s, made.guided_s, made.gave_up, made.reached, made.suggestions);
+  say("Run it: plumbline study {0}/STUDY.yaml --out NIGHT; the truth is in {0}/truth.json\n",
+      o.output.out);
+  return kDone;
+}
+
+}  // namespace
+
+Command simulateStudyCommand() {
+  return {"study", "Make a user study whose truth is known: people, guided and not",
+          "plumbline simulate study --participants 4 --duration 10 --out study", [](CLI::App& app) {
+            auto options = std::make_shared<SimulateStudyOptions>();
+            declareSimulateStudy(app, *options);
+            return std::function<int()>([options] { return simulateStudyFolder(*options); });
+          }};
+}
+
+}  // namespace plumbline

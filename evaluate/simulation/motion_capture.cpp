@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/simulation/motion_capture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/option_check.h"
+#include "calibrator/simulate/random_stream.h"
+
+namespace plumbline {
+namespace {
+
+Eigen::Vector3d normal(RandomStream& random, double std) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return std * Eigen::Vector3d(x, y, z);
+}
+
+bool inGap(const std::vector<std::pair<double, double>>& gaps, double t_s) {
+  return std::any_of(gaps.begin(), gaps.end(),
+                     [&](const auto& gap) { return t_s >= gap.first && t_s < gap.second; });
+}
+
+}  // namespace
+
+void MotionCaptureOptions::check() const {
+  requireWithin(1, 1e4, "rate_hz", rate_hz);
+  requireWithin(-1e3, 1e3, "clock_offset_s", clock_offset_s);
+  requireWithin(0, 1, "noise_m", noise_m);
+  requireWithin(0, 1, "noise_rad", noise_rad);
+  requireWithin(0, 100, "drop_outs", drop_outs);
+  requireWithin(0, 100, "drop_out_s", drop_out_s);
+}
+
+MotionCapture simulateMotionCapture(const SimulatedSession& session,
+                                    const MotionCaptureOptions& o) {
+  o.check();
+  const double span_s = secondsBetween(session.frame_stamps.front(), session.frame_stamps.back());
+  RandomStream places(o.seed, RandomPurpose::kDroppedFrames, {3});
+  RandomStream noise(o.seed, RandomPurpose::kImageNoise, {3});
+  MotionCapture capture;
+  capture.trajectory.name = "mocap0";
+  for (int i = 0; i < o.drop_outs; ++i) {
+    const double begin = places.uniform(0.15, 0.8) * span_s;
+    capture.gaps_s.emplace_back(begin, begin + std::min(o.drop_out_s, 0.1 * span_s));
+  }
+  const Transform T_VF = o.T_VW * session.T_WF();
+  const auto count = static_cast<int>(std::ceil(span_s * o.rate_hz));
+  for (int k = 0; k <= count; ++k) {
+    const double t_s = k / o.rate_hz;
+    Vector6d error;
+    error << normal(noise, o.noise_m), normal(noise, o.noise_rad);
+    if (inGap(capture.gaps_s, t_s)) continue;
+    const TimeNs t_imu = session.start_ns + toNanoseconds(t_s);
+    const Transform T_VM = boxplus(T_VF * session.motionAtImuTime(t_imu).T_FB * o.T_SM, error);
+    capture.trajectory.poses.push_back(
+        {t_imu - toNanoseconds(o.clock_offset_s), T_VM.t, T_VM.quaternion()});
+  }
+  return capture;
+}
+
+std::string motionCaptureCsv(const Trajectory& trajectory) {
+  std::string text = "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n";
+  for (const StampedPose& pose : trajectory.poses) {
+    fmt::format_to(std::back_inserter(text),
+                   "{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", pose.t, pose.p.x(),
+                   pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
+  }
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/simulation/study_participants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/option_check.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kGivesUpAfter = 0.4;  // of the duration
+
+double between(double skilled, double clumsy, double clumsiness) {
+  return skilled * std::pow(clumsy / skilled, clumsiness);
+}
+
+OperatorSkill skillOf(double c) {
+  OperatorSkill skill;
+  skill.reaction_s = between(0.3, 0.9, c);
+  skill.speed_m_s = between(0.55, 0.25, c);
+  skill.turn_rad_s = between(1.2, 0.6, c);
+  skill.position_error_m = between(0.02, 0.09, c);
+  skill.angle_error_rad = between(0.02, 0.1, c);
+  skill.correction_s = between(0.7, 2.2, c);
+  skill.tremor_m = between(2e-4, 8e-4, c);
+  skill.tremor_rad = between(8e-4, 3e-3, c);
+  skill.reach_rad = between(0.75, 0.3, c);
+  skill.roll_rad = between(0.7, 0.15, c);
+  skill.haste = between(1.9, 1.2, c);
+  return skill;
+}
+
+/// The skill of the second session.
+OperatorSkill practised(OperatorSkill skill, double learning) {
+  for (double* smaller :
+       {&skill.reaction_s, &skill.position_error_m, &skill.angle_error_rad, &skill.correction_s}) {
+    *smaller *= learning;
+  }
+  for (double* larger : {&skill.speed_m_s, &skill.turn_rad_s, &skill.reach_rad}) {
+    *larger /= learning;
+  }
+  return skill;
+}
+
+template <class T>
+void shuffle(std::vector<T>& values, RandomStream& random) {
+  for (std::size_t i = values.size(); i > 1; --i) {
+    std::swap(values[i - 1],
+              values[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
+  }
+}
+
+std::vector<std::size_t> shuffled(int count, RandomStream& random) {
+  std::vector<std::size_t> order(static_cast<std::size_t>(count));
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  shuffle(order, random);
+  return order;
+}
+
+SimulatedVisit visitOf(const SimulatedParticipant& person, bool guided, int period,
+                       const StudySimulationOptions& o, RandomStream& random) {
+  SimulatedVisit visit;
+  visit.method = guided ? "guided" : "free";
+  visit.name = person.name + "_" + visit.method;
+  visit.period = period;
+  visit.skill = skillOf(person.clumsiness);
+  if (period > 1) visit.skill = practised(visit.skill, o.learning);
+  const double own = random.uniform(0.85, 1.15) * (period > 1 ? o.learning : 1);
+  visit.duration_s = guided ? o.limitS() : own * o.duration_s;
+  visit.skill.patience_s = o.limitS();
+  visit.seed = random.bits() >> 12U;  // a double of a document holds it
+  return visit;
+}
+
+void giveUp(SimulatedVisit& visit, const StudySimulationOptions& o) {
+  visit.gives_up = true;
+  visit.skill.patience_s = kGivesUpAfter * std::min(visit.duration_s, o.duration_s);
+}
+
+}  // namespace
+
+double StudySimulationOptions::limitS() const { return std::max(90.0, 4 * duration_s); }
+
+int StudySimulationOptions::trajectories() const {
+  return std::max(2, static_cast<int>(std::lround(duration_s / 12)));
+}
+
+void StudySimulationOptions::check() const {
+  requireWithin(1, 1000, "participants", participants);
+  requireWithin(5, 600, "duration_s", duration_s);
+  requireWithin(0.1, 1, "learning", learning);
+  requireWithin(0, 100, "corner_sigma_px", corner_sigma_px);
+  requireWithin(0, 100, "held_out", held_out);
+  requireWithin(0, 100, "sequences", sequences);
+  requireWithin(0, 1024, "threads", threads);
+}
+
+std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOptions& o) {
+  o.check();
+  RandomStream random(o.seed, RandomPurpose::kTrajectory, {2});
+  const std::vector<std::size_t> skills = shuffled(o.participants, random);
+  const std::vector<std::size_t> orders = shuffled(o.participants, random);
+  const std::vector<std::size_t> weary = shuffled(o.participants, random);
+  std::vector<SimulatedParticipant> people;
+  for (std::size_t i = 0; i < skills.size(); ++i) {
+    SimulatedParticipant person{fmt::format("p{:02}", i + 1), 0, {}};
+    person.clumsiness = (static_cast<double>(skills[i]) + 0.5) / o.participants;
+    const bool guided_first = orders[i] % 2 == 1;
+    for (const int period : {1, 2}) {
+      const bool guided = guided_first == (period == 1);
+      person.visits.push_back(visitOf(person, guided, period, o, random));
+    }
+    people.push_back(std::move(person));
+  }
+  for (std::size_t k = 0; k < 2 && people.size() >= 4; ++k) {
+    for (SimulatedVisit& visit : people[weary[k]].visits) {
+      if (visit.method == (k == 0 ? "free" : "guided")) giveUp(visit, o);
+    }
+  }
+  return people;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/study/results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "report/html/study/tables.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+/// Factors as changes in percent, differences in their unit.
+std::string changeText(double value, bool ratio) {
+  return ratio ? fmt::format("{:+.1f} %", 100 * (value - 1)) : fmt::format("{:+.3g}", value);
+}
+
+Cell changeCell(const std::optional<StudyInterval>& i, bool ratio) {
+  return number(i ? changeText(i->estimate, ratio) : kDash);
+}
+
+Cell intervalCell(const std::optional<StudyInterval>& i, bool ratio) {
+  if (!i || !i->low || !i->high) return number(kDash);
+  return number(changeText(*i->low, ratio) + " to " + changeText(*i->high, ratio));
+}
+
+Cell pCell(const std::optional<double>& p) {
+  if (!p) return number(kDash);
+  return number(*p < 1e-3 ? "< 0.001" : fmt::format("{:.3f}", *p));
+}
+
+std::string comparison(const StudyEffect& e) {
+  return e.endpoint + (e.ratio || e.unit == "1" ? "" : " [" + e.unit + "]");
+}
+
+Table effectsTable(const StudyRecord& record) {
+  Table table{{{"Endpoint", Cell::Kind::kCode},
+               {"Method"},
+               {"Effect", kNumber},
+               {"95 % interval", kNumber},
+               {"p", kNumber},
+               {"p (Holm)", kNumber},
+               {"Participants", kNumber},
+               {"Design"}},
+              {}};
+  for (const StudyEffect& e : record.statistics.effects) {
+    if (e.design == StudyDesign::kTooFew) continue;
+    table.rows.push_back({code(comparison(e)),
+                          {e.method},
+                          changeCell(e.effect, e.ratio),
+                          intervalCell(e.effect, e.ratio),
+                          pCell(e.p),
+                          pCell(e.p_holm),
+                          number(std::to_string(e.participants)),
+                          tight(toString(e.design) + (e.declared ? "" : ", exploratory"))});
+  }
+  return table;
+}
+
+Table besideTable(const StudyRecord& record) {
+  Table table{{{"Endpoint", Cell::Kind::kCode},
+               {"Method"},
+               {"BCa interval", kNumber},
+               {"Hodges\u2013Lehmann", kNumber},
+               {"95 % interval", kNumber},
+               {"Wilcoxon p", kNumber}},
+              {}};
+  for (const StudyEffect& e : record.statistics.effects) {
+    if (e.design == StudyDesign::kTooFew) continue;
+    table.rows.push_back({code(comparison(e)),
+                          {e.method},
+                          intervalCell(e.bca, e.ratio),
+                          changeCell(e.hodges_lehmann, e.ratio),
+                          intervalCell(e.hodges_lehmann, e.ratio),
+                          pCell(e.wilcoxon_p)});
+  }
+  return table;
+}
+
+Table methodsTable(const StudyRecord& record) {
+  Table table{{{"Method"},
+               {"Sessions", kNumber},
+               {"Calibrated", kNumber},
+               {"Gave up", kNumber},
+               {"Good", kNumber},
+               {"Caution", kNumber},
+               {"Bad", kNumber},
+               {"Median time [s]", kNumber},
+               {"Median held-out RMSE [px]", kNumber},
+               {"Suggestions reached", kNumber}},
+              {}};
+  for (const StudyMethod& m : record.statistics.methods) {
+    std::vector<Cell> row{{m.method}};
+    for (const int n : {m.sessions, m.calibrated, m.gave_up, m.good, m.caution, m.bad}) {
+      row.push_back(number(std::to_string(n)));
+    }
+    row.push_back(orDash(m.median_capture_s, 1, "{:.1f}"));
+    row.push_back(orDash(m.median_held_out_px, 1, "{:.4f}"));
+    row.push_back(orDash(m.compliance, 100, "{:.0f} %"));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+struct Recovered {
+  std::vector<double> ms;
+  int failed = 0;
+};
+
+}  // namespace
+
+Section resultsSection(const StudyRecord& record) {
+  Section section{"results",
+                  "What the study says",
+                  "The participant is the unit; the first method is the baseline.",
+                  {},
+                  {}};
+  section.remarks = record.statistics.sentences;
+  for (const StudyQuade& q : record.statistics.quade) {
+    const auto& said = section.remarks;
+    if (std::find(said.begin(), said.end(), q.sentence) == said.end()) {
+      section.remarks.push_back(q.sentence);
+    }
+  }
+  section.blocks.push_back({"Methods", "", methodsTable(record), {}, {}});
+  Table effects = effectsTable(record);
+  if (effects.rows.empty()) return section;
+  section.blocks.push_back(
+      {"Effects",
+       "Method against baseline: lengths, times and pixels as changes in percent (of logarithms), "
+       "others as differences. In a crossover the period is taken out, the p-value permutes the "
+       "orders over the participants, and the interval holds the effects that this test does not "
+       "reject. Holm's correction is over the declared endpoints.",
+       std::move(effects),
+       {},
+       {}});
+  section.blocks.push_back(
+      {"Beside them",
+       "The same effects by the BCa bootstrap, and by signed ranks, which know "
+       "no period.",
+       besideTable(record),
+       {},
+       {}});
+  return section;
+}
+
+Section orderSection(const StudyRecord& record) {
+  Table table{{{"Endpoint", Cell::Kind::kCode},
+               {"Method"},
+               {"Baseline first", kNumber},
+               {"Method first", kNumber},
+               {"Second session", kNumber},
+               {"95 % interval", kNumber},
+               {"Carry-over", kNumber},
+               {"95 % interval", kNumber}},
+              {}};
+  for (const StudyEffect& e : record.statistics.effects) {
+    if (!e.period) continue;
+    table.rows.push_back({code(comparison(e)),
+                          {e.method},
+                          number(std::to_string(e.first_baseline)),
+                          number(std::to_string(e.first_method)),
+                          changeCell(e.period, e.ratio),
+                          intervalCell(e.period, e.ratio),
+                          changeCell(e.carry_over, e.ratio),
+                          intervalCell(e.carry_over, e.ratio)});
+  }
+  return withTable(
+      {"order",
+       "Order effects",
+       "What the second session differs by, the method taken out (practice, fatigue), "
+       "and the difference between the two orders' sums, which a lasting effect of the "
+       "first session would show. An estimate: nothing is decided by it.",
+       {},
+       {}},
+      std::move(table));
+}
+
+Section perturbationSection(const StudyRecord& record) {
+  std::map<std::pair<double, std::string>, Recovered> groups;
+  for (const StudyPerturbation& p : record.perturbations) {
+    const StudySession* s = sessionOf(record, p.session);
+    Recovered& group = groups[{p.offset_ms, s ? s->method : ""}];
+    if (p.recovered_ms && std::isfinite(*p.recovered_ms)) {
+      group.ms.push_back(*p.recovered_ms);
+    } else {
+      ++group.failed;
+    }
+  }
+  Table table{{{"Injected [ms]", kNumber},
+               {"Method"},
+               {"Sessions", kNumber},
+               {"Failed", kNumber},
+               {"Recovered [ms]", kNumber},
+               {"Std [ms]", kNumber},
+               {"Largest error [ms]", kNumber}},
+              {}};
+  for (const auto& [key, group] : groups) {
+    const SampleStatistics all = sampleStatistics(group.ms, group.ms.size() > 1 ? 1 : 0);
+    double worst = 0;
+    for (const double ms : group.ms) worst = std::max(worst, std::abs(ms - key.first));
+    const bool any = !group.ms.empty();
+    table.rows.push_back(
+        {number(fmt::format("{:g}", key.first)),
+         {key.second},
+         number(std::to_string(group.ms.size() + static_cast<std::size_t>(group.failed))),
+         number(std::to_string(group.failed)),
+         number(any ? fmt::format("{:.4f}", all.mean) : kDash),
+         number(any ? fmt::format("{:.2g}", all.std) : kDash),
+         number(any ? fmt::format("{:.2g}", worst) : kDash)});
+  }
+  return withTable(
+      {"perturbations",
+       "Perturbed time offsets",
+       "Every IMU stamp is moved by a known offset and the calibration runs again from "
+       "its own first guess; recovered: the offset found less the one found without.",
+       {},
+       {}},
+      std::move(table));
+}
+
+}  // namespace plumbline::html_internal

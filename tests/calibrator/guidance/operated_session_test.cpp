@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The closed loop of guide and person: suggestions are followed and end; the recording is one that
+// a calibration understands; the same seeds give the same session.
+#include "calibrator/guidance/operated_session.h"
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/simulate/operator/rig_sensors.h"
+
+namespace plumbline {
+namespace {
+
+OperatedOptions options(double duration_s) {
+  OperatedOptions o;
+  o.simulation.duration_s = duration_s;
+  o.trajectories = 2;
+  return o;
+}
+
+TEST(OperatedSession, IsGuidedUntilTheTrajectoriesAreDone) {
+  const SimulatedRig rig = simulatedRig("d435i");
+  const OperatedSession s = recordGuided(rig, options(120));
+  EXPECT_TRUE(s.finished);
+  EXPECT_GT(s.camera_s, 3);
+  EXPECT_GT(s.camera_imu_s, 2 * 5) << "two trajectories of five seconds";
+  EXPECT_LT(s.camera_s + s.camera_imu_s, 115);
+  ASSERT_GE(s.suggestions.size(), 2U);
+  EXPECT_GE(s.reached, 2);
+  EXPECT_LE(s.reached, static_cast<int>(s.suggestions.size()));
+  for (std::size_t i = 1; i < s.suggestions.size(); ++i) {
+    EXPECT_GT(s.suggestions[i].t, s.suggestions[i - 1].t);
+  }
+  EXPECT_EQ(s.suggestions.back().stage, GuideStage::kCameraImu);
+}
+
+// Calibrated as a recording is, the truth is found within the noise: sensors and motion agree.
+TEST(OperatedSession, GivesTheRigsCalibrationBack) {
+  const SimulatedRig rig = simulatedRig("d435i");
+  const OperatedSession s = recordFreely(rig, options(20));
+  EXPECT_TRUE(s.finished);
+  const auto cameras = calibrateCameras(s.session);
+  ASSERT_TRUE(cameras);
+  const auto& truth = rig.calibration.cameras.front().intrinsics.projection;
+  EXPECT_NEAR(cameras->cameras.front().intrinsics.projection[0], truth[0], 1.0);
+  const auto imu = calibrateCameraImu(s.session, cameras->cameras);
+  ASSERT_TRUE(imu);
+  const double offset = rig.calibration.imu->timeOffset();
+  EXPECT_LT(*imu->imu.time_offset_std_s, 1e-3);
+  EXPECT_NEAR(imu->imu.timeOffset(), offset, 4 * *imu->imu.time_offset_std_s);
+  EXPECT_LT(rotationAngle(imu->imu.T_SC0.R.transpose() * rig.calibration.imu->T_SC0.R), 5e-3);
+}
+
+TEST(OperatedSession, EndsWithThePersonsPatience) {
+  const SimulatedRig rig = simulatedRig("d435i");
+  OperatedOptions o = options(60);
+  o.skill.patience_s = 6;
+  for (const OperatedSession& s : {recordFreely(rig, o), recordGuided(rig, o)}) {
+    EXPECT_FALSE(s.finished);
+    EXPECT_NEAR(s.camera_s + s.camera_imu_s, 6, 0.2);
+    const auto& views = s.session.cameras.front().views;
+    EXPECT_NEAR(secondsBetween(views.front().t, views.back().t), 6, 0.2);
+    EXPECT_GT(s.session.imu->samples.back().t, views.back().t);
+  }
+}
+
+TEST(OperatedSession, IsTheSameForTheSameSeeds) {
+  const SimulatedRig rig = simulatedRig("d435i");
+  const OperatedSession a = recordGuided(rig, options(12)), b = recordGuided(rig, options(12));
+  ASSERT_EQ(a.session.imu->samples.size(), b.session.imu->samples.size());
+  EXPECT_EQ(a.session.imu->samples.back().accel, b.session.imu->samples.back().accel);
+  EXPECT_EQ(a.suggestions.size(), b.suggestions.size());
+  OperatedOptions other = options(12);
+  other.operator_seed = 2;
+  const OperatedSession c = recordGuided(rig, other);
+  EXPECT_NE(a.session.imu->samples.back().accel, c.session.imu->samples.back().accel);
+}
+
+// A rig at rest in free fall frame: without noise the accelerometer reads the reaction to gravity
+// and the motion's acceleration, in its own frame.
+TEST(RigSensors, MeasureTheSpline) {
+  const SimulatedRig rig = simulatedRig("d435i");
+  SimulationOptions o;
+  o.duration_s = 2;
+  o.imu_noise = false;
+  o.initial_gyro_bias = {0.01, 0, 0};
+  o.initial_accel_bias = {0, 0.02, 0};
+  SplineMotion motion(0.1);
+  const Eigen::Vector3d w(0.2, -0.3, 0.4);
+  for (int k = 0; k < 40; ++k) {
+    motion.add({Eigen::Matrix3d(expSO3(w * (0.1 * k))), Eigen::Vector3d(0.2, 0.3, 1 + 0.01 * k)});
+  }
+  RigSensors sensors(rig, o);
+  const auto samples = sensors.samplesUntil(motion, o.start_ns + toNanoseconds(1.0));
+  const Eigen::Matrix3d R_SC = rig.calibration.imu->T_SC0.R;
+  const Eigen::Vector3d gyro = samples.back().gyro - o.initial_gyro_bias;
+  // Turns w about the axes of F, constant: in the sensor's frame R^T w.
+  const Eigen::Matrix3d R_FC = motion.at(1.0).T_FB.R;
+  EXPECT_LT((gyro - R_SC * (R_FC.transpose() * w)).norm(), 1e-6);
+  const double g = rig.calibration.imu->gravity_m_s2;
+  EXPECT_NEAR((samples.back().accel - o.initial_accel_bias).norm(), g, 0.05);
+  EXPECT_TRUE(sensors.samplesUntil(motion, o.start_ns + toNanoseconds(1.0)).empty()) << "taken";
+}
+
+}  // namespace
+}  // namespace plumbline

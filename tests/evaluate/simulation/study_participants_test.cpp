@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The design of a simulated study: orders are balanced, skills spread, two give up, practice helps.
+#include "evaluate/simulation/study_participants.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/simulation/motion_capture.h"
+
+namespace plumbline {
+namespace {
+
+TEST(SimulatedParticipants, AreCounterbalancedAndOfAllSkills) {
+  const auto people = simulatedParticipants({});
+  ASSERT_EQ(people.size(), 16U);
+  int guided_first = 0, give_up_free = 0, give_up_guided = 0;
+  std::set<double> skills;
+  for (const auto& p : people) {
+    ASSERT_EQ(p.visits.size(), 2U);
+    EXPECT_EQ(p.visits[0].period, 1);
+    EXPECT_NE(p.visits[0].method, p.visits[1].method);
+    guided_first += p.visits[0].method == "guided" ? 1 : 0;
+    skills.insert(p.clumsiness);
+    for (const auto& v : p.visits) {
+      (v.method == "free" ? give_up_free : give_up_guided) += v.gives_up ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(guided_first, 8);
+  EXPECT_EQ(skills.size(), 16U);
+  EXPECT_EQ(give_up_free, 1);
+  EXPECT_EQ(give_up_guided, 1);
+}
+
+TEST(SimulatedParticipants, LearnFromTheirFirstSession) {
+  for (const auto& p : simulatedParticipants({})) {
+    const OperatorSkill &first = p.visits[0].skill, &second = p.visits[1].skill;
+    EXPECT_NEAR(second.reaction_s, 0.85 * first.reaction_s, 1e-12);
+    EXPECT_NEAR(second.position_error_m, 0.85 * first.position_error_m, 1e-12);
+    EXPECT_NEAR(second.speed_m_s, first.speed_m_s / 0.85, 1e-12);
+  }
+}
+
+TEST(SimulatedParticipants, DependOnTheSeedAlone) {
+  StudySimulationOptions o;
+  o.threads = 7;
+  EXPECT_EQ(simulatedParticipants({})[3].visits[1].seed,
+            simulatedParticipants(o)[3].visits[1].seed);
+  o.seed = 2;
+  EXPECT_NE(simulatedParticipants({})[3].visits[1].seed,
+            simulatedParticipants(o)[3].visits[1].seed);
+  o.participants = 0;
+  EXPECT_THROW(simulatedParticipants(o), InputError);
+}
+
+// Back through the marker body, the worlds and the clock the poses are the rig's, but for noise.
+TEST(MotionCapture, SeesTheMarkerBodyByItsOwnClock) {
+  SimulationOptions simulation;
+  simulation.duration_s = 8;
+  const SimulatedSession session = simulateSession(simulatedRig("d435i"), simulation);
+  const MotionCaptureOptions o;
+  const MotionCapture capture = simulateMotionCapture(session, o);
+  ASSERT_EQ(capture.gaps_s.size(), 2U);
+  double squares = 0;
+  for (const StampedPose& pose : capture.trajectory.poses) {
+    const TimeNs t_imu = pose.t + toNanoseconds(o.clock_offset_s);
+    const double t_s = secondsBetween(session.start_ns, t_imu);
+    for (const auto& [begin, end] : capture.gaps_s) EXPECT_FALSE(t_s >= begin && t_s < end - 1e-9);
+    const Transform T_WS = o.T_VW.inverse() * pose.transform() * o.T_SM.inverse();
+    const Transform truth = session.T_WF() * session.motionAtImuTime(t_imu).T_FB;
+    squares += (T_WS.t - truth.t).squaredNorm();
+    EXPECT_LT(rotationAngle(T_WS.R.transpose() * truth.R), 6 * o.noise_rad);
+  }
+  const auto n = static_cast<double>(capture.trajectory.poses.size());
+  EXPECT_GT(n, 600);
+  // The marker body is 0.1 m from the IMU: its orientation's noise adds a little.
+  EXPECT_NEAR(std::sqrt(squares / n / 3), o.noise_m, 0.3 * o.noise_m);
+}
+
+}  // namespace
+}  // namespace plumbline
