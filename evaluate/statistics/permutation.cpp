@@ -119,11 +119,11 @@ PermutationResult resultOf(double estimate, double rounding, Crossings crossings
   auto& shifts = crossings.shifts;
   std::sort(shifts.begin(), shifts.end());
   const double total = crossings.total();
-  const auto upTo = [&](double x) {
-    return static_cast<double>(std::upper_bound(shifts.begin(), shifts.end(), x) - shifts.begin());
-  };
-  const double above = crossings.unchanged + upTo(rounding);
-  const double below = crossings.unchanged + static_cast<double>(shifts.size()) - upTo(-rounding);
+  // Shifts of zero, but for rounding, are on both sides.
+  const auto positive = std::upper_bound(shifts.begin(), shifts.end(), rounding);
+  const auto not_negative = std::lower_bound(shifts.begin(), shifts.end(), -rounding);
+  const double above = crossings.unchanged + static_cast<double>(positive - shifts.begin());
+  const double below = crossings.unchanged + static_cast<double>(shifts.end() - not_negative);
   PermutationResult result{
       estimate, std::min(1.0, 2 * std::min(above, below) / total), {}, {}, crossings.exact, total};
   // The least shift that is not rejected from below has more than `tail` permutations at or under

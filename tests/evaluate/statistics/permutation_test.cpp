@@ -86,6 +86,8 @@ TEST(ShiftOfPairs, HasNoIntervalWhereNoShiftCanBeRejected) {
 TEST(ShiftBetween, CallsEqualSumsEqualWhateverTheirRounding) {
   EXPECT_DOUBLE_EQ(shiftBetween({0.1, 0.2, 0.3}, {0.3, 0.2, 0.1}).p, 1);
   EXPECT_DOUBLE_EQ(shiftBetween({0.7}, {0.1 + 0.6}).p, 1);
+  EXPECT_DOUBLE_EQ(shiftBetween({0, 0, 0}, {0, 0, 0}).p, 1);
+  EXPECT_DOUBLE_EQ(shiftOfPairs({0, 0, 0, 0, 0, 0, 0}).p, 1);
 }
 
 TEST(Permutations, ThatAreDrawnComeNearToAllOfThem) {
