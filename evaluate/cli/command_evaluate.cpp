@@ -37,6 +37,7 @@ struct EvaluateCalibrationOptions {
   std::vector<std::string> held_out;
   OutputOptions output;
   int folds = 0;
+  bool no_report = false;
 };
 
 void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
@@ -57,6 +58,7 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
                  "models, and score that part")
       ->check(CLI::Range(2, kMostFolds));
   o.output.declare(app)->required();
+  app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
 
 EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
@@ -90,8 +92,9 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
     return kFailed;
   }
   writeResults(out, *result, {{"evaluation.json", documentOf(*result)}},
-               renderCalibrationPage(*result));
-  say("{}\nReport: {}/report.html\n", evaluationSummary(*result), o.output.out);
+               pageUnless(o.no_report, [&] { return renderCalibrationPage(*result); }));
+  say("{}\n{}: {}/{}\n", evaluationSummary(*result), o.no_report ? "Result" : "Report",
+      o.output.out, o.no_report ? "evaluation.json" : "report.html");
   return kDone;
 }
 

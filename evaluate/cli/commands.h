@@ -14,8 +14,8 @@
 namespace plumbline {
 
 /// Exit codes of the command line (docs/conventions.md): done; could not succeed; bad input or
-/// usage.
-enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
+/// usage; a study found a regression.
+enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2, kRegression = 3 };
 
 /// In place of an output file: standard output.
 inline constexpr const char* kStandardOutput = "-";
@@ -43,6 +43,7 @@ Command replayCommand();
 Command reportCommand();
 Command exportCommand();
 Command compareCommand();
+Command studyCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
 /// The subcommand of `simulate`.

@@ -68,9 +68,9 @@ void waitIfEnding() {
 }
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(),  calibrateCommand(),
-          evaluateCommand(), compareCommand(), exportCommand(),
-          perturbCommand(),  replayCommand(),  reportCommand()};
+  return {simulateCommand(), detectCommand(), calibrateCommand(), evaluateCommand(),
+          compareCommand(),  exportCommand(), perturbCommand(),   replayCommand(),
+          studyCommand(),    reportCommand()};
 }
 
 // " evaluate trajectory": the commands that were chosen, one within the other.

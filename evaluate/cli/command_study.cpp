@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/time.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/study/commands_engine.h"
+#include "evaluate/study/night.h"
+#include "evaluate/study/run_step.h"
+#include "evaluate/study/slurm_engine.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kMostJobs = 4096;
+
+struct StudyOptions {
+  std::string study, out;
+  std::string engine = "local";
+  int jobs = 0;
+  bool redo_failed = false;
+  int recheck = 0;
+  SlurmOptions slurm;
+  int merge_round = 0;  // of a job that merges what the arrays did
+};
+
+// Where its words stand for something that the command itself checks later.
+void checkWords(const std::string& option, const std::string& words) {
+  if (option == "loss") lossFrom(words);
+  if (option == "models") modelsFrom(words);
+  if (option == "outliers") outliersFrom(words);
+  if (option == "select-views") selectionThresholdFrom(words);
+  if (option == "resolution") resolutionFrom(words);
+}
+
+// What a study decides itself, or what no result depends on.
+void refuseReserved(const std::string& option) {
+  for (const char* name : {"out", "force", "threads", "cache", "no-cache", "target", "target-shape",
+                           "no-report", "session"}) {
+    if (option == name) throw InputError(fmt::format("the study itself gives --{}", option));
+  }
+}
+
+/// One option of `plumbline calibrate`, as its own command line takes it.
+void checkCalibrateOption(const std::string& option, const std::string& words) {
+  refuseReserved(option);
+  CLI::App app;
+  (void)calibrateCommand().configure(app);
+  app.set_help_flag();
+  std::vector<std::string> line{"session", "--out", "result"};
+  if (option == "free-cameras") line.insert(line.end(), {"--cameras", "file"});
+  line.push_back("--" + option);
+  if (!words.empty()) line.push_back(words);
+  std::reverse(line.begin(), line.end());  // as CLI11 takes a vector
+  try {
+    app.parse(line);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("plumbline calibrate: {}", error.what()));
+  }
+  checkWords(option, words);
+}
+
+std::string timeText(double seconds) {
+  const int whole = static_cast<int>(std::lround(seconds));
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} s", whole);
+}
+
+/// A line that moves on a terminal; in a pipe a line for every tenth and every failure.
+class NightTeller {
+ public:
+  NightSink sink() {
+    return [this](const NightProgress& p) { tell(p); };
+  }
+  void clear() { bar_.clear(); }
+
+ private:
+  void tell(const NightProgress& p) {
+    const double share = p.all > 0 ? static_cast<double>(p.done) / static_cast<double>(p.all) : 1;
+    const std::string where = fmt::format("{} of {} steps, {} failed", p.done, p.all, p.failed);
+    if (!p.message.empty()) {
+      bar_.clear();
+      complain(fmt::format("{}: {}", p.step, p.message));
+    }
+    if (terminal_) {
+      bar_.update(fmt::format("{}, {} left", where, timeText(p.seconds_left)), share);
+      return;
+    }
+    const int tenth = static_cast<int>(10 * share);
+    if (p.step.empty() || tenth == tenth_) return;
+    tenth_ = tenth;
+    complain(fmt::format("{}, about {} left", where, timeText(p.seconds_left)));
+  }
+
+  ProgressBar bar_;
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  int tenth_ = 0;
+};
+
+NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
+  if (o.study.empty()) {
+    throw InputError("a study's definition is missing: plumbline study STUDY.yaml --out FOLDER");
+  }
+  if (o.out.empty()) throw InputError("--out is missing: the folder of the study's results");
+  NightRequest request;
+  request.study = o.study;
+  request.out = o.out;
+  request.check = checkCalibrateOption;
+  request.redo_failed = o.redo_failed;
+  request.recheck = o.recheck;
+  auto given = givenOptions(app);
+  std::erase_if(given, [](const auto& option) { return option.first == "study"; });
+  request.provenance = makeProvenance("study", std::move(given));
+  return request;
+}
+
+int exitCodeOf(const NightOutcome& outcome) { return outcome.alarms.empty() ? kDone : kRegression; }
+
+int finish(const PreparedNight& night, const StepResults& results, double seconds,
+           const std::string& folder) {
+  const NightOutcome outcome = finishNight(night, results, seconds);
+  say("{}", nightSummary(outcome, folder));
+  return exitCodeOf(outcome);
+}
+
+int runSlurm(const StudyOptions& o, PreparedNight night, double seconds) {
+  NightTeller teller;
+  if (o.merge_round > 0) {
+    return mergeSlurmRound(night, o.slurm, o.merge_round, seconds,
+                           [&](const NightOutcome& outcome) {
+                             say("{}", nightSummary(outcome, o.out));
+                             return exitCodeOf(outcome);
+                           });
+  }
+  const SlurmEnd end = runOnSlurm(std::move(night), o.slurm, teller.sink());
+  teller.clear();
+  say("{}", end.text);
+  return end.exit_code;
+}
+
+int study(const StudyOptions& o, const CLI::App& app) {
+  const Stopwatch watch;
+  PreparedNight night = prepareNight(nightRequest(o, app));
+  if (o.engine == "commands") {
+    say("{}", commandList(night.folder, night.steps, o.study, o.out));
+    return kDone;
+  }
+  if (o.engine == "slurm") return runSlurm(o, std::move(night), watch.seconds());
+  NightTeller teller;
+  LocalEngineOptions local;
+  local.jobs = o.jobs;
+  const StepResults results = runLocally(night.folder, night.steps, local, teller.sink());
+  teller.clear();
+  return finish(night, results, watch.seconds(), o.out);
+}
+
+std::function<int()> configureRunStep(CLI::App& app) {
+  struct Options {
+    std::string night;
+    std::vector<std::string> names;
+    int threads = 1;
+  };
+  auto o = std::make_shared<Options>();
+  app.add_option("night", o->night, "The study's folder")->required();
+  app.add_option("steps", o->names, "Names of steps of its plan")->required();
+  app.add_option("--threads", o->threads, "Threads of each")->check(numberWithin(1, kMostJobs));
+  return [o] {
+    int exit_code = kDone;
+    for (const std::string& name : o->names) {
+      try {
+        const StepResult result = runStep(o->night, name, o->threads);
+        if (!result.message.empty()) complain(fmt::format("{}: {}", name, result.message));
+      } catch (const InputError& error) {  // the others may do
+        complain(error.what());
+        exit_code = kBadInput;
+      }
+    }
+    return exit_code;
+  };
+}
+
+std::function<int()> configureRunPack(CLI::App& app) {
+  struct Options {
+    std::string night, packs;
+    int index = 0;
+  };
+  auto o = std::make_shared<Options>();
+  app.add_option("night", o->night, "The study's folder")->required();
+  app.add_option("packs", o->packs, "File with a line of steps for each task")->required();
+  app.add_option("index", o->index, "Of the line, from 0")->required();
+  return [o] {
+    int exit_code = kDone;
+    for (const std::string& name : stepsOfPack(o->packs, o->index)) {
+      try {
+        (void)runStep(o->night, name, 1);
+      } catch (const InputError& error) {
+        complain(error.what());
+        exit_code = kBadInput;
+      }
+    }
+    return exit_code;
+  };
+}
+
+std::function<int()> configureAccept(CLI::App& app) {
+  struct Options {
+    std::string night, session, figure, note;
+  };
+  auto o = std::make_shared<Options>();
+  app.add_option("night", o->night, "The study's folder")->required();
+  app.add_option("--session", o->session, "Of this session (default: of all)");
+  app.add_option("--figure", o->figure, "This figure, e.g. held_out_rmse_px (default: all)");
+  app.add_option("--note", o->note, "Why the change is right; kept with the history");
+  return [o] {
+    for (const StudyAlarm& a : acceptChanges(o->night, o->session, o->figure, o->note)) {
+      say("accepted: {} {}\n", a.metric, a.session);
+    }
+    return kDone;
+  };
+}
+
+void declareStudy(CLI::App& app, StudyOptions& o) {
+  app.add_option("study", o.study, "The study's definition: STUDY.yaml");
+  app.add_option("--out", o.out, "Folder of the results, the same every night");
+  app.add_option("--jobs", o.jobs, "Steps at once on this machine (0: all cores)")
+      ->check(numberWithin(0, kMostJobs))
+      ->capture_default_str();
+  app.add_option("--engine", o.engine,
+                 "local; slurm (job arrays); commands (prints them, for another scheduler)")
+      ->check(CLI::IsMember({"local", "slurm", "commands"}))
+      ->capture_default_str();
+  app.add_flag("--redo-failed", o.redo_failed, "Do failed steps again, though nothing changed");
+  app.add_option("--recheck", o.recheck,
+                 "Do this many unchanged steps again and compare; others every night")
+      ->check(numberFrom(0))
+      ->capture_default_str();
+  app.add_option("--slurm-throttle", o.slurm.throttle, "Tasks of an array at once (0: no limit)")
+      ->check(numberFrom(0));
+  app.add_option("--slurm-pack", o.slurm.pack_s, "Seconds of work that one task gets [s]")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--slurm-rounds", o.slurm.rounds, "Times that steps are submitted, if lost")
+      ->check(numberWithin(1, 20))
+      ->capture_default_str();
+  app.add_option("--slurm-options", o.slurm.options,
+                 "Further options of sbatch, e.g. '--partition=short --account=lab'");
+  app.add_option("--merge-round", o.merge_round, "")->group("");
+}
+
+void addPart(CLI::App& app, const char* name, const char* summary, const char* group,
+             std::function<int()> (*configure)(CLI::App&),
+             std::vector<std::pair<CLI::App*, std::function<int()>>>& parts) {
+  CLI::App* part = app.add_subcommand(name, summary)->group(group);
+  parts.emplace_back(part, configure(*part));
+}
+
+}  // namespace
+
+Command studyCommand() {
+  return {"study", "Calibrate, evaluate and compare all sessions of a study; only what changed",
+          "plumbline study STUDY.yaml --out night\n  plumbline study accept night --figure ate_m",
+          [](CLI::App& app) {
+            auto options = std::make_shared<StudyOptions>();
+            declareStudy(app, *options);
+            std::vector<std::pair<CLI::App*, std::function<int()>>> parts;
+            addPart(app, "accept", "Mark changes against earlier nights as right", "Subcommands",
+                    configureAccept, parts);
+            addPart(app, "run-step", "Do steps of a plan", "", configureRunStep, parts);
+            addPart(app, "run-pack", "Do the steps of a task", "", configureRunPack, parts);
+            return std::function<int()>([options, parts, &app] {
+              for (const auto& [part, handler] : parts) {
+                if (part->parsed()) return handler();
+              }
+              return study(*options, app);
+            });
+          }};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/commands_engine.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "evaluate/results/text.h"
+#include "evaluate/study/local_engine.h"
+#include "evaluate/study/process.h"
+
+namespace plumbline {
+
+namespace fs = std::filesystem;
+
+std::vector<std::vector<Step>> unsettledStages(const fs::path& night,
+                                               const std::vector<Step>& steps) {
+  const StepResults settled = settledResults(night, steps);
+  std::map<std::string, std::size_t> stage_of;  // of those to do
+  std::vector<std::vector<Step>> stages;
+  for (const Step& step : steps) {
+    if (settled.count(step.name) > 0) continue;
+    std::size_t stage = 0;
+    for (const StepNeed& need : step.needs) {
+      const auto before = stage_of.find(need.name);
+      if (before != stage_of.end()) stage = std::max(stage, before->second + 1);
+    }
+    stage_of[step.name] = stage;
+    if (stages.size() <= stage) stages.resize(stage + 1);
+    stages[stage].push_back(step);
+  }
+  return stages;
+}
+
+std::string shellWord(const std::string& word) {
+  const char* const plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+%@";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+std::string commandList(const fs::path& night, const std::vector<Step>& steps,
+                        const std::string& study, const std::string& out) {
+  const std::string program = shellWord(thisProgram());
+  Text text;
+  int number = 0;
+  for (const std::vector<Step>& stage : unsettledStages(night, steps)) {
+    add(text, "# stage {}: {} commands\n", ++number, stage.size());
+    for (const Step& step : stage) {
+      add(text, "{} study run-step {} {}\n", program, shellWord(night.string()), step.name);
+    }
+  }
+  add(text, "# then\n{} study {} --out {}\n", program,
+      shellWord(fs::absolute(study).lexically_normal().string()),
+      shellWord(fs::absolute(out).lexically_normal().string()));
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/definition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/files/yaml_map.h"
+#include "datasets/session/session_folder.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Nobody takes a day to record a session: larger numbers are milliseconds or stamps.
+constexpr double kMostSeconds = 86400;
+constexpr double kMostOffset = 10000;  // [ms]
+
+void refuseUnknownKeys(const YamlMap& map, std::initializer_list<const char*> known) {
+  for (const std::string& key : map.keys()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown key '{}'", key),
+                          fmt::format("one of {}", fmt::join(known, ", ")), ""});
+  }
+}
+
+double numberWithin(const YamlMap& map, const std::string& key, double least, double most,
+                    const std::string& expected) {
+  const double value = map.number(key, expected);
+  if (value >= least && value <= most) return value;
+  throw map.fault(key,
+                  {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value), expected, ""});
+}
+
+double secondsOf(const YamlMap& map, const std::string& key) {
+  return numberWithin(map, key, 0, kMostSeconds,
+                      fmt::format("seconds, 0 to {:g} (a day)", kMostSeconds));
+}
+
+bool flagOf(const YamlMap& map, const std::string& key, bool otherwise) {
+  if (!map.has(key)) return otherwise;
+  bool value = false;
+  if (YAML::convert<bool>::decode(map.node(key), value)) return value;
+  throw map.fault(key,
+                  {InputFault::kUnknownWord, key + " is neither yes nor no", "true or false", ""});
+}
+
+// A name that is also that of a folder.
+std::string nameOf(const YamlMap& map, const std::string& key) {
+  const std::string name = map.text(key, "a name");
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  });
+  if (!name.empty() && plain && name.front() != '.' && name.size() <= 100) return name;
+  throw map.fault(key, {InputFault::kUnknownWord, fmt::format("'{}' cannot name a folder", name),
+                        "letters, digits, '_', '-' and '.'", ""});
+}
+
+std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
+                                 const std::string& expected) {
+  std::vector<std::string> words;
+  const YAML::Node list = map.node(key);
+  const auto refuse = [&] {
+    return map.fault(key, {InputFault::kUnknownWord, key + " is no list of words", expected, ""});
+  };
+  if (!list.IsSequence()) throw refuse();
+  for (const YAML::Node& entry : list) {
+    if (!entry.IsScalar() || entry.Scalar().empty()) throw refuse();
+    if (std::find(words.begin(), words.end(), entry.Scalar()) != words.end()) {
+      throw map.fault(
+          key, {InputFault::kDuplicate,
+                fmt::format("'{}' is given twice in {}", entry.Scalar(), key), "each once", ""});
+    }
+    words.push_back(entry.Scalar());
+  }
+  return words;
+}
+
+fs::path pathOf(const YamlMap& map, const std::string& key) {
+  const fs::path given = map.text(key, "a path, relative to the study's file");
+  return fs::weakly_canonical(fs::absolute(fs::path(map.path()).parent_path() / given));
+}
+
+fs::path fileOf(const YamlMap& map, const std::string& key) {
+  const fs::path path = pathOf(map, key);
+  if (fs::is_regular_file(path)) return path;
+  throw map.fault(key, {InputFault::kMissingFile, path.string() + " is no file",
+                        "a file, its path relative to the study's", ""});
+}
+
+fs::path recordingOf(const YamlMap& map, const std::string& key) {
+  const fs::path path = pathOf(map, key);
+  try {
+    findSession(path.string());
+  } catch (const InputError& error) {
+    throw map.fault(key, {InputFault::kMissingFile, error.what(), "", ""});
+  }
+  return path;
+}
+
+// Of a tool's folder its calibration: the chain with an IMU before that of cameras alone.
+fs::path calibrationIn(const YamlMap& map, const std::string& key) {
+  const fs::path path = pathOf(map, key);
+  if (fs::is_regular_file(path)) return path;
+  std::vector<fs::path> chains;
+  if (fs::is_directory(path)) {
+    for (const auto& entry : fs::directory_iterator(path)) {
+      const std::string name = entry.path().filename().string();
+      const bool chain = name.find("camchain") != std::string::npos;
+      if (chain && entry.path().extension() == ".yaml") chains.push_back(entry.path());
+    }
+  }
+  const auto rank = [](const fs::path& p) {
+    const std::string name = p.filename().string();
+    return std::pair(name.find("imucam") == std::string::npos, name);
+  };
+  std::sort(chains.begin(), chains.end(),
+            [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
+  if (!chains.empty()) return chains.front();
+  throw map.fault(
+      key, {InputFault::kMissingFile, path.string() + " is no calibration and no folder with one",
+            "a calibration, or a folder of Kalibr's with *camchain*.yaml", ""});
+}
+
+/// Names that are given once.
+class Names {
+ public:
+  void add(const YamlMap& map, const std::string& name) {
+    const auto [first, fresh] = lines_.emplace(name, map.lineOf("name"));
+    if (fresh) return;
+    throw map.fault("name",
+                    {InputFault::kDuplicate,
+                     fmt::format("the name '{}' is given twice (line {})", name, first->second),
+                     "each once", "rename one"});
+  }
+
+ private:
+  std::map<std::string, int> lines_;
+};
+
+void readOthers(const YamlMap& map, SessionEntry& entry) {
+  if (!map.has("other")) return;
+  std::set<std::string> tools;
+  for (const YamlMap& other : map.maps("other", "a list of {tool: kalibr, path: FOLDER}")) {
+    refuseUnknownKeys(other, {"tool", "path"});
+    const std::string tool = nameOf(other, "tool");
+    if (!tools.insert(tool).second) {
+      throw other.fault("tool",
+                        {InputFault::kDuplicate, fmt::format("the tool '{}' is given twice", tool),
+                         "each once", "name them apart, e.g. kalibr and kalibr-splines"});
+    }
+    entry.others.emplace_back(tool, calibrationIn(other, "path"));
+  }
+}
+
+void readStages(const YamlMap& map, StudySession& row) {
+  if (!map.has("stages_s")) return;
+  const YamlMap stages = map.map("stages_s", "seconds by stage, e.g. {camera: 30, camera_imu: 43}");
+  double sum = 0;
+  for (const std::string& name : stages.keys()) {
+    row.stages.push_back({name, secondsOf(stages, name)});
+    sum += row.stages.back().seconds;
+  }
+  // Stages may leave out pauses between them; they cannot be longer than the whole.
+  if (row.capture_s && sum > *row.capture_s * 1.001 + 0.1) {
+    throw map.fault("stages_s", {InputFault::kContradiction,
+                                 fmt::format("the stages take {:g} s together, the capture {:g} s",
+                                             sum, *row.capture_s),
+                                 "stages_s that add up to capture_s at most", ""});
+  }
+}
+
+SessionEntry sessionOf(const YamlMap& map, const std::vector<std::string>& methods) {
+  refuseUnknownKeys(map, {"name", "participant", "method", "period", "path", "capture_s",
+                          "finished", "stages_s", "other"});
+  SessionEntry entry;
+  StudySession& row = entry.row;
+  row.name = nameOf(map, "name");
+  row.participant = nameOf(map, "participant");
+  row.method = map.text("method", "one of the study's methods");
+  if (std::find(methods.begin(), methods.end(), row.method) == methods.end()) {
+    throw map.fault("method",
+                    {InputFault::kUnknownWord, fmt::format("unknown method '{}'", row.method),
+                     fmt::format("one of {}", fmt::join(methods, ", ")), ""});
+  }
+  row.period = map.integer("period", "1 for the participant's first session, 2 for the next");
+  if (row.period < 1) {
+    throw map.fault("period", {InputFault::kOutOfRange, fmt::format("period is {}", row.period),
+                               "1 for the participant's first session", ""});
+  }
+  entry.path = recordingOf(map, "path");
+  if (map.has("capture_s")) row.capture_s = secondsOf(map, "capture_s");
+  row.finished = flagOf(map, "finished", true);
+  readStages(map, row);
+  readOthers(map, entry);
+  return entry;
+}
+
+void readSessions(const YamlMap& map, StudyDefinition& study) {
+  Names names;
+  std::set<std::pair<std::string, int>> periods;
+  for (const YamlMap& entry : map.maps("sessions", "a list of sessions")) {
+    SessionEntry session = sessionOf(entry, study.methods);
+    names.add(entry, session.row.name);
+    if (!periods.insert({session.row.participant, session.row.period}).second) {
+      throw entry.fault("period", {InputFault::kContradiction,
+                                   fmt::format("participant {} has two sessions in period {}",
+                                               session.row.participant, session.row.period),
+                                   "a period of its own for each session", ""});
+    }
+    study.sessions.push_back(std::move(session));
+  }
+  if (study.sessions.empty()) {
+    throw map.fault("sessions", {InputFault::kEmpty, "there are no sessions", "one or more", ""});
+  }
+}
+
+// Every participant used every method: what is compared is compared within participants.
+void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study) {
+  std::map<std::string, std::set<std::string>> used;
+  for (const SessionEntry& s : study.sessions) used[s.row.participant].insert(s.row.method);
+  std::size_t at = 0;
+  for (const YamlMap& entry : map.maps("sessions", "")) {
+    const std::string& participant = study.sessions[at++].row.participant;
+    for (const std::string& method : study.methods) {
+      if (used[participant].count(method) > 0) continue;
+      throw entry.fault(
+          "participant",
+          {InputFault::kContradiction,
+           fmt::format("participant {} has no session with the method '{}'", participant, method),
+           "a session of each participant with each method",
+           "add it (finished: false where the participant gave up), or leave the "
+           "participant out"});
+    }
+  }
+}
+
+std::vector<RecordingEntry> recordingsOf(const YamlMap& map, const std::string& key,
+                                         bool with_truth) {
+  std::vector<RecordingEntry> list;
+  if (!map.has(key)) return list;
+  Names names;
+  for (const YamlMap& entry : map.maps(key, "a list of recordings")) {
+    if (with_truth) {
+      refuseUnknownKeys(entry, {"name", "path", "truth"});
+    } else {
+      refuseUnknownKeys(entry, {"name", "path"});
+    }
+    RecordingEntry recording{nameOf(entry, "name"), {}, {}};
+    names.add(entry, recording.name);
+    if (with_truth) {
+      recording.path = pathOf(entry, "path");
+      if (!fs::is_directory(recording.path)) {
+        throw entry.fault("path",
+                          {InputFault::kMissingFile, recording.path.string() + " is no folder",
+                           "the folder of a recording", ""});
+      }
+      recording.truth = fileOf(entry, "truth");
+    } else {
+      recording.path = recordingOf(entry, "path");
+    }
+    list.push_back(std::move(recording));
+  }
+  return list;
+}
+
+void readTargetShape(const YamlMap& map, StudyDefinition& study) {
+  const std::string word = map.textOr("target_shape", "");
+  if (word.empty()) return;
+  const auto known = enumFrom<StudyTargetShape>(word);
+  study.target_shape = known.value_or(StudyTargetShape::kFile);
+  if (!known || *known == StudyTargetShape::kFile) {
+    study.target_shape = StudyTargetShape::kFile;
+    study.target_shape_file = fileOf(map, "target_shape");
+  }
+  if (study.target_shape == StudyTargetShape::kOne && study.held_out.empty()) {
+    throw map.fault("target_shape", {InputFault::kContradiction,
+                                     "one shape for all is estimated from the first held-out "
+                                     "recording, and there is none",
+                                     "held_out, or each, flat or a file", ""});
+  }
+}
+
+// Values that name files are absolute from here on.
+void readCalibrate(const YamlMap& map, const CalibrateOptionCheck& check, StudyDefinition& study) {
+  if (!map.has("calibrate")) return;
+  const YamlMap options = map.map("calibrate", "options of plumbline calibrate, by name");
+  for (const std::string& key : options.keys()) {
+    std::string option = key;
+    std::replace(option.begin(), option.end(), '_', '-');
+    const bool is_file = option == "cameras" || option == "imu";
+    std::string words = is_file ? fileOf(options, key).string() : options.text(key, "a value");
+    if (words == "true") words = "";
+    try {
+      check(option, words);
+    } catch (const InputError& error) {
+      throw options.fault(key, {InputFault::kBadOption, error.what(), "", ""});
+    }
+    study.calibrate.emplace_back(std::move(option), std::move(words));
+  }
+}
+
+void refuseUnknownFields(const YamlMap& map, const std::string& key, const std::string& text,
+                         const std::set<std::string>& fields) {
+  for (std::size_t at = text.find('{'); at != std::string::npos; at = text.find('{', at + 1)) {
+    const std::string field = text.substr(at + 1, text.find('}', at) - at - 1);
+    const bool of_shell = at > 0 && text[at - 1] == '$';
+    if (fields.count(field) > 0 || of_shell) continue;
+    throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown field {{{}}}", field),
+                          fmt::format("{{{}}}", fmt::join(fields, "}, {")), ""});
+  }
+}
+
+void readTrajectories(const YamlMap& map, StudyDefinition& study) {
+  if (!map.has("trajectories")) return;
+  const YamlMap how = map.map("trajectories", "{pattern: FILES} or {command: COMMAND}");
+  refuseUnknownKeys(how, {"pattern", "command"});
+  if (how.has("pattern") == how.has("command") || study.sequences.empty()) {
+    throw map.fault("trajectories",
+                    {InputFault::kContradiction,
+                     study.sequences.empty() ? "there are no sequences to estimate trajectories on"
+                                             : "trajectories have a pattern or a command",
+                     "sequences, and one of pattern and command", ""});
+  }
+  if (how.has("pattern")) {
+    const std::string pattern = how.text("pattern", "files with {calibration} and {sequence}");
+    refuseUnknownFields(how, "pattern", pattern, {"calibration", "sequence", "run"});
+    study.trajectory_pattern = (study.file.parent_path() / pattern).lexically_normal().string();
+  } else {
+    study.trajectory_command = how.text("command", "a command with {calibration} and {out}");
+    refuseUnknownFields(how, "command", study.trajectory_command,
+                        {"calibration", "sequence", "out"});
+  }
+}
+
+void readPerturbations(const YamlMap& map, StudyDefinition& study) {
+  if (!map.has("perturbations")) return;
+  const YamlMap list = map.map("perturbations", "{offsets_ms: [100, 10, 1]}");
+  refuseUnknownKeys(list, {"offsets_ms"});
+  for (const auto& [option, words] : study.calibrate) {
+    if (option == "no-imu") {
+      throw map.fault("perturbations", {InputFault::kContradiction,
+                                        "offsets are added to the IMU's stamps, and calibrate has "
+                                        "no-imu",
+                                        "", "leave one of them out"});
+    }
+  }
+  study.offsets_ms = list.numbers("offsets_ms", "milliseconds, e.g. [100, 10, 1]");
+  for (const double offset : study.offsets_ms) {
+    if (std::abs(offset) <= kMostOffset) continue;
+    throw list.fault("offsets_ms", {InputFault::kOutOfRange, fmt::format("{:g} ms", offset),
+                                    fmt::format("milliseconds up to {:g}", kMostOffset), ""});
+  }
+}
+
+void readLimits(const YamlMap& map, StudyDefinition& study) {
+  if (!map.has("limits")) return;
+  const YamlMap limits = map.map("limits", "{step_s: 3600, step_mb: 8192}");
+  refuseUnknownKeys(limits, {"step_s", "step_mb"});
+  if (limits.has("step_s")) {
+    study.step_limit_s = numberWithin(limits, "step_s", 1, kMostSeconds, "seconds, 1 to 86400");
+  }
+  if (limits.has("step_mb")) {
+    study.step_limit_mb =
+        static_cast<int>(numberWithin(limits, "step_mb", 256, 1 << 24, "megabytes, 256 or more"));
+  }
+}
+
+void readThresholds(const YamlMap& map, StudyDefinition& study) {
+  if (!map.has("thresholds")) return;
+  const YamlMap t = map.map("thresholds", "{regression_sigma: 4}");
+  refuseUnknownKeys(t, {"regression_sigma", "regression_floor", "cusum", "cusum_slack", "window"});
+  RegressionThresholds& to = study.thresholds;
+  to.sigma = t.numberOr("regression_sigma", to.sigma);
+  to.floor = t.numberOr("regression_floor", to.floor);
+  to.cusum = t.numberOr("cusum", to.cusum);
+  to.slack = t.numberOr("cusum_slack", to.slack);
+  if (t.has("window")) to.window = t.integer("window", "a number of nights");
+  try {
+    to.check();
+  } catch (const InputError& error) {
+    throw map.fault("thresholds", {InputFault::kOutOfRange, error.what(), "", ""});
+  }
+}
+
+}  // namespace
+
+void RegressionThresholds::check() const {
+  if (!(sigma > 0)) throw InputError("regression_sigma must be above 0");
+  if (!(floor > 0 && floor < 1)) throw InputError("regression_floor is a share above 0, below 1");
+  if (!(cusum > 0)) throw InputError("cusum must be above 0");
+  if (!(slack >= 0)) throw InputError("cusum_slack must not be negative");
+  if (window < 1) throw InputError("the window must be of 1 night or more");
+}
+
+StudyDefinition readStudy(const std::string& path, const CalibrateOptionCheck& check) {
+  const YamlMap map = YamlMap::load(path, "a study's definition: study, methods, sessions, ...");
+  refuseUnknownKeys(map, {"study", "target", "target_shape", "calibrate", "limit_s", "methods",
+                          "sessions", "held_out", "sequences", "trajectories", "perturbations",
+                          "endpoints", "thresholds", "limits", "cross", "replay"});
+  StudyDefinition study;
+  study.file = fs::weakly_canonical(fs::absolute(path));
+  study.name = map.text("study", "the study's name");
+  if (map.has("target")) study.target = fileOf(map, "target");
+  if (map.has("limit_s")) study.limit_s = secondsOf(map, "limit_s");
+  if (!map.has("methods")) {
+    throw map.fault("methods", {InputFault::kMissingKey, "the key 'methods' is missing",
+                                "a list, the baseline first, e.g. [free, guided]", "add it"});
+  }
+  study.methods = wordsOf(map, "methods", "a list, the baseline first, e.g. [free, guided]");
+  readSessions(map, study);
+  refuseWithoutPair(map, study);
+  study.held_out = recordingsOf(map, "held_out", false);
+  study.sequences = recordingsOf(map, "sequences", true);
+  readTargetShape(map, study);
+  readCalibrate(map, check, study);
+  readTrajectories(map, study);
+  readPerturbations(map, study);
+  if (map.has("endpoints")) {
+    study.endpoints = wordsOf(map, "endpoints", "figures of a session, e.g. [held_out_rmse_px]");
+  }
+  readLimits(map, study);
+  readThresholds(map, study);
+  study.cross = flagOf(map, "cross", false);
+  study.replay = flagOf(map, "replay", false);
+  return study;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibrator/base/enum_words.h"
+#include "report/records/study_record.h"
+
+namespace plumbline {
+
+/// A participant's session as STUDY.yaml has it. Paths are absolute.
+struct SessionEntry {
+  StudySession row;                                         ///< what the definition says of it
+  std::filesystem::path path;                               ///< of the recording
+  std::vector<std::pair<std::string, std::string>> others;  ///< tool, calibration file
+};
+
+/// A recording under a name.
+struct RecordingEntry {
+  std::string name;
+  std::filesystem::path path;
+  std::filesystem::path truth;  ///< of a sequence for odometry; empty of a held-out recording
+};
+
+/// Whose board shape the calibrations of a study use.
+enum class StudyTargetShape {
+  kEach,  ///< each session's own calibration estimates it, where the recording determines it
+  kOne,   ///< one for all, estimated from the first held-out recording
+  kFlat,
+  kFile,
+};
+constexpr std::array<const char*, 4> enumWords(StudyTargetShape /*of*/) {
+  return {"each", "one", "flat", "FILE"};
+}
+
+/// From where on a change against earlier nights is a regression.
+struct RegressionThresholds {
+  double sigma = 4;      ///< of a session's figure: deviations from its rolling median
+  double floor = 0.005;  ///< a deviation is at least this share of the median
+  double cusum = 5;      ///< of a study's figure: cumulated deviations
+  double slack = 0.5;    ///< deviations a night that are not cumulated
+  int window = 14;       ///< nights that the rolling median is over
+
+  /// Throws InputError for values out of range.
+  void check() const;
+};
+
+/// STUDY.yaml, checked: every file that it names is there. Paths in it are relative to its folder.
+struct StudyDefinition {
+  std::filesystem::path file;
+  std::string name;
+  std::optional<std::filesystem::path> target;  ///< one board for all; unset: each session's own
+  StudyTargetShape target_shape = StudyTargetShape::kEach;
+  std::filesystem::path target_shape_file;  ///< of kFile
+  /// Further options of `plumbline calibrate`, without "--", and their words ("" of a flag).
+  std::vector<std::pair<std::string, std::string>> calibrate;
+  double limit_s = 600;
+  std::vector<std::string> methods;  ///< the first is the baseline
+  std::vector<SessionEntry> sessions;
+  std::vector<RecordingEntry> held_out;
+  std::vector<RecordingEntry> sequences;
+  std::string trajectory_pattern;  ///< of files with {calibration}, {sequence}, {run}; or
+  std::string trajectory_command;  ///< with {calibration}, {sequence}, {out}
+  std::vector<double> offsets_ms;  ///< perturbations
+  std::vector<std::string> endpoints;
+  RegressionThresholds thresholds;
+  double step_limit_s = 3600;  ///< wall time of a step
+  int step_limit_mb = 8192;    ///< address space of a step
+  bool cross = false;          ///< every calibration also on every other session
+  bool replay = false;         ///< the guide replayed on every session
+};
+
+/// Throws InputError where `plumbline calibrate` has no such option or it takes no such words. The
+/// command line has these options, and gives this.
+using CalibrateOptionCheck =
+    std::function<void(const std::string& option, const std::string& words)>;
+
+/// Reads and checks a study as a whole. Throws InputError with file and line for unknown keys and
+/// words, values out of range or in another unit, files that are not there, names that are given
+/// twice or cannot name a folder, participants without a session of every method.
+StudyDefinition readStudy(const std::string& path, const CalibrateOptionCheck& check);
+
+}  // namespace plumbline

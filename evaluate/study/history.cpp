@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/history.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "calibrator/base/statistics.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMadToSigma = 1.4826;  // of a normal distribution
+
+/// How a figure is judged, by the first part of its name.
+struct Judged {
+  const char* name;
+  int worse;     ///< +1: more is worse; 0: neither way is better
+  double least;  ///< a deviation is at least this, in the figure's unit
+};
+
+// Entropies may be near 0, and so have no share of themselves to compare with; a hundredth of a nat
+// is a hundredth of a parameter's standard deviation. Offsets are compared with what a clock
+// resolves.
+constexpr std::array<Judged, 8> kJudged{{{"failed", 1, 0.1},
+                                         {"camera_rmse_px", 1, 1e-6},
+                                         {"camera_imu_rmse_px", 1, 1e-6},
+                                         {"held_out_rmse_px", 1, 1e-6},
+                                         {"camera_entropy_nats", 1, 0.01},
+                                         {"camera_imu_entropy_nats", 1, 0.01},
+                                         {"perturbation_error_ms", 1, 1e-4},
+                                         {"ate_m", 1, 1e-6}}};
+
+const Judged* judgedAs(const std::string& name) {
+  const std::string family = name.substr(0, name.find('/'));
+  const auto found = std::find_if(kJudged.begin(), kJudged.end(),
+                                  [&](const Judged& j) { return family == j.name; });
+  return found == kJudged.end() ? nullptr : &*found;
+}
+
+// Nobody expects the same seconds twice.
+bool isDuration(const std::string& name) { return name.compare(0, 13, "calibration_s") == 0; }
+
+double deviation(const std::vector<double>& values, double middle) {
+  std::vector<double> distances;
+  for (const double value : values) distances.push_back(std::abs(value - middle));
+  return kMadToSigma * median(distances);
+}
+
+/// One figure's nights under the inputs that it has on the last one, since it was last accepted.
+struct Series {
+  const StudyFigure* last = nullptr;
+  std::vector<std::pair<int, double>> values;  ///< night, value
+};
+
+bool concerns(const StudyAcceptance& a, const StudyFigure& f) {
+  const bool session = a.session.empty() || a.session == f.session;
+  const bool name =
+      a.name.empty() || a.name == f.name || a.name == f.name.substr(0, f.name.find('/'));
+  return session && name;
+}
+
+int startOf(const StudyFigure& figure, const std::vector<StudyAcceptance>& accepted) {
+  int start = 1;
+  for (const StudyAcceptance& a : accepted) {
+    if (concerns(a, figure)) start = std::max(start, a.night);
+  }
+  return start;
+}
+
+class Judge {
+ public:
+  Judge(int night, const std::vector<StudyAcceptance>& accepted,
+        const RegressionThresholds& thresholds)
+      : night_(night), accepted_(accepted), t_(thresholds) {}
+
+  std::vector<StudyAlarm> judge(const std::vector<FigureSpan>& figures) {
+    for (std::size_t begin = 0, end = 0; begin < figures.size(); begin = end) {
+      while (end < figures.size() && figures[end].figure.session == figures[begin].figure.session &&
+             figures[end].figure.name == figures[begin].figure.name) {
+        ++end;
+      }
+      judgeFigure({figures.begin() + static_cast<std::ptrdiff_t>(begin),
+                   figures.begin() + static_cast<std::ptrdiff_t>(end)});
+    }
+    for (const auto& [name, list] : of_study_) judgeStudy(name, list);
+    return std::move(alarms_);
+  }
+
+ private:
+  void judgeFigure(const std::vector<FigureSpan>& spans) {
+    if (spans.back().last_night != night_) return;  // no figure of this night
+    const StudyFigure& last = spans.back().figure;
+    Series series;
+    series.last = &last;
+    const int start = startOf(last, accepted_);
+    for (const FigureSpan& span : spans) {
+      if (span.figure.inputs_key != last.inputs_key) continue;
+      for (int night = std::max(start, span.first_night); night <= span.last_night; ++night) {
+        if (std::isfinite(span.figure.value)) series.values.emplace_back(night, span.figure.value);
+      }
+    }
+    if (judgeDeterministic(spans, start)) return;
+    const Judged* how = judgedAs(last.name);
+    if (how == nullptr || !std::isfinite(last.value) || series.values.empty()) return;
+    judgeMedian(series, *how);
+    if (!last.session.empty()) {
+      of_study_[last.name.substr(0, last.name.find('/'))].push_back(std::move(series));
+    }
+  }
+
+  bool judgeDeterministic(const std::vector<FigureSpan>& spans, int start) {
+    const StudyFigure& last = spans.back().figure;
+    if (isDuration(last.name)) return false;
+    for (const FigureSpan& span : spans) {
+      const bool same = span.figure.inputs_key == last.inputs_key &&
+                        span.figure.version == last.version && span.last_night >= start;
+      if (!same || span.figure == last) continue;
+      add(last, spans.back().first_night, "deterministic", span.figure.value, last.value);
+      return true;
+    }
+    return false;
+  }
+
+  bool isBad(double value, double middle, double scale, const Judged& how) const {
+    const double change = how.worse == 0 ? std::abs(value - middle) : how.worse * (value - middle);
+    return change > t_.sigma * scale;
+  }
+
+  void judgeMedian(const Series& series, const Judged& how) {
+    std::vector<double> good;
+    int first_bad = 0;
+    double was = 0;
+    for (const auto& [night, value] : series.values) {
+      if (!good.empty()) {
+        const std::size_t from = good.size() > window() ? good.size() - window() : 0;
+        const std::vector<double> recent(good.begin() + static_cast<std::ptrdiff_t>(from),
+                                         good.end());
+        const double middle = median(recent);
+        const double scale =
+            std::max({deviation(recent, middle), t_.floor * std::abs(middle), how.least});
+        if (isBad(value, middle, scale, how)) {
+          if (first_bad == 0) first_bad = night;
+          was = middle;
+          continue;
+        }
+      }
+      first_bad = 0;
+      good.push_back(value);
+    }
+    if (first_bad > 0) add(*series.last, first_bad, "median", was, series.last->value);
+  }
+
+  void judgeStudy(const std::string& name, const std::vector<Series>& list) {
+    const Judged& how = *judgedAs(name);
+    std::map<int, std::vector<double>> changes;
+    for (const Series& series : list) {
+      const double reference = series.values.front().second;
+      const double unit = std::max(std::abs(reference), how.least / t_.floor);
+      for (const auto& [night, value] : series.values) {
+        const double change = (value - reference) / unit;
+        changes[night].push_back(how.worse == 0 ? std::abs(change) : how.worse * change);
+      }
+    }
+    std::vector<double> medians;
+    for (const auto& [night, values] : changes) medians.push_back(median(values));
+    // The spread of ordinary nights: the first of the window, before what is looked for.
+    const std::vector<double> ordinary(
+        medians.begin(),
+        medians.begin() + static_cast<std::ptrdiff_t>(std::min(medians.size(), window())));
+    const double scale = std::max(deviation(ordinary, median(ordinary)), t_.floor);
+    double sum = 0;
+    int first = 0;
+    std::size_t at = 0;
+    for (const auto& [night, values] : changes) {
+      sum = std::max(0.0, sum + medians[at++] / scale - t_.slack);
+      first = sum == 0 ? 0 : first == 0 ? night : first;
+    }
+    if (sum <= t_.cusum) return;
+    StudyFigure figure;
+    figure.name = name;
+    figure.command = list.front().last->command;
+    add(figure, first, "cusum", 0, medians.back());
+  }
+
+  void add(const StudyFigure& f, int first, const char* kind, double was, double is) {
+    alarms_.push_back({f.name, f.session, first, kind, was, is, false, f.command});
+  }
+
+  std::size_t window() const { return static_cast<std::size_t>(t_.window); }
+
+  const int night_;
+  const std::vector<StudyAcceptance>& accepted_;
+  const RegressionThresholds& t_;
+  std::map<std::string, std::vector<Series>> of_study_;
+  std::vector<StudyAlarm> alarms_;
+};
+
+}  // namespace
+
+std::vector<StudyAlarm> judgeNight(int night, const std::vector<FigureSpan>& figures,
+                                   const std::vector<StudyAcceptance>& accepted,
+                                   const RegressionThresholds& thresholds) {
+  thresholds.check();
+  return Judge(night, accepted, thresholds).judge(figures);
+}
+
+}  // namespace plumbline

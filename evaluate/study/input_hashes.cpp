@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/input_hashes.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A file may be written twice within a tick of its file system's clock: what changed so lately is
+// read again next time.
+constexpr std::int64_t kSettledNs = 2'000'000'000;
+
+BadInput unreadable(const fs::path& path, const std::string& why) {
+  return badInput(path.string(), 0,
+                  {InputFault::kMissingFile, why, "a readable file or folder", ""});
+}
+
+bool isHidden(const fs::path& path) { return path.filename().string().front() == '.'; }
+
+/// The files below `path` (itself, if it is one), sorted, relative to it.
+std::vector<fs::path> filesBelow(const fs::path& path) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {""};
+  auto it = fs::recursive_directory_iterator(path, fs::directory_options::follow_directory_symlink,
+                                             error);
+  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (isHidden(it->path())) {
+      it.disable_recursion_pending();
+    } else if (!it->is_directory(error)) {
+      files.push_back(it->path().lexically_relative(path));
+    }
+  }
+  if (error) throw unreadable(path, error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+struct Stamp {
+  std::string hash;
+  std::int64_t newest_ns = 0;
+};
+
+Stamp stampWithTime(const fs::path& path) {
+  std::string text;
+  Stamp stamp;
+  for (const fs::path& file : filesBelow(path)) {
+    struct stat status {};
+    const fs::path full = file.empty() ? path : path / file;
+    if (::stat(full.c_str(), &status) != 0) throw unreadable(full, "cannot be read");
+    const std::int64_t time = status.st_mtim.tv_sec * 1'000'000'000LL + status.st_mtim.tv_nsec;
+    stamp.newest_ns = std::max(stamp.newest_ns, time);
+    text += fmt::format("{}\n{} {} {}\n", file.string(), status.st_size, time, status.st_ino);
+  }
+  stamp.hash = contentHash(text);
+  return stamp;
+}
+
+std::string contentOf(const fs::path& path) {
+  std::string text;
+  for (const fs::path& file : filesBelow(path)) {
+    const MappedFile mapped((file.empty() ? path : path / file).string());
+    text += file.string() + "\n" + contentHash(mapped.text()) + "\n";
+  }
+  return contentHash(text);
+}
+
+std::int64_t nowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+std::string stampOf(const fs::path& path) { return stampWithTime(path).hash; }
+
+InputHashes::InputHashes(fs::path cache) : cache_(std::move(cache)) {
+  std::ifstream file(cache_);
+  std::string line;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    Hashed hashed;
+    std::string path;
+    if (words >> hashed.content >> hashed.stamp && words.get() == ' ' &&
+        std::getline(words, path)) {
+      known_[path] = hashed;
+    }
+  }
+}
+
+InputHashes::Hashed InputHashes::of(const fs::path& path) {
+  const auto seen = seen_.find(path.string());
+  if (seen != seen_.end()) return seen->second;
+  const Stamp stamp = stampWithTime(path);
+  const auto known = known_.find(path.string());
+  Hashed hashed;
+  if (known != known_.end() && known->second.stamp == stamp.hash) {
+    hashed = known->second;
+  } else {
+    hashed = {contentOf(path), stamp.hash};
+  }
+  if (nowNs() - stamp.newest_ns > kSettledNs) {
+    known_[path.string()] = hashed;
+  } else {
+    known_.erase(path.string());
+  }
+  return seen_[path.string()] = hashed;
+}
+
+void InputHashes::save() const {
+  std::string text;
+  for (const auto& [path, hashed] : known_) {
+    if (seen_.count(path) > 0 && path.find('\n') == std::string::npos) {
+      text += fmt::format("{} {} {}\n", hashed.content, hashed.stamp, path);
+    }
+  }
+  writeFileAtomically(cache_.string(), text);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/local_engine.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/statistics.h"
+#include "evaluate/results/parallel_for.h"
+#include "evaluate/study/process.h"
+#include "evaluate/study/run_step.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kEngineLog = "engine.log";
+constexpr double kTellEvery = 1;       // [s]
+constexpr double kBeyondLimits = 120;  // [s] that a step's own process gets to end it
+
+// Seconds of a step that was never done, by kind: orders of magnitude, for sessions of a minute.
+double guessed(StepKind kind) {
+  switch (kind) {
+    case StepKind::kDetect:
+      return 60;
+    case StepKind::kBoard:
+    case StepKind::kCalibrate:
+      return 3;
+    case StepKind::kPerturb:
+      return 5;
+    case StepKind::kEvaluate:
+      return 0.3;
+    case StepKind::kCompare:
+      return 4;
+    case StepKind::kEstimate:
+      return 60;
+    case StepKind::kTrajectory:
+      return 0.2;
+    case StepKind::kReplay:
+      return 120;
+  }
+  return 1;
+}
+
+class LocalEngine {
+ public:
+  LocalEngine(const fs::path& night, const std::vector<Step>& steps,
+              const LocalEngineOptions& options, const NightSink& sink)
+      : night_(night),
+        steps_(steps),
+        options_(options),
+        sink_(sink),
+        jobs_(static_cast<std::size_t>(threadCount(options.jobs))),
+        seconds_(estimateSeconds(night, steps)),
+        results_(settledResults(night, steps)) {
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (results_.count(steps[i].name) == 0) waiting_.insert(i);
+      for (const StepNeed& need : steps[i].needs) dependents_[need.name].push_back(i);
+    }
+    progress_.all = waiting_.size();
+    // From the last to the first: whatever waits for a step comes after it.
+    urgency_.resize(steps.size());
+    for (std::size_t i = steps.size(); i-- > 0;) {
+      double longest = 0;
+      for (const std::size_t later : dependents_[steps[i].name]) {
+        longest = std::max(longest, urgency_[later]);
+      }
+      urgency_[i] = seconds_.at(steps[i].name) + longest;
+      if (waiting_.count(i) > 0) total_s_ += seconds_.at(steps[i].name);
+    }
+  }
+
+  StepResults run() {
+    for (;;) {
+      start();
+      if (running_.empty()) break;
+      std::vector<ChildProcess*> children;
+      for (const auto& r : running_) children.push_back(r->child.get());
+      ChildProcess::waitForAny(children, kTellEvery);
+      collect();
+    }
+    return std::move(results_);
+  }
+
+ private:
+  struct Running {
+    std::size_t step;
+    std::unique_ptr<ChildProcess> child;
+  };
+
+  enum class Need { kDone, kPending, kFailed };
+  Need needOf(const Step& step) const {
+    Need all = Need::kDone;
+    for (const StepNeed& need : step.needs) {
+      const auto result = results_.find(need.name);
+      if (result == results_.end()) {
+        if (left_out_.count(need.name) > 0) return Need::kFailed;
+        all = Need::kPending;
+      } else if (result->second.status != StepStatus::kDone) {
+        return Need::kFailed;
+      }
+    }
+    return all;
+  }
+
+  // The most urgent step whose needs are done; what can never be is left out on the way.
+  std::vector<std::size_t> ready() {
+    std::vector<std::size_t> list;
+    for (auto it = waiting_.begin(); it != waiting_.end();) {
+      const Need need = needOf(steps_[*it]);
+      if (need == Need::kFailed) {
+        left_out_.insert(steps_[*it].name);
+        total_s_ -= seconds_.at(steps_[*it].name);
+        --progress_.all;
+        it = waiting_.erase(it);
+        continue;
+      }
+      if (need == Need::kDone) list.push_back(*it);
+      ++it;
+    }
+    std::stable_sort(list.begin(), list.end(),
+                     [&](std::size_t a, std::size_t b) { return urgency_[a] > urgency_[b]; });
+    return list;
+  }
+
+  void start() {
+    if (running_.size() >= jobs_) return;
+    const std::vector<std::size_t> list = ready();
+    // More threads than one only where the steps that are left cannot occupy all cores.
+    const std::size_t wide = std::max<std::size_t>(1, running_.size() + waiting_.size());
+    const std::size_t threads = wide < jobs_ ? jobs_ / wide : 1;
+    for (const std::size_t i : list) {
+      if (running_.size() >= jobs_) return;
+      waiting_.erase(i);
+      launch(i, threads);
+    }
+  }
+
+  void launch(std::size_t i, std::size_t threads) {
+    ++attempts_[i];
+    ProcessRequest request;
+    request.words = {thisProgram(),          "study",        "run-step",
+                     night_.string(),        steps_[i].name, "--threads",
+                     std::to_string(threads)};
+    request.log = night_ / kEngineLog;
+    request.limit_s = steps_[i].limit_s + kBeyondLimits;
+    running_.push_back(
+        std::make_unique<Running>(Running{i, std::make_unique<ChildProcess>(request)}));
+  }
+
+  void collect() {
+    for (auto it = running_.begin(); it != running_.end();) {
+      const auto end = (*it)->child->waitFor(0);
+      if (!end) {
+        ++it;
+        continue;
+      }
+      const std::size_t step = (*it)->step;
+      it = running_.erase(it);
+      finish(step, *end);
+    }
+    tell("", "");
+  }
+
+  void finish(std::size_t i, const ProcessEnd& end) {
+    const Step& step = steps_[i];
+    auto result = readStepResult(night_ / step.name);
+    if (result && result->key != step.key) result.reset();
+    const bool lost =
+        !result || (result->status == StepStatus::kLost && result->seconds < step.limit_s);
+    if (lost && !end.beyond_time && attempts_[i] < options_.attempts) {
+      waiting_.insert(i);
+      return;
+    }
+    if (!result) {
+      const std::string how = end.signal != 0 ? fmt::format("signal {}", end.signal)
+                                              : fmt::format("exit code {}", end.exit_code);
+      result = recordLost(night_, step,
+                          fmt::format("its process ended by {} without a result, {} times; see {}",
+                                      how, attempts_[i], (night_ / kEngineLog).string()));
+    }
+    ++progress_.done;
+    spent_s_ += result->seconds;
+    expected_s_ += seconds_.at(step.name);
+    total_s_ -= seconds_.at(step.name);
+    const bool failed = result->status != StepStatus::kDone;
+    if (failed) ++progress_.failed;
+    results_[step.name] = *result;
+    tell(step.name, failed ? result->message : "");
+  }
+
+  // Estimates are corrected by how far those of the steps done were off.
+  void tell(const std::string& step, const std::string& message) {
+    progress_.step = step;
+    progress_.message = message;
+    const double correction = expected_s_ > 0 ? spent_s_ / expected_s_ : 1;
+    progress_.seconds_left = correction * total_s_ / static_cast<double>(jobs_);
+    if (sink_) sink_(progress_);
+  }
+
+  const fs::path night_;
+  const std::vector<Step>& steps_;
+  const LocalEngineOptions options_;
+  const NightSink& sink_;
+  const std::size_t jobs_;
+  const std::map<std::string, double> seconds_;
+  StepResults results_;
+  std::set<std::size_t> waiting_;
+  std::set<std::string> left_out_;
+  std::map<std::string, std::vector<std::size_t>> dependents_;
+  std::vector<double> urgency_;
+  std::map<std::size_t, int> attempts_;
+  std::vector<std::unique_ptr<Running>> running_;
+  NightProgress progress_;
+  double total_s_ = 0, spent_s_ = 0, expected_s_ = 0;
+};
+
+}  // namespace
+
+StepResults settledResults(const fs::path& night, const std::vector<Step>& steps) {
+  StepResults results;
+  for (const Step& step : steps) {
+    auto result = readStepResult(night / step.name);
+    if (!result || !result->settles(step)) continue;
+    try {
+      if (result->status == StepStatus::kDone) (void)readStepPart(night / step.name);
+      results[step.name] = std::move(*result);
+    } catch (const InputError&) {  // damaged: done again
+    }
+  }
+  return results;
+}
+
+std::map<std::string, double> estimateSeconds(const fs::path& night,
+                                              const std::vector<Step>& steps) {
+  std::map<std::string, double> seconds;
+  std::map<StepKind, std::vector<double>> of_kind;
+  for (const Step& step : steps) {
+    const auto before = readStepResult(night / step.name);
+    if (!before || before->status != StepStatus::kDone) continue;
+    seconds[step.name] = before->seconds;
+    of_kind[step.kind].push_back(before->seconds);
+  }
+  for (const Step& step : steps) {
+    if (seconds.count(step.name) > 0) continue;
+    const auto known = of_kind.find(step.kind);
+    seconds[step.name] = known == of_kind.end() ? guessed(step.kind) : median(known->second);
+  }
+  return seconds;
+}
+
+StepResults runLocally(const fs::path& night, const std::vector<Step>& steps,
+                       const LocalEngineOptions& options, const NightSink& sink) {
+  return LocalEngine(night, steps, options, sink).run();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "datasets/files/file_io.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the definition says, and in its place what the calibration says.
+void fillSession(const StudySession& found, StudySession& row) {
+  StudySession whole = found;
+  whole.name = row.name;
+  whole.participant = row.participant;
+  whole.method = row.method;
+  whole.period = row.period;
+  whole.capture_s = row.capture_s;
+  whole.finished = row.finished;
+  whole.stages = row.stages;
+  whole.compliance = row.compliance;
+  row = whole;
+}
+
+class Merger {
+ public:
+  Merger(const StudyDefinition& study, const fs::path& night, const std::vector<Step>& steps,
+         const StepResults& results)
+      : night_(night), steps_(steps), results_(results) {
+    StudyRecord& r = merged_.record;
+    r.name = study.name;
+    r.methods = study.methods;
+    r.endpoints = study.endpoints;
+    r.limit_s = study.limit_s;
+    for (const SessionEntry& s : study.sessions) {
+      of_session_[s.row.name] = r.sessions.size();
+      r.sessions.push_back(s.row);
+      r.sessions.back().status = StudyStatus::kFailed;  // until its calibration is there
+    }
+  }
+
+  MergedNight merge() {
+    for (const Step& step : steps_) {
+      const auto result = results_.find(step.name);
+      if (result == results_.end()) {
+        addMissing(step);
+      } else if (result->second.status == StepStatus::kDone) {
+        addRows(step, result->second);
+      } else {
+        addFailure(step, result->second.message);
+      }
+    }
+    for (StudySession& session : merged_.record.sessions) addHeldOutError(session);
+    addOthersHeldOut();
+    addFigures();
+    addVerdict();
+    return std::move(merged_);
+  }
+
+ private:
+  StudySession& sessionOf(const Step& step) {
+    return merged_.record.sessions[of_session_.at(step.session)];
+  }
+
+  void addRows(const Step& step, const StepResult& result) {
+    StudyRecord rows = readStepPart(night_ / step.name);
+    StudyRecord& r = merged_.record;
+    if (step.kind == StepKind::kCalibrate) {
+      StudySession& session = sessionOf(step);
+      fillSession(rows.sessions.at(0), session);
+      session.status = StudyStatus::kOk;
+      session.page = step.name + "/report.html";
+    } else if (step.kind == StepKind::kReplay) {
+      sessionOf(step).compliance = rows.sessions.at(0).compliance;
+    }
+    const auto append = [](auto& to, const auto& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    if (step.kind == StepKind::kEvaluate && isOfOther(step)) {
+      others_held_out_[step.session + "/" + toolOf(step)].push_back(rows.held_out.at(0));
+    } else {
+      append(r.held_out, rows.held_out);
+    }
+    append(r.perturbations, rows.perturbations);
+    append(r.trajectories, rows.trajectories);
+    append(r.others, rows.others);
+    addFigures(step, result, rows);
+  }
+
+  static bool isOfOther(const Step& step) { return step.part.find('/') != std::string::npos; }
+  static std::string toolOf(const Step& step) { return step.part.substr(0, step.part.find('/')); }
+
+  // What a failed step leaves without a figure.
+  void addFailure(const Step& step, const std::string& message) {
+    ++merged_.steps_failed;
+    failures_.push_back(step.name);
+    StudyRecord& r = merged_.record;
+    switch (step.kind) {
+      case StepKind::kDetect:
+      case StepKind::kCalibrate:
+        if (of_session_.count(step.session) > 0) {
+          sessionOf(step).failed_step = toString(step.kind);
+          sessionOf(step).message = message;
+        }
+        break;
+      case StepKind::kEvaluate:
+        if (!isOfOther(step)) r.held_out.push_back({step.session, step.part, {}, message});
+        break;
+      case StepKind::kPerturb:
+        r.perturbations.push_back({step.session, 0, {}, message});
+        break;
+      case StepKind::kCompare:
+        r.others.push_back({step.session, step.part, {}, {}, message});
+        break;
+      case StepKind::kEstimate:
+      case StepKind::kTrajectory: {
+        const auto slash = step.part.find('/');
+        const std::string run = slash == std::string::npos ? "" : step.part.substr(slash + 1);
+        r.trajectories.push_back({step.session, step.part.substr(0, slash), run, {}, message});
+        break;
+      }
+      case StepKind::kBoard:
+      case StepKind::kReplay:
+        break;
+    }
+  }
+
+  // Left out because of what it needs; or not done at all.
+  void addMissing(const Step& step) {
+    for (const StepNeed& need : step.needs) {
+      const auto result = results_.find(need.name);
+      const bool failed = result == results_.end() || result->second.status != StepStatus::kDone;
+      if (!failed) continue;
+      const std::string why = result == results_.end() ? "was left out" : result->second.message;
+      if (step.kind == StepKind::kCalibrate) {
+        sessionOf(step).failed_step = need.name.substr(need.name.rfind('/') + 1);
+        sessionOf(step).message = why;
+      }
+      return;
+    }
+    ++merged_.steps_missing;
+    if (step.kind == StepKind::kCalibrate) {
+      sessionOf(step).failed_step = toString(step.kind);
+      sessionOf(step).message = "was not done";
+    }
+  }
+
+  static std::optional<double> rootMeanSquare(const std::vector<StudyHeldOut>& scores) {
+    double sum = 0;
+    int n = 0;
+    for (const StudyHeldOut& score : scores) {
+      if (!score.rmse_px) return std::nullopt;  // over all recordings, or not at all
+      sum += *score.rmse_px * *score.rmse_px;
+      ++n;
+    }
+    return n == 0 ? std::nullopt : std::optional(std::sqrt(sum / n));
+  }
+
+  // Other participants' sessions are no held-out recordings: a method has seen them.
+  void addHeldOutError(StudySession& session) {
+    std::vector<StudyHeldOut> scores;
+    for (const StudyHeldOut& h : merged_.record.held_out) {
+      if (h.session == session.name && of_session_.count(h.recording) == 0) scores.push_back(h);
+    }
+    session.held_out_rmse_px = rootMeanSquare(scores);
+  }
+
+  void addOthersHeldOut() {
+    for (StudyOther& other : merged_.record.others) {
+      const auto scores = others_held_out_.find(other.session + "/" + other.tool);
+      if (scores != others_held_out_.end()) other.held_out_rmse_px = rootMeanSquare(scores->second);
+    }
+  }
+
+  void addFigure(const Step& step, const StepResult& result, const std::string& name,
+                 const std::string& unit, const std::optional<double>& value) {
+    // Both stages have the cameras' parameters where they are freed: the first counts.
+    if (!value || !named_.insert(step.session + "/" + name).second) return;
+    merged_.figures.push_back(
+        {step.session, name, unit, step.inputs_key, result.version, *value, result.command});
+  }
+
+  void addFigures(const Step& step, const StepResult& result, const StudyRecord& rows) {
+    const auto add = [&](const std::string& name, const std::string& unit,
+                         const std::optional<double>& value) {
+      addFigure(step, result, name, unit, value);
+    };
+    if (step.kind == StepKind::kCalibrate) {
+      const StudySession& s = rows.sessions.at(0);
+      add("camera_rmse_px", "px", s.camera_rmse_px);
+      add("camera_imu_rmse_px", "px", s.camera_imu_rmse_px);
+      add("camera_entropy_nats", "nat", s.camera_entropy_nats);
+      add("camera_imu_entropy_nats", "nat", s.camera_imu_entropy_nats);
+      add("time_offset_s", "s", s.time_offset_s);
+      add("time_offset_std_s", "s", s.time_offset_std_s);
+      add("calibration_s", "s", s.calibration_s);
+      for (const ParameterEstimate& p : s.estimates) add("estimates/" + p.name, p.unit, p.value);
+    }
+    for (const StudyHeldOut& h : rows.held_out) {
+      add((isOfOther(step) ? "other_held_out_rmse_px/" : "held_out_rmse_px/") + step.part, "px",
+          h.rmse_px);
+    }
+    for (const StudyPerturbation& p : rows.perturbations) {
+      if (!p.recovered_ms) continue;
+      add(fmt::format("perturbation_error_ms/{:g}", p.offset_ms), "ms",
+          std::abs(*p.recovered_ms - p.offset_ms));
+    }
+    for (const StudyTrajectory& t : rows.trajectories) add("ate_m/" + step.part, "m", t.ate_m);
+  }
+
+  // Whether a session has a calibration at all is a figure too.
+  void addFigures() {
+    for (const Step& step : steps_) {
+      const auto result = results_.find(step.name);
+      if (step.kind != StepKind::kCalibrate || result == results_.end()) continue;
+      addFigure(step, result->second, "failed", "1",
+                result->second.status == StepStatus::kDone ? 0.0 : 1.0);
+    }
+  }
+
+  void addVerdict() {
+    const auto& sessions = merged_.record.sessions;
+    const auto failed = std::count_if(sessions.begin(), sessions.end(), [](const auto& s) {
+      return s.status == StudyStatus::kFailed;
+    });
+    Finding calibrated;
+    calibrated.rule = "Sessions calibrated";
+    calibrated.value = static_cast<double>(failed);
+    calibrated.unit = "1";
+    calibrated.evidence =
+        fmt::format("{} of {} sessions have a calibration",
+                    sessions.size() - static_cast<std::size_t>(failed), sessions.size());
+    if (failed > 0) {
+      calibrated.level = VerdictLevel::kCaution;
+      calibrated.advice = "The failures below say why";
+    }
+    Finding steps;
+    steps.rule = "Steps done";
+    steps.value = merged_.steps_failed;
+    steps.unit = "1";
+    steps.evidence = fmt::format("{} of {} steps failed, {} were not done", merged_.steps_failed,
+                                 steps_.size(), merged_.steps_missing);
+    if (merged_.steps_failed + merged_.steps_missing > 0) {
+      steps.level = VerdictLevel::kCaution;
+      steps.advice = failures_.empty() ? "Run the study again"
+                                       : "step.json in the folder of each says why; the first is " +
+                                             failures_.front();
+    }
+    merged_.record.verdict = makeVerdict({calibrated, steps});
+  }
+
+  const fs::path night_;
+  const std::vector<Step>& steps_;
+  const StepResults& results_;
+  MergedNight merged_;
+  std::map<std::string, std::size_t> of_session_;
+  std::map<std::string, std::vector<StudyHeldOut>> others_held_out_;
+  std::vector<std::string> failures_;
+  std::set<std::string> named_;
+};
+
+}  // namespace
+
+MergedNight mergeNight(const StudyDefinition& study, const fs::path& night,
+                       const std::vector<Step>& steps, const StepResults& results) {
+  return Merger(study, night, steps, results).merge();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/night.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
+#include "evaluate/results/text.h"
+#include "evaluate/study/history.h"
+#include "evaluate/study/input_hashes.h"
+#include "evaluate/study/merge.h"
+#include "evaluate/study/plan.h"
+#include "evaluate/study/run_step.h"
+#include "report/html/study/page.h"
+#include "report/records/documents.h"
+#include "report/store/store.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kEngineLog = "engine.log";
+
+int nightAfter(const StudyStore& store) {
+  const auto nights = store.nights();
+  return nights.empty() ? 1 : nights.back().night + 1;
+}
+
+// Without its mark a result counts as not there.
+void forget(const fs::path& night, const Step& step) {
+  std::error_code ignored;
+  fs::remove(night / step.name / kStepFile, ignored);
+}
+
+// Another part of the done steps every night, so that all have their turn.
+void chooseRechecks(const fs::path& folder, const std::vector<Step>& steps, int count, int night) {
+  std::vector<const Step*> done;
+  for (const Step& step : steps) {
+    const auto result = readStepResult(folder / step.name);
+    if (result && result->settles(step) && result->status == StepStatus::kDone) {
+      done.push_back(&step);
+    }
+  }
+  const auto n = std::min(static_cast<std::size_t>(count), done.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    forget(folder, *done[(static_cast<std::size_t>(night) * n + i) % done.size()]);
+  }
+}
+
+void forgetFailures(const fs::path& folder, const std::vector<Step>& steps) {
+  for (const Step& step : steps) {
+    const auto result = readStepResult(folder / step.name);
+    if (result && result->status == StepStatus::kFailed) forget(folder, step);
+  }
+}
+
+std::optional<double> medianHeldOut(const StudyRecord& record) {
+  std::vector<double> values;
+  for (const StudySession& s : record.sessions) {
+    if (s.held_out_rmse_px) values.push_back(*s.held_out_rmse_px);
+  }
+  return values.empty() ? std::nullopt : std::optional(median(values));
+}
+
+StudyNight nightOf(const StudyRecord& record, int number, double seconds) {
+  StudyNight night;
+  night.night = number;
+  night.date = record.provenance.date;
+  night.version = programVersion();
+  night.sessions = static_cast<int>(record.sessions.size());
+  night.failed = static_cast<int>(
+      std::count_if(record.sessions.begin(), record.sessions.end(),
+                    [](const StudySession& s) { return s.status == StudyStatus::kFailed; }));
+  night.seconds = seconds;
+  night.held_out_rmse_px = medianHeldOut(record);
+  return night;
+}
+
+std::vector<StudyStepRow> stepRows(const std::vector<Step>& steps, const StepResults& results) {
+  std::vector<StudyStepRow> rows;
+  for (const Step& step : steps) {
+    const auto result = results.find(step.name);
+    if (result == results.end()) continue;
+    const StepResult& r = result->second;
+    rows.push_back({r.name, r.key, toString(r.status), r.message, r.command, r.seconds, r.peak_mb});
+  }
+  return rows;
+}
+
+std::string alarmSentence(const StudyAlarm& a) {
+  const std::string where = a.session.empty() ? "of the study" : "of " + a.session;
+  if (a.kind == "deterministic") {
+    return fmt::format("{} {} is {:.9g} and was {:.9g} from the same inputs and version", a.metric,
+                       where, a.is, a.was);
+  }
+  if (a.kind == "cusum") {
+    return fmt::format("{} {} is worse by {:.3g} % than on its first night, night after night",
+                       a.metric, where, 100 * a.is);
+  }
+  return fmt::format("{} {} is {:.6g}, its median before {:.6g}", a.metric, where, a.is, a.was);
+}
+
+void addAlarmFindings(StudyRecord& record) {
+  Finding finding;
+  finding.rule = "Regressions";
+  finding.value = static_cast<double>(record.alarms.size());
+  finding.unit = "1";
+  finding.evidence =
+      record.alarms.empty()
+          ? "no figure is worse than on the nights before"
+          : fmt::format("{} figures changed; first, since night {}: {}", record.alarms.size(),
+                        record.alarms.front().night, alarmSentence(record.alarms.front()));
+  if (!record.alarms.empty()) {
+    finding.level = VerdictLevel::kBad;
+    finding.advice =
+        "Look at the commands of the alarms; plumbline study accept marks a change "
+        "that is right";
+  }
+  auto findings = std::move(record.verdict.findings);
+  findings.push_back(std::move(finding));
+  record.verdict = makeVerdict(std::move(findings));
+}
+
+// The store is this night's alone: its history is in study.sqlite.
+void writeRecords(const fs::path& folder, const StudyRecord& record) {
+  const fs::path made = folder / ".records.sqlite.new";
+  std::error_code ignored;
+  fs::remove(made, ignored);
+  Store(made).save(record);
+  fs::rename(made, folder / kRecordsFile);
+}
+
+}  // namespace
+
+PreparedNight prepareNight(const NightRequest& request) {
+  PreparedNight night;
+  night.study = readStudy(request.study, request.check);
+  takeNightFolder(request.out, night.study);
+  night.folder = fs::canonical(request.out);
+  night.lock = std::make_unique<NightLock>(night.folder);
+  night.provenance = request.provenance;
+  const StudyStore store(night.folder /
+                         kHistoryFile);  // a newer one ends the night before its work
+  InputHashes hashes(night.folder / kHashesFile);
+  night.steps = planStudy(night.study, hashes, versionForKeys(hashes));
+  hashes.save();
+  writeFileAtomically((night.folder / kPlanFile).string(), planText(night.steps));
+  writeFileAtomically((night.folder / kEngineLog).string(), "");
+  if (request.redo_failed) forgetFailures(night.folder, night.steps);
+  if (request.recheck > 0) {
+    chooseRechecks(night.folder, night.steps, request.recheck, nightAfter(store));
+  }
+  return night;
+}
+
+NightOutcome finishNight(const PreparedNight& night, const StepResults& results, double seconds) {
+  MergedNight merged = mergeNight(night.study, night.folder, night.steps, results);
+  StudyRecord& record = merged.record;
+  record.provenance = night.provenance;
+  record.provenance.input = night.study.file.filename().string();
+  std::string keys;
+  for (const Step& step : night.steps) keys += step.inputs_key;
+  record.provenance.input_hash = "xxh64:" + contentHash(keys);
+  StudyStore store(night.folder / kHistoryFile);
+  const int number = nightAfter(store);
+  store.addNight(nightOf(record, number, seconds), merged.figures);
+  store.setSteps(number, stepRows(night.steps, results));
+  record.alarms = judgeNight(number, store.figures(), store.accepted(), night.study.thresholds);
+  store.addAlarms(number, record.alarms);
+  record.nights = store.nights();
+  addAlarmFindings(record);
+  writeRecords(night.folder, record);
+  writeFileAtomically((night.folder / kSummaryFile).string(), documentOf(record));
+  writeFileAtomically((night.folder / kIndexFile).string(), renderStudyPage(record));
+  store.save();
+  NightOutcome outcome;
+  outcome.night = number;
+  outcome.sessions = record.nights.back().sessions;
+  outcome.sessions_failed = record.nights.back().failed;
+  outcome.steps = night.steps.size();
+  outcome.steps_failed = merged.steps_failed;
+  outcome.steps_missing = merged.steps_missing;
+  outcome.alarms = record.alarms;
+  return outcome;
+}
+
+std::string nightSummary(const NightOutcome& o, const fs::path& folder) {
+  constexpr std::size_t kShown = 10;
+  Text text;
+  add(text, "Night {}: {} of {} sessions have a calibration", o.night,
+      o.sessions - o.sessions_failed, o.sessions);
+  if (o.steps_failed + o.steps_missing > 0) {
+    add(text, "; of {} steps {} failed and {} were not done", o.steps, o.steps_failed,
+        o.steps_missing);
+  }
+  add(text, "\n");
+  if (!o.alarms.empty()) {
+    add(text, "REGRESSION: {} figures changed against earlier nights\n", o.alarms.size());
+  }
+  for (std::size_t i = 0; i < std::min(kShown, o.alarms.size()); ++i) {
+    const StudyAlarm& a = o.alarms[i];
+    add(text, "  since night {}: {}\n    {}\n", a.night, alarmSentence(a), a.command);
+  }
+  if (o.alarms.size() > kShown) add(text, "  and {} more\n", o.alarms.size() - kShown);
+  add(text, "Report: {}\n", (folder / kIndexFile).string());
+  return fmt::to_string(text);
+}
+
+std::vector<StudyAlarm> acceptChanges(const fs::path& folder, const std::string& session,
+                                      const std::string& figure, const std::string& note) {
+  requireNightFolder(folder);
+  const NightLock lock(folder);
+  StudyStore store(folder / kHistoryFile);
+  const int night = nightAfter(store) - 1;
+  std::vector<StudyAlarm> ended;
+  for (const StudyAlarm& a : store.alarms(night)) {
+    const bool of_session = session.empty() || a.session == session || a.session.empty();
+    const bool of_figure =
+        figure.empty() || a.metric == figure || a.metric.substr(0, a.metric.find('/')) == figure;
+    if (of_session && of_figure) ended.push_back(a);
+  }
+  if (ended.empty()) {
+    throw InputError(folder.string(), 0,
+                     fmt::format("night {} has no alarm of that session and figure; summary.json "
+                                 "lists its alarms",
+                                 night));
+  }
+  store.accept({night, session, figure, note, makeProvenance("", {}).date});
+  store.save();
+  return ended;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/night_folder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "evaluate/results/provenance.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLockFile = "study.lock";
+
+BadInput unwritable(const fs::path& path, const std::string& why) {
+  return badInput(path.string(), 0,
+                  {InputFault::kUnwritable, "cannot be written (" + why + ")", "",
+                   "check its permissions, or give another folder"});
+}
+
+bool isWithin(const fs::path& path, const fs::path& folder) {
+  const auto [at, end] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+  return at == folder.end();
+}
+
+void refuseOverlap(const fs::path& folder, const fs::path& recording) {
+  if (!isWithin(folder, recording) && !isWithin(recording, folder)) return;
+  throw badInput(
+      folder.string(), 0,
+      {InputFault::kInputInTheWay, "and the recording " + recording.string() + " lie in each other",
+       "", "give another place for the results"});
+}
+
+std::string studyIn(const fs::path& mark) {
+  try {
+    return nlohmann::json::parse(MappedFile(mark.string()).text()).at("study").get<std::string>();
+  } catch (const nlohmann::json::exception& error) {
+    throw badInput(mark.string(), 0, {InputFault::kSyntax, error.what(), "a study's mark", ""});
+  }
+}
+
+void refuseForeign(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) {
+    throw badInput(folder.string(), 0, {InputFault::kForeignFiles, "is no folder", "a folder", ""});
+  }
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    throw badInput(folder.string(), 0,
+                   {InputFault::kForeignFiles,
+                    "holds " + entry.path().filename().string() + " and is no study's folder", "",
+                    "give another place for the results"});
+  }
+}
+
+std::string hostName() {
+  char name[256] = "";
+  (void)gethostname(name, sizeof name - 1);
+  return name;
+}
+
+}  // namespace
+
+NightLock::NightLock(const fs::path& folder) {
+  const fs::path path = folder / kLockFile;
+  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (file_ < 0) throw unwritable(folder, std::strerror(errno));
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    const int error = errno;
+    char holder[512] = "";
+    const ssize_t size = read(file_, holder, sizeof holder - 1);
+    close(file_);
+    if (error != EWOULDBLOCK) throw unwritable(path, std::strerror(error));
+    throw badInput(
+        folder.string(), 0,
+        {InputFault::kUnwritable,
+         fmt::format("another night is at work here{}", size > 0 ? ": " + std::string(holder) : ""),
+         "", "let it end"});
+  }
+  const std::string text =
+      fmt::format("process {} on {} since {}", getpid(), hostName(), makeProvenance("", {}).date);
+  const bool written = ftruncate(file_, 0) == 0 &&
+                       write(file_, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  if (!written) {
+    close(file_);
+    throw unwritable(path, std::strerror(errno));
+  }
+}
+
+NightLock::~NightLock() { close(file_); }
+
+void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
+  const fs::path place = fs::weakly_canonical(fs::absolute(folder));
+  for (const SessionEntry& s : study.sessions) refuseOverlap(place, s.path);
+  for (const RecordingEntry& r : study.held_out) refuseOverlap(place, r.path);
+  for (const RecordingEntry& r : study.sequences) refuseOverlap(place, r.path);
+  const fs::path mark = folder / kStudyMarkFile;
+  if (fs::exists(mark)) {
+    const std::string name = studyIn(mark);
+    if (name == study.name) return;
+    throw badInput(
+        folder.string(), 0,
+        {InputFault::kForeignFiles,
+         fmt::format("belongs to the study '{}', and this one is '{}'", name, study.name), "",
+         "give another place for the results"});
+  }
+  refuseForeign(folder);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw unwritable(folder, error.message());
+  writeFileAtomically(
+      mark.string(),
+      nlohmann::ordered_json{{"program", "plumbline"}, {"kind", "study"}, {"study", study.name}}
+              .dump() +
+          "\n");
+}
+
+void requireNightFolder(const fs::path& folder) {
+  if (fs::exists(folder / kStudyMarkFile) && fs::exists(folder / kHistoryFile)) return;
+  throw badInput(folder.string(), 0,
+                 {InputFault::kMissingFile, "holds no study's results",
+                  "the folder that plumbline study --out wrote", ""});
+}
+
+}  // namespace plumbline

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/plan.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/files/file_io.h"
+#include "evaluate/study/process.h"
+#include "evaluate/study/run_step.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A step in the making: every word goes into the command, and what it stands for into the key.
+class StepBuilder {
+ public:
+  StepBuilder(StepKind kind, std::string name, InputHashes& hashes) : hashes_(hashes) {
+    step_.kind = kind;
+    step_.name = std::move(name);
+    key_ = toString(kind) + "\n";
+  }
+
+  StepBuilder& words(std::initializer_list<std::string> list) {
+    for (const std::string& word : list) {
+      step_.words.push_back(word);
+      key_ += word + "\n";
+    }
+    return *this;
+  }
+  /// A word that no result depends on: where to write, how many threads.
+  StepBuilder& aside(const std::string& word) {
+    step_.words.push_back(word);
+    return *this;
+  }
+  StepBuilder& reads(const fs::path& path) {
+    step_.words.push_back(path.string());
+    return watches(path);
+  }
+  /// An input whose path stands within another word.
+  StepBuilder& watches(const fs::path& path) {
+    const InputHashes::Hashed hashed = hashes_.of(path);
+    step_.inputs.push_back({path.string(), hashed.stamp});
+    key_ += "contents " + hashed.content + "\n";
+    return *this;
+  }
+  /// A file that an earlier step made, or its folder for "".
+  StepBuilder& reads(const Step& earlier, const std::string& file) {
+    step_.words.push_back("{result:" + earlier.name + "}" + (file.empty() ? "" : "/" + file));
+    return needs(earlier);
+  }
+  StepBuilder& shapeOf(const Step& earlier) {
+    step_.words.push_back("{shape:" + earlier.name + "}");
+    return needs(earlier);
+  }
+  StepBuilder& needs(const Step& earlier) {
+    const bool known = std::any_of(step_.needs.begin(), step_.needs.end(),
+                                   [&](const StepNeed& n) { return n.name == earlier.name; });
+    if (!known) step_.needs.push_back({earlier.name, earlier.key});
+    key_ += "result " + earlier.inputs_key + "\n";
+    return *this;
+  }
+
+  Step build(const std::string& session, const std::string& part, const StudyDefinition& study,
+             const std::string& version) {
+    step_.session = session;
+    step_.part = part;
+    step_.limit_s = study.step_limit_s;
+    step_.limit_mb = study.step_limit_mb;
+    step_.inputs_key = contentHash(key_);
+    step_.key = contentHash(step_.inputs_key + "\n" + version);
+    return step_;
+  }
+
+ private:
+  Step step_;
+  std::string key_;
+  InputHashes& hashes_;
+};
+
+/// Which options of `plumbline calibrate` other commands share.
+const std::vector<std::string> kOfMeasurements{
+    "loss", "pixel-sigma", "min-corners", "gravity", "only", "sync-tolerance-ms", "resolution"};
+const std::vector<std::string> kOfIntervals{"from", "to", "stride"};
+
+bool isOneOf(const std::string& word, const std::vector<std::string>& list) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+bool isShared(StepKind kind, const std::string& option) {
+  switch (kind) {
+    case StepKind::kCalibrate:
+      return true;
+    case StepKind::kBoard:
+      return isOneOf(option, kOfMeasurements) || option == "models" || option == "outliers";
+    case StepKind::kDetect:
+      return option == "border-bits" || option == "resolution" || option == "only";
+    case StepKind::kEvaluate:
+      return isOneOf(option, kOfMeasurements) || option == "outliers";
+    case StepKind::kPerturb:
+      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) ||
+             option == "outliers" || option == "imu";
+    case StepKind::kCompare:
+      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals);
+    case StepKind::kReplay:
+      return isOneOf(option, kOfIntervals) || option == "only" || option == "imu";
+    case StepKind::kEstimate:
+    case StepKind::kTrajectory:
+      return false;
+  }
+  return false;
+}
+
+/// Whether a recording comes as images, whose corners a step must find first.
+bool needsDetection(const fs::path& recording) {
+  bool images = false;
+  for (const fs::path& root : {recording, recording / "mav0"}) {
+    if (!fs::is_directory(root)) continue;
+    for (const auto& entry : fs::directory_iterator(root)) {
+      const bool camera = entry.path().filename().string().compare(0, 3, "cam") == 0;
+      if (!camera || !entry.is_directory()) continue;
+      images = images || !fs::exists(entry.path() / "corners.csv");
+    }
+  }
+  return images;
+}
+
+class Planner {
+ public:
+  Planner(const StudyDefinition& study, InputHashes& hashes, const std::string& version)
+      : study_(study), hashes_(hashes), version_(version) {}
+
+  std::vector<Step> plan() {
+    for (const RecordingEntry& r : study_.held_out) addRecording("recordings/" + r.name, r.path);
+    for (const SessionEntry& s : study_.sessions) addRecording(folderOf(s), s.path);
+    if (study_.target_shape == StudyTargetShape::kOne) addBoard();
+    for (const SessionEntry& s : study_.sessions) addCalibration(s);
+    for (const SessionEntry& s : study_.sessions) addJudgements(s);
+    if (!study_.trajectory_pattern.empty()) addTrajectoriesByPattern();
+    return std::move(steps_);
+  }
+
+ private:
+  /// A recording as commands read it: its folder, or the corners that a step found in it.
+  struct Source {
+    fs::path path;
+    std::optional<Step> detected;
+  };
+
+  static std::string folderOf(const SessionEntry& s) { return "sessions/" + s.row.name; }
+
+  const Step& add(StepBuilder& builder, const std::string& session, const std::string& part) {
+    steps_.push_back(builder.build(session, part, study_, version_));
+    return steps_.back();
+  }
+
+  void addOptions(StepBuilder& step, StepKind kind) {
+    for (const auto& [option, words] : study_.calibrate) {
+      if (!isShared(kind, option)) continue;
+      step.words({"--" + option});
+      if (option == "cameras" || option == "imu") {
+        step.reads(words);
+      } else if (!words.empty()) {
+        step.words({words});
+      }
+    }
+  }
+
+  void addSource(StepBuilder& step, const Source& source) {
+    if (source.detected) {
+      step.reads(*source.detected, "");
+    } else {
+      step.reads(source.path);
+      if (study_.target) step.words({"--target"}).reads(*study_.target);
+    }
+    step.words({"--no-cache"});
+  }
+
+  static void addOutput(StepBuilder& step) {
+    step.aside("--out").aside("{out}").aside("--threads").aside("{threads}");
+  }
+
+  void addRecording(const std::string& folder, const fs::path& path) {
+    Source source{path, std::nullopt};
+    if (needsDetection(path)) {
+      StepBuilder step(StepKind::kDetect, folder + "/detect", hashes_);
+      step.words({"detect"});
+      addSource(step, source);
+      addOptions(step, StepKind::kDetect);
+      addOutput(step);
+      const std::string session = folder.compare(0, 9, "sessions/") == 0 ? folder.substr(9) : "";
+      source.detected = add(step, session, "");
+    }
+    sources_[folder] = source;
+  }
+
+  void addBoard() {
+    const std::string folder = "recordings/" + study_.held_out.front().name;
+    StepBuilder step(StepKind::kBoard, folder + "/board", hashes_);
+    step.words({"calibrate"});
+    addSource(step, sources_.at(folder));
+    step.words({"--no-imu", "--no-report", "--target-shape", "auto"});
+    addOptions(step, StepKind::kBoard);
+    addOutput(step);
+    board_ = add(step, "", study_.held_out.front().name);
+  }
+
+  /// --target-shape of what comes after a calibration; of the calibration itself without one.
+  void addShape(StepBuilder& step, const Step* calibration) {
+    step.words({"--target-shape"});
+    switch (study_.target_shape) {
+      case StudyTargetShape::kFlat:
+        step.words({"flat"});
+        break;
+      case StudyTargetShape::kFile:
+        step.reads(study_.target_shape_file);
+        break;
+      case StudyTargetShape::kOne:
+        step.shapeOf(*board_);
+        break;
+      case StudyTargetShape::kEach:
+        if (calibration == nullptr) {
+          step.words({"auto"});
+        } else {
+          step.shapeOf(*calibration);
+        }
+        break;
+    }
+  }
+
+  void addCalibration(const SessionEntry& s) {
+    StepBuilder step(StepKind::kCalibrate, folderOf(s) + "/calibrate", hashes_);
+    step.words({"calibrate"});
+    addSource(step, sources_.at(folderOf(s)));
+    addShape(step, nullptr);
+    addOptions(step, StepKind::kCalibrate);
+    addOutput(step);
+    calibrations_[s.row.name] = add(step, s.row.name, "");
+  }
+
+  void addJudgements(const SessionEntry& s) {
+    const Step& calibration = calibrations_.at(s.row.name);
+    if (!study_.offsets_ms.empty()) addPerturbation(s, calibration);
+    for (const RecordingEntry& r : study_.held_out) {
+      addEvaluation(s, nullptr, r.name, "recordings/" + r.name);
+    }
+    if (study_.cross) {
+      for (const SessionEntry& other : study_.sessions) {
+        if (&other != &s) addEvaluation(s, nullptr, other.row.name, folderOf(other));
+      }
+    }
+    for (const auto& other : s.others) addOther(s, other);
+    if (!study_.trajectory_command.empty()) addTrajectoriesByCommand(s);
+    if (study_.replay) addReplay(s);
+  }
+
+  void addPerturbation(const SessionEntry& s, const Step& calibration) {
+    StepBuilder step(StepKind::kPerturb, folderOf(s) + "/perturb", hashes_);
+    step.words({"perturb"});
+    addSource(step, sources_.at(folderOf(s)));
+    step.words({"--offsets-ms", fmt::format("{}", fmt::join(study_.offsets_ms, ","))});
+    step.words({"--cameras"}).reads(calibration, "calibration.json");
+    addShape(step, &calibration);
+    addOptions(step, StepKind::kPerturb);
+    step.words({"--no-report"});
+    addOutput(step);
+    add(step, s.row.name, "");
+  }
+
+  // Of our calibration of the session, or another tool's.
+  void addEvaluation(const SessionEntry& s, const std::pair<std::string, std::string>* other,
+                     const std::string& recording, const std::string& source) {
+    const Step& calibration = calibrations_.at(s.row.name);
+    const std::string of = other != nullptr ? other->first + "_" : "";
+    StepBuilder step(StepKind::kEvaluate, folderOf(s) + "/evaluate_" + of + recording, hashes_);
+    step.words({"evaluate", "calibration"});
+    if (other != nullptr) {
+      step.reads(other->second);
+    } else {
+      step.reads(calibration, "calibration.json");
+    }
+    addSource(step, sources_.at(source));
+    addShape(step, &calibration);
+    addOptions(step, StepKind::kEvaluate);
+    step.words({"--no-imu", "--no-report"});
+    addOutput(step);
+    add(step, s.row.name, other != nullptr ? other->first + "/" + recording : recording);
+  }
+
+  void addOther(const SessionEntry& s, const std::pair<std::string, std::string>& other) {
+    const Step& calibration = calibrations_.at(s.row.name);
+    StepBuilder step(StepKind::kCompare, folderOf(s) + "/compare_" + other.first, hashes_);
+    step.words({"compare"}).reads(calibration, "calibration.json").reads(other.second);
+    step.words({"--labels", "plumbline," + other.first, "--session"});
+    addSource(step, sources_.at(folderOf(s)));
+    addShape(step, &calibration);
+    addOptions(step, StepKind::kCompare);
+    addOutput(step);
+    add(step, s.row.name, other.first);
+    for (const RecordingEntry& r : study_.held_out) {
+      addEvaluation(s, &other, r.name, "recordings/" + r.name);
+    }
+  }
+
+  void addTrajectoriesByCommand(const SessionEntry& s) {
+    const Step& calibration = calibrations_.at(s.row.name);
+    for (const RecordingEntry& sequence : study_.sequences) {
+      StepBuilder step(StepKind::kEstimate, folderOf(s) + "/estimate_" + sequence.name, hashes_);
+      const std::map<std::string, std::string> fields{
+          {"{calibration}", "{result:" + calibration.name + "}/calibration.json"},
+          {"{sequence}", sequence.path.string()},
+          {"{out}", "{out}/trajectory.txt"}};
+      step.words({"/bin/sh", "-c"});
+      std::string command = study_.trajectory_command;
+      for (const auto& [field, place] : fields) {
+        for (auto at = command.find(field); at != std::string::npos;
+             at = command.find(field, at + place.size())) {
+          command.replace(at, field.size(), place);
+        }
+      }
+      step.words({command}).needs(calibration).watches(sequence.path);
+      const Step estimate = add(step, s.row.name, sequence.name);
+      StepBuilder judge(StepKind::kTrajectory, folderOf(s) + "/trajectory_" + sequence.name,
+                        hashes_);
+      judge.words({"evaluate", "trajectory"}).reads(estimate, "trajectory.txt");
+      judge.reads(sequence.truth).aside("--json").aside("{out}/trajectory.json");
+      add(judge, s.row.name, sequence.name);
+    }
+  }
+
+  void addTrajectoriesByPattern() {
+    std::vector<std::string> names;
+    for (const RecordingEntry& sequence : study_.sequences) names.push_back(sequence.name);
+    for (const RunFile& file : findRuns(study_.trajectory_pattern, names)) {
+      const auto sequence =
+          std::find_if(study_.sequences.begin(), study_.sequences.end(),
+                       [&](const RecordingEntry& entry) { return entry.name == file.sequence; });
+      if (calibrations_.count(file.calibration) == 0 || sequence == study_.sequences.end()) {
+        continue;
+      }
+      const std::string part = file.sequence + (file.run.empty() ? "" : "/" + file.run);
+      const std::string suffix = file.run.empty() ? "" : "_" + contentHash(file.run);
+      StepBuilder step(StepKind::kTrajectory,
+                       "sessions/" + file.calibration + "/trajectory_" + file.sequence + suffix,
+                       hashes_);
+      step.words({"evaluate", "trajectory"}).reads(fs::absolute(file.path));
+      step.reads(sequence->truth).aside("--json").aside("{out}/trajectory.json");
+      add(step, file.calibration, part);
+    }
+  }
+
+  void addReplay(const SessionEntry& s) {
+    StepBuilder step(StepKind::kReplay, folderOf(s) + "/replay", hashes_);
+    step.words({"replay"});
+    addSource(step, sources_.at(folderOf(s)));
+    addOptions(step, StepKind::kReplay);
+    addOutput(step);
+    add(step, s.row.name, "");
+  }
+
+  const StudyDefinition& study_;
+  InputHashes& hashes_;
+  const std::string version_;
+  std::vector<Step> steps_;
+  std::map<std::string, Source> sources_;     // by folder
+  std::map<std::string, Step> calibrations_;  // by session
+  std::optional<Step> board_;
+};
+
+}  // namespace
+
+std::vector<Step> planStudy(const StudyDefinition& study, InputHashes& hashes,
+                            const std::string& version) {
+  return Planner(study, hashes, version).plan();
+}
+
+std::string versionForKeys(InputHashes& hashes) {
+  return programVersion() + " " + hashes.of(thisProgram()).content;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/process.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "datasets/files/bad_input.h"
+
+namespace plumbline {
+namespace {
+
+// Where the system gives no descriptor of a process, it is asked for this often.
+constexpr int kPollMs = 5;
+
+double nowS() {
+  using namespace std::chrono;
+  return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+double secondsOf(const timeval& t) {
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
+
+void limitTo(int resource, rlim_t value) {
+  const rlimit limit{value, value};
+  (void)setrlimit(static_cast<__rlimit_resource>(resource), &limit);
+}
+
+// Between fork and exec, where only what is safe in a signal handler may be called.
+[[noreturn]] void become(char* const* words, int log, pid_t parent, int limit_mb) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(126);  // it died before the line above
+  setpgid(0, 0);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int nothing = open("/dev/null", O_RDONLY);
+  dup2(nothing, STDIN_FILENO);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  limitTo(RLIMIT_CORE, 0);
+  if (limit_mb > 0) limitTo(RLIMIT_AS, static_cast<rlim_t>(limit_mb) << 20);
+  execv(words[0], words);
+  _exit(127);
+}
+
+}  // namespace
+
+ChildProcess::ChildProcess(const ProcessRequest& request)
+    : limit_s_(request.limit_s), started_s_(nowS()) {
+  const int log = open(request.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (log < 0) {
+    throw badInput(
+        request.log.string(), 0,
+        {InputFault::kUnwritable, std::strerror(errno), "a file that can be written", ""});
+  }
+  std::vector<std::string> words = request.words;
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ == 0) become(pointers.data(), log, parent, request.limit_mb);
+  const int error = errno;
+  close(log);
+  if (pid_ < 0) {
+    throw badInput(request.words[0], 0,
+                   {InputFault::kOther,
+                    std::string("cannot be started (") + std::strerror(error) + ")", "", ""});
+  }
+  setpgid(pid_, pid_);  // here too: whoever kills the group next finds it
+  descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
+}
+
+ChildProcess::~ChildProcess() {
+  if (pid_ > 0) {
+    killGroup();
+    waitpid(pid_, nullptr, 0);
+  }
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+void ChildProcess::killGroup() const { kill(-pid_, SIGKILL); }
+
+std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
+  const double until = nowS() + seconds;
+  for (;;) {
+    int status = 0;
+    struct rusage used {};
+    if (wait4(pid_, &status, WNOHANG, &used) == pid_) {
+      killGroup();  // what it left running
+      pid_ = -1;
+      ProcessEnd end;
+      if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
+      if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
+      end.beyond_time = beyond_time_;
+      end.seconds = nowS() - started_s_;
+      end.cpu_s = secondsOf(used.ru_utime) + secondsOf(used.ru_stime);
+      end.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;
+      return end;
+    }
+    const double now = nowS();
+    if (limit_s_ > 0 && now - started_s_ > limit_s_ && !beyond_time_) {
+      beyond_time_ = true;
+      killGroup();
+    }
+    if (now >= until) return std::nullopt;
+    double pause = until - now;
+    if (limit_s_ > 0 && !beyond_time_) pause = std::min(pause, started_s_ + limit_s_ - now);
+    const int ms = std::clamp(static_cast<int>(1e3 * pause) + 1, 1, 60000);
+    if (descriptor_ >= 0) {
+      pollfd waiting{descriptor_, POLLIN, 0};
+      poll(&waiting, 1, ms);
+    } else {
+      poll(nullptr, 0, std::min(ms, kPollMs));
+    }
+  }
+}
+
+void ChildProcess::waitForAny(const std::vector<ChildProcess*>& children, double seconds) {
+  std::vector<pollfd> waiting;
+  int ms = std::max(1, static_cast<int>(1e3 * seconds));
+  for (const ChildProcess* child : children) {
+    if (child->descriptor_ < 0) ms = std::min(ms, kPollMs);
+    waiting.push_back({child->descriptor_, POLLIN, 0});  // poll() passes over negative ones
+  }
+  poll(waiting.data(), waiting.size(), ms);
+}
+
+ProcessEnd runProcess(const ProcessRequest& request) {
+  ChildProcess child(request);
+  for (;;) {
+    if (const auto end = child.waitFor(3600)) return *end;
+  }
+}
+
+std::string thisProgram() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace plumbline {
+
+/// A program to run.
+struct ProcessRequest {
+  std::vector<std::string> words;  ///< the program's path, then its arguments
+  std::filesystem::path log;       ///< standard output and error are appended to it
+  double limit_s = 0;              ///< wall time; 0: none
+  int limit_mb = 0;                ///< address space (RLIMIT_AS); 0: none
+};
+
+/// How it ended.
+struct ProcessEnd {
+  int exit_code = -1;  ///< -1: by a signal
+  int signal = 0;
+  bool beyond_time = false;
+  double seconds = 0, cpu_s = 0, peak_mb = 0;
+};
+
+/// A child in a process group of its own, that ends with this process, however that ends. Its
+/// signal mask is empty, and it leaves no core file.
+class ChildProcess {
+ public:
+  /// Throws InputError where it cannot be started.
+  explicit ChildProcess(const ProcessRequest& request);
+  ~ChildProcess();  ///< kills the group, if it still runs
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Waits up to `seconds`; empty: it still runs. What is beyond its time is killed.
+  std::optional<ProcessEnd> waitFor(double seconds);
+
+  /// Returns when one of them may have ended, or after `seconds`.
+  static void waitForAny(const std::vector<ChildProcess*>& children, double seconds);
+
+ private:
+  void killGroup() const;
+
+  pid_t pid_ = -1;
+  int descriptor_ = -1;  // of the process, to wait on
+  double limit_s_ = 0;
+  double started_s_ = 0;
+  bool beyond_time_ = false;
+};
+
+/// Runs it to its end.
+ProcessEnd runProcess(const ProcessRequest& request);
+
+/// This program's file.
+std::string thisProgram();
+
+}  // namespace plumbline

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/run_step.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "datasets/files/shown_text.h"
+#include "datasets/files/workplace.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/study/commands_engine.h"
+#include "evaluate/study/input_hashes.h"
+#include "evaluate/study/process.h"
+#include "evaluate/study/step_rows.h"
+#include "generated/commit.h"
+#include "generated/version.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLogFile = "log.txt";
+constexpr std::size_t kLongestMessage = 600;
+
+/// A word of the plan with the places of this run in it.
+class Places {
+ public:
+  Places(fs::path night, std::string out, int threads)
+      : night_(std::move(night)), out_(std::move(out)), threads_(threads) {}
+
+  std::string in(const std::string& word) const {
+    std::string text;
+    std::size_t from = 0;
+    for (auto at = word.find('{'); at != std::string::npos; at = word.find('{', from)) {
+      const auto end = word.find('}', at);
+      if (end == std::string::npos) break;
+      text += word.substr(from, at - from) + place(word.substr(at + 1, end - at - 1));
+      from = end + 1;
+    }
+    return text + word.substr(from);
+  }
+
+ private:
+  std::string place(const std::string& field) const {
+    if (field == "out") return out_;
+    if (field == "threads") return std::to_string(threads_);
+    const auto colon = field.find(':');
+    const fs::path folder = night_ / field.substr(colon + 1);
+    if (field.substr(0, colon) == "result") return folder.string();
+    if (field.substr(0, colon) != "shape") return "{" + field + "}";  // a shell's own
+    const fs::path shape = folder / "target_shape.yaml";
+    return fs::exists(shape) ? shape.string() : "flat";
+  }
+
+  fs::path night_;
+  std::string out_;
+  int threads_;
+};
+
+std::string commandText(const Step& step, const fs::path& night) {
+  const Places by_hand(night, "OUT", 0);
+  std::string text = step.kind == StepKind::kEstimate ? "" : "plumbline";
+  for (const std::string& word : step.words) {
+    text += (text.empty() ? "" : " ") + shellWord(by_hand.in(word));
+  }
+  return text;
+}
+
+// What the command said last, or of its failure.
+std::string lastMessage(const fs::path& log) {
+  const std::string mark = "plumbline: ";
+  std::ifstream file(log);
+  std::string line, last, said;
+  while (std::getline(file, line)) {
+    if (line.empty()) continue;
+    last = line;
+    if (line.compare(0, mark.size(), mark) == 0 && line.compare(mark.size(), 5, "note:") != 0) {
+      said = line.substr(mark.size());
+    }
+  }
+  std::string message = said.empty() ? last : said;
+  if (message.size() > kLongestMessage) message = message.substr(0, kLongestMessage) + "...";
+  return isUtf8(message) ? message : "a message that is not UTF-8";
+}
+
+std::string replaceAll(std::string text, const std::string& from, const std::string& to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+/// The first input that is not in the state that the plan is of; "": all are.
+std::string changedInput(const Step& step) {
+  for (const StepInput& input : step.inputs) {
+    std::string now;
+    try {
+      now = stampOf(input.path);
+    } catch (const InputError&) {
+      return input.path;
+    }
+    if (now != input.stamp) return input.path;
+  }
+  return "";
+}
+
+void requireNeeds(const fs::path& night, const Step& step) {
+  for (const StepNeed& need : step.needs) {
+    const auto result = readStepResult(night / need.name);
+    const bool there = result && result->key == need.key && result->status == StepStatus::kDone;
+    if (there) continue;
+    throw badInput((night / need.name).string(), 0,
+                   {InputFault::kMissingFile, "is not done, and " + step.name + " needs it", "",
+                    "run the study again"});
+  }
+}
+
+StepResult emptyResult(const fs::path& night, const Step& step) {
+  StepResult result;
+  result.name = step.name;
+  result.key = step.key;
+  result.inputs_key = step.inputs_key;
+  result.version = programVersion();
+  result.command = commandText(step, night);
+  result.date = makeProvenance("", {}).date;
+  result.limit_s = step.limit_s;
+  result.limit_mb = step.limit_mb;
+  return result;
+}
+
+void fail(StepResult& result, StepStatus status, const std::string& message) {
+  result.status = status;
+  result.message = message;
+}
+
+void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, StepResult& result) {
+  result.seconds = end.seconds;
+  result.cpu_s = end.cpu_s;
+  result.peak_mb = end.peak_mb;
+  if (end.beyond_time) {
+    fail(result, StepStatus::kLost,
+         fmt::format("not done after {:g} s; limits: step_s in the study allows more",
+                     step.limit_s));
+  } else if (end.signal != 0) {
+    fail(result, StepStatus::kLost,
+         fmt::format("ended by signal {} ({}){}", end.signal, strsignal(end.signal), [&] {
+           const std::string last = lastMessage(log);
+           return last.empty() ? "" : ": " + last;
+         }()));
+  } else if (end.exit_code != 0) {
+    // 1 and 2 are what this program returns for what it refused or could not do; a shell's command
+    // has its own codes, and all of them count.
+    const bool refused =
+        end.exit_code == 1 || end.exit_code == 2 || step.kind == StepKind::kEstimate;
+    std::string message = lastMessage(log);
+    if (message.empty()) message = fmt::format("exit code {}", end.exit_code);
+    fail(result, refused ? StepStatus::kFailed : StepStatus::kLost, message);
+  }
+}
+
+ProcessRequest requestOf(const Step& step, const Places& places, const fs::path& log) {
+  ProcessRequest request;
+  request.log = log;
+  request.limit_s = step.limit_s;
+  request.limit_mb = step.limit_mb;
+  if (step.kind != StepKind::kEstimate) request.words.push_back(thisProgram());
+  for (const std::string& word : step.words) request.words.push_back(places.in(word));
+  return request;
+}
+
+/// Where a result is made before it takes the step's folder.
+class StepFolder {
+ public:
+  explicit StepFolder(const fs::path& final_path)
+      : final_(fs::absolute(final_path)), workplace_(final_, final_path.string()) {}
+
+  fs::path path() const { return workplace_.result(); }
+  /// Replaces what is there by what was made.
+  void commit() {
+    Workplace::Moved moved = workplace_.place();
+    if (moved == Workplace::Moved::kInTheWay && workplace_.exchange()) {
+      std::error_code ignored;
+      fs::remove_all(workplace_.result(), ignored);
+      moved = Workplace::Moved::kDone;
+    }
+    if (moved != Workplace::Moved::kDone) {
+      throw badInput(final_.string(), 0,
+                     {InputFault::kUnwritable,
+                      fmt::format("cannot be written ({})", std::strerror(errno)), "", ""});
+    }
+    workplace_.done();
+  }
+  /// In place of what the command left, where that does not count.
+  void clear() const {
+    std::error_code ignored;
+    fs::remove_all(path(), ignored);
+    makeFoldersIn(path().parent_path(), path().filename());
+  }
+
+ private:
+  fs::path final_;
+  Workplace workplace_;
+};
+
+// Where commands make their folder themselves, it must not be there; what is no command of ours,
+// and what writes a single file, finds it made.
+bool findsFolder(StepKind kind) {
+  return kind == StepKind::kEstimate || kind == StepKind::kTrajectory;
+}
+
+void runCommand(const fs::path& night, const Step& step, int threads, const StepFolder& folder,
+                StepResult& result, StudyRecord& rows) {
+  const fs::path log = folder.path().parent_path() / kLogFile;
+  if (findsFolder(step.kind)) makeFoldersIn(folder.path().parent_path(), folder.path().filename());
+  const Places places(night, folder.path().string(), threads);
+  const ProcessEnd end = runProcess(requestOf(step, places, log));
+  judgeEnd(end, step, log, result);
+  const std::string changed = changedInput(step);
+  if (!changed.empty()) {
+    fail(result, StepStatus::kChanged,
+         changed +
+             " changed while it was read; the next run reads "
+             "it again");
+  }
+  if (result.status == StepStatus::kDone) {
+    try {
+      rows = rowsOf(step, folder.path());
+    } catch (const InputError& error) {
+      fail(result, StepStatus::kFailed, error.what());
+    }
+  }
+  result.message = replaceAll(withFinalNames(result.message), folder.path().string(),
+                              (night / step.name).string());
+  if (result.status != StepStatus::kDone) folder.clear();
+  if (fs::exists(log)) fs::rename(log, folder.path() / kLogFile);
+}
+
+}  // namespace
+
+std::string programVersion() { return std::string(kVersion) + "+" + kCommit; }
+
+StepResult recordLost(const fs::path& night, const Step& step, const std::string& message) {
+  StepResult result = emptyResult(night, step);
+  fail(result, StepStatus::kLost, message);
+  StepFolder folder(night / step.name);
+  folder.clear();
+  writeNewFile(folder.path(), kStepFile, stepText(result, {}));
+  folder.commit();
+  return result;
+}
+
+StepResult runStep(const fs::path& night, const std::string& name, int threads) {
+  const Step step = readPlannedStep(night / kPlanFile, name);
+  if (auto before = readStepResult(night / name); before && before->settles(step)) {
+    return *before;
+  }
+  requireNeeds(night, step);
+  removeDeadWorkplaces(fs::absolute(night / name));
+  StepResult result = emptyResult(night, step);
+  StudyRecord rows;
+  StepFolder folder(night / name);
+  const std::string changed = changedInput(step);
+  if (changed.empty()) {
+    runCommand(night, step, threads, folder, result, rows);
+  } else {
+    fail(result, StepStatus::kChanged,
+         changed +
+             " changed after the night had begun; the next "
+             "run reads it again");
+    folder.clear();
+  }
+  writeNewFile(folder.path(), kStepFile, stepText(result, rows));
+  folder.commit();
+  return result;
+}
+
+}  // namespace plumbline

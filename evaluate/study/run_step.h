@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "evaluate/study/step.h"
+
+namespace plumbline {
+
+/// Name of the plan in a study's folder.
+inline constexpr const char* kPlanFile = "plan.jsonl";
+
+/// Does a step of the plan in `night`, unless its result is there: runs its command as a process of
+/// its own under the step's limits, takes the rows of the study from its records, and gives the
+/// result its folder at once, also where the command failed. Nothing is left behind by a process
+/// that is killed but a hidden folder, which the next run of the step removes.
+///
+/// An input that is not as the plan has it, before or after, makes the result `kChanged`. Returns
+/// what is there now. Throws InputError where the plan or a step that is needed is missing, or the
+/// result cannot be written.
+StepResult runStep(const std::filesystem::path& night, const std::string& name, int threads);
+
+/// Records that a step's process was lost before it could say anything itself.
+StepResult recordLost(const std::filesystem::path& night, const Step& step,
+                      const std::string& message);
+
+/// The program's version with the commit that it was built from.
+std::string programVersion();
+
+}  // namespace plumbline

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/slurm_engine.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "evaluate/results/text.h"
+#include "evaluate/study/commands_engine.h"
+#include "evaluate/study/process.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFolder = "slurm";
+constexpr const char* kJobsFile = "jobs.txt";  // of a night that is under way
+constexpr double kCommandLimit = 120;          // [s] of sbatch, squeue, scontrol
+constexpr auto kPollEvery = std::chrono::milliseconds(500);
+constexpr int kDefaultMaxArraySize = 1001;
+// Polls in a row in which no job is known and none has left word: then nothing more will come.
+constexpr int kSilentPolls = 6;
+
+struct Said {
+  int exit_code = -1;
+  std::string text;
+};
+
+Said runTool(const fs::path& log, const std::vector<std::string>& words) {
+  std::error_code ignored;
+  fs::remove(log, ignored);
+  ProcessRequest request;
+  request.words = {"/usr/bin/env"};
+  request.words.insert(request.words.end(), words.begin(), words.end());
+  request.log = log;
+  request.limit_s = kCommandLimit;
+  Said said;
+  said.exit_code = runProcess(request).exit_code;
+  std::ifstream file(log);
+  said.text.assign(std::istreambuf_iterator<char>(file), {});
+  while (!said.text.empty() && std::isspace(static_cast<unsigned char>(said.text.back()))) {
+    said.text.pop_back();
+  }
+  fs::remove(log, ignored);
+  return said;
+}
+
+BadInput slurmFailed(const std::string& tool, const Said& said) {
+  return {InputFault::kOther,
+          fmt::format("{} failed ({}); --engine slurm needs it, --engine local does not", tool,
+                      said.text.empty() ? fmt::format("exit code {}", said.exit_code) : said.text)};
+}
+
+std::vector<std::string> wordsOf(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// One submission of everything that is not settled.
+class Round {
+ public:
+  Round(const PreparedNight& night, const SlurmOptions& options, int number)
+      : night_(night),
+        options_(options),
+        number_(number),
+        folder_(night.folder / kFolder / fmt::format("round_{}", number)) {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+    makeFoldersIn(night.folder, fs::path(kFolder) / folder_.filename());
+  }
+
+  /// The ids of the jobs.
+  std::vector<std::string> submit() {
+    const auto stages = unsettledStages(night_.folder, night_.steps);
+    const auto seconds = estimateSeconds(night_.folder, night_.steps);
+    const auto most = static_cast<std::size_t>(maxArraySize() - 1);
+    std::vector<std::string> jobs;
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+      const auto packs = packed(stages[i], seconds, most);
+      jobs.push_back(submitStage(i, packs, jobs.empty() ? "" : jobs.back()));
+    }
+    jobs.push_back(submitMerge(jobs.empty() ? "" : jobs.back()));
+    return jobs;
+  }
+
+ private:
+  using Pack = std::vector<std::string>;
+
+  int maxArraySize() const {
+    const Said said = runTool(folder_ / "tool.txt", {"scontrol", "show", "config"});
+    if (said.exit_code != 0) throw slurmFailed("scontrol", said);
+    std::istringstream lines(said.text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.compare(0, 12, "MaxArraySize") != 0) continue;
+      const int size = std::atoi(line.substr(line.find('=') + 1).c_str());
+      if (size > 1) return size;
+    }
+    return kDefaultMaxArraySize;
+  }
+
+  // Tasks of about pack_s, longer ones where the array would have too many.
+  std::vector<Pack> packed(const std::vector<Step>& steps,
+                           const std::map<std::string, double>& seconds, std::size_t most) const {
+    double total = 0;
+    for (const Step& step : steps) total += seconds.at(step.name);
+    const double target = std::max(options_.pack_s, 1.05 * total / static_cast<double>(most));
+    std::vector<Pack> packs;
+    double filled = target;
+    for (const Step& step : steps) {
+      const double cost = seconds.at(step.name);
+      const bool full = filled + cost > target && packs.size() < most;
+      if (full || packs.empty()) {
+        packs.emplace_back();
+        filled = 0;
+      }
+      packs.back().push_back(step.name);
+      filled += cost;
+    }
+    return packs;
+  }
+
+  std::string sbatch(const std::string& name, const std::string& after, const std::string& array,
+                     const std::string& command, const std::string& log) const {
+    const fs::path script = folder_ / (name + ".sh");
+    Text text;
+    // The process ends with its job step whatever it does: a task that is killed leaves no marker.
+    add(text, "#!/bin/sh\nexec {}\n", command);
+    writeNewFile(folder_, script.filename(), fmt::to_string(text));
+    std::vector<std::string> words{"sbatch",
+                                   "--parsable",
+                                   "--requeue",
+                                   "--open-mode=append",
+                                   "--job-name=plumbline-" + night_.study.name,
+                                   "--output=" + (folder_ / log).string()};
+    if (!array.empty()) words.push_back("--array=" + array);
+    if (!after.empty()) words.push_back("--dependency=afterany:" + after);
+    for (const std::string& word : wordsOf(options_.options)) words.push_back(word);
+    words.push_back(script.string());
+    const Said said = runTool(folder_ / "tool.txt", words);
+    if (said.exit_code != 0) throw slurmFailed("sbatch", said);
+    std::string job;
+    for (const std::string& line : wordsOf(said.text)) job = line;
+    return job.substr(0, job.find(';'));
+  }
+
+  std::string submitStage(std::size_t stage, const std::vector<Pack>& packs,
+                          const std::string& after) const {
+    const std::string name = fmt::format("stage_{}", stage + 1);
+    std::string lines;
+    for (const Pack& pack : packs) lines += fmt::format("{}\n", fmt::join(pack, " "));
+    writeNewFile(folder_, name + ".txt", lines);
+    std::string array = fmt::format("0-{}", packs.size() - 1);
+    if (options_.throttle > 0) array += fmt::format("%{}", options_.throttle);
+    const std::string command = fmt::format(
+        "{} study run-pack {} {} \"$SLURM_ARRAY_TASK_ID\"", shellWord(thisProgram()),
+        shellWord(night_.folder.string()), shellWord((folder_ / (name + ".txt")).string()));
+    return sbatch(name, after, array, command, name + "_%a.log");
+  }
+
+  std::string submitMerge(const std::string& after) const {
+    const std::string command =
+        fmt::format("{} study {} --out {} --engine slurm --slurm-rounds {} --merge-round {}",
+                    shellWord(thisProgram()), shellWord(night_.study.file.string()),
+                    shellWord(night_.folder.string()), options_.rounds, number_);
+    return sbatch("merge", after, "", command, "merge.log");
+  }
+
+  const PreparedNight& night_;
+  const SlurmOptions& options_;
+  const int number_;
+  const fs::path folder_;
+};
+
+// Jobs of the list that still wait or run; those that Slurm has forgotten do not.
+bool anyJobLeft(const fs::path& folder, const std::vector<std::string>& jobs) {
+  for (const std::string& job : jobs) {
+    const Said said = runTool(folder / "tool.txt", {"squeue", "--noheader", "--jobs=" + job});
+    if (said.exit_code == 0 && !said.text.empty()) return true;
+  }
+  return false;
+}
+
+void refuseWhileUnderWay(const fs::path& night) {
+  const fs::path folder = night / kFolder;
+  std::ifstream file(folder / kJobsFile);
+  const std::vector<std::string> jobs{std::istream_iterator<std::string>(file), {}};
+  if (jobs.empty() || !anyJobLeft(folder, jobs)) return;
+  throw badInput(
+      night.string(), 0,
+      {InputFault::kUnwritable,
+       fmt::format("another night is at work here: Slurm's jobs {}", fmt::join(jobs, ", ")), "",
+       "let it end, or cancel them (scancel)"});
+}
+
+struct Word {
+  bool merged = false;
+  SlurmEnd end;
+};
+
+fs::path wordFile(const fs::path& night, int round) {
+  return night / kFolder / fmt::format("round_{}.json", round);
+}
+
+void leaveWord(const fs::path& night, int round, const Word& word) {
+  const nlohmann::ordered_json json{
+      {"merged", word.merged}, {"exit_code", word.end.exit_code}, {"text", word.end.text}};
+  writeFileAtomically(wordFile(night, round).string(), json.dump() + "\n");
+}
+
+std::optional<Word> readWord(const fs::path& night, int round) {
+  const fs::path file = wordFile(night, round);
+  if (!fs::exists(file)) return std::nullopt;
+  const auto json = nlohmann::json::parse(MappedFile(file.string()).text(), nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  return Word{json.value("merged", false), {json.value("exit_code", 1), json.value("text", "")}};
+}
+
+void tell(const NightSink& sink, const PreparedNight& night, NightProgress& progress) {
+  std::size_t done = 0, failed = 0;
+  for (const auto& [name, result] : settledResults(night.folder, night.steps)) {
+    ++done;
+    if (result.status == StepStatus::kFailed) ++failed;
+  }
+  progress.all = night.steps.size();
+  progress.step = done == progress.done ? "" : "step";
+  progress.done = done;
+  progress.failed = failed;
+  if (sink) sink(progress);
+}
+
+// What the merging job said; empty where all jobs are gone without a word.
+std::optional<Word> awaitWord(const PreparedNight& night, int round,
+                              const std::vector<std::string>& jobs, const NightSink& sink) {
+  NightProgress progress;
+  for (int silent = 0; silent < kSilentPolls;) {
+    if (auto word = readWord(night.folder, round)) return word;
+    silent = anyJobLeft(night.folder / kFolder, jobs) ? 0 : silent + 1;
+    tell(sink, night, progress);
+    std::this_thread::sleep_for(kPollEvery);
+  }
+  return readWord(night.folder, round);
+}
+
+}  // namespace
+
+SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const NightSink& sink) {
+  makeFoldersIn(night.folder, kFolder);
+  refuseWhileUnderWay(night.folder);
+  for (int round = 1; round <= options.rounds; ++round) {
+    std::error_code ignored;
+    fs::remove(wordFile(night.folder, round), ignored);
+    const std::vector<std::string> jobs = Round(night, options, round).submit();
+    writeFileAtomically((night.folder / kFolder / kJobsFile).string(),
+                        fmt::format("{}\n", fmt::join(jobs, " ")));
+    night.lock.reset();  // from here on the jobs keep others away, and the last one merges
+    const auto word = awaitWord(night, round, jobs, sink);
+    if (word && word->merged) return word->end;
+    night.lock = std::make_unique<NightLock>(night.folder);
+  }
+  throw BadInput(InputFault::kOther,
+                 fmt::format("the merging job was lost {} times; see {}, or run the study again",
+                             options.rounds, (night.folder / kFolder).string()));
+}
+
+int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int round,
+                    double seconds, const std::function<int(const NightOutcome&)>& tell_outcome) {
+  Word word;
+  const auto missing = unsettledStages(night.folder, night.steps);
+  // What needs a step that failed is missing for good.
+  const StepResults settled = settledResults(night.folder, night.steps);
+  bool lost = false;
+  for (const auto& stage : missing) {
+    for (const Step& step : stage) {
+      lost = lost || std::all_of(step.needs.begin(), step.needs.end(), [&](const StepNeed& need) {
+               const auto result = settled.find(need.name);
+               return result != settled.end() && result->second.status == StepStatus::kDone;
+             });
+    }
+  }
+  if (!lost || round >= options.rounds) {
+    StepResults results = settled;
+    for (const Step& step : night.steps) {  // those that were lost say how
+      if (auto result = readStepResult(night.folder / step.name);
+          result && result->key == step.key) {
+        results.emplace(step.name, *result);
+      }
+    }
+    const NightOutcome outcome = finishNight(night, results, seconds);
+    word.merged = true;
+    word.end = {tell_outcome(outcome), nightSummary(outcome, night.folder)};
+    std::error_code ignored;
+    fs::remove(night.folder / kFolder / kJobsFile, ignored);
+  }
+  leaveWord(night.folder, round, word);
+  return word.end.exit_code;
+}
+
+std::vector<std::string> stepsOfPack(const std::string& packs, int index) {
+  std::ifstream file(packs);
+  std::string line;
+  for (int i = 0; std::getline(file, line); ++i) {
+    if (i == index) return wordsOf(line);
+  }
+  throw badInput(
+      packs, 0,
+      {InputFault::kMissingKey, fmt::format("has no line {} of steps", index + 1), "", ""});
+}
+
+}  // namespace plumbline

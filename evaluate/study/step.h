@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/enum_words.h"
+#include "calibrator/fields/fields.h"
+#include "report/records/study_record.h"
+
+namespace plumbline {
+
+/// What a step does; each but kEstimate is a command of this program.
+enum class StepKind {
+  kDetect,  ///< corners of a recording that comes as images
+  kBoard,   ///< the board's shape from the first held-out recording
+  kCalibrate,
+  kPerturb,
+  kEvaluate,    ///< a calibration held fixed on a recording
+  kCompare,     ///< another tool's result beside ours
+  kEstimate,    ///< the study's own command makes a trajectory
+  kTrajectory,  ///< a trajectory against its truth
+  kReplay,
+};
+constexpr std::array<const char*, 9> enumWords(StepKind /*of*/) {
+  return {"detect",  "board",    "calibrate",  "perturb", "evaluate",
+          "compare", "estimate", "trajectory", "replay"};
+}
+
+/// A file or folder that a step reads, in the state that its key is of.
+struct StepInput {
+  std::string path, stamp;
+};
+
+template <class V>
+void fields(V& v, StepInput& i) {
+  v("path", i.path, "absolute");
+  v("stamp", i.stamp, "see stampOf()");
+}
+
+/// A step that must be done before.
+struct StepNeed {
+  std::string name, key;
+};
+
+template <class V>
+void fields(V& v, StepNeed& n) {
+  v("name", n.name, "of the step");
+  v("key", n.key, "of the result that is needed");
+}
+
+/// A piece of a night's work: one process, one result folder. Its key names what the result is of:
+/// equal keys, equal results.
+struct Step {
+  std::string name;  ///< its folder below the night's, e.g. "sessions/p01_free/calibrate"
+  StepKind kind = StepKind::kCalibrate;
+  std::string session;  ///< whose result; empty of recordings that belong to none
+  std::string part;     ///< recording, tool, "tool/recording" or "sequence/run"
+  /// Of the command. "{out}" stands for the result's folder, "{threads}" for a number,
+  /// "{result:STEP}" for that step's folder, "{shape:STEP}" for the board's shape that it found
+  /// ("flat" if it found none).
+  std::vector<std::string> words;
+  std::vector<StepInput> inputs;
+  std::vector<StepNeed> needs;
+  std::string inputs_key;  ///< of inputs' contents and options
+  std::string key;         ///< of these and the program's version
+  double limit_s = 3600;
+  int limit_mb = 8192;
+};
+
+template <class V>
+void fields(V& v, Step& s) {
+  v("name", s.name, "its folder");
+  v("kind", s.kind, "what it does");
+  v("session", s.session, "whose result");
+  v("part", s.part, "recording, tool, sequence");
+  v("words", s.words, "of the command");
+  v("inputs", s.inputs, "what it reads");
+  v("needs", s.needs, "steps before");
+  v("inputs_key", s.inputs_key, "of contents and options");
+  v("key", s.key, "of these and the version");
+  v("limit_s", s.limit_s, "wall time");
+  v("limit_mb", s.limit_mb, "address space");
+}
+
+/// The plan's text: a line (JSON) for each step.
+std::string planText(const std::vector<Step>& steps);
+/// The step of this name in a plan's file. Throws InputError where there is none.
+Step readPlannedStep(const std::filesystem::path& plan, const std::string& name);
+/// All of them.
+std::vector<Step> readPlan(const std::filesystem::path& plan);
+
+/// How a step ended.
+enum class StepStatus {
+  kDone,
+  kFailed,   ///< the command refused or failed: it would again
+  kLost,     ///< stopped from outside, by a limit or a crash: done again the next time
+  kChanged,  ///< an input changed since the night was planned: done again the next time
+};
+constexpr std::array<const char*, 4> enumWords(StepStatus /*of*/) {
+  return {"done", "failed", "lost", "changed"};
+}
+
+/// What a step left: step.json in its folder. The folder takes its name when all of it is there.
+struct StepResult {
+  std::string name, key, inputs_key, version;
+  StepStatus status = StepStatus::kDone;
+  std::string message;  ///< of what failed; empty if nothing did
+  std::string command;  ///< to do it by hand
+  std::string date;
+  double seconds = 0, cpu_s = 0, peak_mb = 0;
+  double limit_s = 0;  ///< it ran under
+  int limit_mb = 0;
+
+  /// Whether the step need not be done again: it would give the same.
+  bool settles(const Step& step) const {
+    const bool same_limits = limit_s == step.limit_s && limit_mb == step.limit_mb;
+    return key == step.key &&
+           (status == StepStatus::kDone || (status == StepStatus::kFailed && same_limits));
+  }
+};
+
+template <class V>
+void fields(V& v, StepResult& r) {
+  v("name", r.name, "of the step");
+  v("key", r.key, "of inputs, options and version");
+  v("inputs_key", r.inputs_key, "of inputs and options");
+  v("version", r.version, "of the program");
+  v("status", r.status, "`done`, `failed`, `lost`, `changed`");
+  v.ifSet("message", r.message, "of what failed");
+  v("command", r.command, "to do it by hand");
+  v("date", r.date, "UTC");
+  v("seconds", r.seconds, "s", "wall time");
+  v("cpu_s", r.cpu_s, "s", "of the processor");
+  v("peak_mb", r.peak_mb, "resident memory");
+  v("limit_s", r.limit_s, "s", "it ran under");
+  v("limit_mb", r.limit_mb, "it ran under");
+}
+
+inline constexpr const char* kStepFile = "step.json";
+
+/// step.json: the result, and under "part" the rows that it gives the study.
+std::string stepText(const StepResult& result, const StudyRecord& part);
+/// Empty where there is none, or none that this version reads.
+std::optional<StepResult> readStepResult(const std::filesystem::path& folder);
+/// The rows of a step that is done. Throws InputError where they cannot be read.
+StudyRecord readStepPart(const std::filesystem::path& folder);
+
+}  // namespace plumbline

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/step_rows.h"
+
+#include <cmath>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/files/bad_input.h"
+#include "datasets/files/file_io.h"
+#include "evaluate/results/result_folder.h"
+#include "report/store/store.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the verdict's level stands on; "" where everything is good.
+std::string sentenceOf(const Verdict& verdict) {
+  for (const Finding& finding : verdict.findings) {
+    if (finding.level == verdict.level && verdict.level != VerdictLevel::kGood) {
+      return finding.evidence;
+    }
+  }
+  return "";
+}
+
+StudySession sessionOf(const CalibrationRecord& record) {
+  StudySession row;
+  row.verdict = record.verdict.level;
+  row.verdict_sentence = sentenceOf(record.verdict);
+  double seconds = 0;
+  if (const auto& camera = record.camera) {
+    row.camera_rmse_px = camera->summary.reprojection.rmse_px;
+    row.camera_entropy_nats = camera->summary.entropy_nats;
+    seconds += camera->summary.seconds.total;
+    const bool bent = camera->target_fit && camera->target_fit->finding == TargetFinding::kBent;
+    if (bent) row.board = camera->target;
+  }
+  if (const auto& stage = record.camera_imu) {
+    row.camera_imu_rmse_px = stage->summary.reprojection.rmse_px;
+    row.camera_imu_entropy_nats = stage->summary.entropy_nats;
+    row.time_offset_s = stage->imu.timeOffset();
+    row.time_offset_std_s = stage->imu.time_offset_std_s;
+    row.T_SC0 = stage->imu.T_SC0;
+    row.T_SC0_std = stage->imu.T_SC0_std;
+    seconds += stage->summary.seconds.total;
+  }
+  row.calibration_s = seconds;
+  for (const Stage stage : {Stage::kCamera, Stage::kCameraImu}) {
+    const auto estimates = parameterEstimates(record, stage);
+    row.estimates.insert(row.estimates.end(), estimates.begin(), estimates.end());
+  }
+  return row;
+}
+
+StudyHeldOut heldOutOf(const CalibrationRecord& record) {
+  StudyHeldOut row;
+  const CalibrationScore& score = record.held.value().scores.at(0);
+  if (score.reprojection.count > 0) row.rmse_px = score.reprojection.rmse_px;
+  if (!row.rmse_px) row.failure = score.problem;
+  return row;
+}
+
+std::vector<StudyPerturbation> perturbationsOf(const PerturbationRecord& record,
+                                               const std::string& session) {
+  std::vector<StudyPerturbation> rows;
+  for (const PerturbationCase& c : record.cases) {
+    StudyPerturbation row{session, c.amount, std::nullopt, c.problem};
+    if (c.problem.empty()) {
+      row.recovered_ms = 1e3 * (c.time_offset_s - record.base.time_offset_s);
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Ours is the first calibration of the comparison, the other the second.
+StudyOther otherOf(const ComparisonRecord& record) {
+  StudyOther row;
+  for (const ComparedParameter& p : record.parameters) {
+    if (p.difference.size() < 2 || !p.difference[1]) continue;
+    row.differences.push_back({p.name, p.unit, *p.difference[1],
+                               p.significance.size() > 1 ? p.significance[1] : std::nullopt});
+  }
+  return row;
+}
+
+StudyTrajectory trajectoryOf(const fs::path& folder) {
+  const fs::path file = folder / "trajectory.json";
+  try {
+    const auto json = nlohmann::json::parse(MappedFile(file.string()).text());
+    StudyTrajectory row;
+    row.ate_m = json.at("ate").at("translation_m").at("rmse").get<double>();
+    return row;
+  } catch (const nlohmann::json::exception& error) {
+    throw badInput(file.string(), 0, {InputFault::kSyntax, error.what(), "", ""});
+  }
+}
+
+std::optional<double> complianceOf(const ReplayRecord& record) {
+  if (!record.compliance || record.compliance->suggestions.empty()) return std::nullopt;
+  return static_cast<double>(record.compliance->reached) /
+         static_cast<double>(record.compliance->suggestions.size());
+}
+
+// "eval01_2" of "sequence/run" is split at the slash, which no name holds.
+void nameTrajectory(const std::string& part, StudyTrajectory& row) {
+  const auto slash = part.find('/');
+  row.sequence = part.substr(0, slash);
+  if (slash != std::string::npos) row.run = part.substr(slash + 1);
+}
+
+}  // namespace
+
+StudyRecord rowsOf(const Step& step, const fs::path& folder) {
+  StudyRecord rows;
+  const Store store(folder / kRecordsFile);
+  switch (step.kind) {
+    case StepKind::kCalibrate:
+      rows.sessions = {sessionOf(store.loadCalibration())};
+      rows.sessions[0].name = step.session;
+      break;
+    case StepKind::kEvaluate:
+      rows.held_out = {heldOutOf(store.loadCalibration())};
+      rows.held_out[0].session = step.session;
+      rows.held_out[0].recording = step.part;
+      break;
+    case StepKind::kPerturb:
+      rows.perturbations = perturbationsOf(store.loadPerturbation(), step.session);
+      break;
+    case StepKind::kCompare:
+      rows.others = {otherOf(store.loadComparison())};
+      rows.others[0].session = step.session;
+      rows.others[0].tool = step.part;
+      break;
+    case StepKind::kTrajectory:
+      rows.trajectories = {trajectoryOf(folder)};
+      rows.trajectories[0].session = step.session;
+      nameTrajectory(step.part, rows.trajectories[0]);
+      break;
+    case StepKind::kReplay:
+      rows.sessions.resize(1);
+      rows.sessions[0].name = step.session;
+      rows.sessions[0].compliance = complianceOf(store.loadReplay());
+      break;
+    case StepKind::kDetect:
+    case StepKind::kBoard:
+    case StepKind::kEstimate:
+      break;
+  }
+  return rows;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/store/study_store.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include "calibrator/base/error.h"
+#include "generated/report/embedded.h"
+
+namespace plumbline {
+
+struct StudyStore::Memory {
+  SQLite::Database db{":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE};
+};
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kApplicationId = 0x504c5354;  // "PLST"
+constexpr int kSchemaVersion = 1;
+
+int pragma(SQLite::Database& db, const char* name) {
+  return db.execAndGet(std::string("PRAGMA ") + name).getInt();
+}
+
+void bindOne(SQLite::Statement& statement, int column, double value) {
+  if (std::isfinite(value)) {
+    statement.bind(column, value);
+  } else {
+    statement.bind(column);  // NULL: not known
+  }
+}
+void bindOne(SQLite::Statement& statement, int column, const std::optional<double>& value) {
+  bindOne(statement, column, value.value_or(std::nan("")));
+}
+template <class T>
+void bindOne(SQLite::Statement& statement, int column, const T& value) {
+  statement.bind(column, value);
+}
+
+template <class... Values>
+void run(SQLite::Statement& statement, const Values&... values) {
+  statement.reset();
+  int column = 0;
+  (bindOne(statement, ++column, values), ...);
+  statement.exec();
+}
+
+double numberAt(SQLite::Statement& row, int column) {
+  const SQLite::Column value = row.getColumn(column);
+  return value.isNull() ? std::nan("") : value.getDouble();
+}
+
+std::optional<double> optionalAt(SQLite::Statement& row, int column) {
+  const double value = numberAt(row, column);
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
+
+std::string textAt(SQLite::Statement& row, int column) { return row.getColumn(column).getString(); }
+int wholeAt(SQLite::Statement& row, int column) { return row.getColumn(column).getInt(); }
+
+// SQLite owns the copy and lets it grow.
+void load(SQLite::Database& db, const std::string& bytes) {
+  auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(bytes.size()));
+  if (copy == nullptr) throw std::bad_alloc();
+  std::memcpy(copy, bytes.data(), bytes.size());
+  const auto size = static_cast<sqlite3_int64>(bytes.size());
+  const int code =
+      sqlite3_deserialize(db.getHandle(), "main", copy, size, size,
+                          SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_RESIZEABLE);
+  if (code != SQLITE_OK) throw SQLite::Exception(db.getHandle(), code);
+}
+
+void checkOwner(SQLite::Database& db, const std::string& path) {
+  const int version = pragma(db, "user_version");
+  if (pragma(db, "application_id") != kApplicationId || version < 1) {
+    throw InputError(path, 0,
+                     "is an SQLite file of another program; expected a study's history; give the "
+                     "study another folder");
+  }
+  if (version > kSchemaVersion) {
+    throw InputError(path, 0,
+                     "has version " + std::to_string(version) + ", this program knows " +
+                         std::to_string(kSchemaVersion) +
+                         "; use the Plumbline that wrote it, or another folder");
+  }
+}
+
+std::string readFile(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path.string(), 0, "cannot be read; check its permissions");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+[[noreturn]] void failWriting(const fs::path& path) {
+  const std::string why = std::strerror(errno);
+  throw InputError(path.string(), 0,
+                   "cannot be written (" + why + "); make room or give another folder");
+}
+
+void writeAll(int file, const unsigned char* bytes, std::size_t size, const fs::path& path) {
+  while (size > 0) {
+    const ssize_t written = ::write(file, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) failWriting(path);
+    bytes += written;
+    size -= static_cast<std::size_t>(written);
+  }
+}
+
+/// A file that goes unless it was given its name.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& final_path)
+      : final_(final_path), path_(final_path.string() + ".partial") {
+    file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file_ < 0) failWriting(final_);
+  }
+  ~TemporaryFile() {
+    if (file_ >= 0) ::close(file_);
+    if (!placed_) ::unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  void write(const unsigned char* bytes, std::size_t size) {
+    writeAll(file_, bytes, size, final_);
+    if (::fsync(file_) != 0) failWriting(final_);
+    if (std::rename(path_.c_str(), final_.c_str()) != 0) failWriting(final_);
+    placed_ = true;
+  }
+
+ private:
+  fs::path final_, path_;
+  int file_ = -1;
+  bool placed_ = false;
+};
+
+StudyFigure figureAt(SQLite::Statement& row) {
+  StudyFigure figure;
+  figure.session = textAt(row, 0);
+  figure.name = textAt(row, 1);
+  figure.unit = textAt(row, 2);
+  figure.inputs_key = textAt(row, 3);
+  figure.version = textAt(row, 4);
+  figure.value = numberAt(row, 5);
+  figure.command = textAt(row, 6);
+  return figure;
+}
+
+}  // namespace
+
+bool StudyFigure::operator==(const StudyFigure& other) const {
+  const bool same_value = std::memcmp(&value, &other.value, sizeof value) == 0 ||
+                          (std::isnan(value) && std::isnan(other.value));
+  return same_value && session == other.session && name == other.name && unit == other.unit &&
+         inputs_key == other.inputs_key && version == other.version;
+}
+
+StudyStore::StudyStore(fs::path path)
+    : path_(std::move(path)), memory_(std::make_unique<Memory>()) {
+  SQLite::Database& db = memory_->db;
+  try {
+    if (fs::exists(path_)) {
+      load(db, readFile(path_));
+      checkOwner(db, path_.string());
+    } else {
+      db.exec(embedded::study());
+      db.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+      db.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+    }
+    db.exec("PRAGMA foreign_keys = ON");
+  } catch (const SQLite::Exception& error) {
+    throw InputError(
+        path_.string(), 0,
+        std::string("is damaged or no store (") + error.what() +
+            "); restore it from a backup, or move it away: the next night begins a new "
+            "history");
+  }
+}
+
+StudyStore::~StudyStore() = default;
+
+std::vector<StudyNight> StudyStore::nights() const {
+  SQLite::Statement row(memory_->db,
+                        "SELECT night, date, version, sessions, failed, alarms, seconds, "
+                        "held_out_rmse_px FROM nights ORDER BY night");
+  std::vector<StudyNight> nights;
+  while (row.executeStep()) {
+    nights.push_back({wholeAt(row, 0), textAt(row, 1), textAt(row, 2), wholeAt(row, 3),
+                      wholeAt(row, 4), wholeAt(row, 5), optionalAt(row, 6), optionalAt(row, 7)});
+  }
+  return nights;
+}
+
+std::vector<FigureSpan> StudyStore::figures() const {
+  SQLite::Statement row(memory_->db,
+                        "SELECT session, name, unit, inputs_key, version, value, command, "
+                        "first_night, last_night FROM figures ORDER BY session, name, first_night");
+  std::vector<FigureSpan> spans;
+  while (row.executeStep()) {
+    spans.push_back({figureAt(row), wholeAt(row, 7), wholeAt(row, 8)});
+  }
+  return spans;
+}
+
+std::vector<StudyAcceptance> StudyStore::accepted() const {
+  SQLite::Statement row(memory_->db,
+                        "SELECT night, session, name, note, date FROM accepted ORDER BY id");
+  std::vector<StudyAcceptance> list;
+  while (row.executeStep()) {
+    list.push_back(
+        {wholeAt(row, 0), textAt(row, 1), textAt(row, 2), textAt(row, 3), textAt(row, 4)});
+  }
+  return list;
+}
+
+std::vector<StudyAlarm> StudyStore::alarms(int night) const {
+  SQLite::Statement row(memory_->db,
+                        "SELECT name, session, first_night, kind, was, now, command FROM alarms "
+                        "WHERE night = ? ORDER BY id");
+  row.bind(1, night);
+  std::vector<StudyAlarm> alarms;
+  while (row.executeStep()) {
+    alarms.push_back({textAt(row, 0), textAt(row, 1), wholeAt(row, 2), textAt(row, 3),
+                      numberAt(row, 4), numberAt(row, 5), false, textAt(row, 6)});
+  }
+  return alarms;
+}
+
+std::vector<StudyStepRow> StudyStore::steps() const {
+  SQLite::Statement row(memory_->db,
+                        "SELECT name, key, status, message, command, seconds, peak_mb FROM steps "
+                        "ORDER BY name");
+  std::vector<StudyStepRow> steps;
+  while (row.executeStep()) {
+    steps.push_back({textAt(row, 0), textAt(row, 1), textAt(row, 2), textAt(row, 3), textAt(row, 4),
+                     numberAt(row, 5), numberAt(row, 6)});
+  }
+  return steps;
+}
+
+// A row whose figure is the same the night after is only prolonged.
+void StudyStore::addNight(const StudyNight& night, const std::vector<StudyFigure>& figures) {
+  SQLite::Database& db = memory_->db;
+  SQLite::Transaction transaction(db);
+  SQLite::Statement add(db, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  run(add, night.night, night.date, night.version, night.sessions, night.failed, night.alarms,
+      night.seconds, night.held_out_rmse_px);
+  SQLite::Statement find(db,
+                         "SELECT session, name, unit, inputs_key, version, value, command, id FROM "
+                         "figures WHERE session = ? AND name = ? AND last_night = ?");
+  SQLite::Statement prolong(db, "UPDATE figures SET last_night = ? WHERE id = ?");
+  SQLite::Statement insert(
+      db,
+      "INSERT INTO figures (session, name, unit, inputs_key, version, value, command, first_night, "
+      "last_night) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const StudyFigure& f : figures) {
+    find.reset();
+    find.bind(1, f.session);
+    find.bind(2, f.name);
+    find.bind(3, night.night - 1);
+    if (find.executeStep() && figureAt(find) == f) {
+      run(prolong, night.night, static_cast<std::int64_t>(find.getColumn(7).getInt64()));
+    } else {
+      run(insert, f.session, f.name, f.unit, f.inputs_key, f.version, f.value, f.command,
+          night.night, night.night);
+    }
+  }
+  find.reset();
+  transaction.commit();
+}
+
+void StudyStore::addAlarms(int night, const std::vector<StudyAlarm>& alarms) {
+  SQLite::Statement add(memory_->db,
+                        "INSERT INTO alarms (night, session, name, kind, first_night, was, now, "
+                        "command) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const StudyAlarm& a : alarms) {
+    run(add, night, a.session, a.metric, a.kind, a.night, a.was, a.is, a.command);
+  }
+  SQLite::Statement count(memory_->db, "UPDATE nights SET alarms = ? WHERE night = ?");
+  run(count, static_cast<int>(alarms.size()), night);
+}
+
+void StudyStore::setSteps(int night, const std::vector<StudyStepRow>& steps) {
+  SQLite::Database& db = memory_->db;
+  SQLite::Transaction transaction(db);
+  db.exec("DELETE FROM steps");
+  SQLite::Statement add(db, "INSERT INTO steps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const StudyStepRow& s : steps) {
+    run(add, s.name, s.key, s.status, s.message, s.command, s.seconds, s.peak_mb, night);
+  }
+  transaction.commit();
+}
+
+void StudyStore::accept(const StudyAcceptance& a) {
+  SQLite::Statement add(memory_->db,
+                        "INSERT INTO accepted (night, session, name, note, date) VALUES (?, ?, ?, "
+                        "?, ?)");
+  run(add, a.night, a.session, a.name, a.note, a.date);
+}
+
+void StudyStore::save() const {
+  sqlite3_int64 size = 0;
+  unsigned char* bytes = sqlite3_serialize(memory_->db.getHandle(), "main", &size, 0);
+  if (bytes == nullptr) throw std::bad_alloc();
+  const std::unique_ptr<unsigned char, void (*)(void*)> owned(bytes, sqlite3_free);
+  TemporaryFile file(path_);
+  file.write(bytes, static_cast<std::size_t>(size));
+}
+
+}  // namespace plumbline
