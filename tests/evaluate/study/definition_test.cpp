@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/definition.h"
+
+#include <gmock/gmock.h>
+
+#include "calibrator/base/error.h"
+#include "tests/evaluate/study/study_files.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+void refuseColour(const std::string& option, const std::string& /*words*/) {
+  if (option == "colour") throw InputError("no option --colour");
+}
+
+class DefinitionTest : public StudyFiles {
+ protected:
+  std::string refusal(const std::string& path) const {
+    try {
+      readStudy(path, refuseColour);
+      return "accepted";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  }
+};
+
+TEST_F(DefinitionTest, ReadsWhatItSays) {
+  const StudyDefinition study =
+      readStudy(this->study("target: target.yaml\ntarget_shape: one\nlimit_s: 300\n"
+                            "calibrate: {pixel_sigma: 0.5}\nthresholds: {regression_sigma: 6}\n"
+                            "perturbations: {offsets_ms: [100, -1]}\n"),
+                refuseColour);
+  EXPECT_EQ(study.name, "trial");
+  EXPECT_EQ(study.methods, (std::vector<std::string>{"free", "guided"}));
+  ASSERT_EQ(study.sessions.size(), 4u);
+  EXPECT_EQ(study.sessions[0].row.capture_s, 60);
+  EXPECT_EQ(study.sessions[0].row.stages[1].name, "camera_imu");
+  EXPECT_EQ(study.sessions[0].path, std::filesystem::weakly_canonical(root_ / "p1_free"));
+  EXPECT_TRUE(study.sessions[0].row.finished);
+  EXPECT_FALSE(study.sessions[2].row.finished);
+  EXPECT_EQ(study.offsets_ms, (std::vector<double>{100, -1}));
+  EXPECT_EQ(study.calibrate.at(0), (std::pair<std::string, std::string>("pixel-sigma", "0.5")));
+  EXPECT_EQ(study.thresholds.sigma, 6);
+  EXPECT_EQ(study.target_shape, StudyTargetShape::kOne);
+  EXPECT_TRUE(study.target.has_value());
+  EXPECT_EQ(study.limit_s, 300);
+}
+
+TEST_F(DefinitionTest, RefusesWithFileAndLine) {
+  struct Case {
+    const char* further;
+    const char* line;
+    const char* words;
+  };
+  const Case cases[] = {
+      {"colour: red\n", ":10:", "unknown key 'colour'"},
+      {"target: missing.yaml\n", ":10:", "is no file"},
+      {"target_shape: bent\n", ":10:", "is no file"},
+      {"limit_s: -1\n", ":10:", "seconds, 0 to 86400"},
+      {"limit_s: 600000\n", ":10:", "limit_s is 600000"},
+      {"calibrate: {colour: red}\n", ":10:", "no option --colour"},
+      {"perturbations: {offsets_ms: [100, 1e9]}\n", ":10:", "milliseconds up to"},
+      {"perturbations: {offsets_s: [1]}\n", ":10:", "unknown key 'offsets_s'"},
+      {"calibrate: {no-imu: true}\nperturbations: {offsets_ms: [1]}\n", ":11:", "no-imu"},
+      {"thresholds: {regression_sigma: 0}\n", ":10:", "above 0"},
+      {"limits: {step_mb: 1}\n", ":10:", "256 or more"},
+      {"cross: perhaps\n", ":10:", "true or false"},
+      {"sequences: [{name: s, path: eval, truth: t.csv}]\n", ":10:", "t.csv is no file"},
+      {"trajectories: {pattern: 'x/{calibration}.txt'}\n", ":10:", "no sequences"},
+      {"study: again\n", ":10:", "given twice"},
+      {"endpoints: [a, a]\n", ":10:", "'a' is given twice"},
+  };
+  for (const Case& c : cases) {
+    EXPECT_THAT(refusal(study(c.further)), AllOf(HasSubstr(c.line), HasSubstr(c.words)))
+        << c.further;
+  }
+}
+
+TEST_F(DefinitionTest, RefusesSessionsWithFileAndLine) {
+  struct Case {
+    const char* session;
+    const char* words;
+  };
+  const Case cases[] = {
+      {"{name: a, participant: p1, method: free, period: 1, path: nowhere}", "nowhere"},
+      {"{name: b, participant: p1, method: free, period: 1, path: p1_free}", "'b' is given twice"},
+      {"{name: a/b, participant: p1, method: free, period: 1, path: p1_free}", "cannot name"},
+      {"{name: .., participant: p1, method: free, period: 1, path: p1_free}", "cannot name"},
+      {"{name: a, participant: p1, method: best, period: 1, path: p1_free}", "one of free, guided"},
+      {"{name: a, participant: p3, method: free, period: 1, path: p1_free}",
+       "participant p3 has no session with the method 'guided'"},
+      {"{name: a, participant: p1, method: free, period: 2, path: p1_free}",
+       "two sessions in period 2"},
+      {"{name: a, participant: p1, method: free, period: 0, path: p1_free}", "period is 0"},
+      {"{name: a, participant: p1, method: free, period: 1, path: p1_free, capture_s: 90000}",
+       "a day"},
+      {"{name: a, participant: p1, method: free, period: 1, path: p1_free, capture_s: 10, "
+       "stages_s: {camera: 20}}",
+       "the stages take 20 s together"},
+      {"{name: a, participant: p1, method: free, period: 1, path: p1_free, other: [{tool: kalibr, "
+       "path: p1_free}]}",
+       "camchain"},
+      {"{name: a, participant: p1, method: free, period: 1, path: p1_free, speed: 1}",
+       "unknown key 'speed'"},
+  };
+  for (const Case& c : cases) {
+    const std::string said = refusal(study("", std::string("  - ") + c.session + "\n"));
+    EXPECT_THAT(said, AllOf(HasSubstr("STUDY.yaml:"), HasSubstr(c.words))) << c.session;
+  }
+}
+
+TEST_F(DefinitionTest, TakesTheChainWithTheImuOfAKalibrFolder) {
+  write("kalibr/run-camchain.yaml", "");
+  write("kalibr/run-camchain-imucam.yaml", "");
+  const auto read = readStudy(
+      study("",
+            "  - {name: a, participant: p1, method: free, period: 1, path: p1_free, other: "
+            "[{tool: kalibr, path: kalibr}]}\n"),
+      refuseColour);
+  EXPECT_THAT(read.sessions[0].others.at(0).second, HasSubstr("run-camchain-imucam.yaml"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/history.h"
+
+#include <cmath>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+/// A history in the making: figures by night, spans as the store keeps them.
+class History {
+ public:
+  void add(const std::string& session, const std::string& name, double value,
+           const std::string& version, const std::string& inputs = "k") {
+    const StudyFigure figure{session, name, "px", inputs, version, value, "plumbline " + name};
+    if (!spans_.empty() && spans_.back().figure == figure &&
+        spans_.back().last_night == night_ - 1) {
+      spans_.back().last_night = night_;
+    } else {
+      spans_.push_back({figure, night_, night_});
+    }
+  }
+  void nextNight() { ++night_; }
+  int night() const { return night_; }
+
+  std::vector<StudyAlarm> judge(const std::vector<StudyAcceptance>& accepted = {}) {
+    std::stable_sort(spans_.begin(), spans_.end(), [](const FigureSpan& a, const FigureSpan& b) {
+      return std::tie(a.figure.session, a.figure.name) < std::tie(b.figure.session, b.figure.name);
+    });
+    return judgeNight(night_, spans_, accepted, {});
+  }
+
+ private:
+  int night_ = 1;
+  std::vector<FigureSpan> spans_;
+};
+
+TEST(HistoryTest, EqualNightsRaiseNoAlarm) {
+  History history;
+  for (int night = 0; night < 20; ++night) {
+    if (night > 0) history.nextNight();
+    history.add("a", "camera_rmse_px", 0.28, "1");
+  }
+  EXPECT_TRUE(history.judge().empty());
+}
+
+TEST(HistoryTest, SameInputsAndVersionMustBeEqual) {
+  History history;
+  history.add("a", "estimates/cam0.fu", 458.1, "1");
+  history.nextNight();
+  history.add("a", "estimates/cam0.fu", std::nextafter(458.1, 459), "1");
+  const auto alarms = history.judge();
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_EQ(alarms[0].kind, "deterministic");
+  EXPECT_EQ(alarms[0].night, 2);
+  EXPECT_EQ(alarms[0].session, "a");
+  EXPECT_EQ(alarms[0].command, "plumbline estimates/cam0.fu");
+  EXPECT_TRUE(history.judge({{2, "a", "estimates", "", ""}}).empty());
+}
+
+TEST(HistoryTest, DurationsAreNotExpectedToBeEqual) {
+  History history;
+  history.add("a", "calibration_s", 1.0, "1");
+  history.nextNight();
+  history.add("a", "calibration_s", 1.7, "1");
+  EXPECT_TRUE(history.judge().empty());
+}
+
+TEST(HistoryTest, AnotherVersionMayDifferALittle) {
+  History history;
+  history.add("a", "held_out_rmse_px/e", 0.300, "1");
+  history.nextNight();
+  history.add("a", "held_out_rmse_px/e", 0.3003, "2");
+  EXPECT_TRUE(history.judge().empty());
+}
+
+TEST(HistoryTest, NamesTheFirstBadNightOfAStepUntilItIsMended) {
+  History history;
+  const double values[] = {0.30, 0.3001, 0.2999, 0.36, 0.36, 0.361};
+  for (int i = 0; i < 6; ++i) {
+    if (i > 0) history.nextNight();
+    history.add("a", "held_out_rmse_px/e", values[i], std::to_string(i));
+  }
+  const auto alarms = history.judge();
+  const auto of_session = std::find_if(alarms.begin(), alarms.end(),
+                                       [](const StudyAlarm& a) { return a.session == "a"; });
+  ASSERT_NE(of_session, alarms.end());
+  EXPECT_EQ(of_session->kind, "median");
+  EXPECT_EQ(of_session->night, 4);
+  EXPECT_NEAR(of_session->was, 0.30, 1e-3);
+  EXPECT_EQ(of_session->is, 0.361);
+  history.nextNight();
+  history.add("a", "held_out_rmse_px/e", 0.30, "mended");
+  for (const StudyAlarm& a : history.judge()) EXPECT_NE(a.kind, "median");
+}
+
+TEST(HistoryTest, BetterIsNoRegression) {
+  History history;
+  history.add("a", "ate_m/s", 0.30, "1");
+  history.nextNight();
+  history.add("a", "ate_m/s", 0.10, "2");
+  EXPECT_TRUE(history.judge().empty());
+}
+
+TEST(HistoryTest, NewDataStartAnew) {
+  History history;
+  history.add("a", "ate_m/s", 0.10, "1", "old data");
+  history.nextNight();
+  history.add("a", "ate_m/s", 0.30, "1", "new data");
+  EXPECT_TRUE(history.judge().empty());
+}
+
+TEST(HistoryTest, ASessionThatFailsIsARegression) {
+  History history;
+  history.add("a", "failed", 0, "1");
+  history.nextNight();
+  history.add("a", "failed", 1, "2");
+  const auto alarms = history.judge();
+  ASSERT_FALSE(alarms.empty());
+  EXPECT_EQ(alarms[0].metric, "failed");
+}
+
+TEST(HistoryTest, WhatWasAcceptedIsTheNewNormal) {
+  History history;
+  history.add("a", "ate_m/s", 0.10, "1");
+  history.nextNight();
+  history.add("a", "ate_m/s", 0.30, "2");
+  EXPECT_FALSE(history.judge().empty());
+  const std::vector<StudyAcceptance> accepted{{2, "", "ate_m", "a new estimator", ""}};
+  EXPECT_TRUE(history.judge(accepted).empty());
+  history.nextNight();
+  history.add("a", "ate_m/s", 0.30, "3");
+  EXPECT_TRUE(history.judge(accepted).empty());
+  history.nextNight();
+  history.add("a", "ate_m/s", 0.40, "4");
+  const auto alarms = history.judge(accepted);
+  ASSERT_FALSE(alarms.empty());
+  EXPECT_EQ(alarms[0].night, 4);
+}
+
+// A drift of 0.1 % a night is below every night's deviation; cumulated over sessions it shows. A
+// session that joins late is compared with its own first night only.
+TEST(HistoryTest, CusumFindsADriftThatNoNightShows) {
+  History history;
+  std::vector<StudyAlarm> alarms;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 1e-4);
+  for (int night = 1; night <= 30; ++night) {
+    if (night > 1) history.nextNight();
+    const double drift = night <= 10 ? 0 : 1e-3 * (night - 10);
+    for (int s = 0; s < 9; ++s) {
+      if (s == 8 && night < 20) continue;
+      history.add("s" + std::to_string(s), "held_out_rmse_px/e",
+                  (0.25 + 0.01 * s) * (1 + drift + noise(random)), std::to_string(night));
+    }
+    alarms = history.judge();
+    if (night <= 12) EXPECT_TRUE(alarms.empty()) << "night " << night;
+  }
+  const auto cusum = std::find_if(alarms.begin(), alarms.end(),
+                                  [](const StudyAlarm& a) { return a.kind == "cusum"; });
+  ASSERT_NE(cusum, alarms.end());
+  EXPECT_EQ(cusum->session, "");
+  EXPECT_EQ(cusum->metric, "held_out_rmse_px");
+  EXPECT_GE(cusum->night, 11);
+  EXPECT_LE(cusum->night, 15);
+}
+
+// Nights that differ by noise of half the floor: how often is one called worse?
+TEST(HistoryTest, NoiseRaisesFewAlarms) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0, 0.0025);
+  int false_alarms = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    History history;
+    for (int night = 1; night <= 25; ++night) {
+      if (night > 1) history.nextNight();
+      for (int s = 0; s < 6; ++s) {
+        history.add("s" + std::to_string(s), "ate_m/x", 0.1 * (1 + noise(random)),
+                    std::to_string(night));
+      }
+    }
+    false_alarms += static_cast<int>(history.judge().size());
+  }
+  EXPECT_LE(false_alarms, 1);  // of 120 figures at 8 deviations
+}
+
+}  // namespace
+}  // namespace plumbline
