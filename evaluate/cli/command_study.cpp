@@ -92,19 +92,20 @@ class NightTeller {
  private:
   void tell(const NightProgress& p) {
     const double share = p.all > 0 ? static_cast<double>(p.done) / static_cast<double>(p.all) : 1;
-    const std::string where = fmt::format("{} of {} steps, {} failed", p.done, p.all, p.failed);
+    std::string where = fmt::format("{} of {} steps, {} failed", p.done, p.all, p.failed);
+    if (p.seconds_left >= 0) where += fmt::format(", about {} left", timeText(p.seconds_left));
     if (!p.message.empty()) {
       bar_.clear();
       complain(fmt::format("{}: {}", p.step, p.message));
     }
     if (terminal_) {
-      bar_.update(fmt::format("{}, {} left", where, timeText(p.seconds_left)), share);
+      bar_.update(where, share);
       return;
     }
     const int tenth = static_cast<int>(10 * share);
     if (p.step.empty() || tenth == tenth_) return;
     tenth_ = tenth;
-    complain(fmt::format("{}, about {} left", where, timeText(p.seconds_left)));
+    complain(where);
   }
 
   ProgressBar bar_;

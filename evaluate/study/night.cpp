@@ -154,6 +154,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   hashes.save();
   writeFileAtomically((night.folder / kPlanFile).string(), planText(night.steps));
   writeFileAtomically((night.folder / kEngineLog).string(), "");
+  removeLeftovers(night.folder, night.steps);
   if (request.redo_failed) forgetFailures(night.folder, night.steps);
   if (request.recheck > 0) {
     chooseRechecks(night.folder, night.steps, request.recheck, nightAfter(store));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <set>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -60,6 +61,14 @@ void refuseForeign(const fs::path& folder) {
                     "holds " + entry.path().filename().string() + " and is no study's folder", "",
                     "give another place for the results"});
   }
+}
+
+bool isHeld(const fs::path& lock) {
+  const int file = open(lock.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool held = flock(file, LOCK_SH | LOCK_NB) != 0;
+  close(file);
+  return held;
 }
 
 std::string hostName() {
@@ -122,6 +131,21 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
       nlohmann::ordered_json{{"program", "plumbline"}, {"kind", "study"}, {"study", study.name}}
               .dump() +
           "\n");
+}
+
+void removeLeftovers(const fs::path& folder, const std::vector<Step>& steps) {
+  std::set<fs::path> parents;
+  for (const Step& step : steps) parents.insert((folder / step.name).parent_path());
+  for (const fs::path& parent : parents) {
+    if (!fs::is_directory(parent)) continue;
+    for (const auto& entry : fs::directory_iterator(parent)) {
+      const std::string name = entry.path().filename().string();
+      const bool in_the_making = name.front() == '.' && name.find(".partial-") != std::string::npos;
+      if (!in_the_making || isHeld(entry.path() / "lock")) continue;
+      std::error_code ignored;
+      fs::remove_all(entry.path(), ignored);
+    }
+  }
 }
 
 void requireNightFolder(const fs::path& folder) {

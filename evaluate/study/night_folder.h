@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "evaluate/study/definition.h"
+#include "evaluate/study/step.h"
 
 namespace plumbline {
 
@@ -33,6 +35,10 @@ class NightLock {
 /// InputError for a folder of something else or of another study, for one that lies in a recording
 /// or holds one, and where it cannot be written.
 void takeNightFolder(const std::filesystem::path& folder, const StudyDefinition& study);
+
+/// Removes what processes that were killed left beside the folders of steps: hidden folders of
+/// results in the making, whose lock nobody holds.
+void removeLeftovers(const std::filesystem::path& folder, const std::vector<Step>& steps);
 
 /// Throws InputError unless a study's results lie in the folder.
 void requireNightFolder(const std::filesystem::path& folder);

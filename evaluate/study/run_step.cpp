@@ -261,7 +261,6 @@ StepResult runStep(const fs::path& night, const std::string& name, int threads) 
     return *before;
   }
   requireNeeds(night, step);
-  removeDeadWorkplaces(fs::absolute(night / name));
   StepResult result = emptyResult(night, step);
   StudyRecord rows;
   StepFolder folder(night / name);

@@ -14,7 +14,7 @@ inline constexpr const char* kPlanFile = "plan.jsonl";
 /// Does a step of the plan in `night`, unless its result is there: runs its command as a process of
 /// its own under the step's limits, takes the rows of the study from its records, and gives the
 /// result its folder at once, also where the command failed. Nothing is left behind by a process
-/// that is killed but a hidden folder, which the next run of the step removes.
+/// that is killed but a hidden folder, which the next night removes.
 ///
 /// An input that is not as the plan has it, before or after, makes the result `kChanged`. Returns
 /// what is there now. Throws InputError where the plan or a step that is needed is missing, or the

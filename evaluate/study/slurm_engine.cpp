@@ -258,6 +258,9 @@ std::optional<Word> awaitWord(const PreparedNight& night, int round,
 SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const NightSink& sink) {
   makeFoldersIn(night.folder, kFolder);
   refuseWhileUnderWay(night.folder);
+  std::error_code left_there;
+  fs::remove_all(night.folder / kFolder, left_there);  // of earlier nights
+  makeFoldersIn(night.folder, kFolder);
   for (int round = 1; round <= options.rounds; ++round) {
     std::error_code ignored;
     fs::remove(wordFile(night.folder, round), ignored);

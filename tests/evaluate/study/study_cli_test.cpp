@@ -175,22 +175,67 @@ TEST_F(StudyNights, ACorruptSessionCostsItselfAlone) {
   EXPECT_EQ(doneAgain(before, scratch_ / "night").size(), 1u);
 }
 
-TEST_F(StudyNights, AStepBeyondItsLimitIsLostAndNamed) {
+TEST_F(StudyNights, AStepBeyondItsTimeEndsWithAllThatItStarted) {
   const fs::path data = ownData();
-  write(data / "STUDY.yaml", read(data / "STUDY.yaml") + "limits: {step_mb: 256}\n");
-  const Outcome outcome = study(data, scratch_ / "night");
+  write(data / "STUDY.yaml",
+        read(data / "STUDY.yaml") +
+            "sequences: [{name: s, path: eval, truth: "
+            "eval/truth/trajectory.csv}]\n"
+            "trajectories: {command: 'sleep 54321 & sleep 54321; echo {out}'}\n"
+            "limits: {step_s: 12}\n");
+  const Outcome outcome = study(data, scratch_ / "night", "--jobs 8");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   const auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
-  for (const auto& session : summary.at("sessions")) {
-    if (session.at("status") == "failed") EXPECT_FALSE(session.at("message").empty());
-  }
-  EXPECT_EQ(outcome.exit_code, 0);
+  ASSERT_EQ(summary.at("trajectories").size(), 4u);
+  EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
+              HasSubstr("not done after 12 s"));
+  EXPECT_NE(std::system("pgrep -f 'sleep 5432[1]' >/dev/null"), 0) << "left running";
+}
+
+TEST_F(StudyNights, AStepBeyondItsMemoryFailsAlone) {
+  const fs::path data = ownData();
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") +
+                                 "sequences: [{name: s, path: eval, truth: "
+                                 "eval/truth/trajectory.csv}]\n"
+                                 "trajectories: {command: 'head -c 1G /dev/zero | tail'}\n"
+                                 "limits: {step_mb: 600}\n");
+  const Outcome outcome = study(data, scratch_ / "night");
+  EXPECT_THAT(outcome.text, HasSubstr("4 of 4 sessions have a calibration"));
+  const auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
+  EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
+              HasSubstr("memory exhausted"));
+}
+
+TEST_F(StudyNights, TrajectoriesComeFromACommandOrAPattern) {
+  const fs::path data = ownData();
+  const std::string study_file = read(data / "STUDY.yaml") +
+                                 "sequences: [{name: s, path: eval, truth: "
+                                 "eval/truth/trajectory.csv}]\n";
+  write(data / "STUDY.yaml", study_file +
+                                 "trajectories: {command: 'test -f {calibration} && cp "
+                                 "{sequence}/truth/trajectory.csv {out}'}\n");
+  EXPECT_EQ(study(data, scratch_ / "night").exit_code, 0);
+  auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
+  ASSERT_EQ(summary.at("trajectories").size(), 4u);
+  EXPECT_LT(summary.at("trajectories")[0].at("ate_m").get<double>(), 1e-9);
+  fs::create_directories(data / "runs/p1_free");
+  fs::copy(data / "eval/truth/trajectory.csv", data / "runs/p1_free/s_1.txt");
+  write(data / "runs/p1_free/s_2.txt", "no trajectory\n");
+  write(data / "STUDY.yaml",
+        study_file + "trajectories: {pattern: 'runs/{calibration}/{sequence}_{run}.txt'}\n");
+  EXPECT_EQ(study(data, scratch_ / "night").exit_code, 0);
+  summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
+  ASSERT_EQ(summary.at("trajectories").size(), 2u);
+  EXPECT_EQ(summary.at("trajectories")[0].at("run"), "1");
+  EXPECT_LT(summary.at("trajectories")[0].at("ate_m").get<double>(), 1e-9);
+  EXPECT_THAT(summary.at("trajectories")[1].at("failure").get<std::string>(), HasSubstr("s_2.txt"));
 }
 
 // SIGKILL of the study, and of whatever process of a step is there, at random moments: the next
 // start takes up what is done, does none of it twice, and ends at the same values.
 TEST_F(StudyNights, ResumeAfterSigkillAtRandomMoments) {
   std::mt19937 random(20261122);
-  std::uniform_int_distribution<int> pause_ms(20, 700);
+  std::uniform_int_distribution<int> pause_ms(10, 400);
   int kills = 0, nights = 0;
   while (kills < 24) {
     const fs::path night = scratch_ / ("night" + std::to_string(++nights));
@@ -304,6 +349,7 @@ TEST_F(StudyNights, FoldersOfOthersAreLeftAlone) {
   const Outcome inside = study(root_ / "data", root_ / "data/eval/night");
   EXPECT_EQ(inside.exit_code, 2);
   EXPECT_FALSE(fs::exists(root_ / "data/eval/night"));
+  fs::create_directories(scratch_ / "other");
   write(scratch_ / "other/STUDY.yaml", replaced(read(root_ / "data/STUDY.yaml"), "small", "other"));
   for (const auto& entry : fs::directory_iterator(root_ / "data")) {
     if (entry.is_directory()) {
