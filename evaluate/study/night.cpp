@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrator/base/statistics.h"
 #include "datasets/files/bad_input.h"
@@ -13,6 +14,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
+#include "evaluate/statistics/study_statistics.h"
 #include "evaluate/study/history.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/merge.h"
@@ -108,7 +110,22 @@ std::string alarmSentence(const StudyAlarm& a) {
   return fmt::format("{} {} is {:.6g}, its median before {:.6g}", a.metric, where, a.is, a.was);
 }
 
-void addAlarmFindings(StudyRecord& record) {
+Finding endpointFinding(const StudyRecord& record) {
+  const auto unknown = unknownEndpoints(record);
+  Finding finding;
+  finding.rule = "Endpoints";
+  finding.value = static_cast<double>(unknown.size());
+  finding.unit = "1";
+  finding.evidence = "every declared endpoint has figures";
+  if (!unknown.empty()) {
+    finding.level = VerdictLevel::kCaution;
+    finding.evidence = fmt::format("no session has a figure of {}", fmt::join(unknown, ", "));
+    finding.advice = "Correct endpoints in the study, or record what they need";
+  }
+  return finding;
+}
+
+void addFurtherFindings(StudyRecord& record) {
   Finding finding;
   finding.rule = "Regressions";
   finding.value = static_cast<double>(record.alarms.size());
@@ -126,6 +143,7 @@ void addAlarmFindings(StudyRecord& record) {
   }
   auto findings = std::move(record.verdict.findings);
   findings.push_back(std::move(finding));
+  if (!record.endpoints.empty()) findings.push_back(endpointFinding(record));
   record.verdict = makeVerdict(std::move(findings));
 }
 
@@ -177,7 +195,8 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   record.alarms = judgeNight(number, store.figures(), store.accepted(), night.study.thresholds);
   store.addAlarms(number, record.alarms);
   record.nights = store.nights();
-  addAlarmFindings(record);
+  addStatistics(record);
+  addFurtherFindings(record);
   writeRecords(night.folder, record);
   writeFileAtomically((night.folder / kSummaryFile).string(), documentOf(record));
   writeFileAtomically((night.folder / kIndexFile).string(), renderStudyPage(record));
