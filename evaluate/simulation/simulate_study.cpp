@@ -25,16 +25,16 @@ namespace fs = std::filesystem;
 constexpr double kLongestSequence_s = 30;
 constexpr double kOwnClock_s = 3600;  // sessions begin an hour apart
 
-/// Bent by half a millimetre (RMS) across, less and the other way along, a little stretched by its
-/// printer. The guide takes the board for flat: from 1 mm on it hardly comes to an end.
+/// Bent by 0.3 mm (RMS) across, less and the other way along, a little stretched by its printer.
+/// The guide takes the board for flat: from 1 mm on it hardly comes to an end.
 TargetShape boardShape() {
   TargetShape shape;
   const auto set = [&](const std::string& name, double value) {
     const auto found = std::find(kTargetTermNames.begin(), kTargetTermNames.end(), name);
     shape.terms[found - kTargetTermNames.begin()] = value;
   };
-  set("z_xx", 0.5e-3);
-  set("z_yy", -0.25e-3);
+  set("z_xx", 0.3e-3);
+  set("z_yy", -0.15e-3);
   set("stretch", 0.1e-3);
   return shape;
 }

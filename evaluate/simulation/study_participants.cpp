@@ -83,7 +83,7 @@ void giveUp(SimulatedVisit& visit, const StudySimulationOptions& o) {
 
 }  // namespace
 
-double StudySimulationOptions::limitS() const { return std::max(90.0, 4 * duration_s); }
+double StudySimulationOptions::limitS() const { return std::max(120.0, 6 * duration_s); }
 
 int StudySimulationOptions::trajectories() const {
   return std::max(2, static_cast<int>(std::lround(duration_s / 12)));
