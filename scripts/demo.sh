@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# From a fresh Debian 12 machine to a calibration report: installs, builds, records a small simulated
-# session with images, calibrates it as if it were real, and names the report. Everything is written
-# below ./demo (or the folder given as first argument).
+# From a fresh Debian 12 machine to a calibration report and a study's page: installs, builds, records a
+# small simulated session with images, calibrates it as if it were real, then makes a small user study and
+# evaluates it as a night would. Everything is written below ./demo (or the folder given as first argument).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/build_environment.sh
@@ -23,3 +23,9 @@ echo
 echo "Calibrating it from the images alone ..."
 build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --force --cache "$out/cache" \
   --resample 20
+echo
+echo "Simulating a user study of four participants, with and without guidance ..."
+build/evaluate/plumbline simulate study --participants 4 --duration 10 --sequences 0 --out "$out/study" --force
+echo
+echo "Evaluating it as every night would ..."
+build/evaluate/plumbline study "$out/study/STUDY.yaml" --out "$out/night"

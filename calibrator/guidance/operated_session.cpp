@@ -82,20 +82,36 @@ GuideRig guideRigOf(const SimulatedRig& rig, const AprilGrid& target) {
   return guided;
 }
 
-/// What a decision shows the person. A trajectory that may be followed now keeps being shown.
-void showDecision(const Decision& d, double t_s, Recording& recording) {
-  OperatedSession& result = recording.result();
-  if (d.event == SuggestionEvent::kReached) {
-    ++result.reached;
-    if (d.stage == GuideStage::kCameraImu) return recording.person().go(t_s);
+/// What the guide shows, and how the person attends to it: a trajectory that was begun is followed
+/// to its end before anything else, whatever the guide asks for meanwhile.
+class Attention {
+ public:
+  explicit Attention(Recording& recording) : recording_(recording) {}
+
+  void see(const Decision& d, double t_s) {
+    OperatedSession& result = recording_.result();
+    if (d.opened) result.suggestions.push_back(*d.opened);
+    if (d.event == SuggestionEvent::kReached) {
+      ++result.reached;
+      shown_.reset();
+      if (d.stage == GuideStage::kCameraImu) return recording_.person().go(t_s);
+    }
+    if (d.event != SuggestionEvent::kNone) {
+      shown_ = d.opened;
+      if (!recording_.person().isFollowing()) recording_.person().show(shown_, t_s);
+    }
+    if (recording_.person().hasFollowed(t_s)) {
+      ++followed_;
+      recording_.person().show(shown_, t_s);
+    }
   }
-  if (d.opened) {
-    result.suggestions.push_back(*d.opened);
-    recording.person().show(d.opened, t_s);
-  } else if (d.event != SuggestionEvent::kNone) {
-    recording.person().show(std::nullopt, t_s);
-  }
-}
+  int followed() const { return followed_; }
+
+ private:
+  Recording& recording_;
+  std::optional<Suggestion> shown_;
+  int followed_ = 0;
+};
 
 }  // namespace
 
@@ -131,19 +147,15 @@ OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& opt
   Recording recording(rig, options);
   Guide guide(guideRigOf(rig, options.simulation.target), options.guide);
   recording.result().finished = false;
-  int followed = 0;
+  Attention attention(recording);
   int frame = 0;
   for (; frame < recording.frames(); ++frame) {
     const double t_s = recording.secondsAt(frame);
     const Decision d = guide.step(recording.take(frame));
     (d.stage == GuideStage::kCamera ? recording.result().camera_s
                                     : recording.result().camera_imu_s) += 1 / rig.camera_rate_hz;
-    showDecision(d, t_s, recording);
-    if (recording.person().hasFollowed(t_s)) {
-      ++followed;
-      recording.person().show(std::nullopt, t_s);
-    }
-    const bool enough = options.trajectories > 0 && followed >= options.trajectories;
+    attention.see(d, t_s);
+    const bool enough = options.trajectories > 0 && attention.followed() >= options.trajectories;
     recording.result().finished = guide.finished() || enough;
     if (recording.result().finished || recording.person().givesUp(t_s)) break;
   }

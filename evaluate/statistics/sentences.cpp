@@ -25,7 +25,10 @@ std::string numberText(double size, bool ratio) {
   return size < 9.95 && size > 0 ? fmt::format("{:.2g}", size) : fmt::format("{:.0f}", size);
 }
 
-const char* direction(bool lower) { return lower ? "lower" : "higher"; }
+const char* direction(bool lower, const std::string& unit) {
+  if (unit == "s") return lower ? "shorter" : "longer";
+  return lower ? "lower" : "higher";
+}
 
 std::string unitText(const StudyEffect& effect) {
   if (effect.ratio) return " %";
@@ -33,7 +36,10 @@ std::string unitText(const StudyEffect& effect) {
 }
 
 /// "7 to 27 %", or "7 % lower to 5 % higher" where it holds no change at all.
-std::string intervalText(const StudyInterval& interval, bool ratio, const std::string& unit) {
+std::string intervalText(const StudyEffect& e) {
+  const StudyInterval& interval = e.effect;
+  const bool ratio = e.ratio;
+  const std::string unit = unitText(e);
   if (!interval.low || !interval.high) return "no 95 % interval with so few participants";
   const Change low = changeOf(*interval.low, ratio), high = changeOf(*interval.high, ratio);
   if (low.lower == high.lower) {
@@ -42,8 +48,8 @@ std::string intervalText(const StudyInterval& interval, bool ratio, const std::s
                        numberText(most, ratio), unit);
   }
   return fmt::format("95 % interval {}{} {} to {}{} {}", numberText(low.size, ratio), unit,
-                     direction(low.lower), numberText(high.size, ratio), unit,
-                     direction(high.lower));
+                     direction(low.lower, e.unit), numberText(high.size, ratio), unit,
+                     direction(high.lower, e.unit));
 }
 
 std::string pText(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }
@@ -61,9 +67,9 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
   }
   const Change change = changeOf(e.effect.estimate, e.ratio);
   const std::string unit = unitText(e);
-  std::string text = fmt::format("{} has {}{} {} {} than {}, {}", e.method,
-                                 numberText(change.size, e.ratio), unit, direction(change.lower),
-                                 words, e.baseline, intervalText(e.effect, e.ratio, unit));
+  std::string text =
+      fmt::format("{} has {}{} {} {} than {}, {}", e.method, numberText(change.size, e.ratio), unit,
+                  direction(change.lower, e.unit), words, e.baseline, intervalText(e));
   if (e.design == StudyDesign::kOneOrder) {
     const std::string& first = e.first_method > 0 ? e.method : e.baseline;
     return text + fmt::format(" ({}); all began with {}, so method and order cannot be told apart",

@@ -50,6 +50,8 @@ class SimulatedOperator {
   void show(const std::optional<Suggestion>& suggestion, double t_s);
   /// The start of the trajectory shown was reached, says the guide: it may be followed.
   void go(double t_s);
+  /// A trajectory was begun; who shows something else now interrupts it.
+  bool isFollowing() const { return following_since_s_.has_value(); }
   /// The trajectory shown was followed to its end by t_s.
   bool hasFollowed(double t_s) const;
   /// From now on the motion is for the IMU: own views are gone through in haste.

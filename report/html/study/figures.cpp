@@ -405,9 +405,10 @@ Section heldOutSection(const StudyRecord& record) {
       },
       "{:.4f} px");
   if (plot.boxes.empty()) return section;
-  return withFigure(std::move(section),
-                    boxFigure(plot, "Held-out RMSE by recording and method", "RMSE [px]",
-                              "study-held-out", "A point is a calibration and leads to it.", true));
+  return withFigure(
+      std::move(section),
+      boxFigure(plot, "Held-out RMSE by recording and method", "RMSE [px]", "study-held-out",
+                "A point is a calibration and leads to it.", false));
 }
 
 Section entropySection(const StudyRecord& record) {

@@ -36,6 +36,15 @@ TEST(OperatedSession, IsGuidedUntilTheTrajectoriesAreDone) {
   EXPECT_EQ(s.suggestions.back().stage, GuideStage::kCameraImu);
 }
 
+// The guide asks for the next trajectory after five seconds, when a slow person is not done yet.
+TEST(OperatedSession, FollowsWhatWasBegunToItsEnd) {
+  OperatedOptions o = options(120);
+  o.skill.reaction_s = 1.5;
+  const OperatedSession s = recordGuided(simulatedRig("d435i"), o);
+  EXPECT_TRUE(s.finished);
+  EXPECT_LT(s.camera_imu_s, 60);
+}
+
 // Calibrated as a recording is, the truth is found within the noise: sensors and motion agree.
 TEST(OperatedSession, GivesTheRigsCalibrationBack) {
   const SimulatedRig rig = simulatedRig("d435i");
