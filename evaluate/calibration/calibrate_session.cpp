@@ -9,6 +9,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration/calibration_reader.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -157,6 +158,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   }
   record.verdict = with_imu ? judge(record, request.thresholds, loaded.session.imu->samples)
                             : judge(record, request.thresholds);
+  record.verdict.headline = calibrationHeadline(record);
   return record;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/calibration/calibration_files.h"
 
-#include <cctype>
 #include <iterator>
 #include <numbers>
 
@@ -10,6 +9,7 @@
 
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/target_shape.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 #include "report/records/documents.h"
 
@@ -60,17 +60,6 @@ void addImu(Text& text, const ImuCalibration& imu) {
   add(text, "\n  time offset {:+.4f} ms", 1e3 * imu.timeOffset());
   if (imu.time_offset_std_s) add(text, ", std {:.4f} ms", 1e3 * *imu.time_offset_std_s);
   add(text, " (t_imu = t_cam + offset)\n");
-}
-
-void addVerdict(Text& text, const Verdict& verdict) {
-  std::string word = toString(verdict.level);
-  for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  add(text, "Verdict: {}\n", word);
-  for (const Finding& finding : verdict.findings) {
-    if (finding.level == VerdictLevel::kGood) continue;
-    add(text, "  {} - {}: {}. {}\n", toString(finding.level), finding.rule, finding.evidence,
-        finding.advice);
-  }
 }
 
 // What was found of the board, where that was asked for.
@@ -144,7 +133,7 @@ std::string calibrationSummary(const CalibrationRecord& record) {
   } else {
     add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or it is left out)\n");
   }
-  addVerdict(text, record.verdict);
+  add(text, "{}", verdictText(record.verdict));
   return fmt::to_string(text);
 }
 

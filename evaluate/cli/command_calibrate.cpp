@@ -13,6 +13,7 @@
 #include "evaluate/calibration/calibration_files.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
@@ -25,9 +26,9 @@ namespace {
 struct CalibrateOptions {
   SessionOptions session;
   EstimationOptions estimation;
-  OutputOptions output;
+  ResultOptions output;
   std::optional<std::string> select_views;
-  bool free_cameras = false, joint = false, no_report = false, residuals = false;
+  bool free_cameras = false, joint = false, residuals = false;
   double imu_shift_ms = 0;
   int resamples = 0;
   std::uint64_t seed = 1;
@@ -51,9 +52,8 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
 }
 
 void declareOutput(CLI::App& app, CalibrateOptions& o) {
-  o.output.declare(app)->required();
+  o.output.declareResult(app);
   app.add_flag("--residuals", o.residuals, "Also write residuals.csv, a row for each corner");
-  app.add_flag("--no-report", o.no_report, "Write no report.html");
   app.add_option("--threshold", o.thresholds,
                  "Threshold of the verdict, NAME=CAUTION,BAD, e.g. rmse_px=1,2; repeatable")
       ->allow_extra_args(false);
@@ -94,18 +94,15 @@ CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app
 int calibrate(const CalibrateOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const CalibrateRequest request = calibrateRequest(o, app);
-  OutputFolder out(o.output.request("calibration", o.session, givenInputs({o.estimation.cameras})));
+  ResultWriter out(o.output,
+                   o.output.request("calibration", o.session, givenInputs({o.estimation.cameras})));
   const auto record = calibrateSession(request, bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
   bar.update("writing", -1);
-  writeResults(out, *record, calibrationFiles(*record, o.residuals),
-               pageUnless(o.no_report, [&] { return renderCalibrationPage(*record); }));
+  const std::vector<ResultFile> documents = calibrationFiles(*record, o.residuals);
   bar.clear();
-  say("{}", calibrationSummary(*record));
-  const std::string page = o.output.out + (o.no_report ? "/calibration.json" : "/report.html");
-  say("\n{}: {}\n", o.no_report ? "Result" : "Report", page);
-  return kDone;
+  return out.finish(*record, documents, renderCalibrationPage, calibrationSummary(*record));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/cli/trajectory_metric_options.h"
@@ -31,13 +32,12 @@ namespace {
 struct CompareOptions {
   std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
   SessionOptions session;
-  OutputOptions output;
+  ResultOptions output;
   std::string grid = "31x21";
   std::string uncertainty = "cross-reprojection";
   std::string fit = "squares";
   double focus_radius_px = 0;
   MeasurementOptions measurements;
-  bool no_report = false;
   RunsRequest runs;  // trajectories that were estimated with these calibrations
   TrajectoryMetricWords metrics;
 };
@@ -77,8 +77,7 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
                  "{calibration}, {sequence} and {run}");
   app.add_option("--truth", o.runs.truth, "Their ground truths, with {sequence}; or one file");
   declareCoverage(app, o.metrics);
-  o.output.declare(app)->required();
-  app.add_flag("--no-report", o.no_report, "Write no report.html");
+  o.output.declareResult(app);
 }
 
 std::vector<double> rangesFrom(const std::vector<std::string>& words) {
@@ -170,18 +169,15 @@ OutputRequest comparisonOutput(const CompareOptions& o) {
 int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const CompareRequest request = compareRequest(o, app);
-  OutputFolder out(comparisonOutput(o));
+  ResultWriter out(o.output, comparisonOutput(o));
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(request, bar.sink());
   record.trajectories = std::move(trajectories);
   bar.clear();
-  writeResults(
-      out, record,
+  return out.finish(
+      record,
       {{"comparison.json", documentOf(record)}, {"comparison.csv", comparisonTable(record)}},
-      pageUnless(o.no_report, [&] { return renderComparisonPage(record); }));
-  say("{}", comparisonSummary(record));
-  say("\nReport: {}/{}\n", o.output.out, o.no_report ? "comparison.json" : "report.html");
-  return kDone;
+      renderComparisonPage, comparisonSummary(record));
 }
 
 }  // namespace

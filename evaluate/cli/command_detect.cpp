@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/session/check_session.h"
@@ -21,6 +23,7 @@ namespace {
 struct DetectOptions {
   SessionOptions session;
   OutputOptions output;
+  JsonOption json;
 };
 
 // What a machine wants to know of the detection: counts of every camera and the input's hash.
@@ -46,13 +49,22 @@ std::string detectionDocument(const LoadedSession& loaded) {
 int detect(const DetectOptions& o) {
   ProgressBar bar;
   const LoadRequest request = o.session.request();
-  OutputFolder out(o.output.request("session of corners", o.session));
+  const OutputRequest output = o.output.request("session of corners", o.session);
+  OutputFolder out(output);
+  std::optional<OutputFile> json =
+      o.json.reserve(o.output, output.inputs, o.output.out, kDocumentMark);
   const LoadedSession loaded = loadSession(request, bar.sink());
   bar.clear();
   checkTargetLayout(loaded, {});
   writeCornerSession(loaded.session, out.path());
-  out.write("detection.json", detectionDocument(loaded));
+  const std::string document = detectionDocument(loaded);
+  out.write("detection.json", document);
   out.commit();
+  if (json) json->write(document);
+  if (o.json.piped()) {
+    writeDocument(document);
+    return kDone;
+  }
   for (std::size_t i = 0; i < loaded.counts.size(); ++i) {
     const CameraCounts& counts = loaded.counts[i];
     say("{}: {} corners of {} tags in {} of {} images\n", loaded.session.cameras[i].name,
@@ -70,6 +82,7 @@ Command detectCommand() {
             auto options = std::make_shared<DetectOptions>();
             options->session.declare(app);
             options->output.declare(app, "Folder to write")->required();
+            options->json.declare(app);
             return std::function<int()>([options] { return detect(*options); });
           }};
 }

@@ -12,6 +12,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/evaluate_calibration.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
@@ -35,9 +36,8 @@ struct EvaluateCalibrationOptions {
   SessionOptions session;
   EstimationOptions estimation;
   std::vector<std::string> held_out;
-  OutputOptions output;
+  ResultOptions output;
   int folds = 0;
-  bool no_report = false;
 };
 
 void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
@@ -57,8 +57,7 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
                  "K: recalibrate K times without a K-th of the session, with the calibration's "
                  "models, and score that part")
       ->check(CLI::Range(2, kMostFolds));
-  o.output.declare(app)->required();
-  app.add_flag("--no-report", o.no_report, "Write no report.html");
+  o.output.declareResult(app, false);
 }
 
 EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
@@ -84,18 +83,16 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
   const EvaluateCalibrationRequest request = evaluateCalibrationRequest(o, app);
   std::vector<std::string> inputs = o.held_out;
   inputs.push_back(o.calibration);
-  OutputFolder out(o.output.request("scores of a calibration", o.session, std::move(inputs)));
+  ResultWriter out(o.output,
+                   o.output.request("scores of a calibration", o.session, std::move(inputs)));
   const auto result = evaluateCalibration(request, bar.sink());
   bar.clear();
   if (!result) {
     complain(problemOf(result.failure()));
     return kFailed;
   }
-  writeResults(out, *result, {{"evaluation.json", documentOf(*result)}},
-               pageUnless(o.no_report, [&] { return renderCalibrationPage(*result); }));
-  say("{}\n{}: {}/{}\n", evaluationSummary(*result), o.no_report ? "Result" : "Report",
-      o.output.out, o.no_report ? "evaluation.json" : "report.html");
-  return kDone;
+  return out.finish(*result, {{"evaluation.json", documentOf(*result)}}, renderCalibrationPage,
+                    evaluationSummary(*result));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/cli/trajectory_metric_options.h"
@@ -30,7 +31,7 @@ struct EvaluateTrajectoryOptions {
   std::string estimate, truth;
   std::string body, estimate_format, format;
   TrajectoryMetricWords metrics;
-  std::optional<std::string> json;
+  JsonOption json;
   OutputOptions output;
 };
 
@@ -44,7 +45,7 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
                  "Format of the truth: tum, euroc, kitti, motive, vicon (default: by content)");
   app.add_option("--estimate-format", o.estimate_format, "Format of the estimate, as --format");
   app.add_option("--body", o.body, "Rigid body of a motion-capture export");
-  app.add_option("--json", o.json, "File to write the figures to; - for standard output");
+  o.json.declare(app);
   o.output.declare(app, "Folder for the report, the figures and the records");
 }
 
@@ -68,7 +69,7 @@ void writeStudy(OutputFolder& out, const TrajectoryEvaluation& evaluation,
   TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
   auto given = givenOptions(app);
   std::erase_if(given, [](const auto& option) {
-    return option.first == "estimate" || option.first == "truth" || option.first == "--json";
+    return option.first == "estimate" || option.first == "truth";
   });
   record.provenance = makeProvenance("evaluate trajectory", std::move(given));
   record.provenance.input =
@@ -82,25 +83,19 @@ void writeStudy(OutputFolder& out, const TrajectoryEvaluation& evaluation,
 int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   const TrajectoryRequest request = evaluateTrajectoryRequest(o);
   const std::vector<std::string> inputs{o.estimate, o.truth};
-  const bool piped = o.json == kStandardOutput;
   std::optional<OutputFolder> out;
-  std::optional<OutputFile> json;
   if (!o.output.out.empty()) out.emplace(o.output.request("errors of trajectories", inputs));
-  if (o.json && !piped) {
-    OutputRequest file = o.output.file(*o.json, inputs);
-    if (out) file.inputs.push_back(o.output.out);  // no part of the folder, and not its place
-    json.emplace(file, kTrajectoryMark);
-  }
+  std::optional<OutputFile> json = o.json.reserve(o.output, inputs, o.output.out, kTrajectoryMark);
   const Result<TrajectoryEvaluation> result = evaluateTrajectory(request);
   if (!result) return tellFailure(result.failure());
   if (out) writeStudy(*out, *result, o, app);
   if (json) json->write(documentOf(result->run));
-  if (piped) {
+  if (o.json.piped()) {
     writeDocument(documentOf(result->run));
     return kDone;
   }
   say("{}", trajectorySummary(*result));
-  if (json) say("\nFigures: {}\n", *o.json);
+  if (json) say("\nFigures: {}\n", *o.json.file);
   if (out) say("\nReport: {}/report.html\n", o.output.out);
   return kDone;
 }
@@ -110,7 +105,7 @@ struct EvaluateTrajectoriesOptions {
   TrajectoryMetricWords metrics;
   double max_ate_m = 0;
   std::string body;
-  OutputOptions output;
+  ResultOptions output;
 };
 
 void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) {
@@ -119,7 +114,7 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
       ->required();
   app.add_option("--truth", o.request.truth, "Ground truths, with {sequence}; or one file")
       ->required();
-  o.output.declare(app)->required();
+  o.output.declareResult(app, false);
   declareCoverage(app, o.metrics);
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: what never moving would reach)")
@@ -146,16 +141,14 @@ int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App&
   const RunsRequest request = evaluateTrajectoriesRequest(o);
   std::vector<std::string> inputs = filesOf(request.runs);
   for (std::string& file : filesOf(request.truth)) inputs.push_back(std::move(file));
-  OutputFolder out(o.output.request("errors of trajectories", std::move(inputs)));
+  ResultWriter out(o.output, o.output.request("errors of trajectories", std::move(inputs)));
   TrajectoryRecord record = evaluateRuns(request);
   record.name = std::filesystem::path(o.output.out).filename().string();
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
   record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
-  writeResults(out, record,
-               {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-               renderTrajectoryPage(record));
-  say("{}\nReport: {}/report.html\n", runsSummary(record), o.output.out);
-  return kDone;
+  return out.finish(
+      record, {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
+      renderTrajectoryPage, runsSummary(record));
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 
@@ -26,7 +27,7 @@ struct ExportFilesOptions {
   ExportRequest request;
   OutputOptions output;
   std::string to;
-  bool json = false;
+  JsonOption json;
 };
 
 std::string knownTools() {
@@ -50,7 +51,7 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
       ->allow_extra_args(false);
   app.add_option("--camera-rate", r.camera_rate_hz,
                  "Rate of the images [Hz], for tools that ask for it (orbslam3; default: 20)");
-  app.add_flag("--json", o.json, "Print the files and the warnings as JSON");
+  o.json.declare(app);
 }
 
 ExportRequest exportRequest(const ExportFilesOptions& o) {
@@ -68,7 +69,9 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
 int exportFiles(const ExportFilesOptions& o) {
   const ExportRequest request = exportRequest(o);
   std::vector<std::string> inputs = givenInputs({request.calibration, request.imu});
-  OutputFolder out(o.output.request("export", std::move(inputs)));
+  OutputFolder out(o.output.request("export", inputs));
+  std::optional<OutputFile> json =
+      o.json.reserve(o.output, std::move(inputs), o.output.out, kExportListMark);
   const ExportedFiles exported = exportCalibrationFile(request);
   std::vector<std::string> paths;
   for (const ExportFile& file : exported.files) {
@@ -76,10 +79,11 @@ int exportFiles(const ExportFilesOptions& o) {
     paths.push_back((std::filesystem::path(o.output.out) / file.name).string());
   }
   out.commit();
-  if (o.json) {
-    const nlohmann::ordered_json json{
-        {"tool", o.to}, {"files", paths}, {"warnings", exported.warnings}};
-    writeDocument(json.dump(2) + "\n");
+  const nlohmann::ordered_json listed{
+      {"tool", o.to}, {"files", paths}, {"warnings", exported.warnings}};
+  if (json) json->write(listed.dump(2) + "\n");
+  if (o.json.piped()) {
+    writeDocument(listed.dump(2) + "\n");
     return kDone;
   }
   for (const std::string& path : paths) say("{}\n", path);

@@ -12,6 +12,7 @@
 #include "datasets/session/study_reader.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/option_values.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
@@ -52,11 +53,10 @@ struct PerturbOptions {
   std::string study;
   SessionOptions session;
   EstimationOptions estimation;
-  OutputOptions output;
+  ResultOptions output;
   std::vector<std::string> amounts = std::vector<std::string>(std::size(kKinds));
   int repeats = 1;
   std::uint64_t seed = 1;
-  bool no_report = false;
 };
 
 void declarePerturb(CLI::App& app, PerturbOptions& o) {
@@ -73,8 +73,7 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
       ->check(seedFrom(1))
       ->capture_default_str();
   o.estimation.declare(app);
-  o.output.declare(app)->required();
-  app.add_flag("--no-report", o.no_report, "Write no report.html");
+  o.output.declareResult(app);
 }
 
 // Lists of the study's file stand where the command line gives none.
@@ -126,18 +125,15 @@ PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
 int perturb(const PerturbOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const PerturbRequest request = perturbRequest(o, app);
-  OutputFolder out(o.output.request("perturbation study", o.session,
-                                    givenInputs({o.estimation.cameras, o.study})));
+  ResultWriter out(o.output, o.output.request("perturbation study", o.session,
+                                              givenInputs({o.estimation.cameras, o.study})));
   const auto record = perturbSession(request, bar.sink());
   bar.clear();
   if (!record) return tellFailure(record.failure());
-  writeResults(out, *record,
-               {{"perturbation.json", documentOf(*record)},
-                {"perturbation.csv", perturbationTable(*record)}},
-               pageUnless(o.no_report, [&] { return renderPerturbationPage(*record); }));
-  say("{}", perturbationSummary(*record));
-  say("\nResult: {}/{}\n", o.output.out, o.no_report ? "perturbation.json" : "report.html");
-  return kDone;
+  return out.finish(*record,
+                    {{"perturbation.json", documentOf(*record)},
+                     {"perturbation.csv", perturbationTable(*record)}},
+                    renderPerturbationPage, perturbationSummary(*record));
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/replay/replay_session.h"
@@ -175,13 +176,12 @@ struct ReplayOptions {
   EstimationOptions estimation;
   GuideOptionSet guide;
   std::optional<std::string> suggestions;
-  OutputOptions output;
+  ResultOptions output;
   bool no_counterfactuals = false;
   int random_orders = 5;
   std::uint64_t seed = 1;
   double stop_tolerance_s = 5;
   bool no_images = false;
-  bool no_report = false;
 };
 
 void declareReplay(CLI::App& app, ReplayOptions& o) {
@@ -201,9 +201,8 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
                  "A stop this much after the views were enough is still right [s]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  o.output.declare(app)->required();
+  o.output.declareResult(app);
   app.add_flag("--no-images", o.no_images, "Keep no small copies of the images for the page");
-  app.add_flag("--no-report", o.no_report, "Write no report.html");
 }
 
 ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
@@ -223,7 +222,7 @@ ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
     request.counterfactuals->random_seeds = o.random_orders;
     request.counterfactuals->seed = o.seed;
   }
-  request.images = !o.no_images && !o.no_report;
+  request.images = !o.no_images && !o.output.no_report;
   request.provenance = makeProvenance("replay", givenOptions(app));
   return request;
 }
@@ -231,18 +230,16 @@ ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
 int replay(const ReplayOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const ReplayRequest request = replayRequest(o, app);
-  OutputFolder out(
-      o.output.request("replay", o.session, givenInputs({o.estimation.cameras, o.suggestions})));
+  ResultWriter out(o.output, o.output.request("replay", o.session,
+                                              givenInputs({o.estimation.cameras, o.suggestions})));
   const ReplayRecord record = replaySession(request, bar.sink());
   bar.sink()("writing", -1);
-  writeResults(
-      out, record,
-      {{"decisions.jsonl", decisionLog(record.decisions)}, {"replay.json", documentOf(record)}},
-      pageUnless(o.no_report, [&] { return renderReplayPage(record); }));
+  const std::vector<ResultFile> documents{{"replay.json", documentOf(record)},
+                                          {"decisions.jsonl", decisionLog(record.decisions)}};
   bar.clear();
-  say("{}", replaySummary(record));
-  say("\nResult: {}/{}\n", o.output.out, o.no_report ? "replay.json" : "report.html");
-  return kDone;
+  return out.finish(
+      record, documents, [](const ReplayRecord& r) { return renderReplayPage(r); },
+      replaySummary(record));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/result_folder.h"
@@ -27,7 +28,7 @@ namespace {
 struct ReportOptions {
   std::string input;
   OutputOptions output;
-  std::optional<std::string> json;
+  JsonOption json;
   std::optional<std::int64_t> run;
 };
 
@@ -66,25 +67,24 @@ std::string pageOf(const Store& store, const RunSummary& run) {
 
 // What was written is named, unless standard output is the document's.
 int report(const ReportOptions& o) {
-  if (o.output.out.empty() && !o.json) {
+  if (o.output.out.empty() && !o.json.file) {
     throw InputError("nothing to make: expected --out PAGE.html, --json FILE, or both");
   }
-  const bool piped = o.json == kStandardOutput;
   const std::filesystem::path path = storeOf(o.input);
-  std::optional<OutputFile> page, json;
+  std::optional<OutputFile> page;
   if (!o.output.out.empty()) page.emplace(o.output.file(o.output.out, {path.string()}), kPageMark);
-  if (o.json && !piped) json.emplace(o.output.file(*o.json, {path.string()}), kDocumentMark);
+  std::optional<OutputFile> json = o.json.reserve(o.output, {path.string()}, "", kDocumentMark);
   const Store store(path);
   const RunSummary run = store.summary(o.run);
   if (page) {
     page->write(pageOf(store, run));
-    if (!piped) say("{}\n", o.output.out);
+    if (!o.json.piped()) say("{}\n", o.output.out);
   }
   if (json) {
     json->write(store.document(run.id));
-    say("{}\n", *o.json);
+    say("{}\n", *o.json.file);
   }
-  if (piped) writeDocument(store.document(run.id));
+  if (o.json.piped()) writeDocument(store.document(run.id));
   return kDone;
 }
 
@@ -96,10 +96,7 @@ Command reportCommand() {
             auto options = std::make_shared<ReportOptions>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();
             options->output.declare(app, "HTML file to write");
-            app.add_option("--json", options->json,
-                           "File for the figures (calibration.json, evaluation.json, "
-                           "trajectory.json, comparison.json, perturbation.json, replay.json); - "
-                           "for standard output");
+            options->json.declare(app);
             app.add_option("--run", options->run, "Number of the run (default: the latest)");
             return std::function<int()>([options] { return report(*options); });
           }};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 
 #include <CLI/App.hpp>
@@ -14,17 +13,8 @@
 namespace plumbline {
 
 /// Exit codes of the command line (docs/conventions.md): done; could not succeed; bad input or
-/// usage; a study found a regression.
-enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2, kRegression = 3 };
-
-/// In place of an output file: standard output.
-inline constexpr const char* kStandardOutput = "-";
-
-/// A page that is only made where it is wanted.
-template <class Render>
-std::optional<std::string> pageUnless(bool left_out, const Render& render) {
-  return left_out ? std::nullopt : std::optional<std::string>(render());
-}
+/// usage; a study found a regression; the verdict is as bad as --fail-on says.
+enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2, kRegression = 3, kVerdict = 4 };
 
 /// One subcommand: `configure` declares its options on the given app and returns what runs when the
 /// command was chosen. The handler returns an ExitCode and throws InputError for bad input.
@@ -44,6 +34,8 @@ Command reportCommand();
 Command exportCommand();
 Command compareCommand();
 Command studyCommand();
+Command completionCommand();
+Command manCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
 /// The subcommand of `simulate`.

@@ -20,8 +20,9 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/suggestion.h"
 #include "evaluate/cli/terminal.h"
-#include "generated/version.h"
+#include "evaluate/results/provenance.h"
 
 namespace plumbline {
 namespace {
@@ -68,9 +69,9 @@ void waitIfEnding() {
 }
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(), calibrateCommand(), evaluateCommand(),
-          compareCommand(),  exportCommand(), perturbCommand(),   replayCommand(),
-          studyCommand(),    reportCommand()};
+  return {simulateCommand(), detectCommand(), calibrateCommand(),  evaluateCommand(),
+          compareCommand(),  exportCommand(), perturbCommand(),    replayCommand(),
+          studyCommand(),    reportCommand(), completionCommand(), manCommand()};
 }
 
 // " evaluate trajectory": the commands that were chosen, one within the other.
@@ -154,11 +155,12 @@ void returnFreedArrays() { mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 
 int run(int argc, char** argv) {
   returnFreedArrays();
+  keepCommandLine({argv, argv + argc});
   occupyStandardStreams();
   endInOrderOnSignals();
   CLI::App app{"Calibrates and judges camera-IMU rigs from recordings of an AprilGrid.",
                "plumbline"};
-  app.set_version_flag("--version", kVersion);
+  app.set_version_flag("--version", programVersion());
   app.require_subcommand(1);
   std::map<std::string, std::function<int()>> handlers;
   for (const Command& command : commands()) {
@@ -174,7 +176,8 @@ int run(int argc, char** argv) {
       app.exit(error);
       return closeOutput() ? kDone : kFailed;
     }
-    return failed(fmt::format("{}; see plumbline{} --help", error.what(), chosenWords(app)),
+    return failed(fmt::format("{}{}; see plumbline{} --help", error.what(), didYouMean(app),
+                              chosenWords(app)),
                   kBadInput);
   } catch (const InputError& error) {
     return failed(error.what(), kBadInput);

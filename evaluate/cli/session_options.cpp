@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -220,9 +221,9 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
   std::vector<std::pair<std::string, std::string>> given;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name(false, false);
-    if (option->count() == 0 || name == "--out" || name == "--force" || name == "session") {
-      continue;
-    }
+    static const std::set<std::string> kWithoutEffect = {"--out",   "--force",   "--json",
+                                                         "session", "--fail-on", "--no-report"};
+    if (option->count() == 0 || kWithoutEffect.contains(name)) continue;
     given.emplace_back(name, option->get_expected_max() == 0
                                  ? "yes"
                                  : fmt::format("{}", fmt::join(option->results(), ",")));

@@ -107,9 +107,11 @@ std::vector<std::string> givenInputs(std::vector<std::optional<std::string>> inp
 /// The files that a pattern of `evaluate trajectories` finds; none for "".
 std::vector<std::string> filesOf(const std::string& pattern);
 
-/// In every page, in every document of `report`, and in the figures of a trajectory.
+/// In every page, in every document of `report`, in the figures of a trajectory, and in the list of
+/// what was exported.
 inline constexpr const char* kPageMark = R"(<p class="brand">Plumbline</p>)";
 inline constexpr const char* kDocumentMark = R"("plumbline": ")";
+inline constexpr const char* kExportListMark = R"("tool": ")";
 inline constexpr const char* kTrajectoryMark = R"("association": ")";
 
 }  // namespace plumbline

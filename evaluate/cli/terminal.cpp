@@ -5,7 +5,9 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <sstream>
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -37,6 +39,41 @@ void writeDocument(std::string_view document) {
   writeOut(shownText(document));
 }
 
+namespace {
+
+bool isColoured() {
+  const char* none = std::getenv("NO_COLOR");
+  return isatty(STDOUT_FILENO) != 0 && (none == nullptr || *none == '\0');
+}
+
+// The colour of a line that states a level: "Verdict: CAUTION", "  bad - Coverage of cam0: ...".
+const char* colourOf(std::string_view line) {
+  constexpr std::pair<std::string_view, const char*> kColours[] = {{"Verdict: GOOD", "\033[32m"},
+                                                                   {"Verdict: CAUTION", "\033[33m"},
+                                                                   {"Verdict: BAD", "\033[31m"},
+                                                                   {"  caution - ", "\033[33m"},
+                                                                   {"  bad - ", "\033[31m"}};
+  for (const auto& [start, colour] : kColours) {
+    if (line.starts_with(start)) return colour;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+void saySummary(std::string_view summary) {
+  const std::string shown = shownText(summary);
+  if (!isColoured()) return writeOut(shown);
+  std::istringstream lines(shown);
+  for (std::string line; std::getline(lines, line);) {
+    if (const char* colour = colourOf(line)) {
+      const std::size_t end = std::min(line.find(": ", 9), line.size());  // the level, and the rule
+      line = colour + line.substr(0, end) + "\033[0m" + line.substr(end);
+    }
+    writeOut(line + "\n");
+  }
+}
+
 void complain(std::string_view message) {
   const std::string line = "plumbline: " + shownLine(message) + "\n";
   (void)std::fwrite(line.data(), 1, line.size(), stderr);
@@ -55,6 +92,8 @@ bool closeOutput() {
 namespace {
 
 constexpr int kBarWidth = 30;
+constexpr double kTimeLeftAfter_s = 3;
+constexpr std::chrono::seconds kPipeInterval{10};
 
 }  // namespace
 
@@ -62,13 +101,29 @@ ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() { clear(); }
 
+// As fast as so far; said from some seconds on, when it is worth something.
+std::string ProgressBar::timeLeft(double fraction) const {
+  const double spent_s = std::chrono::duration<double>(Clock::now() - begun_).count();
+  if (spent_s < kTimeLeftAfter_s || fraction <= 0 || fraction >= 1) return "";
+  const long left_s = std::lround(spent_s * (1 - fraction) / fraction);
+  if (left_s < 100) return fmt::format(", {} s left", left_s);
+  return fmt::format(", {} min left", (left_s + 30) / 60);
+}
+
 void ProgressBar::update(const std::string& step, double fraction) {
-  if (!terminal_) return;
+  if (step != step_) begun_ = Clock::now();
+  step_ = step;
+  if (!terminal_) {
+    if (Clock::now() - told_ < kPipeInterval) return;
+    told_ = Clock::now();
+    const std::string share = fraction >= 0 ? fmt::format(": {:.0f} %", 100 * fraction) : "";
+    return complain(step + share + timeLeft(fraction));
+  }
   std::string line = step;
   if (fraction >= 0) {
     const int filled = static_cast<int>(std::lround(kBarWidth * std::clamp(fraction, 0.0, 1.0)));
-    line = fmt::format("{:<28} [{}{}] {:3.0f} %", step, std::string(filled, '#'),
-                       std::string(kBarWidth - filled, ' '), 100 * fraction);
+    line = fmt::format("{:<28} [{}{}] {:3.0f} %{}", step, std::string(filled, '#'),
+                       std::string(kBarWidth - filled, ' '), 100 * fraction, timeLeft(fraction));
   }
   if (line == last_) return;
   fmt::print(stderr, "\r\033[K{}", line);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,10 @@ void say(fmt::format_string<Args...> format, Args&&... args) {
   writeOut(shownText(fmt::format(format, std::forward<Args>(args)...)));
 }
 
+/// Writes the summary of a result; on a terminal the words of its verdict are coloured, unless the
+/// variable NO_COLOR is set (https://no-color.org).
+void saySummary(std::string_view summary);
+
 /// Writes "plumbline: MESSAGE" as one line on standard error.
 void complain(std::string_view message);
 
@@ -36,7 +41,8 @@ void complain(std::string_view message);
 /// nothing more can be written.
 bool closeOutput();
 
-/// A one-line progress bar on standard error where that is a terminal; silent in a pipe.
+/// Progress of long work on standard error: one line that is redrawn where that is a terminal, with
+/// the time left; elsewhere a line of its own every ten seconds, so that short work stays silent.
 class ProgressBar {
  public:
   ProgressBar();
@@ -50,8 +56,14 @@ class ProgressBar {
   ProgressSink sink();
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string timeLeft(double fraction) const;
+
   bool terminal_ = false;
-  std::string last_;
+  std::string last_, step_;
+  Clock::time_point begun_ = Clock::now();  ///< of the step
+  Clock::time_point told_ = Clock::now();   ///< the last line in a pipe
 };
 
 }  // namespace plumbline

@@ -278,6 +278,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   }
   append(record.verdict.findings, findings);
   record.verdict = makeVerdict(std::move(findings));
+  record.verdict.headline = comparisonHeadline(record);
   return record;
 }
 

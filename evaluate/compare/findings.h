@@ -15,4 +15,10 @@ namespace plumbline {
 std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
                                         const ComparisonThresholds& thresholds = {});
 
+/// What a reader asks of a comparison first, for every calibration but the first: which predicts
+/// corners better and by how much (pooled over cameras, 95 % interval of the paired difference;
+/// only "better" where it excludes zero), and by how much they differ over the image, in T_SC0 and
+/// in the time offset.
+std::string comparisonHeadline(const ComparisonRecord& record);
+
 }  // namespace plumbline

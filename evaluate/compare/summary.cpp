@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
@@ -138,11 +139,7 @@ std::string comparisonSummary(const ComparisonRecord& record) {
   addScores(text, record);
   addMaps(text, "Standard deviation of a projection [px]", record.uncertainties);
   addMaps(text, "Projection difference [px]", record.differences);
-  add(text, "\nVerdict: {}\n", toString(record.verdict.level));
-  for (const Finding& f : record.verdict.findings) {
-    add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
-    if (!f.advice.empty()) add(text, "            {}\n", f.advice);
-  }
+  add(text, "\n{}", verdictText(record.verdict));
   return fmt::to_string(text);
 }
 

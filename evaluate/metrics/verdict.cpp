@@ -8,42 +8,51 @@
 namespace plumbline {
 namespace {
 
-void append(Findings& findings, Findings more) {
-  for (Finding& finding : more) findings.push_back(std::move(finding));
+using Subject = FindingSubject;
+
+void append(Findings& findings, Findings more, Subject subject) {
+  for (Finding& finding : more) {
+    finding.subject = subject;
+    findings.push_back(std::move(finding));
+  }
 }
 
 Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds& t) {
   const CameraStageResult& stage = *record.camera;
-  Findings findings = judgeConvergence(stage.summary, "cameras");
-  append(findings, judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", t));
-  append(findings, judgeData(record, t));
-  append(findings, judgePrincipalPoints(stage, t));
-  append(findings, judgeResolutions(stage, t));
-  append(findings, judgeTarget(record, t));
-  append(findings, judgeTargetShape(stage, t));
-  append(findings, judgeRejected(stage.residuals, "cameras", t));
-  append(findings, judgeLeftOut(record, t));
-  append(findings, judgeCameraStd(record, t));
+  Findings findings;
+  append(findings, judgeConvergence(stage.summary, "cameras"), Subject::kCameras);
+  append(findings, judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", t),
+         Subject::kCameras);
+  append(findings, judgeData(record, t), Subject::kRecording);
+  append(findings, judgePrincipalPoints(stage, t), Subject::kCameras);
+  append(findings, judgeResolutions(stage, t), Subject::kCameras);
+  append(findings, judgeTarget(record, t), Subject::kRecording);
+  append(findings, judgeTargetShape(stage, t), Subject::kRecording);
+  append(findings, judgeRejected(stage.residuals, "cameras", t), Subject::kRecording);
+  append(findings, judgeLeftOut(record, t), Subject::kRecording);
+  append(findings, judgeCameraStd(record, t), Subject::kCameras);
   return findings;
 }
 
 Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresholds& t) {
   const CameraImuStageResult& stage = *record.camera_imu;
-  Findings findings = judgeConvergence(stage.summary, "camera-IMU");
-  append(findings,
-         judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", t));
-  append(findings, judgeRejected(stage.residuals, "camera-IMU", t));
-  append(findings, judgeFramesAndGaps(stage, t));
-  append(findings, judgeScreening(stage, t));
-  append(findings, judgeFaults(stage, t));
-  append(findings, judgeStampJitter(stage, t));
-  append(findings, judgeIsolatedResiduals(stage, t));
-  append(findings, judgeLongResiduals(stage, t));
-  append(findings, judgeStatements(record, t));
-  append(findings, judgeImuStd(record, t));
-  append(findings, judgePlausibility(stage, t));
-  append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, t));
-  append(findings, judgeDensity("accelerometer", stage.imu_summary.noise.accel, t));
+  Findings findings;
+  append(findings, judgeConvergence(stage.summary, "camera-IMU"), Subject::kExtrinsics);
+  append(findings, judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", t),
+         Subject::kExtrinsics);
+  append(findings, judgeRejected(stage.residuals, "camera-IMU", t), Subject::kRecording);
+  append(findings, judgeFramesAndGaps(stage, t), Subject::kRecording);
+  append(findings, judgeScreening(stage, t), Subject::kRecording);
+  append(findings, judgeFaults(stage, t), Subject::kExtrinsics);
+  append(findings, judgeStampJitter(stage, t), Subject::kRecording);
+  append(findings, judgeIsolatedResiduals(stage, t), Subject::kExtrinsics);
+  append(findings, judgeLongResiduals(stage, t), Subject::kExtrinsics);
+  append(findings, judgeStatements(record, t), Subject::kExtrinsics);
+  append(findings, judgeImuStd(record, t), Subject::kExtrinsics);
+  append(findings, judgePlausibility(stage, t), Subject::kExtrinsics);
+  append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, t), Subject::kImuNoise);
+  append(findings, judgeDensity("accelerometer", stage.imu_summary.noise.accel, t),
+         Subject::kImuNoise);
   return findings;
 }
 
@@ -52,9 +61,14 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t,
               const std::vector<ImuSample>& samples) {
   Findings findings;
-  if (record.camera) append(findings, cameraFindings(record, t));
-  if (record.camera_imu) append(findings, cameraImuFindings(record, t));
-  if (record.camera_imu && !samples.empty()) append(findings, judgeSamples(samples, t));
+  const auto add = [&](Findings more) {
+    for (Finding& finding : more) findings.push_back(std::move(finding));
+  };
+  if (record.camera) add(cameraFindings(record, t));
+  if (record.camera_imu) add(cameraImuFindings(record, t));
+  if (record.camera_imu && !samples.empty()) {
+    append(findings, judgeSamples(samples, t), Subject::kRecording);
+  }
   return makeVerdict(std::move(findings));
 }
 

@@ -14,6 +14,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/suggestions_reader.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/replay/frames.h"
 #include "evaluate/replay/images.h"
 #include "evaluate/replay/stage_summary.h"
@@ -104,6 +105,16 @@ std::vector<Finding> replayFindings(const ReplayRecord& record) {
     findings.push_back(f);
   }
   return findings;
+}
+
+/// "The guide stopped rightly: cameras at 12.3 s, ...": what each stop's audit found.
+std::string stopWords(const ReplayRecord& record) {
+  std::string words;
+  for (const StopAudit& audit : record.stop_audits) {
+    words += fmt::format("{}{} stage: {}", words.empty() ? "" : "; ", toString(audit.stage),
+                         audit.explanation);
+  }
+  return words;
 }
 
 /// suggestions.csv of the recording, in the session's folder or its mav0/.
@@ -286,6 +297,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
                       request.guide, request.camera, request.camera_imu};
   Judge(request, run, guide, given, suggestions, progress).write(record);
   record.verdict = makeVerdict(replayFindings(record));
+  record.verdict.headline = headlineOf(record.verdict, stopWords(record));
   return record;
 }
 

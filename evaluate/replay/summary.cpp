@@ -8,6 +8,7 @@
 #include "calibrator/fields/guide_fields.h"
 #include "calibrator/fields/json_fields.h"
 #include "calibrator/information/covariance.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
@@ -68,10 +69,7 @@ std::string replaySummary(const ReplayRecord& record) {
         record.compliance->reached, record.compliance->suggestions.size(),
         record.compliance->median_seconds_to_reach);
   }
-  add(text, "\nVerdict: {}\n", toString(record.verdict.level));
-  for (const Finding& f : record.verdict.findings) {
-    add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
-  }
+  add(text, "\n{}", verdictText(record.verdict));
   return fmt::to_string(text);
 }
 

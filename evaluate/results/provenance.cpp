@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/results/provenance.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <ctime>
+#include <string_view>
+#include <utility>
 
+#include "generated/commit.h"
 #include "generated/version.h"
 
 namespace plumbline {
@@ -21,13 +26,48 @@ std::string nowUtc() {
   return text;
 }
 
+std::vector<std::string>& keptArguments() {
+  static std::vector<std::string> arguments;
+  return arguments;
+}
+
+bool isPlain(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+         std::string_view("_-./:=,+@%^").find(c) != std::string_view::npos;
+}
+
 }  // namespace
+
+std::string programVersion() {
+  const std::string version = kVersion, commit = kCommit;
+  return commit == "unknown" ? version : version + " (" + commit + ")";
+}
+
+void keepCommandLine(std::vector<std::string> arguments) {
+  if (!arguments.empty()) arguments.front() = "plumbline";  // wherever it was installed
+  keptArguments() = std::move(arguments);
+}
+
+std::string shellWords(const std::vector<std::string>& arguments) {
+  std::string line;
+  for (const std::string& argument : arguments) {
+    if (!line.empty()) line += ' ';
+    if (!argument.empty() && std::all_of(argument.begin(), argument.end(), isPlain)) {
+      line += argument;
+      continue;
+    }
+    line += '\'';
+    for (const char c : argument) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
 
 Provenance makeProvenance(const std::string& command,
                           std::vector<std::pair<std::string, std::string>> options) {
   Provenance provenance;
-  provenance.version = kVersion;
-  provenance.command = command;
+  provenance.version = programVersion();
+  provenance.command = keptArguments().empty() ? command : shellWords(keptArguments());
   provenance.date = nowUtc();
   provenance.options = std::move(options);
   return provenance;

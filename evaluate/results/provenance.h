@@ -9,7 +9,18 @@
 
 namespace plumbline {
 
-/// Version, command, options and the present time (UTC); input and hash are the workflow's. The
+/// The program's version, with the commit that it was built from where that is known:
+/// "0.1.0 (1a93d07)".
+std::string programVersion();
+
+/// The command line of the process, for provenance: called once, before anything else.
+void keepCommandLine(std::vector<std::string> arguments);
+
+/// The arguments as a shell takes them again, quoted where need be.
+std::string shellWords(const std::vector<std::string>& arguments);
+
+/// Version, command line, options and the present time (UTC); input and hash are the workflow's.
+/// Without a kept command line (in tests) `command` stands for it. The
 /// time is SOURCE_DATE_EPOCH where that variable is set, so that results can be reproduced byte for
 /// byte.
 Provenance makeProvenance(const std::string& command,

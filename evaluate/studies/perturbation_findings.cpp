@@ -81,6 +81,73 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   return f;
 }
 
+// First order: of independent errors, leaving out a share q of the data moves an estimate by
+// sqrt(q / (1 - q)) of its standard deviation, and further corner noise s by s / sigma. What is
+// stated otherwise (the target's size, densities, starting values) should not move it at all.
+double predictedSigma(const PerturbationRecord& record, const PerturbationCase& c) {
+  const bool dropped = c.kind == toString(PerturbationKind::kDroppedFrames) ||
+                       c.kind == toString(PerturbationKind::kDroppedImu);
+  if (dropped) return std::sqrt(c.amount / std::max(100 - c.amount, 1.0));
+  if (c.kind == toString(PerturbationKind::kCornerNoise)) {
+    return c.amount / record.assumptions.pixel_sigma_px;
+  }
+  return 0;
+}
+
+struct LargestChange {
+  const PerturbationCase* of = nullptr;
+  std::string parameter;
+  double sigmas = 0, bound = 0;
+};
+
+// Of a kind of perturbations, where it stands highest over its bound: three predicted deviations,
+// and at least what offsets may do.
+LargestChange largestChange(const PerturbationRecord& record, const std::string& kind,
+                            double least_bound) {
+  LargestChange largest;
+  for (const PerturbationCase& c : record.cases) {
+    if (c.kind != kind || !c.problem.empty()) continue;
+    const double bound = std::max(least_bound, 3 * predictedSigma(record, c));
+    for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
+      const double change = std::abs(c.changes_sigma[i]);
+      if (largest.of != nullptr && change * largest.bound <= largest.sigmas * bound) continue;
+      largest = {&c, record.parameters[i], change, bound};
+    }
+  }
+  return largest;
+}
+
+std::string adviceFor(const std::string& kind) {
+  if (kind == toString(PerturbationKind::kTargetSize)) {
+    return "lengths follow the stated target: measure tagSize on the printed board";
+  }
+  if (kind == toString(PerturbationKind::kNoiseDensities)) {
+    return "the result depends on imu.yaml: take the densities from a resting recording (Allan "
+           "deviation), or record more motion";
+  }
+  if (kind == toString(PerturbationKind::kInitialIntrinsics)) {
+    return "the solution depends on its start: give a better one with --cameras and --free-cameras";
+  }
+  return "more than independent errors explain: the recording's parts disagree; see the "
+         "calibration's own verdict";
+}
+
+std::optional<Finding> kindFinding(const PerturbationRecord& record, PerturbationKind kind,
+                                   const PerturbationThresholds& bounds) {
+  const LargestChange largest = largestChange(record, toString(kind), bounds.change_caution_sigma);
+  if (largest.of == nullptr) return std::nullopt;
+  Finding f;
+  f.rule = fmt::format("Parameters under {}", toString(kind));
+  f.level = largest.sigmas > largest.bound ? VerdictLevel::kCaution : VerdictLevel::kGood;
+  f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} {}",
+                           largest.parameter, largest.sigmas, largest.of->amount, largest.of->unit);
+  if (f.level != VerdictLevel::kGood) f.advice = adviceFor(toString(kind));
+  f.value = largest.sigmas;
+  f.threshold = largest.bound;
+  f.unit = "sigma";
+  return f;
+}
+
 Finding failuresFinding(const PerturbationRecord& record) {
   std::size_t failed = 0;
   const PerturbationCase* first = nullptr;
@@ -133,6 +200,12 @@ std::vector<Finding> perturbationFindings(const PerturbationRecord& record,
   std::vector<Finding> findings;
   if (auto f = offsetFinding(record, thresholds)) findings.push_back(std::move(*f));
   if (auto f = othersFinding(record, thresholds)) findings.push_back(std::move(*f));
+  for (const PerturbationKind kind :
+       {PerturbationKind::kTargetSize, PerturbationKind::kNoiseDensities,
+        PerturbationKind::kInitialIntrinsics, PerturbationKind::kDroppedFrames,
+        PerturbationKind::kDroppedImu, PerturbationKind::kCornerNoise}) {
+    if (auto f = kindFinding(record, kind, thresholds)) findings.push_back(std::move(*f));
+  }
   findings.push_back(failuresFinding(record));
   return findings;
 }

@@ -19,8 +19,9 @@ struct ConvergenceBasin {
 /// Basin of the cases "imu-shift" with |error| <= `bound_s`.
 ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound_s);
 
-/// What a study says: offsets recovered, everything else unmoved under them, cases that failed.
-/// Only what the record has cases for.
+/// What a study says: offsets recovered, everything else unmoved under them; under each other kind
+/// nothing moved by more than first order predicts from the estimate's covariance; cases that
+/// failed. Only what the record has cases for.
 std::vector<Finding> perturbationFindings(const PerturbationRecord& record,
                                           const PerturbationThresholds& thresholds);
 

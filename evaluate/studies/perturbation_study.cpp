@@ -13,6 +13,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -206,6 +207,8 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
   });
   record.offset_bound_s = options.thresholds.offset_error_bad_s;
   record.verdict = makeVerdict(perturbationFindings(record, options.thresholds));
+  record.verdict.headline =
+      headlineOf(record.verdict, "Stable: " + record.verdict.findings.front().evidence);
   return record;
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 #include "evaluate/studies/perturbation.h"
 
@@ -72,10 +73,7 @@ std::string perturbationSummary(const PerturbationRecord& record) {
       1e3 * base.time_offset_s, 1e3 * base.time_offset_std_s.value_or(0), "", base.rmse_px,
       base.iterations);
   for (const PerturbationCase& c : record.cases) addLine(text, record, c);
-  add(text, "\nVerdict: {}\n", toString(record.verdict.level));
-  for (const Finding& f : record.verdict.findings) {
-    add(text, "  {:<9} {}: {}\n", toString(f.level), f.rule, f.evidence);
-  }
+  add(text, "\n{}", verdictText(record.verdict));
   return fmt::to_string(text);
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/file_io.h"
+#include "evaluate/results/provenance.h"
 #include "evaluate/study/process.h"
 #include "evaluate/study/run_step.h"
 #include "evaluate/trajectory/evaluate_runs.h"

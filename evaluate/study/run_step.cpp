@@ -17,8 +17,6 @@
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/process.h"
 #include "evaluate/study/step_rows.h"
-#include "generated/commit.h"
-#include "generated/version.h"
 
 namespace plumbline {
 namespace {
@@ -242,8 +240,6 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
 }
 
 }  // namespace
-
-std::string programVersion() { return std::string(kVersion) + "+" + kCommit; }
 
 StepResult recordLost(const fs::path& night, const Step& step, const std::string& message) {
   StepResult result = emptyResult(night, step);

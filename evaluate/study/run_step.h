@@ -25,7 +25,4 @@ StepResult runStep(const std::filesystem::path& night, const std::string& name, 
 StepResult recordLost(const std::filesystem::path& night, const Step& step,
                       const std::string& message);
 
-/// The program's version with the commit that it was built from.
-std::string programVersion();
-
 }  // namespace plumbline

@@ -11,7 +11,9 @@
 namespace plumbline::html_internal {
 namespace {
 
+// A record without a headline says how many rules hold.
 std::string sentenceOf(const Verdict& verdict) {
+  if (!verdict.headline.empty()) return verdict.headline;
   const auto beyond =
       std::count_if(verdict.findings.begin(), verdict.findings.end(),
                     [](const Finding& f) { return f.level != VerdictLevel::kGood; });

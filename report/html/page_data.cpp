@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/html/page_data.h"
 
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "generated/report/embedded.h"
@@ -14,11 +17,41 @@ data findingRow(const Finding& f) {
   // A rule without a unit compares nothing with a threshold (convergence).
   const std::string threshold =
       f.unit.empty() ? "\u2013" : fmt::format("{:g}{}", f.threshold, unit);
-  return object({{"rule", f.rule},
-                 {"level", toString(f.level)},
-                 {"evidence", f.evidence},
-                 {"advice", f.advice},
-                 {"threshold", threshold}});
+  data row = object({{"rule", f.rule},
+                     {"level", toString(f.level)},
+                     {"evidence", f.evidence},
+                     {"advice", f.advice},
+                     {"threshold", threshold}});
+  row.set("first", flag(false));
+  return row;
+}
+
+/// A row for each finding; level and cure stand once for all that share them.
+data findingRows(const std::vector<Finding>& findings) {
+  data rows{data::type::list};
+  for (const std::vector<Finding>& same : findingsByCure(findings)) {
+    for (std::size_t i = 0; i < same.size(); ++i) {
+      data row = findingRow(same[i]);
+      if (i == 0) row.set("first", object({{"span", std::to_string(same.size())}}));
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+/// A chip for every subject that findings are about, with the worst level of its own.
+data subjectChips(const std::vector<Finding>& findings) {
+  data chips{data::type::list};
+  for (const FindingSubject subject : {FindingSubject::kCameras, FindingSubject::kExtrinsics,
+                                       FindingSubject::kImuNoise, FindingSubject::kRecording}) {
+    std::optional<VerdictLevel> worst;
+    for (const Finding& f : findings) {
+      if (f.subject == subject) worst = std::max(worst.value_or(f.level), f.level);
+    }
+    if (!worst) continue;
+    chips.push_back(object({{"level", toString(*worst)}, {"subject", toString(subject)}}));
+  }
+  return chips;
 }
 
 const char* classOf(Cell::Kind kind) {
@@ -157,11 +190,12 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& sentence)
     (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);
   }
   page.set("has_concerns", flag(!concerns.empty()));
-  page.set("concerns", listOf(concerns, findingRow));
+  page.set("concerns", findingRows(concerns));
+  page.set("subjects", subjectChips(verdict.findings));
   page.set("has_holds", flag(!holds.empty()));
   page.set("holds_summary",
            fmt::format("{} of {} rules hold", holds.size(), verdict.findings.size()));
-  page.set("holds", listOf(holds, findingRow));
+  page.set("holds", findingRows(holds));
 }
 
 void setContents(data& page, const std::vector<Pair>& entries) {

@@ -216,22 +216,4 @@ std::vector<Pair> calibrationRows(const CalibrationRecord& record) {
   return rows;
 }
 
-std::string verdictSentence(const Verdict& verdict) {
-  const auto beyond =
-      std::count_if(verdict.findings.begin(), verdict.findings.end(),
-                    [](const Finding& f) { return f.level != VerdictLevel::kGood; });
-  const std::string count = fmt::format("{} of {} rules", beyond, verdict.findings.size());
-  switch (verdict.level) {
-    case VerdictLevel::kGood:
-      return fmt::format("All {} rules hold: this calibration can be used.",
-                         verdict.findings.size());
-    case VerdictLevel::kCaution:
-      return count + " deserve attention; read the evidence below before relying on the result.";
-    case VerdictLevel::kBad:
-      return count +
-             " are violated; do not use this calibration before following the advice below.";
-  }
-  return "";
-}
-
 }  // namespace plumbline::html_internal

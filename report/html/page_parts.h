@@ -49,7 +49,4 @@ std::vector<Pair> provenanceRows(const Provenance& provenance);
 /// Corner noise, loss, and with an IMU gravity and noise densities.
 std::vector<Pair> assumptionRows(const Assumptions& assumptions);
 
-/// One sentence under the badge.
-std::string verdictSentence(const Verdict& verdict);
-
 }  // namespace plumbline::html_internal

@@ -82,7 +82,27 @@ std::optional<double> robustStd(const CalibrationRecord& record, Stage stage, st
                                                   : std::nullopt;
 }
 
+bool haveOneCure(const Finding& a, const Finding& b) {
+  return a.level == b.level && a.advice == b.advice && !a.advice.empty();
+}
+
 }  // namespace
+
+std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& findings) {
+  std::vector<std::vector<Finding>> rows;
+  for (const Finding& f : findings) {
+    const auto same = std::find_if(rows.begin(), rows.end(),
+                                   [&](const auto& row) { return haveOneCure(row.front(), f); });
+    if (same == rows.end()) {
+      rows.push_back({f});
+    } else {
+      same->push_back(f);
+    }
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto& a, const auto& b) { return a.front().level > b.front().level; });
+  return rows;
+}
 
 Verdict makeVerdict(std::vector<Finding> findings) {
   Verdict verdict;

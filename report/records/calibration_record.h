@@ -24,6 +24,12 @@ constexpr std::array<const char*, 3> enumWords(VerdictLevel /*of*/) {
   return {"good", "caution", "bad"};
 }
 
+/// What a finding is about, so that a doubt about one thing is no doubt about another.
+enum class FindingSubject { kResult, kCameras, kExtrinsics, kImuNoise, kRecording };
+constexpr std::array<const char*, 5> enumWords(FindingSubject /*of*/) {
+  return {"result", "cameras", "extrinsics and time", "IMU noise", "recording"};
+}
+
 /// One rule applied to the result: what was measured, against which bound, and what to do.
 struct Finding {
   std::string rule;
@@ -33,6 +39,7 @@ struct Finding {
   double value = 0;
   double threshold = 0;
   std::string unit;
+  FindingSubject subject = FindingSubject::kResult;
 };
 
 template <class V>
@@ -44,21 +51,30 @@ void fields(V& v, Finding& f) {
   v("value", f.value, "what was compared");
   v("threshold", f.threshold, "the bound that it was compared with (`--threshold` moves bounds)");
   v("unit", f.unit, "of `value` and `threshold`");
+  v("subject", f.subject,
+    "what it is about: `cameras`, `extrinsics and time`, `IMU noise`, `recording`, or the "
+    "`result`");
 }
 
 struct Verdict {
   VerdictLevel level = VerdictLevel::kGood;
   std::vector<Finding> findings;  ///< in the order in which they are shown
+  std::string headline;           ///< what, how good, why, and what to do
 };
 
 template <class V>
 void fields(V& v, Verdict& verdict) {
   v("level", verdict.level, "the worst of the findings");
+  v("headline", verdict.headline, "what, how good, why, and what to do");
   v("findings", verdict.findings, "one for each rule that was applied");
 }
 
 /// The verdict of its findings: the worst level of all, good when there are none.
 Verdict makeVerdict(std::vector<Finding> findings);
+
+/// The findings as a reader takes them: gravest first, those with one cure (the same level and
+/// advice) together where the first of them stood.
+std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& findings);
 
 /// Where a result comes from; nothing in it depends on the host.
 struct Provenance {

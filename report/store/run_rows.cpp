@@ -57,11 +57,11 @@ RunWriter::RunWriter(SQLite::Database& db, RunKind kind, const std::string& name
   SQLite::Statement finding(
       db,
       "INSERT INTO findings (run_id, position, rule, level, evidence, advice, "
-      "value, threshold, unit) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "value, threshold, unit, subject) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   position = 0;
   for (const Finding& f : verdict.findings) {
     addRow(finding, run_, position++, f.rule, toString(f.level), f.evidence, f.advice, f.value,
-           f.threshold, f.unit);
+           f.threshold, f.unit, toString(f.subject));
   }
 }
 

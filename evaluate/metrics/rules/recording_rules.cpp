@@ -119,14 +119,14 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
   const TargetLayout shown = shownLayout(stage.residuals, stage.cameras, target);
   if (shown.largest_tag >= 0) {
     const int unseen = target.rows - 1 - shown.largest_tag / target.cols;
-    findings.push_back(
-        above({"Rows of the target", "-", t.unseen_rows,
-               "Check tagRows and tagCols in target.yaml; if they are right, bring "
-               "the whole target into view."},
-              unseen,
-              fmt::format("the largest tag ever seen is {} of 0 to {}: {} of {} rows "
-                          "never showed",
-                          shown.largest_tag, target.tagCount() - 1, unseen, target.rows)));
+    findings.push_back(above(
+        {"Rows of the target", "-", t.unseen_rows,
+         "Check tagRows and tagCols in target.yaml; if they are right, bring "
+         "the whole target into view."},
+        unseen,
+        unseen == 0 ? fmt::format("all {} tag rows observed", target.rows)
+                    : fmt::format("{} of {} tag rows never observed (largest tag id {} of {})",
+                                  unseen, target.rows, shown.largest_tag, target.tagCount() - 1)));
   }
   if (shown.spacing) {
     findings.push_back(

@@ -33,9 +33,8 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
     const Resolution& size = cameras[i].intrinsics.resolution;
     findings.push_back(above(
         {fmt::format("Systematic error of {} ({})", name, stage), "px", t.regional_error_px,
-         "The model does not bend as the lens does there: try another distortion model or "
-         "squared errors without a loss function, look for bad detections, or take that region's "
-         "results with care."},
+         "The distortion model does not fit this region: try another model (--models), or squared "
+         "errors (--loss none), or look for bad detections there."},
         worst.error_px,
         fmt::format("typical (median) error {:.3f} px in the worst of {} image regions, around "
                     "pixel ({:.0f}, {:.0f})",

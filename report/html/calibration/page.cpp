@@ -255,7 +255,6 @@ std::string renderCalibrationPage(const CalibrationRecord& record) {
             sectionsOf(record),
             record.assumptions};
   if (record.held) page.verdict.reset();
-  page.sentence = verdictSentence(record.verdict);
   page.more_rows = calibrationRows(record);
   page.appendix = timings(record);
   page.script = embedded::scene_viewer_bundle_js();

@@ -15,7 +15,7 @@ namespace {
 constexpr double kShownShare = 0.95;  // of the values; the first few views are far above
 constexpr const char* kAbove =
     " Where an order was drawn with several seeds, dashed lines frame the band between the "
-    "quartiles. The highest 5 % of the values lie above the picture.";
+    "quartiles. The highest 5 % of the values are off-scale.";
 
 using Bands = std::vector<CounterfactualBand>;
 using BandColumn = std::vector<std::optional<Quartiles>> CounterfactualBand::*;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Starts the 3D scene and marks the section that is being read in the table of contents.
+// Starts the 3D scene, marks the section that is being read in the table of contents, sorts and copies
+// tables, and saves plots. All offline; nothing is loaded.
 (() => {
   const box = document.getElementById('scene-box');
   if (box) {
@@ -17,4 +18,102 @@
     }
   }, {rootMargin: '-10% 0px -80% 0px'});
   links.forEach((_, id) => { const part = document.getElementById(id); if (part) watcher.observe(part); });
+})();
+
+// Tables with a head: a click on a column sorts by it (again: the other way round), and a button copies
+// the table as CSV.
+(() => {
+  const text = (cell) => cell.innerText.replace(/\s+/g, ' ').trim();
+  const number = (words) => {
+    const found = words.replace(/\u2212/g, '-').replace(/(\d)[ \u2009\u202f](?=\d{3}\b)/g, '$1').match(/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?/i);
+    return found ? parseFloat(found[0]) : NaN;
+  };
+  const compare = (a, b) => {
+    const x = number(a), y = number(b);
+    if (!Number.isNaN(x) && !Number.isNaN(y)) return x - y;
+    return a.localeCompare(b, 'en', {numeric: true});
+  };
+  const sort = (table, column, head) => {
+    const down = head.getAttribute('aria-sort') === 'ascending';
+    table.querySelectorAll('thead th').forEach((th) => th.removeAttribute('aria-sort'));
+    head.setAttribute('aria-sort', down ? 'descending' : 'ascending');
+    const body = table.tBodies[0];
+    const rows = [...body.rows].sort((a, b) => compare(text(a.cells[column]), text(b.cells[column])) * (down ? -1 : 1));
+    body.append(...rows);
+  };
+  const csv = (table) => [...table.rows].map((row) => [...row.cells].map((cell) => {
+    const value = text(cell);
+    return /[",\n]/.test(value) ? `"${value.replace(/"/g, '""')}"` : value;
+  }).join(',')).join('\n') + '\n';
+  const copy = async (words) => {
+    try { await navigator.clipboard.writeText(words); return true; } catch { /* an older way below */ }
+    const area = document.createElement('textarea');
+    area.value = words;
+    document.body.append(area);
+    area.select();
+    const done = document.execCommand('copy');
+    area.remove();
+    return done;
+  };
+  document.querySelectorAll('main table').forEach((table) => {
+    const head = table.tHead?.rows[0];
+    const body = table.tBodies[0];
+    if (!head || !body || body.rows.length < 3) return;
+    const plain = [...table.rows].every((row) => row.cells.length === head.cells.length);
+    if (plain) {
+      [...head.cells].forEach((th, column) => {
+        th.tabIndex = 0;
+        th.classList.add('sorts');
+        th.title = 'Sort by this column';
+        th.addEventListener('click', () => sort(table, column, th));
+        th.addEventListener('keydown', (event) => {
+          if (event.key !== 'Enter' && event.key !== ' ') return;
+          event.preventDefault();
+          sort(table, column, th);
+        });
+      });
+    }
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.className = 'tool copy-csv';
+    button.textContent = 'Copy as CSV';
+    button.addEventListener('click', async () => {
+      const done = await copy(csv(table));
+      button.textContent = done ? 'Copied' : 'Copying is not permitted';
+      setTimeout(() => { button.textContent = 'Copy as CSV'; }, 1500);
+    });
+    (table.closest('.scroll') || table).after(button);
+  });
+})();
+
+// Plots can be saved as they are.
+(() => {
+  document.querySelectorAll('main figure').forEach((figure, index) => {
+    const svg = figure.querySelector(':scope > svg');
+    if (!svg) return;
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.className = 'tool save-svg';
+    button.textContent = 'Save as SVG';
+    button.addEventListener('click', () => {
+      const copy = svg.cloneNode(true);
+      copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
+      const link = document.createElement('a');
+      link.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(copy)], {type: 'image/svg+xml'}));
+      link.download = `${(figure.closest('section')?.id || 'figure')}-${index + 1}.svg`;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    });
+    figure.append(button);
+  });
+})();
+
+// The list of contents folds where there is no room beside the page.
+(() => {
+  const list = document.querySelector('.toc details');
+  if (!list) return;
+  const narrow = matchMedia('(max-width: 900px)');
+  const fold = () => { list.open = !narrow.matches; };
+  narrow.addEventListener('change', fold);
+  fold();
 })();

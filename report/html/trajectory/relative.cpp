@@ -95,9 +95,9 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
 Table relativeTable(const std::vector<TrajectoryRun>& runs) {
   Table table{{{"Calibration"},
                {"Length"},
-               {"Pieces by the rule of"},
+               {"Pair selection"},
                {"Runs", kNumber},
-               {"Pieces", kNumber},
+               {"Pairs", kNumber},
                {"Translation RMSE [m]", kNumber},
                {"Rotation RMSE [\u00b0]", kNumber}},
               {}};

@@ -59,7 +59,7 @@ TEST_F(CommandExport, WritesEveryToolsFilesAndNamesThem) {
 }
 
 TEST_F(CommandExport, JsonListsFilesAndWarnings) {
-  const Outcome outcome = exportedSource("--to orbslam3 --json");
+  const Outcome outcome = exportedSource("--to orbslam3 --json -");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const auto json = nlohmann::json::parse(outcome.text);
   EXPECT_EQ(json["tool"], "orbslam3");

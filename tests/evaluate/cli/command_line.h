@@ -23,15 +23,18 @@ struct Outcome {
   std::string text;  // standard output and error together
 };
 
-inline Outcome plumbline(const std::string& arguments) {
-  const std::string command = std::string(PLUMBLINE_BINARY) + " " + arguments + " 2>&1";
+inline Outcome shell(const std::string& command) {
   Outcome outcome;
-  std::FILE* pipe = popen(command.c_str(), "r");
+  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   char buffer[4096];
   while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) outcome.text += buffer;
   const int status = pclose(pipe);
   if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
   return outcome;
+}
+
+inline Outcome plumbline(const std::string& arguments) {
+  return shell(std::string(PLUMBLINE_BINARY) + " " + arguments);
 }
 
 inline std::string read(const fs::path& file) {

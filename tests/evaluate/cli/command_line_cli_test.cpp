@@ -56,6 +56,56 @@ TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   EXPECT_EQ(plumbline("--version").exit_code, 0);
 }
 
+TEST_F(CommandLine, AMistypedWordIsRecognised) {
+  EXPECT_THAT(plumbline("calibrat").text, HasSubstr("did you mean calibrate?"));
+  EXPECT_THAT(plumbline("simulate --out x --durration 3").text,
+              HasSubstr("did you mean --duration?"));
+  EXPECT_THAT(plumbline("--nonsense").text, testing::Not(HasSubstr("did you mean")));
+}
+
+TEST_F(CommandLine, CompletionKnowsEveryCommandAndItsOptions) {
+  const Outcome bash = plumbline("completion bash");
+  ASSERT_EQ(bash.exit_code, 0);
+  fs::create_directories(scratch());
+  const fs::path file = scratch() / "completion.bash";
+  write(file, bash.text);
+  const std::string ask = "bash -c 'source " + file.string() +
+                          "; COMP_WORDS=(plumbline evaluate calibration --fol); COMP_CWORD=3; "
+                          "_plumbline; echo ${COMPREPLY[@]}'";
+  EXPECT_EQ(shell(ask).text, "--folds\n");
+  const std::string fish = plumbline("completion fish").text;
+  const std::string zsh = plumbline("completion zsh").text;
+  const std::string man = plumbline("man").text;
+  for (const std::string& name : listedCommands(plumbline("--help").text)) {
+    EXPECT_THAT(fish, HasSubstr("-a " + name + " "));
+    EXPECT_THAT(zsh, HasSubstr("'" + name + ":"));
+    EXPECT_THAT(man, HasSubstr(".SS plumbline " + name));
+  }
+  EXPECT_EQ(plumbline("completion tcsh").exit_code, 2);
+}
+
+TEST_F(CommandLine, FailOnTurnsTheVerdictIntoTheExitCode) {
+  const auto codeOf = [&](const std::string& words) {
+    return calibrate(session(), "--no-imu --no-report " + words).exit_code;
+  };
+  const std::string strict = "--threshold rmse_px=0.001,1000 ";  // caution
+  EXPECT_EQ(codeOf(strict), 0);
+  EXPECT_EQ(codeOf(strict + "--fail-on caution"), 4);
+  EXPECT_EQ(codeOf(strict + "--fail-on bad"), 0);
+  EXPECT_EQ(codeOf("--threshold rmse_px=0.001,0.002 --fail-on bad"), 4);
+  EXPECT_EQ(codeOf("--fail-on good"), 2);
+}
+
+TEST_F(CommandLine, JsonMeansTheSameInEveryCommand) {
+  const fs::path result = scratch() / "out";
+  const std::string document = calibrate(session(), "--no-imu --no-report --json -").text;
+  EXPECT_EQ(document, read(result / "calibration.json")) << "and nothing else";
+  const fs::path copy = scratch() / "copy.json";
+  ASSERT_EQ(calibrate(session(), "--no-imu --no-report --json " + copy.string()).exit_code, 0);
+  EXPECT_EQ(read(copy), read(result / "calibration.json"));
+  EXPECT_EQ(calibrate(session(), "--no-imu --json " + (result / "in.json").string()).exit_code, 2);
+}
+
 TEST_F(CommandLine, UsageErrorsExitWithTwo) {
   EXPECT_EQ(plumbline("").exit_code, 2);
   EXPECT_EQ(plumbline("calibrat").exit_code, 2);

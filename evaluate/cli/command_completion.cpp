@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the table of commands tells a shell and a reader of manuals: completion and the man page.
+// Both walk the same tree of commands and options that parses, so that they cannot fall behind it.
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/results/provenance.h"
+
+namespace plumbline {
+namespace {
+
+/// A command of the tree: " evaluate trajectory", what comes below it, and its options.
+struct Node {
+  std::string path;
+  const CLI::App* app = nullptr;
+};
+
+void collect(const CLI::App& app, const std::string& path, std::vector<Node>& nodes) {
+  nodes.push_back({path, &app});
+  for (const CLI::App* sub : app.get_subcommands(nullptr)) {
+    if (sub->get_group().empty()) continue;  // not for people
+    collect(*sub, path + " " + sub->get_name(), nodes);
+  }
+}
+
+std::vector<Node> nodesOf(const CLI::App& app) {
+  std::vector<Node> nodes;
+  collect(app, "", nodes);
+  return nodes;
+}
+
+std::vector<const CLI::Option*> shownOptions(const CLI::App& app, bool positional) {
+  std::vector<const CLI::Option*> shown;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_group().empty() && option->get_positional() == positional) {
+      shown.push_back(option);
+    }
+  }
+  return shown;
+}
+
+bool takesValue(const CLI::Option& option) { return option.get_expected_max() != 0; }
+
+std::string firstLongName(const CLI::Option& option) {
+  return option.get_lnames().empty() ? "" : "--" + option.get_lnames().front();
+}
+
+std::vector<std::string> wordsOf(const Node& node) {
+  std::vector<std::string> words;
+  for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
+    if (!sub->get_group().empty()) words.push_back(sub->get_name());
+  }
+  for (const CLI::Option* option : shownOptions(*node.app, false)) {
+    words.push_back(firstLongName(*option));
+  }
+  return words;
+}
+
+// Words of commands first; where none begins like the word under the cursor, files.
+std::string bashCompletion(const CLI::App& app) {
+  std::string cases, paths;
+  for (const Node& node : nodesOf(app)) {
+    cases += fmt::format("    '{}') words='{}' ;;\n", node.path, fmt::join(wordsOf(node), " "));
+    if (!node.path.empty()) paths += fmt::format("{}'{}'", paths.empty() ? "" : "|", node.path);
+  }
+  return fmt::format(R"(# bash completion of plumbline
+_plumbline() {{
+  local current=${{COMP_WORDS[COMP_CWORD]}} path='' words='' word
+  for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
+    case "$path $word" in
+      {}) path="$path $word" ;;
+    esac
+  done
+  case "$path" in
+{}  esac
+  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+}}
+complete -o default -F _plumbline plumbline
+)",
+                     paths, cases);
+}
+
+std::string zshQuoted(std::string text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\'') out += "'\\'";
+    if (c == '[' || c == ']' || c == ':') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+std::string zshCompletion(const CLI::App& app) {
+  std::string cases, paths;
+  for (const Node& node : nodesOf(app)) {
+    std::string specs;
+    for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
+      if (sub->get_group().empty()) continue;
+      specs += fmt::format(" '{}:{}'", sub->get_name(), zshQuoted(sub->get_description()));
+    }
+    for (const CLI::Option* option : shownOptions(*node.app, false)) {
+      specs +=
+          fmt::format(" '{}:{}'", firstLongName(*option), zshQuoted(option->get_description()));
+    }
+    cases += fmt::format("    '{}') words=({}) ;;\n", node.path, specs);
+    if (!node.path.empty()) paths += fmt::format("{}'{}'", paths.empty() ? "" : "|", node.path);
+  }
+  return fmt::format(R"(#compdef plumbline
+_plumbline() {{
+  local path_='' word
+  local -a words_known words_given=("${{(@)words[2,CURRENT-1]}}")
+  for word in $words_given; do
+    case "$path_ $word" in
+      {}) path_="$path_ $word" ;;
+    esac
+  done
+  local -a words
+  case "$path_" in
+{}  esac
+  _describe 'plumbline' words || _files
+}}
+compdef _plumbline plumbline
+)",
+                     paths, cases);
+}
+
+std::string fishQuoted(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') out += '\\';
+    out += c;
+  }
+  return "'" + out + "'";
+}
+
+std::string fishCompletion(const CLI::App& app) {
+  std::string text = "# fish completion of plumbline\n";
+  for (const Node& node : nodesOf(app)) {
+    std::string condition = "__fish_use_subcommand";
+    if (!node.path.empty()) {
+      condition = "__fish_seen_subcommand_from " + node.path.substr(node.path.rfind(' ') + 1);
+    }
+    for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
+      if (sub->get_group().empty()) continue;
+      text += fmt::format("complete -c plumbline -n '{}' -f -a {} -d {}\n", condition,
+                          sub->get_name(), fishQuoted(sub->get_description()));
+    }
+    for (const CLI::Option* option : shownOptions(*node.app, false)) {
+      text += fmt::format("complete -c plumbline -n '{}' -l {}{} -d {}\n", condition,
+                          firstLongName(*option).substr(2), takesValue(*option) ? " -r" : "",
+                          fishQuoted(option->get_description()));
+    }
+  }
+  return text;
+}
+
+std::string roff(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else {
+      if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n')) out += "\\&";
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string manOption(const CLI::Option& option) {
+  std::string value;
+  if (takesValue(option)) value = " \\fI" + roff(option.get_positional() ? "" : "VALUE") + "\\fR";
+  const std::string standard = option.get_default_str();
+  return fmt::format(".TP\n\\fB{}\\fR{}\n{}{}\n",
+                     roff(option.get_positional() ? option.get_name(true) : firstLongName(option)),
+                     option.get_positional() ? "" : value, roff(option.get_description()),
+                     standard.empty() ? "" : roff(" (default: " + standard + ")"));
+}
+
+std::string manPage(const CLI::App& app) {
+  std::string text = fmt::format(
+      ".TH PLUMBLINE 1 \"\" \"plumbline {}\"\n.SH NAME\nplumbline \\- {}\n"
+      ".SH SYNOPSIS\n\\fBplumbline\\fR \\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n.SH COMMANDS\n",
+      roff(programVersion()), roff(app.get_description()));
+  for (const Node& node : nodesOf(app)) {
+    if (node.path.empty()) continue;
+    text +=
+        fmt::format(".SS plumbline{}\n{}.\n", roff(node.path), roff(node.app->get_description()));
+    for (const bool positional : {true, false}) {
+      for (const CLI::Option* option : shownOptions(*node.app, positional)) {
+        text += manOption(*option);
+      }
+    }
+    if (!node.app->get_footer().empty()) {
+      text += ".PP\n.nf\n" + roff(node.app->get_footer()) + "\n.fi\n";
+    }
+  }
+  return text +
+         ".SH EXIT STATUS\n.TP\n0\nDone.\n.TP\n1\nThe work could not succeed; the message says why "
+         "and what to do.\n.TP\n2\nBad input or usage.\n.TP\n3\nA study found a regression.\n"
+         ".TP\n4\nThe verdict is as bad as \\-\\-fail\\-on says.\n"
+         ".SH ENVIRONMENT\n.TP\nNO_COLOR\nNo colours on a terminal.\n.TP\nSOURCE_DATE_EPOCH\n"
+         "The date of results [s since 1970], so that they can be reproduced byte for byte.\n";
+}
+
+}  // namespace
+
+Command completionCommand() {
+  return {"completion", "Print the completion of the command line for a shell",
+          "plumbline completion bash > ~/.local/share/bash-completion/completions/plumbline",
+          [](CLI::App& app) {
+            auto shell = std::make_shared<std::string>();
+            app.add_option("shell", *shell, "bash, zsh or fish")
+                ->required()
+                ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+            return std::function<int()>([shell, &app] {
+              const CLI::App& root = *app.get_parent();
+              writeOut(*shell == "bash"  ? bashCompletion(root)
+                       : *shell == "zsh" ? zshCompletion(root)
+                                         : fishCompletion(root));
+              return kDone;
+            });
+          }};
+}
+
+Command manCommand() {
+  return {"man", "Print the manual page", "plumbline man | man -l -", [](CLI::App& app) {
+            return std::function<int()>([&app] {
+              writeOut(manPage(*app.get_parent()));
+              return kDone;
+            });
+          }};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/result_options.h"
+
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "calibrator/base/enum_words.h"
+#include "evaluate/cli/commands.h"
+
+namespace plumbline {
+
+void JsonOption::declare(CLI::App& app) {
+  app.add_option("--json", file, "File for the JSON document; - for standard output alone");
+}
+
+std::optional<OutputFile> JsonOption::reserve(const OutputOptions& output,
+                                              std::vector<std::string> inputs,
+                                              const std::string& folder,
+                                              const std::string& mark) const {
+  if (!file || piped()) return std::nullopt;
+  // No part of the folder of results, and not in its place.
+  if (!folder.empty()) inputs.push_back(folder);
+  return std::optional<OutputFile>(std::in_place, output.file(*file, std::move(inputs)), mark);
+}
+
+void ResultOptions::declareResult(CLI::App& app, bool with_verdict) {
+  declare(app)->required();
+  json.declare(app);
+  app.add_flag("--no-report", no_report, "Write no report.html");
+  if (!with_verdict) return;
+  app.add_option("--fail-on", fail_on,
+                 "End with exit code 4 where the verdict is that bad: caution, bad, or never")
+      ->check(CLI::IsMember({"caution", "bad", "never"}))
+      ->capture_default_str();
+}
+
+int ResultOptions::exitCode(VerdictLevel level) const {
+  if (fail_on == "never") return kDone;
+  const VerdictLevel least = fail_on == "bad" ? VerdictLevel::kBad : VerdictLevel::kCaution;
+  return level >= least ? kVerdict : kDone;
+}
+
+ResultWriter::ResultWriter(const ResultOptions& options, OutputRequest request)
+    : options_(options),
+      folder_(request),
+      json_(options.json.reserve(options, request.inputs, options.out, kDocumentMark)) {}
+
+int ResultWriter::tell(const ResultFile& document, const std::string& summary, VerdictLevel level) {
+  if (json_) json_->write(document.text);
+  if (options_.json.piped()) {
+    writeDocument(document.text);
+    return options_.exitCode(level);
+  }
+  saySummary(summary);
+  say("\n{}: {}/{}\n", options_.no_report ? "Result" : "Report", options_.out,
+      options_.no_report ? document.name : kPageFile);
+  return options_.exitCode(level);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "datasets/files/output.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/results/result_folder.h"
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// In place of an output file: standard output.
+inline constexpr const char* kStandardOutput = "-";
+
+/// --json FILE, the same in every command: the document of the result once more, under a name of
+/// the caller's choice; "-": on standard output, where nothing else is then written.
+struct JsonOption {
+  std::optional<std::string> file;
+
+  void declare(CLI::App& app);
+  bool piped() const { return file == kStandardOutput; }
+  /// The file, reserved before work starts; none where it is standard output or not asked for.
+  /// `folder`: of the results beside it; "": none. `mark`: see OutputFile.
+  std::optional<OutputFile> reserve(const OutputOptions& output, std::vector<std::string> inputs,
+                                    const std::string& folder, const std::string& mark) const;
+};
+
+/// What a command that writes a folder of results leaves, and how it ends.
+struct ResultOptions : OutputOptions {
+  JsonOption json;
+  bool no_report = false;
+  std::string fail_on = "never";
+
+  /// --out (required), --force, --json and --no-report; with a verdict, --fail-on.
+  void declareResult(CLI::App& app, bool with_verdict = true);
+  /// The exit code of a result with this verdict: kVerdict where --fail-on asks for it.
+  int exitCode(VerdictLevel level) const;
+};
+
+/// A folder of results and the file of --json, both reserved before work starts.
+class ResultWriter {
+ public:
+  ResultWriter(const ResultOptions& options, OutputRequest request);
+
+  /// Writes documents (the first is the JSON document), page and records, and says the summary and
+  /// where to look, or with --json - the document alone. Returns the exit code.
+  template <class Record, class Render>
+  int finish(const Record& record, const std::vector<ResultFile>& documents, const Render& render,
+             const std::string& summary) {
+    std::optional<std::string> page;
+    if (!options_.no_report) page = render(record);
+    writeResults(folder_, record, documents, page);
+    return tell(documents.front(), summary, record.verdict.level);
+  }
+
+ private:
+  int tell(const ResultFile& document, const std::string& summary, VerdictLevel level);
+
+  const ResultOptions& options_;
+  OutputFolder folder_;
+  std::optional<OutputFile> json_;
+};
+
+}  // namespace plumbline

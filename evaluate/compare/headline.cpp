@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "evaluate/compare/findings.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kQuantile95 = 1.959964;  // of the normal distribution, both sides
+
+const CalibrationScore* scoreOf(const ComparisonRecord& record, const std::string& label) {
+  const auto found = std::find_if(
+      record.scores.begin(), record.scores.end(),
+      [&](const CalibrationScore& s) { return s.label == label && s.reprojection.count > 0; });
+  return found == record.scores.end() ? nullptr : &*found;
+}
+
+/// The mean squared error of one calibration less that of the first, over all cameras' views.
+struct Prediction {
+  double difference_px2 = 0, std_px2 = 0;
+  int views = 0;
+};
+
+Prediction pooled(const ComparisonRecord& record, const std::string& label) {
+  Prediction p;
+  for (const PairedPrediction& each : record.paired) {
+    if (each.label != label) continue;
+    p.difference_px2 += each.views * each.difference_px2;
+    p.std_px2 += each.views * each.views * each.std_px2 * each.std_px2;
+    p.views += each.views;
+  }
+  if (p.views > 0) {
+    p.difference_px2 /= p.views;
+    p.std_px2 = std::sqrt(p.std_px2) / p.views;
+  }
+  return p;
+}
+
+// "better" only where the interval of the difference of mean squared errors excludes zero. The
+// difference of the RMSEs follows from the first one's: sqrt(m + d) - sqrt(m).
+std::string predictionWords(const ComparisonRecord& record, const std::string& label) {
+  const std::string& first = record.calibrations.front().label;
+  const CalibrationScore* score = scoreOf(record, first);
+  const Prediction p = pooled(record, label);
+  if (score == nullptr || p.views == 0 || !(p.std_px2 > 0)) return "";
+  const double rmse = score->reprojection.rmse_px;
+  const auto rmseChange = [&](double change_px2) {
+    return std::sqrt(std::max(rmse * rmse + change_px2, 0.0)) - rmse;
+  };
+  const double half = kQuantile95 * p.std_px2;
+  double low = rmseChange(p.difference_px2 - half), high = rmseChange(p.difference_px2 + half);
+  const std::string corners =
+      score->held_out ? "held-out corners" : "the corners of " + record.name;
+  if (low <= 0 && high >= 0) {
+    return fmt::format(
+        "{} and {} predict {} equally well within the 95 % interval of their difference, {:+.2g} "
+        "to {:+.2g} px RMSE",
+        label, first, corners, low, high);
+  }
+  const bool other = high < 0;
+  const double best = std::abs(rmseChange(p.difference_px2));
+  if (other) low = -low, high = -high;
+  return fmt::format("{} predicts {} better by {:.2g} px RMSE (95 % interval {:.2g} to {:.2g})",
+                     other ? label : first, corners, best, std::min(low, high),
+                     std::max(low, high));
+}
+
+std::string placeOf(const ImageMap& map, std::size_t index) {
+  const double column = static_cast<double>(index % static_cast<std::size_t>(map.columns)) /
+                        std::max(map.columns - 1, 1);
+  const double row = static_cast<double>(index / static_cast<std::size_t>(map.columns)) /
+                     std::max(map.rows - 1, 1);
+  const char* vertical = row < 1.0 / 3 ? "top" : row > 2.0 / 3 ? "bottom" : "middle";
+  const char* horizontal = column < 1.0 / 3 ? "left" : column > 2.0 / 3 ? "right" : "centre";
+  return fmt::format("{} {} of {}", vertical, horizontal, map.camera);
+}
+
+std::string projectionWords(const ComparisonRecord& record, const std::string& label) {
+  double worst = 0;
+  std::string place;
+  for (const ImageMap& map : record.differences) {
+    if (map.label != label) continue;
+    for (std::size_t i = 0; i < map.values.size(); ++i) {
+      if (!std::isfinite(map.values[i]) || map.values[i] <= worst) continue;
+      worst = map.values[i];
+      place = placeOf(map, i);
+    }
+  }
+  return place.empty() ? "" : fmt::format("by up to {:.2g} px at the {}", worst, place);
+}
+
+std::optional<double> differenceOf(const ComparisonRecord& record, const std::string& name,
+                                   std::size_t i) {
+  const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
+                                  [&](const ComparedParameter& p) { return p.name == name; });
+  return found == record.parameters.end() ? std::nullopt : found->difference[i];
+}
+
+std::string transformWords(const ComparisonRecord& record, std::size_t i) {
+  const auto lever = differenceOf(record, "T_SC0.lever", i);
+  const auto angle = differenceOf(record, "T_SC0.angle", i);
+  if (!lever || !angle) return "";
+  std::string words = fmt::format("by {:.2g} mm and {:.2g} deg in T_SC0", 1e3 * *lever,
+                                  *angle * 180 / std::numbers::pi);
+  if (const auto offset = differenceOf(record, "time_offset", i)) {
+    words += fmt::format(", {:.2g} ms in the time offset", 1e3 * std::abs(*offset));
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string comparisonHeadline(const ComparisonRecord& record) {
+  std::string text;
+  for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
+    const std::string& label = record.calibrations[i].label;
+    const std::string prediction = predictionWords(record, label);
+    const std::string projection = projectionWords(record, label);
+    const std::string transform = transformWords(record, i);
+    if (!text.empty()) text += " ";
+    text += prediction.empty() ? "" : prediction + "; ";
+    text += prediction.empty() || record.calibrations.size() > 2
+                ? label + " and " + record.calibrations.front().label + " differ "
+                : "they differ ";
+    text += projection + (projection.empty() || transform.empty() ? "" : ", and ") + transform;
+    if (projection.empty() && transform.empty()) text += "in nothing that both state";
+    text += ".";
+  }
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/headline.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+// A sentence of a text that is none yet: a capital first, a full stop last.
+std::string sentence(std::string text) {
+  if (text.empty()) return text;
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + (text.ends_with('.') ? "" : ".");
+}
+
+double largestShown(const std::vector<ParameterEstimate>& estimates, char axis) {
+  double largest = 0;
+  for (const ParameterEstimate& e : estimates) {
+    if (!e.name.starts_with("T_SC0.") || e.name[6] != axis) continue;
+    largest = std::max({largest, e.std, e.robust_std.value_or(0), e.resample_std.value_or(0)});
+  }
+  return largest;
+}
+
+std::string imuWords(const CalibrationRecord& record) {
+  const std::vector<ParameterEstimate> estimates = parameterEstimates(record, Stage::kCameraImu);
+  if (estimates.empty()) return "";
+  double offset_s = 0;
+  for (const ParameterEstimate& e : estimates) {
+    if (e.name != "time_offset") continue;
+    offset_s = std::max({e.std, e.robust_std.value_or(0), e.resample_std.value_or(0)});
+  }
+  return fmt::format(
+      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis), time offset to {:.2g} ms",
+      1e3 * largestShown(estimates, 't'), kDegrees * largestShown(estimates, 'r'), 1e3 * offset_s);
+}
+
+}  // namespace
+
+std::string headlineOf(const Verdict& verdict, const std::string& good) {
+  const auto& findings = verdict.findings;
+  if (verdict.level == VerdictLevel::kGood) return sentence(good);
+  const auto worst = std::find_if(findings.begin(), findings.end(),
+                                  [&](const Finding& f) { return f.level == verdict.level; });
+  const auto others =
+      std::count_if(findings.begin(), findings.end(),
+                    [](const Finding& f) { return f.level != VerdictLevel::kGood; }) -
+      1;
+  std::string text = sentence(worst->rule + ": " + worst->evidence);
+  if (!worst->advice.empty()) text += " " + sentence(worst->advice);
+  if (others > 0) text += fmt::format(" {} more finding{} below.", others, others == 1 ? "" : "s");
+  return text;
+}
+
+std::string calibrationHeadline(const CalibrationRecord& record) {
+  const StageSummary* cameras = record.camera       ? &record.camera->summary
+                                : record.camera_imu ? &record.camera_imu->summary
+                                                    : nullptr;
+  std::string good = cameras == nullptr
+                         ? "nothing was calibrated"
+                         : fmt::format("cameras to {:.2f} px RMSE", cameras->reprojection.rmse_px);
+  good += imuWords(record);
+  good += fmt::format("; all {} rules hold", record.verdict.findings.size());
+  return headlineOf(record.verdict, good);
+}
+
+std::string verdictText(const Verdict& verdict) {
+  std::string word = toString(verdict.level);
+  for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  std::string text = fmt::format("Verdict: {}\n{}", word, verdict.headline);
+  if (!verdict.headline.empty()) text += "\n";
+  for (const std::vector<Finding>& same : findingsByCure(verdict.findings)) {
+    if (same.front().level == VerdictLevel::kGood) continue;
+    for (const Finding& f : same) {
+      text += fmt::format("  {} - {}: {}\n", toString(f.level), f.rule, f.evidence);
+    }
+    if (!same.front().advice.empty()) {
+      text += fmt::format("      {}\n", sentence(same.front().advice));
+    }
+  }
+  return text;
+}
+
+}  // namespace plumbline

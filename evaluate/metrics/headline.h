@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "report/records/calibration_record.h"
+
+namespace plumbline {
+
+/// The sentence that answers first: what, how good, why, what to do. A verdict that is not good
+/// leads with its gravest finding (the first of equals), its evidence and advice, and says how many
+/// more there are; a good one with `good`, a sentence on the figures.
+/// "Caution: Coverage of cam1: 62 % of the image ... . Move the target to ... . 2 more findings."
+std::string headlineOf(const Verdict& verdict, const std::string& good);
+
+/// What a good calibration is: "Cameras to 0.27 px RMSE; T_SC0 to 0.45 mm and 0.013 deg (1 sigma
+/// per axis), time offset to 0.04 ms; all 60 rules hold." Deviations are the largest of those
+/// shown.
+std::string calibrationHeadline(const CalibrationRecord& record);
+
+/// The end of a summary: "Verdict: CAUTION", the headline, and every finding that is not good.
+std::string verdictText(const Verdict& verdict);
+
+}  // namespace plumbline

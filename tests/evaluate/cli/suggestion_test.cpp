@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/suggestion.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+TEST(EditDistance, CountsEdits) {
+  EXPECT_EQ(editDistance("", ""), 0);
+  EXPECT_EQ(editDistance("out", ""), 3);
+  EXPECT_EQ(editDistance("--out", "--ot"), 1);
+  EXPECT_EQ(editDistance("--out", "--oat"), 1);
+  EXPECT_EQ(editDistance("compare", "compaer"), 1);  // two neighbours swapped
+  EXPECT_EQ(editDistance("kitten", "sitting"), 3);
+}
+
+TEST(EditDistance, IsSymmetric) {
+  for (const char* a : {"--models", "--loss", "", "replay"}) {
+    for (const char* b : {"--model", "--less", "report", "a"}) {
+      EXPECT_EQ(editDistance(a, b), editDistance(b, a)) << a << ' ' << b;
+    }
+  }
+}
+
+TEST(NearestWord, IsWithinAThirdOfTheLetters) {
+  const std::vector<std::string> commands{"calibrate", "compare", "replay", "report"};
+  EXPECT_EQ(nearestWord("calibrat", commands), "calibrate");
+  EXPECT_EQ(nearestWord("compair", commands), "compare");
+  EXPECT_EQ(nearestWord("relpay", commands), "replay");
+  EXPECT_EQ(nearestWord("session", commands), "");
+  EXPECT_EQ(nearestWord("x", {}), "");
+}
+
+}  // namespace
+}  // namespace plumbline

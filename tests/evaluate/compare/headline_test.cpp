@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a comparison says first: "better" needs an interval without zero.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "evaluate/compare/findings.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// ours at 0.5 px on corners that it has not seen, kalibr beside it.
+ComparisonRecord comparison(double difference_px2, double std_px2) {
+  ComparisonRecord record;
+  record.name = "session";
+  for (const char* label : {"ours", "kalibr"}) {
+    record.calibrations.emplace_back().label = label;
+    CalibrationScore& score = record.scores.emplace_back();
+    score.label = label;
+    score.held_out = true;
+    score.reprojection.count = 100;
+    score.reprojection.rmse_px = 0.5;
+  }
+  for (const char* camera : {"cam0", "cam1"}) {
+    PairedPrediction& p = record.paired.emplace_back();
+    p.label = "kalibr";
+    p.camera = camera;
+    p.views = 50;
+    p.difference_px2 = difference_px2;
+    p.std_px2 = std_px2;
+  }
+  return record;
+}
+
+TEST(ComparisonHeadline, SaysWhichPredictsBetterAndByHowMuch) {
+  // sqrt(0.25 + 0.11) - 0.5 = 0.1 px, standard error 0.01 / sqrt(2) px^2 over both cameras
+  const std::string text = comparisonHeadline(comparison(0.11, 0.01));
+  EXPECT_THAT(text, HasSubstr("ours predicts held-out corners better by 0.1 px RMSE"));
+  EXPECT_THAT(text, HasSubstr("95 % interval 0.088 to 0.11"));
+}
+
+TEST(ComparisonHeadline, TheOtherCanBeBetter) {
+  EXPECT_THAT(comparisonHeadline(comparison(-0.11, 0.01)),
+              HasSubstr("kalibr predicts held-out corners better by 0.13 px RMSE"));
+}
+
+TEST(ComparisonHeadline, AnIntervalWithZeroNamesNoWinner) {
+  const std::string text = comparisonHeadline(comparison(0.01, 0.02));
+  EXPECT_THAT(text, HasSubstr("predict held-out corners equally well within the 95 % interval"));
+  EXPECT_THAT(text, Not(HasSubstr("better")));
+}
+
+TEST(ComparisonHeadline, NamesWhereProjectionsDifferMost) {
+  ComparisonRecord record = comparison(0.11, 0.01);
+  ImageMap& map = record.differences.emplace_back();
+  map.label = "kalibr";
+  map.camera = "cam1";
+  map.columns = 3;
+  map.rows = 3;
+  map.values = {1, 2, 22, 1, 0, 1, 3, 1, 2};
+  EXPECT_THAT(comparisonHeadline(record),
+              HasSubstr("they differ by up to 22 px at the top right of cam1"));
+}
+
+}  // namespace
+}  // namespace plumbline
