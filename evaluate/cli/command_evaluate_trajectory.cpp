@@ -56,6 +56,8 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
   request.metrics = trajectoryMetricsFrom(o.metrics);
   request.estimate_w_first = o.metrics.estimate_w_first;
   request.truth_w_first = o.metrics.truth_w_first;
+  request.estimate_inverted = o.metrics.estimate_inverted;
+  request.truth_inverted = o.metrics.truth_inverted;
   if (!o.format.empty()) request.read_truth.format = trajectoryFormatFrom(o.format);
   if (!o.estimate_format.empty()) {
     request.read_estimate.format = trajectoryFormatFrom(o.estimate_format);
@@ -132,6 +134,8 @@ RunsRequest evaluateTrajectoriesRequest(const EvaluateTrajectoriesOptions& o) {
   request.min_coverage = o.metrics.min_coverage;
   request.how.estimate_w_first = o.metrics.estimate_w_first;
   request.how.truth_w_first = o.metrics.truth_w_first;
+  request.how.estimate_inverted = o.metrics.estimate_inverted;
+  request.how.truth_inverted = o.metrics.truth_inverted;
   request.how.read_truth.body = o.body;
   if (o.max_ate_m > 0) request.max_ate_m = o.max_ate_m;
   return request;

@@ -47,6 +47,10 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_flag("--estimate-w-first", o.estimate_w_first,
                "The estimate is TUM with quaternions w x y z");
   app.add_flag("--truth-w-first", o.truth_w_first, "The truth is TUM with quaternions w x y z");
+  app.add_flag("--estimate-inverted", o.estimate_inverted,
+               "The estimate's quaternions map the world into the body");
+  app.add_flag("--truth-inverted", o.truth_inverted,
+               "The truth's quaternions map the world into the body");
 }
 
 void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {

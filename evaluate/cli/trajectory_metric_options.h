@@ -22,6 +22,7 @@ struct TrajectoryMetricWords {
   double time_offset_s = 0;
   double clock_range_s = ClockOffsetOptions{}.max_offset_s;
   bool estimate_w_first = false, truth_w_first = false;
+  bool estimate_inverted = false, truth_inverted = false;
   std::string coverage_from = "start";
   double min_coverage = kLeastCoverage;
 };

@@ -89,6 +89,14 @@ TrajectoryRun measured(TrajectoryRun run, const std::vector<PosePair>& pairs,
   return withPlots(std::move(run), pairs, poses, error_deg);
 }
 
+// `run` without the figures that need the rotations of both.
+TrajectoryRun withoutRotations(TrajectoryRun run) {
+  run.ate_rotation_deg = {};
+  run.rpe.clear();
+  run.error_deg.clear();
+  return run;
+}
+
 Failure named(Failure failure, const TrajectoryRequest& request) {
   failure.where = fmt::format("{} against {}", request.estimate.string(), request.truth.string());
   return failure;
@@ -176,8 +184,12 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
   if (!with_rotation) return evaluation;
   const AlignedPoses poses = alignedPoses(association.pairs, *alignment);
-  const std::string rotations = remarkOnRotations(poses, *alignment);
-  if (!rotations.empty()) evaluation.remarks.push_back(rotations);
+  const RotationRemark rotations = remarkOnRotations(poses, *alignment);
+  if (!rotations.text.empty()) evaluation.remarks.push_back(rotations.text);
+  if (rotations.inverted) {
+    evaluation.run = withoutRotations(std::move(evaluation.run));
+    return evaluation;
+  }
   if (estimate.covariances.empty()) return evaluation;
   return withNees(std::move(evaluation), estimate, association, poses);
 }
@@ -185,11 +197,21 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
 // A file whose w stands first, as its reader took it to stand last.
 TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path) {
   if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
-    throw InputError(path.string(), 0,
-                     "is no TUM file with quaternions; --truth-w-first and --estimate-w-first apply "
-                     "to TUM files only; leave out the option");
+    throw InputError(
+        path.string(), 0,
+        "is no TUM file with quaternions; --truth-w-first and --estimate-w-first apply "
+        "to TUM files only; leave out the option");
   }
   for (StampedPose& pose : file.trajectory.poses) pose.q = fromWFirst(pose.q);
+  return file;
+}
+
+// A file whose quaternions map the world into the body; its positions are in the world.
+TrajectoryFile inverted(TrajectoryFile file, const std::filesystem::path& path) {
+  if (!file.trajectory.has_orientation) {
+    throw InputError(path.string(), 0, "has no quaternions to invert; leave out the option");
+  }
+  for (StampedPose& pose : file.trajectory.poses) pose.q = pose.q.conjugate();
   return file;
 }
 
@@ -235,12 +257,14 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
 
 TrajectoryFile readEstimate(const TrajectoryRequest& request) {
   TrajectoryFile file = readTrajectory(request.estimate, request.read_estimate);
-  return request.estimate_w_first ? reordered(std::move(file), request.estimate) : file;
+  if (request.estimate_w_first) file = reordered(std::move(file), request.estimate);
+  return request.estimate_inverted ? inverted(std::move(file), request.estimate) : file;
 }
 
 TrajectoryFile readTruth(const TrajectoryRequest& request) {
   TrajectoryFile file = readTrajectory(request.truth, request.read_truth);
-  return request.truth_w_first ? reordered(std::move(file), request.truth) : file;
+  if (request.truth_w_first) file = reordered(std::move(file), request.truth);
+  return request.truth_inverted ? inverted(std::move(file), request.truth) : file;
 }
 
 Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,

@@ -42,6 +42,8 @@ struct TrajectoryRequest {
   TrajectoryReadOptions read_estimate, read_truth;
   bool estimate_w_first = false;  ///< TUM: its columns are t x y z qw qx qy qz
   bool truth_w_first = false;
+  bool estimate_inverted = false;  ///< its quaternions map the world into the body
+  bool truth_inverted = false;
   TrajectoryMetricOptions metrics;
 };
 

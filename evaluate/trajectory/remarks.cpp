@@ -109,32 +109,39 @@ std::vector<std::string> remarksOn(const Association& association) {
   return remarks;
 }
 
-std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment) {
+RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment) {
   const double median =
       sampleStatistics(absoluteErrors(poses, AbsoluteMeasure::kRotationDeg)).median;
   if (poses.truth.empty() || median < kOtherBodyDeg) return {};
   const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
-  std::string remark = fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
+  const std::string start =
+      fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
+  const std::string end = "; positions are judged rightly, rotation and relative errors are not";
   const BodyRotation as_read = bodyRotation(poses, R, false, false);
-  const BodyRotation truth_inverted = bodyRotation(poses, R, true, false);
-  const BodyRotation estimate_inverted = bodyRotation(poses, R, false, true);
+  const double truth_deg = bodyRotation(poses, R, true, false).spread_deg;
+  const double estimate_deg = bodyRotation(poses, R, false, true).spread_deg;
   if (as_read.spread_deg < kRigidDeg) {
-    remark += fmt::format("as body frames turned by {:.1f} deg would (a camera against an IMU?)",
-                          as_read.angle_deg);
-  } else if (std::min(truth_inverted.spread_deg, estimate_inverted.spread_deg) < kRigidDeg) {
-    // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
-    const bool truth = truth_inverted.spread_deg < kRigidDeg;
-    const bool estimate = estimate_inverted.spread_deg < kRigidDeg;
-    remark += fmt::format(
-        "but by {:.1f} deg were the quaternions of the {} inverted: they probably map the world "
-        "into "
-        "the body, whatever the header says",
-        std::min(truth_inverted.spread_deg, estimate_inverted.spread_deg),
-        truth && estimate ? "truth or of the estimate" : (truth ? "truth" : "estimate"));
-  } else {
-    remark += "and no constant turn of the body explains it";
+    const std::string turned = fmt::format(
+        "as body frames turned by {:.1f} deg would (a camera against an IMU?)", as_read.angle_deg);
+    return {start + turned + end, false};
   }
-  return remark + "; positions are judged rightly, rotation and relative errors are not";
+  if (std::min(truth_deg, estimate_deg) >= kRigidDeg) {
+    return {start + "and no constant turn of the body explains it" + end, false};
+  }
+  // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
+  const bool truth = truth_deg < kRigidDeg, estimate = estimate_deg < kRigidDeg;
+  return {start + fmt::format("but by {:.1f} deg were the quaternions of the {} inverted: they "
+                              "probably map the world into the body, whatever the header says. "
+                              "Positions are judged; rotation and relative errors are left out: "
+                              "run again with {}",
+                              std::min(truth_deg, estimate_deg),
+                              truth && estimate ? "truth or of the estimate"
+                              : truth           ? "truth"
+                                                : "estimate",
+                              truth && estimate ? "--truth-inverted or --estimate-inverted"
+                              : truth           ? "--truth-inverted"
+                                                : "--estimate-inverted"),
+          true};
 }
 
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {

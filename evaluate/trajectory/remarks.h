@@ -22,10 +22,15 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
 /// gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
 std::vector<std::string> remarksOn(const Association& association);
 
+/// What is odd about the rotations of aligned poses.
+struct RotationRemark {
+  std::string text;       ///< "" where they agree within 15 degrees in the median
+  bool inverted = false;  ///< one file maps the world into the body: its rotations are no errors
+};
+
 /// Why the rotations of aligned poses disagree widely: another body frame (a camera against an
-/// IMU), or quaternions that one file has inverted; "" where they agree within 15 degrees in the
-/// median.
-std::string remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment);
+/// IMU), or quaternions that one file has inverted.
+RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment);
 
 /// kImplausible with the cure where quaternions were read in the wrong order, see
 /// quaternionOrderFault.

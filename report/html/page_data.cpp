@@ -12,15 +12,32 @@
 namespace plumbline::html_internal {
 namespace {
 
+/// How value and threshold of a finding are shown: both in the unit that its evidence uses.
+struct ShownUnit {
+  double factor = 1;
+  std::string name;
+};
+
+ShownUnit shownUnit(const Finding& f) {
+  const auto has = [&](const char* words) { return f.evidence.find(words) != std::string::npos; };
+  if (f.unit == "m" && has(" mm")) return {1e3, " mm"};
+  if (f.unit == "s" && has(" us")) return {1e6, " \u00b5s"};
+  if (f.unit == "-" && f.threshold < 1 && has(" %")) return {100, " %"};
+  return {1, f.unit == "-" ? "" : " " + f.unit};
+}
+
 data findingRow(const Finding& f) {
-  const std::string unit = f.unit == "-" ? "" : " " + f.unit;
   // A rule without a unit compares nothing with a threshold (convergence).
-  const std::string threshold =
-      f.unit.empty() ? "\u2013" : fmt::format("{:g}{}", f.threshold, unit);
+  const ShownUnit unit = shownUnit(f);
+  const auto shown = [&](double value) {
+    return f.unit.empty() ? "\u2013" : fmt::format("{:.3g}{}", unit.factor * value, unit.name);
+  };
+  const std::string threshold = shown(f.threshold);
   data row = object({{"rule", f.rule},
                      {"level", toString(f.level)},
                      {"evidence", f.evidence},
                      {"advice", f.advice},
+                     {"value", shown(f.value)},
                      {"threshold", threshold}});
   row.set("first", flag(false));
   return row;

@@ -1,48 +1,91 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shows the values of the nearest drawn point of every <svg data-ax>.
+// Shows series and values of the nearest drawn point of every <svg data-ax>, the same moment in all plots over
+// the same axis, and hides a series whose legend is clicked.
 (() => {
-  const numbers = (text) => (text.match(/-?[\d.]+/g) || []).map(Number);
+  const numbers = (text) => (text.match(/-?[\d.]+(e-?\d+)?/g) || []).map(Number);
   const pairs = (list) => {
     const points = [];
     for (let i = 0; i + 1 < list.length; i += 2) points.push([list[i], list[i + 1]]);
     return points;
   };
-  const drawnPoints = (svg) => {
-    const found = [];
-    svg.querySelectorAll('polyline.data').forEach((line) => found.push(...pairs(numbers(line.getAttribute('points')))));
-    svg.querySelectorAll('path.pts').forEach((path) => found.push(...pairs(numbers(path.getAttribute('d')))));
-    return found;
+  const drawn = (svg) => [...svg.querySelectorAll('polyline.data, path.pts')];
+  // A legend is a small polygon in the colour of its series, and the name after it.
+  const legendOf = (svg) => new Map([...svg.querySelectorAll('polygon + text')].map((text) => [text.previousElementSibling.getAttribute('fill'), text]));
+  const colourOf = (shape) => shape.getAttribute('stroke');
+  const drawnPoints = (svg, legend) => drawn(svg).flatMap((shape) => {
+    if (shape.style.display === 'none') return [];
+    const name = legend.get(colourOf(shape))?.textContent || '';
+    return pairs(numbers(shape.getAttribute(shape.tagName === 'path' ? 'd' : 'points'))).map((p) => [...p, name]);
+  });
+  const node = (name, attributes) => {
+    const made = document.createElementNS('http://www.w3.org/2000/svg', name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    return made;
   };
-  const reach = 16;  // px within which a point is named
-  const show = (svg, state, event) => {
-    state.points = state.points || drawnPoints(svg);
+  const rounded = (value) => { const text = +value.toPrecision(4); return Object.is(text, -0) ? 0 : text; };
+  const plots = [];
+  const axisOf = (svg) => [...svg.querySelectorAll('text')].find((t) => /\[(s|min|h)\]$/.test(t.textContent) && !/rotate/.test(t.getAttribute('transform') || ''))?.textContent || '';
+  // The same moment in every plot over the same axis of time; null: no moment.
+  const pointAll = (plot, x) => {
+    for (const other of plots) {
+      const [x0, x1, , , px0, px1, py0, py1] = other.axes;
+      const at = x === null ? NaN : px0 + (x - x0) * (px1 - px0) / (x1 - x0);
+      const inside = plot.axis && other.axis === plot.axis && at >= Math.min(px0, px1) && at <= Math.max(px0, px1);
+      other.cursor.style.display = inside ? '' : 'none';
+      if (!inside) continue;
+      for (const [key, value] of [['x1', at], ['x2', at], ['y1', py0], ['y2', py1]]) other.cursor.setAttribute(key, value);
+    }
+  };
+  const show = (plot, event) => {
+    const {svg, mark} = plot;
+    plot.points = plot.points || drawnPoints(svg, plot.legend);
     const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const reach = 16;  // px within which a point is named
     let best = null, least = reach * reach;
-    for (const p of state.points) {
+    for (const p of plot.points) {
       const d = (p[0] - at.x) ** 2 + (p[1] - at.y) ** 2;
       if (d < least) { least = d; best = p; }
     }
-    state.mark.style.display = best ? '' : 'none';
+    const [x0, x1, y0, y1, px0, px1, py0, py1] = plot.axes;
+    const valueX = (px) => x0 + (px - px0) * (x1 - x0) / (px1 - px0);
+    const inside = at.x >= Math.min(px0, px1) && at.x <= Math.max(px0, px1);
+    pointAll(plot, inside ? valueX(best ? best[0] : at.x) : null);
+    mark.style.display = best ? '' : 'none';
     if (!best) return;
-    const [x0, x1, y0, y1, px0, px1, py0, py1] = state.axes;
-    const x = x0 + (best[0] - px0) * (x1 - x0) / (px1 - px0);
     const y = y0 + (best[1] - py0) * (y1 - y0) / (py1 - py0);
-    const text = state.mark.lastChild;
-    text.textContent = `${+x.toPrecision(4)}, ${+y.toPrecision(4)}`;
+    const text = mark.lastChild;
+    text.textContent = `${best[2] ? best[2] + ': ' : ''}${rounded(valueX(best[0]))}, ${rounded(y)}`;
     const right = best[0] > (px0 + px1) / 2;
     text.setAttribute('text-anchor', right ? 'end' : 'start');
     text.setAttribute('x', right ? -8 : 8);
-    state.mark.setAttribute('transform', `translate(${best[0]} ${best[1]})`);
+    mark.setAttribute('transform', `translate(${best[0]} ${best[1]})`);
+  };
+  const toggle = (plot, colour, text) => {
+    const hide = text.style.textDecoration !== 'line-through';
+    text.style.textDecoration = hide ? 'line-through' : '';
+    text.setAttribute('aria-pressed', String(!hide));
+    drawn(plot.svg).filter((shape) => colourOf(shape) === colour).forEach((shape) => { shape.style.display = hide ? 'none' : ''; });
+    plot.points = null;
   };
   document.querySelectorAll('svg[data-ax]').forEach((svg) => {
-    const mark = document.createElementNS('http://www.w3.org/2000/svg', 'g');
-    mark.innerHTML = '<circle r="4" fill="none" stroke="#b00020" stroke-width="1.5"/>' +
-      '<text y="-8" font-size="12" font-weight="600" fill="#1d232b" stroke="#fff" stroke-width="3" paint-order="stroke"></text>';
-    mark.style.display = 'none';
-    mark.style.pointerEvents = 'none';
-    svg.append(mark);
-    const state = {mark, axes: svg.dataset.ax.split(' ').map(Number), points: null};
-    svg.addEventListener('pointermove', (event) => show(svg, state, event));
-    svg.addEventListener('pointerleave', () => { mark.style.display = 'none'; });
+    const mark = node('g', {});
+    mark.append(node('circle', {r: 4, fill: 'none', stroke: '#b00020', 'stroke-width': 1.5}),
+      node('text', {y: -8, 'font-size': 12, 'font-weight': 600, fill: '#1d232b', stroke: '#fff', 'stroke-width': 3, 'paint-order': 'stroke'}));
+    const cursor = node('line', {stroke: '#5a6472', 'stroke-width': 1, 'stroke-dasharray': '3 3'});
+    for (const part of [cursor, mark]) { part.style.display = 'none'; part.style.pointerEvents = 'none'; }
+    svg.append(cursor, mark);
+    const plot = {svg, mark, cursor, legend: legendOf(svg), axis: axisOf(svg), axes: svg.dataset.ax.split(' ').map(Number), points: null};
+    plots.push(plot);
+    svg.addEventListener('pointermove', (event) => show(plot, event));
+    svg.addEventListener('pointerleave', () => { mark.style.display = 'none'; pointAll(plot, null); });
+    for (const [colour, text] of plot.legend) {
+      if (!drawn(svg).some((shape) => colourOf(shape) === colour)) continue;
+      text.style.cursor = 'pointer';
+      text.setAttribute('tabindex', 0);
+      text.setAttribute('role', 'button');
+      text.setAttribute('aria-pressed', 'true');
+      text.addEventListener('click', () => toggle(plot, colour, text));
+      text.addEventListener('keydown', (event) => { if (event.key === 'Enter') toggle(plot, colour, text); });
+    }
   });
 })();

@@ -76,7 +76,7 @@ Verdict makeVerdict(std::vector<Finding> findings);
 /// advice) together where the first of them stood.
 std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& findings);
 
-/// Where a result comes from; nothing in it depends on the host.
+/// Where a result comes from: with the command line, paths included, it can be made again.
 struct Provenance {
   std::string version;
   std::string command;
@@ -89,7 +89,7 @@ struct Provenance {
 template <class V>
 void fields(V& v, Provenance& p) {
   v("plumbline", p.version, "version of the program");
-  v("command", p.command, "command line, or empty");
+  v("command", p.command, "command line, quoted for a shell");
   v("input", p.input, "name of the recording");
   v("input_hash", p.input_hash, "`algorithm:hex` over the files that were read");
   v("options", p.options, "those given, as text");

@@ -346,7 +346,8 @@ TEST_F(StoreTest, BringsAStoreOfVersion1UpToDateWithItsRuns) {
   const std::string document = store.document(run);
   change(
       "PRAGMA writable_schema = ON; UPDATE sqlite_master SET sql = replace(sql, ', ''study''', '') "
-      "WHERE name = 'runs'; PRAGMA user_version = 1");
+      "WHERE name = 'runs'; PRAGMA user_version = 1; "
+      "ALTER TABLE findings DROP COLUMN subject");
   EXPECT_EQ(store.document(run), document) << "read as it is";
   EXPECT_EQ(number("PRAGMA user_version"), 1);
   const auto study = store.save(smallStudy());

@@ -83,8 +83,8 @@ Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThres
                "Check the resolution in sensor.yaml; only a cropped image has its optical centre "
                "that far from its middle. Or record views all over the image."},
               off,
-              fmt::format("({:.1f}, {:.1f}) in an image of {}x{}", u, v, k.resolution.width,
-                          k.resolution.height)));
+              fmt::format("({:.1f}, {:.1f}), {:.1f} % of a side from the middle of {}x{}", u, v,
+                          100 * off, k.resolution.width, k.resolution.height)));
   }
   return findings;
 }

@@ -22,7 +22,7 @@
 namespace plumbline::internal {
 namespace {
 
-constexpr double kCharacter = 6.1;  // width of a tick label's character at 11 px [px]
+constexpr double kCharacter = 6.65;  // width of a tick label's character at 12 px [px]
 constexpr double kTitleBand = 26;   // [px]
 constexpr double kLegendBand = 20;  // [px]
 constexpr double kColourBar = 86;   // room for bar, its labels and title [px]

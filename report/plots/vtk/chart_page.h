@@ -81,7 +81,7 @@ void setNoPen(vtkContext2D& painter);
 void setBrush(vtkContext2D& painter, const Colour& colour);
 
 struct TextStyle {
-  int size = 11;  ///< [px]
+  int size = 12;  ///< [px]
   bool bold = false;
   Colour colour{64, 70, 80, 255};
   int across = 0;    ///< -1 left, 0 centred, 1 right of the text at the point

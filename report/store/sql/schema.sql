@@ -64,7 +64,7 @@ CREATE TABLE findings (
   value REAL,
   threshold REAL,
   unit TEXT NOT NULL,
-  subject TEXT NOT NULL,
+  subject TEXT NOT NULL DEFAULT 'result',
   PRIMARY KEY (run_id, position)
 );
 CREATE INDEX metrics_by_run ON metrics (run_id, stage, name);

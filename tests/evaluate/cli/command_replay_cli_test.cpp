@@ -90,8 +90,8 @@ TEST_F(CommandReplay, TheLogDoesNotDependOnTheThreads) {
   const std::string one_document = read(out() / "replay.json");
   ASSERT_EQ(replay(session(), "--no-report --threads 3").exit_code, 0);
   EXPECT_EQ(read(out() / "decisions.jsonl"), one);
-  EXPECT_EQ(replaced(read(out() / "replay.json"), "\"--threads\": \"3\"", "\"--threads\": \"1\""),
-            one_document);
+  const std::string three = replaced(read(out() / "replay.json"), "--threads 3", "--threads 1");
+  EXPECT_TRUE(replaced(three, "\"--threads\": \"3\"", "\"--threads\": \"1\"") == one_document);
 }
 
 TEST_F(CommandReplay, LatencyDropsFramesAndCountsThem) {

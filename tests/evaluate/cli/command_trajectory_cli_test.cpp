@@ -157,7 +157,10 @@ TEST_F(CommandTrajectory, OutKeepsARecordThatPageAndFiguresAreMadeOfAgain) {
       0);
   EXPECT_EQ(read(again + ".html"), read(out / "report.html"));
   EXPECT_EQ(read(again + ".json"), read(out / "trajectory.json"));
-  EXPECT_EQ(read(out / "report.html").find(folder_.string()), std::string::npos);
+  EXPECT_EQ(study["provenance"]["command"], "plumbline evaluate trajectory " + estimate().string() +
+                                                " " + truth().string() +
+                                                " --align none --rpe 1m --out " + out.string())
+      << "as a shell takes it again";
 }
 
 TEST_F(CommandTrajectory, AnEstimateThatStartsLateIsPartialUnlessItsStartUpIsLeftOut) {

@@ -120,9 +120,13 @@ TEST(EvaluateTrajectories, RemarksNameInvertedQuaternions) {
     const Eigen::Quaterniond q_WE(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 1, 0).normalized()));
     for (StampedPose& pose : estimate.poses) pose = {pose.t, q_WE * pose.p, q_WE * pose.q};
     for (StampedPose& pose : (of_truth ? truth : estimate).poses) pose.q = pose.q.conjugate();
-    EXPECT_THAT(evaluateTrajectories(estimate, truth, {})->remarks,
-                Contains(AllOf(HasSubstr("inverted"),
-                               HasSubstr(of_truth ? "of the truth inv" : "of the estimate inv"))));
+    const auto result = evaluateTrajectories(estimate, truth, {});
+    EXPECT_THAT(result->remarks,
+                Contains(AllOf(HasSubstr(of_truth ? "of the truth inv" : "of the estimate inv"),
+                               HasSubstr(of_truth ? "--truth-inverted" : "--estimate-inverted"))));
+    EXPECT_LT(result->run.ate_translation_m.rmse, 1e-9);
+    EXPECT_EQ(result->run.ate_rotation_deg.n, 0U) << "known to be wrong, so not shown";
+    EXPECT_THAT(result->run.rpe, IsEmpty());
   }
 }
 

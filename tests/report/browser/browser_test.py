@@ -177,7 +177,7 @@ def check_scene(name, page, tool, folder):
 
 def check_page(name, page, tool, folder):
     covered, hover = check_scene(name, page, tool, folder)
-    if not re.match(r"^-?[\d.e+-]+, -?[\d.e+-]+$", hover):
+    if not re.match(r"^cam\d: -?[\d.e+-]+, -?[\d.e+-]+$", hover):
         fail("%s: hovering over a point says '%s'" % (name, hover))
     result, (*figures, still) = photograph("file://" + page, tool, folder)
     if len(result["figures"]) < 8:
