@@ -23,10 +23,10 @@ namespace plumbline::internal {
 namespace {
 
 constexpr double kCharacter = 6.65;  // width of a tick label's character at 12 px [px]
-constexpr double kTitleBand = 26;   // [px]
-constexpr double kLegendBand = 20;  // [px]
-constexpr double kColourBar = 86;   // room for bar, its labels and title [px]
-constexpr double kMargin = 14;      // around everything [px]
+constexpr double kTitleBand = 26;    // [px]
+constexpr double kLegendBand = 20;   // [px]
+constexpr double kColourBar = 86;    // room for bar, its labels and title [px]
+constexpr double kMargin = 14;       // around everything [px]
 constexpr Colour kInk{64, 70, 80, 255};
 constexpr Colour kGrid{228, 231, 236, 255};
 constexpr Colour kFrame{150, 156, 166, 255};
