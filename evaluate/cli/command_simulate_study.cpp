@@ -36,6 +36,7 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
   app.add_option("--sequences", s.sequences, "Sequences with motion capture")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
       ->capture_default_str();
   app.add_option("--threads", s.threads, "Threads (0: all cores)")

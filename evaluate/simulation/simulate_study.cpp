@@ -98,15 +98,36 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
                         suggestionsCsv(made.suggestions));
 }
 
-/// A recording on an analytic path; with motion capture where `options` are given.
-Json makeRecording(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
-                   const fs::path& place, const fs::path& folder, bool capture) {
-  SimulationOptions simulation = simulationOf(o, std::min(o.duration_s, kLongestSequence_s), seed);
+SimulatedSession simulateRecording(const SimulatedRig& rig, const SimulationOptions& simulation) {
   SimulatedSession made = simulateSession(rig, simulation);
-  made.session.target.shape = {};
+  made.session.target.shape = {};  // target.yaml states the grid
+  return made;
+}
+
+SimulationOptions recordingOf(const StudySimulationOptions& o, std::uint64_t seed) {
+  return simulationOf(o, std::min(o.duration_s, kLongestSequence_s), seed);
+}
+
+void makeHeldOut(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
+                 const fs::path& place, const fs::path& folder) {
   makeFoldersIn(folder, place);
-  writeSession(made.session, rig.camera_rate_hz, ViewFormat::kCorners, folder / place);
-  if (!capture) return {};
+  writeSession(simulateRecording(rig, recordingOf(o, seed)).session, rig.camera_rate_hz,
+               ViewFormat::kCorners, folder / place);
+}
+
+/// With motion capture beside it, of which the truth is returned. Images show a flat board: the
+/// renderer knows no other.
+Json makeSequence(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
+                  const fs::path& place, const fs::path& folder) {
+  SimulationOptions simulation = recordingOf(o, seed);
+  if (o.images) simulation.target.shape = {};
+  const SimulatedSession made = simulateRecording(rig, simulation);
+  makeFoldersIn(folder, place);
+  SimulatedSessionFormat format;
+  format.views = o.images ? ViewFormat::kImages : ViewFormat::kCorners;
+  format.render.seed = seed;
+  format.threads = 1;
+  writeSimulatedSession(made, simulation, folder / place, format);
   MotionCaptureOptions system;
   system.seed = seed;
   const MotionCapture mocap = simulateMotionCapture(made, system);
@@ -243,10 +264,10 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
     if (i < visits.size()) {
       makeVisit(rig, o, i, visits[i], folder);
     } else if (k < held_out) {
-      makeRecording(rig, o, seed, fs::path("evaluation") / numbered("eval", k), folder, false);
+      makeHeldOut(rig, o, seed, fs::path("evaluation") / numbered("eval", k), folder);
     } else {
-      captures[k - held_out] = makeRecording(
-          rig, o, seed, fs::path("sequences") / numbered("seq", k - held_out), folder, true);
+      captures[k - held_out] =
+          makeSequence(rig, o, seed, fs::path("sequences") / numbered("seq", k - held_out), folder);
     }
     const std::lock_guard lock(mutex);
     if (progress) progress("simulating", static_cast<double>(++done) / static_cast<double>(all));

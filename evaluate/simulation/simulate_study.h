@@ -20,7 +20,8 @@ struct StudySimulationSummary {
 ///   truth.json                     rig, board, participants, effects, what every session was
 ///   sessions/NAME/                 recordings with corners; guided ones with suggestions.csv
 ///   evaluation/evalNN/             recordings of the rig that no method saw
-///   sequences/seqNN/               likewise, with mav0/mocap0/data.csv
+///   sequences/seqNN/               likewise, with mav0/mocap0/data.csv, truth/ and, if asked for,
+///                                  images in place of corners (of a flat board)
 /// The rig is "d435i" (stereo 15 Hz, IMU 400 Hz, the paper's noise densities). All recordings show
 /// one board that is bent and not quite even, which target.yaml does not say. Free recordings and
 /// guided ones are those of operated_session.h. Equal options give equal bytes.

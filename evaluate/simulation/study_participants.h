@@ -16,9 +16,10 @@ struct StudySimulationOptions {
   std::uint64_t seed = 1;
   double learning = 0.85;  ///< errors, reaction and time of the second session over the first's
   double corner_sigma_px = 0.2;
-  int held_out = 4;    ///< evaluation recordings
-  int sequences = 10;  ///< with motion capture
-  int threads = 0;     ///< 0: all cores; nothing written depends on it
+  int held_out = 4;     ///< evaluation recordings
+  int sequences = 10;   ///< with motion capture
+  bool images = false;  ///< of the sequences, for odometry
+  int threads = 0;      ///< 0: all cores; nothing written depends on it
 
   /// Who is not done by then counts as having given up [s].
   double limitS() const;
