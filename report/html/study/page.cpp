@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "generated/report/embedded.h"
 #include "report/html/page.h"
 #include "report/html/study/figures.h"
 #include "report/html/study/results.h"
@@ -58,8 +57,7 @@ std::string renderStudyPage(const StudyRecord& record) {
                     offsetSection(record), perturbationSection(record), spreadSection(record),
                     boardSection(record), othersSection(record), nightsSection(record),
                     failuresSection(record), sessionsSection(record)},
-       .assumptions = {},
-       .script = embedded::table_sort_js()});
+       .assumptions = {}});
 }
 
 }  // namespace plumbline
