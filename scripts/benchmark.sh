@@ -59,3 +59,9 @@ for stage in views trajectories; do
   echo
   "$build/tests/benchmarks/guidance_${stage}_benchmark" 2>/dev/null
 done
+
+# A study's nights: how they grow with its sessions. --quick: a small one alone.
+sizes=26,50,100
+case " $* " in *" --quick "*) sizes=8 ;; esac
+echo
+/usr/bin/python3 scripts/benchmark/study.py --plumbline "$plumbline" --sessions "$sizes"

@@ -11,98 +11,16 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/session_folder.h"
+#include "evaluate/study/definition_values.h"
 
 namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Nobody takes a day to record a session: larger numbers are milliseconds or stamps.
-constexpr double kMostSeconds = 86400;
+using namespace study_internal;
+
 constexpr double kMostOffset = 10000;  // [ms]
-
-void refuseUnknownKeys(const YamlMap& map, std::initializer_list<const char*> known) {
-  for (const std::string& key : map.keys()) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown key '{}'", key),
-                          fmt::format("one of {}", fmt::join(known, ", ")), ""});
-  }
-}
-
-double numberWithin(const YamlMap& map, const std::string& key, double least, double most,
-                    const std::string& expected) {
-  const double value = map.number(key, expected);
-  if (value >= least && value <= most) return value;
-  throw map.fault(key,
-                  {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value), expected, ""});
-}
-
-double secondsOf(const YamlMap& map, const std::string& key) {
-  return numberWithin(map, key, 0, kMostSeconds,
-                      fmt::format("seconds, 0 to {:g} (a day)", kMostSeconds));
-}
-
-bool flagOf(const YamlMap& map, const std::string& key, bool otherwise) {
-  if (!map.has(key)) return otherwise;
-  bool value = false;
-  if (YAML::convert<bool>::decode(map.node(key), value)) return value;
-  throw map.fault(key,
-                  {InputFault::kUnknownWord, key + " is neither yes nor no", "true or false", ""});
-}
-
-// A name that is also that of a folder.
-std::string nameOf(const YamlMap& map, const std::string& key) {
-  const std::string name = map.text(key, "a name");
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
-  });
-  if (!name.empty() && plain && name.front() != '.' && name.size() <= 100) return name;
-  throw map.fault(key, {InputFault::kUnknownWord, fmt::format("'{}' cannot name a folder", name),
-                        "letters, digits, '_', '-' and '.'", ""});
-}
-
-std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
-                                 const std::string& expected) {
-  std::vector<std::string> words;
-  const YAML::Node list = map.node(key);
-  const auto refuse = [&] {
-    return map.fault(key, {InputFault::kUnknownWord, key + " is no list of words", expected, ""});
-  };
-  if (!list.IsSequence()) throw refuse();
-  for (const YAML::Node& entry : list) {
-    if (!entry.IsScalar() || entry.Scalar().empty()) throw refuse();
-    if (std::find(words.begin(), words.end(), entry.Scalar()) != words.end()) {
-      throw map.fault(
-          key, {InputFault::kDuplicate,
-                fmt::format("'{}' is given twice in {}", entry.Scalar(), key), "each once", ""});
-    }
-    words.push_back(entry.Scalar());
-  }
-  return words;
-}
-
-fs::path pathOf(const YamlMap& map, const std::string& key) {
-  const fs::path given = map.text(key, "a path, relative to the study's file");
-  return fs::weakly_canonical(fs::absolute(fs::path(map.path()).parent_path() / given));
-}
-
-fs::path fileOf(const YamlMap& map, const std::string& key) {
-  const fs::path path = pathOf(map, key);
-  if (fs::is_regular_file(path)) return path;
-  throw map.fault(key, {InputFault::kMissingFile, path.string() + " is no file",
-                        "a file, its path relative to the study's", ""});
-}
-
-fs::path recordingOf(const YamlMap& map, const std::string& key) {
-  const fs::path path = pathOf(map, key);
-  try {
-    findSession(path.string());
-  } catch (const InputError& error) {
-    throw map.fault(key, {InputFault::kMissingFile, error.what(), "", ""});
-  }
-  return path;
-}
 
 // Of a tool's folder its calibration: the chain with an IMU before that of cameras alone.
 fs::path calibrationIn(const YamlMap& map, const std::string& key) {
@@ -127,22 +45,6 @@ fs::path calibrationIn(const YamlMap& map, const std::string& key) {
       key, {InputFault::kMissingFile, path.string() + " is no calibration and no folder with one",
             "a calibration, or a folder of Kalibr's with *camchain*.yaml", ""});
 }
-
-/// Names that are given once.
-class Names {
- public:
-  void add(const YamlMap& map, const std::string& name) {
-    const auto [first, fresh] = lines_.emplace(name, map.lineOf("name"));
-    if (fresh) return;
-    throw map.fault("name",
-                    {InputFault::kDuplicate,
-                     fmt::format("the name '{}' is given twice (line {})", name, first->second),
-                     "each once", "rename one"});
-  }
-
- private:
-  std::map<std::string, int> lines_;
-};
 
 void readOthers(const YamlMap& map, SessionEntry& entry) {
   if (!map.has("other")) return;

@@ -144,7 +144,7 @@ class LocalEngine {
   void launch(std::size_t i, std::size_t threads) {
     ++attempts_[i];
     ProcessRequest request;
-    request.words = {thisProgram(),          "study",        "run-step",
+    request.words = {kRunningProgram,        "study",        "run-step",
                      night_.string(),        steps_[i].name, "--threads",
                      std::to_string(threads)};
     request.log = night_ / kEngineLog;

@@ -217,13 +217,14 @@ class Merger {
     for (const StudyTrajectory& t : rows.trajectories) add("ate_m/" + step.part, "m", t.ate_m);
   }
 
-  // Whether a session has a calibration at all is a figure too.
+  // Whether a session has a calibration at all is a figure too; not where its step was lost.
   void addFigures() {
     for (const Step& step : steps_) {
       const auto result = results_.find(step.name);
       if (step.kind != StepKind::kCalibrate || result == results_.end()) continue;
-      addFigure(step, result->second, "failed", "1",
-                result->second.status == StepStatus::kDone ? 0.0 : 1.0);
+      const StepStatus status = result->second.status;
+      if (status != StepStatus::kDone && status != StepStatus::kFailed) continue;
+      addFigure(step, result->second, "failed", "1", status == StepStatus::kDone ? 0.0 : 1.0);
     }
   }
 

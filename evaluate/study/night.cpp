@@ -168,7 +168,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   const StudyStore store(night.folder /
                          kHistoryFile);  // a newer one ends the night before its work
   InputHashes hashes(night.folder / kHashesFile);
-  night.steps = planStudy(night.study, hashes, versionForKeys(hashes));
+  night.steps = planStudy(night.study, hashes, {programVersion(), runningProgramHash()});
   hashes.save();
   writeFileAtomically((night.folder / kPlanFile).string(), planText(night.steps));
   writeFileAtomically((night.folder / kEngineLog).string(), "");

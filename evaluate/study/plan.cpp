@@ -9,81 +9,14 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/file_io.h"
-#include "evaluate/results/provenance.h"
-#include "evaluate/study/process.h"
-#include "evaluate/study/run_step.h"
+#include "evaluate/study/step_builder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A step in the making: every word goes into the command, and what it stands for into the key.
-class StepBuilder {
- public:
-  StepBuilder(StepKind kind, std::string name, InputHashes& hashes) : hashes_(hashes) {
-    step_.kind = kind;
-    step_.name = std::move(name);
-    key_ = toString(kind) + "\n";
-  }
-
-  StepBuilder& words(std::initializer_list<std::string> list) {
-    for (const std::string& word : list) {
-      step_.words.push_back(word);
-      key_ += word + "\n";
-    }
-    return *this;
-  }
-  /// A word that no result depends on: where to write, how many threads.
-  StepBuilder& aside(const std::string& word) {
-    step_.words.push_back(word);
-    return *this;
-  }
-  StepBuilder& reads(const fs::path& path) {
-    step_.words.push_back(path.string());
-    return watches(path);
-  }
-  /// An input whose path stands within another word.
-  StepBuilder& watches(const fs::path& path) {
-    const InputHashes::Hashed hashed = hashes_.of(path);
-    step_.inputs.push_back({path.string(), hashed.stamp});
-    key_ += "contents " + hashed.content + "\n";
-    return *this;
-  }
-  /// A file that an earlier step made, or its folder for "".
-  StepBuilder& reads(const Step& earlier, const std::string& file) {
-    step_.words.push_back("{result:" + earlier.name + "}" + (file.empty() ? "" : "/" + file));
-    return needs(earlier);
-  }
-  StepBuilder& shapeOf(const Step& earlier) {
-    step_.words.push_back("{shape:" + earlier.name + "}");
-    return needs(earlier);
-  }
-  StepBuilder& needs(const Step& earlier) {
-    const bool known = std::any_of(step_.needs.begin(), step_.needs.end(),
-                                   [&](const StepNeed& n) { return n.name == earlier.name; });
-    if (!known) step_.needs.push_back({earlier.name, earlier.key});
-    key_ += "result " + earlier.inputs_key + "\n";
-    return *this;
-  }
-
-  Step build(const std::string& session, const std::string& part, const StudyDefinition& study,
-             const std::string& version) {
-    step_.session = session;
-    step_.part = part;
-    step_.limit_s = study.step_limit_s;
-    step_.limit_mb = study.step_limit_mb;
-    step_.inputs_key = contentHash(key_);
-    step_.key = contentHash(step_.inputs_key + "\n" + version);
-    return step_;
-  }
-
- private:
-  Step step_;
-  std::string key_;
-  InputHashes& hashes_;
-};
+using study_internal::StepBuilder;
 
 /// Which options of `plumbline calibrate` other commands share.
 const std::vector<std::string> kOfMeasurements{
@@ -134,8 +67,8 @@ bool needsDetection(const fs::path& recording) {
 
 class Planner {
  public:
-  Planner(const StudyDefinition& study, InputHashes& hashes, const std::string& version)
-      : study_(study), hashes_(hashes), version_(version) {}
+  Planner(const StudyDefinition& study, InputHashes& hashes, const ProgramId& program)
+      : study_(study), hashes_(hashes), program_(program) {}
 
   std::vector<Step> plan() {
     for (const RecordingEntry& r : study_.held_out) addRecording("recordings/" + r.name, r.path);
@@ -157,7 +90,7 @@ class Planner {
   static std::string folderOf(const SessionEntry& s) { return "sessions/" + s.row.name; }
 
   const Step& add(StepBuilder& builder, const std::string& session, const std::string& part) {
-    steps_.push_back(builder.build(session, part, study_, version_));
+    steps_.push_back(builder.build(session, part, study_, program_));
     return steps_.back();
   }
 
@@ -367,7 +300,7 @@ class Planner {
 
   const StudyDefinition& study_;
   InputHashes& hashes_;
-  const std::string version_;
+  const ProgramId program_;
   std::vector<Step> steps_;
   std::map<std::string, Source> sources_;     // by folder
   std::map<std::string, Step> calibrations_;  // by session
@@ -377,12 +310,8 @@ class Planner {
 }  // namespace
 
 std::vector<Step> planStudy(const StudyDefinition& study, InputHashes& hashes,
-                            const std::string& version) {
-  return Planner(study, hashes, version).plan();
-}
-
-std::string versionForKeys(InputHashes& hashes) {
-  return programVersion() + " " + hashes.of(thisProgram()).content;
+                            const ProgramId& program) {
+  return Planner(study, hashes, program).plan();
 }
 
 }  // namespace plumbline

@@ -11,12 +11,9 @@
 namespace plumbline {
 
 /// The steps of a study's night, each after those that it needs, with their keys: of the contents
-/// of what they read, of options, and of `version`. Names of sessions and files are in no key but
+/// of what they read, of options, and of the program. Names of sessions and files are in no key but
 /// where results show them. Throws InputError where an input cannot be read.
 std::vector<Step> planStudy(const StudyDefinition& study, InputHashes& hashes,
-                            const std::string& version);
-
-/// What keys take for the program's version: programVersion() and the contents of its file.
-std::string versionForKeys(InputHashes& hashes);
+                            const ProgramId& program);
 
 }  // namespace plumbline

@@ -145,6 +145,6 @@ ProcessEnd runProcess(const ProcessRequest& request) {
   }
 }
 
-std::string thisProgram() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+std::string thisProgram() { return std::filesystem::read_symlink(kRunningProgram).string(); }
 
 }  // namespace plumbline

@@ -55,7 +55,9 @@ class ChildProcess {
 /// Runs it to its end.
 ProcessEnd runProcess(const ProcessRequest& request);
 
-/// This program's file.
+/// This program's file, for commands that others run.
 std::string thisProgram();
+/// The program that runs now, whatever stands under its name by then.
+inline constexpr const char* kRunningProgram = "/proc/self/exe";
 
 }  // namespace plumbline

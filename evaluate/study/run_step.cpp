@@ -167,7 +167,7 @@ ProcessRequest requestOf(const Step& step, const Places& places, const fs::path&
   request.log = log;
   request.limit_s = step.limit_s;
   request.limit_mb = step.limit_mb;
-  if (step.kind != StepKind::kEstimate) request.words.push_back(thisProgram());
+  if (step.kind != StepKind::kEstimate) request.words.push_back(kRunningProgram);
   for (const std::string& word : step.words) request.words.push_back(places.in(word));
   return request;
 }
@@ -219,6 +219,12 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
   const Places places(night, folder.path().string(), threads);
   const ProcessEnd end = runProcess(requestOf(step, places, log));
   judgeEnd(end, step, log, result);
+  // A message opens with the file that it is about. One in the step's own folder could not be
+  // written: no fault of the inputs, and another time there may be room.
+  if (result.status == StepStatus::kFailed &&
+      result.message.compare(0, folder.path().string().size(), folder.path().string()) == 0) {
+    result.status = StepStatus::kLost;
+  }
   const std::string changed = changedInput(step);
   if (!changed.empty()) {
     fail(result, StepStatus::kChanged,
@@ -241,6 +247,8 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
 
 }  // namespace
 
+std::string runningProgramHash() { return contentHash(MappedFile(kRunningProgram).text()); }
+
 StepResult recordLost(const fs::path& night, const Step& step, const std::string& message) {
   StepResult result = emptyResult(night, step);
   fail(result, StepStatus::kLost, message);
@@ -255,6 +263,11 @@ StepResult runStep(const fs::path& night, const std::string& name, int threads) 
   const Step step = readPlannedStep(night / kPlanFile, name);
   if (auto before = readStepResult(night / name); before && before->settles(step)) {
     return *before;
+  }
+  if (step.program != runningProgramHash()) {
+    throw badInput((night / kPlanFile).string(), 0,
+                   {InputFault::kContradiction, "is of another build of the program", "",
+                    "run the study again"});
   }
   requireNeeds(night, step);
   StepResult result = emptyResult(night, step);

@@ -17,12 +17,15 @@ inline constexpr const char* kPlanFile = "plan.jsonl";
 /// that is killed but a hidden folder, which the next night removes.
 ///
 /// An input that is not as the plan has it, before or after, makes the result `kChanged`. Returns
-/// what is there now. Throws InputError where the plan or a step that is needed is missing, or the
-/// result cannot be written.
+/// what is there now. Throws InputError where the plan or a step that is needed is missing, the
+/// plan is of another build, or the result cannot be written.
 StepResult runStep(const std::filesystem::path& night, const std::string& name, int threads);
 
 /// Records that a step's process was lost before it could say anything itself.
 StepResult recordLost(const std::filesystem::path& night, const Step& step,
                       const std::string& message);
+
+/// Of the contents of the program that runs.
+std::string runningProgramHash();
 
 }  // namespace plumbline

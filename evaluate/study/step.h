@@ -30,6 +30,12 @@ constexpr std::array<const char*, 9> enumWords(StepKind /*of*/) {
           "compare", "estimate", "trajectory", "replay"};
 }
 
+/// What made a result, besides its inputs.
+struct ProgramId {
+  std::string version;  ///< programVersion()
+  std::string hash;     ///< runningProgramHash()
+};
+
 /// A file or folder that a step reads, in the state that its key is of.
 struct StepInput {
   std::string path, stamp;
@@ -66,7 +72,8 @@ struct Step {
   std::vector<StepInput> inputs;
   std::vector<StepNeed> needs;
   std::string inputs_key;  ///< of inputs' contents and options
-  std::string key;         ///< of these and the program's version
+  std::string key;         ///< of these and the program
+  std::string program;     ///< runningProgramHash() of who planned it
   double limit_s = 3600;
   int limit_mb = 8192;
 };
@@ -82,6 +89,7 @@ void fields(V& v, Step& s) {
   v("needs", s.needs, "steps before");
   v("inputs_key", s.inputs_key, "of contents and options");
   v("key", s.key, "of these and the version");
+  v("program", s.program, "hash of the program's file");
   v("limit_s", s.limit_s, "wall time");
   v("limit_mb", s.limit_mb, "address space");
 }
@@ -97,7 +105,7 @@ std::vector<Step> readPlan(const std::filesystem::path& plan);
 enum class StepStatus {
   kDone,
   kFailed,   ///< the command refused or failed: it would again
-  kLost,     ///< stopped from outside, by a limit or a crash: done again the next time
+  kLost,     ///< by a kill, a crash, a limit or a full disk: done again the next time
   kChanged,  ///< an input changed since the night was planned: done again the next time
 };
 constexpr std::array<const char*, 4> enumWords(StepStatus /*of*/) {

@@ -21,7 +21,8 @@ class PlanTest : public StudyFiles {
                   [](const std::string&, const std::string&) {});
     InputHashes hashes(root_ / "hashes.txt");
     std::map<std::string, Step> steps;
-    for (const Step& step : planStudy(definition, hashes, version)) steps[step.name] = step;
+    for (const Step& step : planStudy(definition, hashes, {version, "program"}))
+      steps[step.name] = step;
     return steps;
   }
 
@@ -56,7 +57,7 @@ TEST_F(PlanTest, KeysAreOfContentsAndNotOfPlaces) {
   const StudyDefinition there =
       readStudy(moved + "/STUDY.yaml", [](const std::string&, const std::string&) {});
   InputHashes hashes(moved + "/hashes_there.txt");
-  for (const Step& step : planStudy(there, hashes, "1")) {
+  for (const Step& step : planStudy(there, hashes, {"1", "program"})) {
     EXPECT_EQ(step.key, before.at(step.name).key) << step.name;
   }
   std::filesystem::remove_all(moved);

@@ -107,6 +107,16 @@ class StudyNights : public testing::Test {
     return names;
   }
 
+  static Outcome shell(const std::string& command) {
+    Outcome outcome;
+    std::FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
+    char buffer[4096];
+    while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) outcome.text += buffer;
+    const int status = pclose(pipe);
+    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+    return outcome;
+  }
+
   static pid_t start(const std::string& command) {
     const pid_t pid = fork();
     if (pid == 0) {
@@ -367,6 +377,45 @@ TEST_F(StudyNights, AnOutputThatCannotBeWrittenIsNamed) {
   const Outcome outcome = study(root_ / "data", scratch_ / "file");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.text, HasSubstr("is no folder"));
+}
+
+// From the n-th write of every process on there is no space.
+TEST_F(StudyNights, AFullDiskEndsTheNightAndLosesNothing) {
+  for (const int n : {1, 4, 12}) {
+    const fs::path night = scratch_ / std::to_string(n);
+    const Outcome full = shell(
+        "ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" + std::string(PLUMBLINE_FAILING_CALLS) +
+        " PLUMBLINE_FULL_AT=" + std::to_string(n) + " " + PLUMBLINE_BINARY + " " +
+        words(root_ / "data", night));
+    EXPECT_EQ(full.exit_code, 2) << full.text;
+    EXPECT_THAT(full.text,
+                testing::AnyOf(HasSubstr("No space left on device"), HasSubstr("disk is full")));
+    const Outcome again = study(root_ / "data", night);
+    EXPECT_EQ(again.exit_code, 0) << again.text;
+    EXPECT_EQ(values(night), values(root_ / "undisturbed")) << n;
+  }
+}
+
+// The program may be replaced while a night runs: it goes on as it began.
+TEST_F(StudyNights, AnotherBuildUnderTheSameNameMeanwhileChangesNothing) {
+  const fs::path program = scratch_ / "plumbline";
+  fs::copy_file(PLUMBLINE_BINARY, program);
+  const fs::path night = scratch_ / "night";
+  const pid_t pid = fork();
+  if (pid == 0) {
+    execl("/bin/sh", "sh", "-c",
+          ("exec " + program.string() + " " + words(root_ / "data", night) + " >/dev/null 2>&1")
+              .c_str(),
+          nullptr);
+    _exit(127);
+  }
+  while (!fs::exists(night / "plan.jsonl")) std::this_thread::yield();
+  fs::remove(program);
+  write(program, "#!/bin/sh\nexit 1\n");
+  int status = 0;
+  waitpid(pid, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(values(night), values(root_ / "undisturbed"));
 }
 
 TEST_F(StudyNights, TheListOfCommandsGivesTheSameStore) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "datasets/files/yaml_map.h"
+
+namespace plumbline::study_internal {
+
+// Values of a study's definition. Each throws an InputError with file and line for another one.
+
+// Nobody takes a day to record a session: larger numbers are milliseconds or stamps.
+inline constexpr double kMostSeconds = 86400;
+
+void refuseUnknownKeys(const YamlMap& map, std::initializer_list<const char*> known);
+double numberWithin(const YamlMap& map, const std::string& key, double least, double most,
+                    const std::string& expected);
+/// Seconds of a person's work: 0 to a day.
+double secondsOf(const YamlMap& map, const std::string& key);
+bool flagOf(const YamlMap& map, const std::string& key, bool otherwise);
+/// A name that can be that of a folder, too.
+std::string nameOf(const YamlMap& map, const std::string& key);
+/// A list of words, each once.
+std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
+                                 const std::string& expected);
+/// Absolute; as written it is relative to the definition's folder.
+std::filesystem::path pathOf(const YamlMap& map, const std::string& key);
+/// The same of a file that is there,
+std::filesystem::path fileOf(const YamlMap& map, const std::string& key);
+/// and of a recording's folder.
+std::filesystem::path recordingOf(const YamlMap& map, const std::string& key);
+
+/// Names that are given once.
+class Names {
+ public:
+  void add(const YamlMap& map, const std::string& name);
+
+ private:
+  std::map<std::string, int> lines_;
+};
+
+}  // namespace plumbline::study_internal
