@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs what Plumbline needs from Debian 12's own packages. Nothing is asked and nothing else is
 # touched; packages that are there already are left alone. Usage:
-#   scripts/install_dependencies.sh [build|test|sanitize|check|bench]...   (default: build)
+#   scripts/install_dependencies.sh [build|test|sanitize|check|bench|slurm]...   (default: build)
 set -euo pipefail
 
 build_packages=(
@@ -18,6 +18,7 @@ test_packages=(chromium fonts-dejavu-core python3 libbenchmark-dev libopencv-cor
 sanitize_packages=(libclang-rt-dev)
 check_packages=(clang-format clang-tidy g++ python3)
 bench_packages=(libbenchmark-dev mrcal python3 python3-mrcal python3-numpy python3-opencv time)
+slurm_packages=(munge python3 slurm-wlm)
 
 wanted=()
 for set_name in "${@:-build}"; do
@@ -27,7 +28,8 @@ for set_name in "${@:-build}"; do
     sanitize) wanted+=("${sanitize_packages[@]}") ;;
     check) wanted+=("${check_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown set '$set_name' (build, test, sanitize, check, bench)" >&2; exit 2 ;;
+    slurm) wanted+=("${slurm_packages[@]}") ;;
+    *) echo "install_dependencies.sh: unknown set '$set_name' (build, test, sanitize, check, bench, slurm)" >&2; exit 2 ;;
   esac
 done
 

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # A study on a real Slurm of one node that this script starts, beside the same study on the local engine: the
 # stores must hold the same values, though one task is killed and the node is drained on the way.
-#   apt-get install -y slurm-wlm munge
-# Needs root (slurmd's), and no Slurm that is running already. Ends what it starts.
+#   scripts/install_dependencies.sh slurm
+# Needs root (slurmd's), and no Slurm that listens on its two ports. Ends what it starts. KEEP=1 leaves its folder.
 # Usage: scripts/test_slurm.sh [PLUMBLINE]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+[ "$(id -u)" = 0 ] || exec sudo "KEEP=${KEEP:-}" "$0" "$@"
 plumbline=$(realpath "${1:-build/evaluate/plumbline}")
 work=$(mktemp -d)
 pids=()
