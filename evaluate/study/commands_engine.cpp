@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/local_engine.h"
 #include "evaluate/study/process.h"
@@ -33,29 +34,20 @@ std::vector<std::vector<Step>> unsettledStages(const fs::path& night,
   return stages;
 }
 
-std::string shellWord(const std::string& word) {
-  const char* const plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+%@";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 std::string commandList(const fs::path& night, const std::vector<Step>& steps,
                         const std::string& study, const std::string& out) {
-  const std::string program = shellWord(thisProgram());
+  const std::string program = shellWords({thisProgram()});
   Text text;
   int number = 0;
   for (const std::vector<Step>& stage : unsettledStages(night, steps)) {
     add(text, "# stage {}: {} commands\n", ++number, stage.size());
     for (const Step& step : stage) {
-      add(text, "{} study run-step {} {}\n", program, shellWord(night.string()), step.name);
+      add(text, "{} study run-step {} {}\n", program, shellWords({night.string()}), step.name);
     }
   }
   add(text, "# then\n{} study {} --out {}\n", program,
-      shellWord(fs::absolute(study).lexically_normal().string()),
-      shellWord(fs::absolute(out).lexically_normal().string()));
+      shellWords({fs::absolute(study).lexically_normal().string()}),
+      shellWords({fs::absolute(out).lexically_normal().string()}));
   return fmt::to_string(text);
 }
 

@@ -20,7 +20,4 @@ std::vector<std::vector<Step>> unsettledStages(const std::filesystem::path& nigh
 std::string commandList(const std::filesystem::path& night, const std::vector<Step>& steps,
                         const std::string& study, const std::string& out);
 
-/// A word as a shell takes it.
-std::string shellWord(const std::string& word);
-
 }  // namespace plumbline

@@ -13,7 +13,6 @@
 #include "datasets/files/shown_text.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/study/commands_engine.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/process.h"
 #include "evaluate/study/step_rows.h"
@@ -65,7 +64,7 @@ std::string commandText(const Step& step, const fs::path& night) {
   const Places by_hand(night, "OUT", 0);
   std::string text = step.kind == StepKind::kEstimate ? "" : "plumbline";
   for (const std::string& word : step.words) {
-    text += (text.empty() ? "" : " ") + shellWord(by_hand.in(word));
+    text += (text.empty() ? "" : " ") + shellWords({by_hand.in(word)});
   }
   return text;
 }

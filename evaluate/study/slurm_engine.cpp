@@ -16,6 +16,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/commands_engine.h"
 #include "evaluate/study/process.h"
@@ -164,16 +165,16 @@ class Round {
     std::string array = fmt::format("0-{}", packs.size() - 1);
     if (options_.throttle > 0) array += fmt::format("%{}", options_.throttle);
     const std::string command = fmt::format(
-        "{} study run-pack {} {} \"$SLURM_ARRAY_TASK_ID\"", shellWord(thisProgram()),
-        shellWord(night_.folder.string()), shellWord((folder_ / (name + ".txt")).string()));
+        "{} study run-pack {} {} \"$SLURM_ARRAY_TASK_ID\"", shellWords({thisProgram()}),
+        shellWords({night_.folder.string()}), shellWords({(folder_ / (name + ".txt")).string()}));
     return sbatch(name, after, array, command, name + "_%a.log");
   }
 
   std::string submitMerge(const std::string& after) const {
     const std::string command =
         fmt::format("{} study {} --out {} --engine slurm --slurm-rounds {} --merge-round {}",
-                    shellWord(thisProgram()), shellWord(night_.study.file.string()),
-                    shellWord(night_.folder.string()), options_.rounds, number_);
+                    shellWords({thisProgram()}), shellWords({night_.study.file.string()}),
+                    shellWords({night_.folder.string()}), options_.rounds, number_);
     return sbatch("merge", after, "", command, "merge.log");
   }
 
