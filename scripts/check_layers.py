@@ -19,6 +19,7 @@ HEAVY = {
     "bag reader": r"rosbag|ros/",
     "OpenCV": r"opencv2/",
     "CLI11": r"CLI/",
+    "cairo": r"cairo",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 

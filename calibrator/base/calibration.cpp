@@ -57,11 +57,13 @@ const ModelRow& rowOf(ProjectionModel model) {
   return rows[static_cast<std::size_t>(model)];
 }
 const ModelRow& rowOf(DistortionModel model) {
-  static const std::array<ModelRow, 4> rows = {
+  static const std::array<ModelRow, 5> rows = {
       {{{}, {}},
        {{"radial-tangential", "radtan4", "plumb_bob"}, {"k1", "k2", "p1", "p2"}},
        {{"equi", "equi4", "kannala_brandt", "kb4"}, {"k1", "k2", "k3", "k4"}},
-       {{}, {"w"}}}};
+       {{}, {"w"}},
+       {{"rational_polynomial", "radtan8", "radialtangential8"},
+        {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}}}};
   return rows[static_cast<std::size_t>(model)];
 }
 
@@ -97,16 +99,20 @@ std::size_t parameterCount(ProjectionModel model) { return 4 + rowOf(model).para
 std::size_t parameterCount(DistortionModel model) { return rowOf(model).parameters.size(); }
 
 std::string calibratedModelWords() {
-  std::string words;
+  std::vector<std::string> words;
   for (std::size_t p = 0; p < enumWords(ProjectionModel()).size(); ++p) {
     for (std::size_t d = 0; d < enumWords(DistortionModel()).size(); ++d) {
       const auto projection = static_cast<ProjectionModel>(p);
       const auto distortion = static_cast<DistortionModel>(d);
       if (!canBeCalibrated(projection, distortion)) continue;
-      words += (words.empty() ? "" : " or ") + toString(projection) + "-" + toString(distortion);
+      words.push_back(toString(projection) + "-" + toString(distortion));
     }
   }
-  return words;
+  std::string text = words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    text += (i + 1 < words.size() ? ", " : " or ") + words[i];
+  }
+  return text;
 }
 
 std::string unsupportedModelText(const std::string& projection, const std::string& distortion) {

@@ -20,10 +20,11 @@ enum class ProjectionModel { kPinhole, kOmni, kEucm, kDs };
 constexpr std::array<const char*, 4> enumWords(ProjectionModel /*of*/) {
   return {"pinhole", "omni", "eucm", "ds"};
 }
-/// Distortion of normalised coordinates, in Kalibr's words.
-enum class DistortionModel { kNone, kRadtan, kEquidistant, kFov };
-constexpr std::array<const char*, 4> enumWords(DistortionModel /*of*/) {
-  return {"none", "radtan", "equidistant", "fov"};
+/// Distortion of normalised coordinates, in Kalibr's words; kRational is OpenCV's of eight
+/// coefficients, which Kalibr does not have.
+enum class DistortionModel { kNone, kRadtan, kEquidistant, kFov, kRational };
+constexpr std::array<const char*, 5> enumWords(DistortionModel /*of*/) {
+  return {"none", "radtan", "equidistant", "fov", "rational"};
 }
 
 /// The inverse of toString(); also accepts the words other tools use (EuRoC's "radial-tangential",
@@ -122,7 +123,7 @@ struct ParameterName {
 };
 
 /// Names of Intrinsics::stacked(), in its order, as Kalibr's documents call them: xi, alpha, beta
-/// before fu fv pu pv, then k1 ... p2, k1 ... k4, or w.
+/// before fu fv pu pv, then k1 ... p2, k1 ... k4, w, or k1 k2 p1 p2 k3 ... k6.
 std::vector<ParameterName> intrinsicParameters(ProjectionModel projection,
                                                DistortionModel distortion);
 
@@ -132,13 +133,21 @@ std::size_t parameterCount(DistortionModel model);
 
 /// Whether cameras of this kind can be calibrated; the others project, and are scored and compared.
 constexpr bool canBeCalibrated(ProjectionModel projection, DistortionModel distortion) {
-  return projection == ProjectionModel::kPinhole &&
-         (distortion == DistortionModel::kRadtan || distortion == DistortionModel::kEquidistant);
+  switch (projection) {
+    case ProjectionModel::kPinhole:
+      return true;
+    case ProjectionModel::kOmni:
+      return distortion == DistortionModel::kNone || distortion == DistortionModel::kRadtan;
+    case ProjectionModel::kEucm:
+    case ProjectionModel::kDs:
+      return distortion == DistortionModel::kNone;
+  }
+  return false;
 }
-/// "pinhole-radtan or pinhole-equidistant".
+/// "pinhole-none, pinhole-radtan, ... or ds-none".
 std::string calibratedModelWords();
 
-/// "calibrating the camera model omni-radtan is not supported yet; expected ...": the text with
+/// "calibrating the camera model omni-fov is not supported yet; expected ...": the text with
 /// which every reader refuses another model.
 std::string unsupportedModelText(const std::string& projection, const std::string& distortion);
 

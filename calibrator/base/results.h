@@ -137,6 +137,26 @@ struct CornerResidual {
   bool used = true;                                 ///< false: rejected as an outlier
 };
 
+/// One block of parameters, as the recording's halves have it.
+struct HalvesBlock {
+  std::string name;  ///< "cam0 intrinsics", "T_C0C1", "T_SC0", "time offset"
+  double chi2 = 0;   ///< of the difference, under the halves' deviations
+  int parameters = 0;
+  double limit = 0;       ///< chi2 that one recording in a hundred exceeds by chance
+  std::string worst;      ///< parameter that differs by most of its deviations
+  double difference = 0;  ///< of it, second half minus first [unit]
+  double std = 0;         ///< of that difference, cluster-robust [unit]
+  std::string unit;
+
+  bool agree() const { return chi2 <= limit; }
+};
+
+/// A stage solved on each half of the recording apart.
+struct HalvesCheck {
+  TimeNs split = 0;  ///< stamp of the second half's first frame
+  std::vector<HalvesBlock> blocks;
+};
+
 /// Wall seconds of the parts of a stage.
 struct StageSeconds {
   double load = 0, detect = 0, initialise = 0, solve = 0, covariance = 0, total = 0;
@@ -160,6 +180,8 @@ struct StageSummary {
   /// together or the model misfits (calibrator/batch/camera/robust_covariance.h); empty where too
   /// few blocks of time tell.
   std::optional<Eigen::VectorXd> robust_std;
+  /// Whether the recording's halves agree, where that was asked for and both have a solution.
+  std::optional<HalvesCheck> halves;
   double entropy_nats = 0;  ///< 0.5 log((2 pi e)^n |Sigma|) of `covariance`
   StageSeconds seconds;
 };
@@ -186,6 +208,33 @@ struct TargetFit {
   double gain_std_px2 = 0;      ///< standard deviation of that mean
 };
 
+/// A lens model that was tried for a camera.
+struct ModelCandidate {
+  ProjectionModel projection = ProjectionModel::kPinhole;
+  DistortionModel distortion = DistortionModel::kNone;
+  int parameters = 0;
+  int frames = 0;          ///< on which it was tried; fewer where that was enough to rule it out
+  double held_out_px = 0;  ///< RMS of frames that it was not fitted to; NaN: no solution
+  double excess_px2 = 0;   ///< mean over blocks of time: by how much its squares exceed the best's
+  double excess_std_px2 = 0;  ///< standard deviation of that mean
+};
+
+/// Why a model was chosen.
+enum class ModelReason {
+  kNotTested,  ///< too short a recording, or no other model has a solution
+  kStated,     ///< the recording states it, and no model predicts unseen frames better
+  kSmallest,   ///< the fewest parameters of those that predict unseen frames as well as the best
+};
+
+/// The lens model of one camera, chosen by the error of unseen frames.
+struct ModelChoice {
+  std::string camera;
+  ProjectionModel projection = ProjectionModel::kPinhole;  ///< chosen
+  DistortionModel distortion = DistortionModel::kNone;
+  ModelReason reason = ModelReason::kNotTested;
+  std::vector<ModelCandidate> candidates;  ///< the best first; without a solution last
+};
+
 /// Camera stage: intrinsics, extrinsics, and the pose of camera 0 in every frame used.
 struct CameraStageResult {
   std::vector<CameraCalibration> cameras;
@@ -195,6 +244,7 @@ struct CameraStageResult {
   /// The board that the solution stands on: the session's, or the estimated one.
   TargetShape target;
   std::optional<TargetFit> target_fit;  ///< where the shape was asked for
+  std::vector<ModelChoice> models;      ///< one per camera, where they were to be chosen
   StageSummary summary;
 };
 

@@ -51,7 +51,7 @@ template <int kShape, class T>
 
 /// A camera's parameters as its model takes them: the lens, and the shape without a gap.
 struct CameraValues {
-  static constexpr int kMostShape = 8;
+  static constexpr int kMostShape = 8;  // of the rational model
   double fu, fv, pu, pv;
   std::array<double, kMostShape> k{};
 

@@ -53,6 +53,24 @@ void fields(V& v, StageSeconds& s) {
   v("total", s.total, "s", "of the stage, without loading and detection");
 }
 
+template <class V>
+void fields(V& v, HalvesBlock& b) {
+  v("name", b.name, "the block of parameters");
+  v("chi2", b.chi2, "1", "of the halves' difference under their cluster-robust deviations");
+  v("parameters", b.parameters, "1", "in the block");
+  v("limit", b.limit, "1", "`chi2` that one recording in a hundred exceeds by chance");
+  v("worst", b.worst, "parameter that differs by most of its deviations");
+  v("difference", b.difference, "of it, second half minus first, in `unit`");
+  v("std", b.std, "standard deviation of that difference, in `unit`");
+  v("unit", b.unit, "of `difference` and `std`");
+}
+
+template <class V>
+void fields(V& v, HalvesCheck& h) {
+  v("split_ns", h.split, "stamp of the second half's first frame");
+  v("blocks", h.blocks, "of the stage's parameters");
+}
+
 /// All but the covariance, which calibration.json has apart, and the seconds, which only a stage
 /// has.
 template <class V>
@@ -64,6 +82,7 @@ void figures(V& v, StageSummary& s) {
   v("views_used", s.views_used, "1", "(camera, frame) pairs with used corners");
   v("views_offered", s.views_offered, "1", "all views of the session, whatever they saw");
   v("robust_std", s.robust_std, "cluster-robust standard deviations, in the order of `covariance`");
+  v("halves", s.halves, "whether the recording's halves, each solved apart, agree");
   v("entropy_nats", s.entropy_nats, "nat",
     "0.5 log((2 pi e)^n |Sigma|), Sigma the stage's `covariance`; compare only under the same "
     "parameter list, units and noise");
@@ -96,12 +115,38 @@ void fields(V& v, TargetFit& t) {
 }
 
 template <class V>
+void fields(V& v, ModelCandidate& m) {
+  v("camera_model", m.projection, "the projection");
+  v("distortion_model", m.distortion, "its distortion");
+  v("parameters", m.parameters, "1", "of the lens");
+  v("frames", m.frames, "1", "on which it was tried: fewer where that ruled it out");
+  v("held_out_px", m.held_out_px, "px", "RMS of frames that it was not fitted to; null: none");
+  v("excess_px2", m.excess_px2, "px^2",
+    "mean over blocks of time: by how much its squares exceed the best model's");
+  v("excess_std_px2", m.excess_std_px2, "px^2", "standard deviation of that mean");
+}
+
+constexpr std::array<const char*, 3> enumWords(ModelReason /*of*/) {
+  return {"not tested", "stated", "smallest"};
+}
+
+template <class V>
+void fields(V& v, ModelChoice& m) {
+  v("camera", m.camera, "its name");
+  v("camera_model", m.projection, "the chosen projection");
+  v("distortion_model", m.distortion, "its distortion");
+  v("reason", m.reason, "why: within one standard error of the best, `stated` or `smallest`");
+  v("candidates", m.candidates, "models that were tried, the best first");
+}
+
+template <class V>
 void fields(V& v, CameraStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
   v("cameras", s.cameras, "as this stage estimated them");
   v("target", s.target, "the board that the solution stands on");
   v("target_fit", s.target_fit, "the board's shape as estimated, whether or not it was kept");
+  v.ifSet("model_choice", s.models, "lens models tried for each camera, and the one chosen");
   v.array("frames", s.frames, "frames of the solution");
   v.array("T_FC0", s.T_FC0, "camera 0 in the target's frame, one per frame");
   v.array("residuals", s.residuals, "corners' reprojection errors");

@@ -24,6 +24,8 @@ constexpr std::size_t kViews = 16;  // as many decide
 constexpr double kFlat = 1.02;      // errors closer than this ratio are alike
 constexpr double kLoss = 0.02;      // of the image's width: the scale of the Cauchy loss
 constexpr double kNoiseFloorPx = 1e-3;
+constexpr double kMiddleOfFov =
+    0.9;  // w [rad]; 0 would be a saddle point, the model being even in w
 
 /// Median over views of the error of the view's best pose; a view without pose counts as bad.
 double costOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
@@ -86,13 +88,31 @@ Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
   camera.projection_model = projection;
   camera.distortion_model = distortion;
   camera.resolution = resolution;
-  camera.projection = Eigen::Vector4d(focal_px, focal_px, 0.5 * (resolution.width - 1),
-                                      0.5 * (resolution.height - 1));
-  camera.distortion = Eigen::Vector4d::Zero();
+  camera.projection.resize(static_cast<Eigen::Index>(parameterCount(projection)));
+  camera.distortion.setZero(static_cast<Eigen::Index>(parameterCount(distortion)));
+  double magnification = 1;  // of the model at its centre, under a focal length of 1
+  auto shape = camera.projection.head(camera.projection.size() - 4);
+  if (projection == ProjectionModel::kOmni) {
+    shape << 1;
+    magnification = 0.5;
+  } else if (projection == ProjectionModel::kEucm) {
+    shape << 0.5, 1;
+  } else if (projection == ProjectionModel::kDs) {
+    shape << -0.2, 0.6;  // the magnification of the first sphere is 1 / (1 + xi)
+    magnification = 1 / 0.8;
+  }
+  if (distortion == DistortionModel::kFov) {
+    camera.distortion[0] = kMiddleOfFov;
+    magnification *= 2 * std::tan(0.5 * kMiddleOfFov) / kMiddleOfFov;
+  }
+  const double focal = focal_px / magnification;
+  camera.projection.tail<4>() << focal, focal, 0.5 * (resolution.width - 1),
+      0.5 * (resolution.height - 1);
   return camera;
 }
 
-std::vector<double> focalCandidates(DistortionModel distortion, const Resolution& resolution,
+std::vector<double> focalCandidates(ProjectionModel projection, DistortionModel distortion,
+                                    const Resolution& resolution,
                                     const std::vector<PackedView>& views, int count) {
   const std::vector<PackedView> some = spread(views);
   std::vector<Rung> rungs;
@@ -100,7 +120,7 @@ std::vector<double> focalCandidates(DistortionModel distortion, const Resolution
   if (some.empty()) return {likely};
   for (double f = kShortest; f < kLongest; f *= kRung) {
     const double focal = f * resolution.width;
-    const Intrinsics camera = plainCamera(ProjectionModel::kPinhole, distortion, resolution, focal);
+    const Intrinsics camera = plainCamera(projection, distortion, resolution, focal);
     rungs.push_back({focal, costOf(camera, some) + kNoiseFloorPx});
   }
   return bestOf(rungs, likely, count);

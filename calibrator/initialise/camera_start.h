@@ -11,7 +11,11 @@
 #include "calibrator/residuals/packed_corners.h"
 
 namespace plumbline {
-/// A camera of this model with its principal point at the image's centre and no distortion.
+/// A camera of this model with its principal point at the image's centre and this focal length
+/// there: d(pixels)/d(angle) on the axis. Radtan, equidistant and rational without distortion; the
+/// others, whose shape is not a correction but the lens, in the middle of what it can be: omni
+/// and eucm as a stereographic projection (xi = 1; alpha = 1/2, beta = 1), ds with xi = -0.2 and
+/// alpha = 0.6 (on the side of its valley where lenses are found), fov with w = 0.9.
 Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
                        const Resolution& resolution, double focal_px);
 
@@ -23,7 +27,8 @@ Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
 /// candidates. A plain equidistant camera is a fair model of real fisheyes, as is a plain pinhole
 /// of others. Views of the target seen head-on tell nothing: then a field of view of about 70
 /// degrees is assumed, and it is for the batch to say that the focal length is not observable.
-std::vector<double> focalCandidates(DistortionModel distortion, const Resolution& resolution,
+std::vector<double> focalCandidates(ProjectionModel projection, DistortionModel distortion,
+                                    const Resolution& resolution,
                                     const std::vector<PackedView>& views, int count = 3);
 
 /// Poses of the target that one camera found by itself: per frame T_CiF, empty where it has none.

@@ -64,6 +64,11 @@ std::vector<int> cornersOfTag(const PackedView& view, int tag);
 /// plane coordinates end, and a corner whose noise puts it beyond would stall any solver.
 inline constexpr double kGrazing = 89 * 3.14159265358979323846 / 180;
 
+/// Whether corners at 90 degrees from the optical axis are beyond what the model can project.
+inline bool endsAtRightAngle(const Intrinsics& camera) {
+  return camera.projection_model == ProjectionModel::kPinhole;
+}
+
 /// Positions of used corners that the pose puts beyond an angle from the optical axis.
 std::vector<int> beyondAngle(const PackedView& view, const Transform& T_CF, double angle_rad);
 

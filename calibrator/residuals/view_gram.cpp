@@ -109,14 +109,14 @@ bool dispatch(InstructionSet set, const AnyCameraModel& model, bool robust, cons
   assert(isAvailable(set));
   return std::visit(
       [&]<class Model>(Model) {
-        if constexpr (!kIsCalibrated<Model>) {
+        if constexpr (!kIsVectorised<Model>) {
           return false;
         } else if (set == InstructionSet::kAvx2) {
           robust ? job(Avx2<Model, true>{}) : job(Avx2<Model, false>{});
         } else {
           robust ? job(Baseline<Model, true>{}) : job(Baseline<Model, false>{});
         }
-        return kIsCalibrated<Model>;
+        return kIsVectorised<Model>;
       },
       model);
 }

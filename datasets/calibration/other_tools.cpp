@@ -31,13 +31,12 @@ Eigen::VectorXd numbersOf(const YamlMap& map, std::initializer_list<const char*>
   return values;
 }
 
-void refuseRational(const YamlMap& map) {
+/// Whether any of the coefficients that radtan does not have is unlike zero.
+bool isRational(const YamlMap& map) {
   for (const char* key : {"k3", "k4", "k5", "k6"}) {
-    if (map.numberOr(key, 0) == 0) continue;
-    throw map.fault(
-        key, {InputFault::kUnsupported, "a distortion with k3 to k6",
-              "k3 to k6 zero: radtan has four parameters", "calibrate with kb4 or with radtan"});
+    if (map.numberOr(key, 0) != 0) return true;
   }
+  return false;
 }
 
 void setModel(Intrinsics& k, ProjectionModel projection, DistortionModel distortion) {
@@ -69,8 +68,10 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
   } else {
     k.projection = numbersOf(map, {"fx", "fy", "cx", "cy"});
   }
-  if (type == "pinhole-radtan8") {
-    refuseRational(map);
+  if (type == "pinhole-radtan8" && isRational(map)) {
+    setModel(k, ProjectionModel::kPinhole, DistortionModel::kRational);
+    k.distortion = numbersOf(map, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"});
+  } else if (type == "pinhole-radtan8") {
     setModel(k, ProjectionModel::kPinhole, DistortionModel::kRadtan);
     k.distortion = numbersOf(map, {"k1", "k2", "p1", "p2"});
   } else if (type == "kb4") {

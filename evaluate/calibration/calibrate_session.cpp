@@ -7,6 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/batch/halves.h"
 #include "calibrator/batch/resample.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/headline.h"
@@ -41,6 +42,7 @@ Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const
   bool unstated = false;
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     const std::string& word = session.cameras[c].distortion_model;
+    if (request.camera.model_mode == ModelMode::kAuto) break;  // all were tried
     const bool asked = c < request.camera.models.size();
     unstated = unstated || (!asked && word.empty());
     radtan = radtan || (asked ? request.camera.models[c].distortion == DistortionModel::kRadtan
@@ -63,6 +65,11 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
   if (!stage) return withModelSuspect(stage.failure(), request, loaded.session);
   record.camera = std::move(stage).value();
   addLoading(loaded, record.camera->summary.seconds);
+  if (request.halves) {
+    progress("comparing the halves", -1);
+    record.camera->summary.halves =
+        checkCameraHalves(loaded.session, *record.camera, request.camera);
+  }
   if (request.resamples > 0) {
     progress("resampling the cameras", -1);
     const auto spread =
@@ -84,6 +91,10 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
                    {{"iterations", stage->summary.iterations}}};
   }
   record.camera_imu = std::move(stage).value();
+  if (request.halves) {
+    record.camera_imu->summary.halves =
+        checkCameraImuHalves(loaded.session, *record.camera_imu, request.camera_imu);
+  }
   locateSamples(loaded, record.camera_imu->screening);
   addLoading(loaded, record.camera_imu->summary.seconds);
   if (request.resamples > 0) {

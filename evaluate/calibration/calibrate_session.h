@@ -25,7 +25,8 @@ struct CalibrateRequest {
   std::optional<std::string> cameras_file;
   bool free_cameras = false;  ///< cameras_file is only the start of the camera stage
   bool use_imu = true;
-  int resamples = 0;  ///< bootstrap solutions over resampled time segments; 0: none
+  bool halves = true;  ///< solve the recording's halves apart and say whether they agree
+  int resamples = 0;   ///< bootstrap solutions over resampled time segments; 0: none
   std::uint64_t seed = 1;
   VerdictThresholds thresholds;
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in

@@ -62,6 +62,23 @@ void addImu(Text& text, const ImuCalibration& imu) {
   add(text, " (t_imu = t_cam + offset)\n");
 }
 
+// Which lens models were chosen, and how far the next ones are behind.
+void addModels(Text& text, const std::vector<ModelChoice>& models) {
+  for (const ModelChoice& m : models) {
+    add(text, "Lens model of {}: {}-{} ({})", m.camera, toString(m.projection),
+        toString(m.distortion),
+        m.reason == ModelReason::kStated ? "as stated; none predicts unseen frames better"
+        : m.reason == ModelReason::kSmallest
+            ? "the smallest of those that predict unseen frames best"
+            : "others were not tested");
+    for (const ModelCandidate& c : m.candidates) {
+      if (c.projection != m.projection || c.distortion != m.distortion) continue;
+      add(text, ", {:.4f} px there", c.held_out_px);
+    }
+    add(text, "\n");
+  }
+}
+
 // What was found of the board, where that was asked for.
 void addTarget(Text& text, const TargetFit& fit, bool kept) {
   if (fit.finding != TargetFinding::kBent) {
@@ -121,6 +138,7 @@ std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool r
 std::string calibrationSummary(const CalibrationRecord& record) {
   Text text;
   if (record.camera) addErrors(text, "Cameras", record.camera->summary);
+  if (record.camera) addModels(text, record.camera->models);
   if (record.camera && record.camera->target_fit) {
     const TargetFit& fit = *record.camera->target_fit;
     addTarget(text, fit, record.camera->target.terms == fit.shape.terms);

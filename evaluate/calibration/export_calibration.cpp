@@ -26,11 +26,15 @@ Calibration requestedCalibration(const ExportRequest& request) {
 
 }  // namespace
 
-ExportedFiles exportCalibrationFile(const ExportRequest& request) {
+CalibrationExport exportCalibrationFile(const ExportRequest& request) {
   const ExportOptions options{request.calibration, kVersion,
                               request.imu.has_value() || statesImuNoise(request.calibration),
                               request.camera_rate_hz};
-  return exportCalibration(requestedCalibration(request), request.tool, options);
+  Calibration calibration = requestedCalibration(request);
+  CalibrationExport out;
+  if (request.model) out.conversions = convertModels(calibration, *request.model);
+  static_cast<ExportedFiles&>(out) = exportCalibration(calibration, request.tool, options);
+  return out;
 }
 
 }  // namespace plumbline

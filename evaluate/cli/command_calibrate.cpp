@@ -29,6 +29,7 @@ struct CalibrateOptions {
   ResultOptions output;
   std::optional<std::string> select_views;
   bool free_cameras = false, joint = false, residuals = false;
+  bool no_halves = false;
   double imu_shift_ms = 0;
   int resamples = 0;
   std::uint64_t seed = 1;
@@ -36,6 +37,7 @@ struct CalibrateOptions {
 };
 
 void declareEstimation(CLI::App& app, CalibrateOptions& o) {
+  o.estimation.choose_models = true;
   o.estimation.declare(app);
   app.add_flag("--free-cameras", o.free_cameras, "--cameras is only the start of the camera stage")
       ->needs(app.get_option("--cameras"));
@@ -46,6 +48,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_option("--resample", o.resamples,
                  "Solve again on N draws of time segments and report the bootstrap std")
       ->check(CLI::IsMember({0}) | numberFrom(2));
+  app.add_flag("--no-halves", o.no_halves, "Do not compare the halves of the recording");
   app.add_option("--seed", o.seed, "Seed of resampling and view selection")
       ->check(seedFrom(0))
       ->capture_default_str();
@@ -83,6 +86,7 @@ CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app
   request.camera_imu = cameraImuOptions(o, request.camera);
   request.cameras_file = o.estimation.cameras;
   request.free_cameras = o.free_cameras;
+  request.halves = !o.no_halves;
   request.use_imu = !o.estimation.no_imu;
   request.resamples = o.resamples;
   request.seed = o.seed;

@@ -16,6 +16,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/option_values.h"
 #include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
@@ -27,6 +28,7 @@ struct ExportFilesOptions {
   ExportRequest request;
   OutputOptions output;
   std::string to;
+  std::optional<std::string> model;
   JsonOption json;
 };
 
@@ -51,6 +53,10 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
       ->allow_extra_args(false);
   app.add_option("--camera-rate", r.camera_rate_hz,
                  "Rate of the images [Hz], for tools that ask for it (orbslam3; default: 20)");
+  app.add_option("--model", o.model,
+                 "Give the cameras in another lens model, with the least projection error over the "
+                 "image: " +
+                     calibratedModelWords());
   o.json.declare(app);
 }
 
@@ -59,11 +65,27 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
   const auto tool = exportToolFrom(o.to);
   if (!tool) throw InputError(fmt::format("--to {}: expected one of {}", o.to, knownTools()));
   request.tool = *tool;
+  if (o.model) {
+    const std::vector<CameraModelPair> models = modelsFrom(*o.model);
+    if (models.size() != 1)
+      throw InputError("--model " + *o.model + ": expected one for all cameras");
+    request.model = models.front();
+  }
   const double rate = request.camera_rate_hz.value_or(1);
   if (!(rate > 0) || !std::isfinite(rate) || rate > 1e6) {
     throw InputError(fmt::format("--camera-rate {}: expected a positive number of Hz", rate));
   }
   return request;
+}
+
+nlohmann::ordered_json jsonOf(const ModelConversion& c) {
+  nlohmann::ordered_json regions = nlohmann::ordered_json::array();
+  for (const auto& px : c.region_px) {
+    regions.push_back(px ? nlohmann::ordered_json(*px) : nlohmann::ordered_json());
+  }
+  return {{"camera", c.camera},   {"from", c.from},       {"to", c.to},
+          {"rms_px", c.rms_px},   {"most_px", c.most_px}, {"columns", c.cells.columns},
+          {"rows", c.cells.rows}, {"region_px", regions}};
 }
 
 int exportFiles(const ExportFilesOptions& o) {
@@ -72,20 +94,21 @@ int exportFiles(const ExportFilesOptions& o) {
   OutputFolder out(o.output.request("export", inputs));
   std::optional<OutputFile> json =
       o.json.reserve(o.output, std::move(inputs), o.output.out, kExportListMark);
-  const ExportedFiles exported = exportCalibrationFile(request);
+  const CalibrationExport exported = exportCalibrationFile(request);
   std::vector<std::string> paths;
   for (const ExportFile& file : exported.files) {
     out.write(file.name, file.text);
     paths.push_back((std::filesystem::path(o.output.out) / file.name).string());
   }
   out.commit();
-  const nlohmann::ordered_json listed{
-      {"tool", o.to}, {"files", paths}, {"warnings", exported.warnings}};
+  nlohmann::ordered_json listed{{"tool", o.to}, {"files", paths}, {"warnings", exported.warnings}};
+  for (const ModelConversion& c : exported.conversions) listed["models"].push_back(jsonOf(c));
   if (json) json->write(listed.dump(2) + "\n");
   if (o.json.piped()) {
     writeDocument(listed.dump(2) + "\n");
     return kDone;
   }
+  for (const ModelConversion& c : exported.conversions) say("{}", conversionText(c));
   for (const std::string& path : paths) say("{}\n", path);
   for (const std::string& warning : exported.warnings) say("warning: {}\n", warning);
   return kDone;

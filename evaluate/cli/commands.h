@@ -36,6 +36,7 @@ Command compareCommand();
 Command studyCommand();
 Command completionCommand();
 Command manCommand();
+Command targetCommand();    ///< with subcommands
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
 /// The subcommand of `simulate`.

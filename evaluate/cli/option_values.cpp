@@ -80,6 +80,7 @@ const ThresholdMembers& thresholdMembers() {
       {"imu_gaps", &VerdictThresholds::imu_gaps},
       {"camera_shift_ms", &VerdictThresholds::camera_shift_ms},
       {"imu_rate", &VerdictThresholds::imu_rate},
+      {"halves", &VerdictThresholds::halves},
       {"target_scale", &VerdictThresholds::target_scale},
       {"fault_sigma", &VerdictThresholds::fault_sigma},
       {"inertial_fit", &VerdictThresholds::inertial_fit},

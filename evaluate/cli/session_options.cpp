@@ -26,7 +26,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kMostThreads = 1024;
-constexpr const char* kAuto = "auto";  // of --target-shape
+constexpr const char* kAuto = "auto";  // of --target-shape and --models
 constexpr const char* kFlat = "flat";
 
 bool namesAFile(const std::string& target_shape) {
@@ -183,9 +183,12 @@ MeasurementModel MeasurementOptions::chosen() const {
 }
 
 void EstimationOptions::declare(CLI::App& app) {
-  app.add_option(
-      "--models", models,
-      "pinhole-radtan or pinhole-equidistant, one for each camera (default: sensor.yaml)");
+  app.add_option("--models", models,
+                 choose_models
+                     ? "Lens models: auto (chosen for each camera by the error of unseen "
+                       "frames; the default), or " +
+                           calibratedModelWords() + ", one for each camera"
+                     : calibratedModelWords() + ", one for each camera (default: sensor.yaml)");
   app.add_option("--cameras", cameras,
                  "Calibration whose cameras are used as they are (Kalibr's camchain or ours)");
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
@@ -193,9 +196,17 @@ void EstimationOptions::declare(CLI::App& app) {
   app.add_option("--outliers", outliers, "none, sigma:K, or kalibr")->capture_default_str();
 }
 
+bool EstimationOptions::choosesModels() const {
+  return choose_models && (!models || *models == kAuto);
+}
+
 CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const {
   CameraStageOptions options;
-  if (models) options.models = modelsFrom(*models);
+  if (choosesModels()) {
+    options.model_mode = ModelMode::kAuto;
+  } else if (models) {
+    options.models = modelsFrom(*models);
+  }
   options.model() = measurements.chosen();
   const auto [filter, sigmas] = outliersFrom(outliers);
   options.filter = filter;

@@ -64,11 +64,13 @@ struct MeasurementOptions {
 /// them.
 struct EstimationOptions {
   std::optional<std::string> models, cameras;
+  bool choose_models = false;  ///< --models auto is known, and the default
   bool no_imu = false;
   MeasurementOptions measurements;
   std::string outliers = "none";
 
   void declare(CLI::App& app);
+  bool choosesModels() const;  ///< no model was named
   /// Both stages' options; InputError for values out of range.
   CameraStageOptions cameraStage(const LoadRequest& load) const;
   CameraImuOptions cameraImuStage(const CameraStageOptions& camera) const;

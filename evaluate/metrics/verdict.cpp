@@ -31,6 +31,7 @@ Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds
   append(findings, judgeRejected(stage.residuals, "cameras", t), Subject::kRecording);
   append(findings, judgeLeftOut(record, t), Subject::kRecording);
   append(findings, judgeCameraStd(record, t), Subject::kCameras);
+  append(findings, judgeHalves(stage.summary, "cameras", t), Subject::kCameras);
   return findings;
 }
 
@@ -49,6 +50,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeLongResiduals(stage, t), Subject::kExtrinsics);
   append(findings, judgeStatements(record, t), Subject::kExtrinsics);
   append(findings, judgeImuStd(record, t), Subject::kExtrinsics);
+  append(findings, judgeHalves(stage.summary, "camera-IMU", t), Subject::kExtrinsics);
   append(findings, judgePlausibility(stage, t), Subject::kExtrinsics);
   append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, t), Subject::kImuNoise);
   append(findings, judgeDensity("accelerometer", stage.imu_summary.noise.accel, t),

@@ -55,6 +55,9 @@ struct VerdictThresholds {
   Bound long_residuals{2, 1e6};      ///< inertial residuals over what segments explain, above
   /// What an unmodelled fault moves the calibration by, in its standard deviations, above.
   Bound fault_sigma{1, 50};
+  /// Chi-square of the halves' difference over what one recording in a hundred exceeds by chance,
+  /// above.
+  Bound halves{1, 1e6};
   Bound gravity{0.003, 0.03};  ///< |gravity as measured / assumed - 1|, above
   /// By what factor an assumed density of the IMU is too small, above; below 1 / 5 (too large) it
   /// is caution as well, never bad.

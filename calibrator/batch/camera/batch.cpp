@@ -9,6 +9,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
+#include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/camera/target.h"
@@ -50,16 +51,17 @@ void checkSession(const Session& session) {
 /// Throws InputError for a model that can be scored only.
 void refuseModel(const std::string& camera, const CameraModelPair& model) {
   if (canBeCalibrated(model.projection, model.distortion)) return;
-  throw InputError(fmt::format(
-      "{}: the model {}-{} cannot be calibrated; choose pinhole-radtan or pinhole-equidistant",
-      camera, toString(model.projection), toString(model.distortion)));
+  throw InputError(fmt::format("{}: the model {}-{} cannot be calibrated; choose {}", camera,
+                               toString(model.projection), toString(model.distortion),
+                               calibratedModelWords()));
 }
 
-/// Corners that an estimate puts beyond an angle from the optical axis.
+/// Corners that an estimate puts beyond an angle from the optical axis, of lenses that end there.
 std::vector<CornerPlace> cornersBeyond(const CameraProblem& problem, const CameraEstimate& estimate,
                                        double angle_rad) {
   std::vector<CornerPlace> places;
   for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+    if (!endsAtRightAngle(estimate.intrinsics[c])) continue;
     for (const PosedView& posed : posedViews(problem, estimate, c)) {
       for (const int k : beyondAngle(problem.corners[c].view(posed.view), posed.T_CF, angle_rad)) {
         places.push_back({c, posed.view, k});
@@ -170,12 +172,40 @@ std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraPr
   return count;
 }
 
-/// The stage's solver with the board's shape, view selection and corner filter around it.
-TargetSolution solveStage(const AprilGrid& board, std::vector<PackedCorners>& corners,
-                          CameraProblem& problem, const CameraEstimate& start,
-                          const CameraStageOptions& options) {
-  TargetSolution stage = estimateTarget(
-      board, problem, solveFromAfar(board, corners, problem, start, options), options);
+/// The first solution, with the lens models chosen where that is asked for.
+CameraSolution solveModels(const Session& session, std::vector<PackedCorners>& corners,
+                           CameraProblem& problem, const CameraEstimate& start,
+                           const CameraStageOptions& options, std::vector<ModelChoice>& choices) {
+  const AprilGrid& board = session.target;
+  if (options.model_mode != ModelMode::kAuto || !options.start.empty()) {
+    return solveFromAfar(board, corners, problem, start, options);
+  }
+  const std::vector<PackedCorners> all = corners;
+  CameraSolution first = solveFromAfar(board, corners, problem, start, options);
+  ChosenModels chosen = chooseModels(session, problem, first.estimate, options);
+  choices = std::move(chosen.choices);
+  if (!chosen.differ(first.estimate.intrinsics)) return first;
+  // Which corners a lens leaves out depends on its model.
+  std::copy(all.begin(), all.end(), corners.begin());
+  CameraEstimate other = first.estimate;
+  other.intrinsics = std::move(chosen.lenses);
+  CameraSolution solution = solveFromAfar(board, corners, problem, other, options);
+  solution.iterations += first.iterations;
+  return solution;
+}
+
+/// The stage's solver with lens models, the board's shape, view selection and corner filter around
+/// it.
+struct StageSolution : TargetSolution {
+  std::vector<ModelChoice> models;
+};
+StageSolution solveStage(const Session& session, std::vector<PackedCorners>& corners,
+                         CameraProblem& problem, const CameraEstimate& start,
+                         const CameraStageOptions& options) {
+  const AprilGrid& board = session.target;
+  StageSolution stage;
+  CameraSolution flat = solveModels(session, corners, problem, start, options, stage.models);
+  static_cast<TargetSolution&>(stage) = estimateTarget(board, problem, std::move(flat), options);
   CameraSolution& solution = stage.solution;
   placeCorners(board, solution.estimate, corners);
   int iterations = solution.iterations;
@@ -206,6 +236,25 @@ TargetSolution solveStage(const AprilGrid& board, std::vector<PackedCorners>& co
 
 }  // namespace
 
+std::optional<CameraModelPair> statedModel(const CameraStream& stream) {
+  if (stream.camera_model.empty() && stream.distortion_model.empty()) return std::nullopt;
+  CameraModelPair pair;
+  if (!stream.camera_model.empty()) {
+    const auto projection = projectionModelFrom(stream.camera_model);
+    if (!projection) throw InputError(stream.name + ": unknown model " + stream.camera_model);
+    pair.projection = *projection;
+  }
+  const bool bare =
+      pair.projection == ProjectionModel::kEucm || pair.projection == ProjectionModel::kDs;
+  if (bare) pair.distortion = DistortionModel::kNone;
+  if (!stream.distortion_model.empty()) {
+    const auto distortion = distortionModelFrom(stream.distortion_model);
+    if (!distortion) throw InputError(stream.name + ": unknown model " + stream.distortion_model);
+    pair.distortion = *distortion;
+  }
+  return pair;
+}
+
 std::vector<CameraModelPair> cameraModels(const Session& session,
                                           const CameraStageOptions& options) {
   const std::size_t n = session.cameras.size();
@@ -217,16 +266,7 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
   }
   std::vector<CameraModelPair> models = options.models;
   for (std::size_t c = models.size(); c < n; ++c) {
-    const CameraStream& stream = session.cameras[c];
-    CameraModelPair pair;
-    if (!stream.camera_model.empty()) {
-      pair.projection = projectionModelFrom(stream.camera_model).value_or(ProjectionModel::kOmni);
-    }
-    if (!stream.distortion_model.empty()) {
-      pair.distortion =
-          distortionModelFrom(stream.distortion_model).value_or(DistortionModel::kFov);
-    }
-    models.push_back(pair);
+    models.push_back(statedModel(session.cameras[c]).value_or(CameraModelPair()));
   }
   for (std::size_t c = 0; c < n; ++c) refuseModel(session.cameras[c].name, models[c]);
   return models;
@@ -245,18 +285,19 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
     refuseModel(camera.name,
                 {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
   }
-  auto start = options.start.empty() ? startFromViews(session, corners, frames,
-                                                      cameraModels(session, options), options)
+  std::vector<CameraModelPair> models;
+  if (options.model_mode == ModelMode::kGiven) models = cameraModels(session, options);
+  auto start = options.start.empty() ? startFromViews(session, corners, frames, models, options)
                                      : startFromCameras(options.start, corners, frames, options);
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
   CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
-  const TargetSolution solved =
-      solveStage(session.target, corners, problem, start.value().estimate, options);
+  StageSolution solved = solveStage(session, corners, problem, start.value().estimate, options);
   const double solve_s = watch.lap();
   auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
   if (!result) return result;
   result.value().target_fit = solved.fit;
+  result.value().models = std::move(solved.models);
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.initialise = initialise_s;
   seconds.solve = solve_s;

@@ -40,7 +40,14 @@ enum class TargetMode {
   kEstimate,  ///< estimated and kept
 };
 
+/// Who says what the cameras are calibrated as.
+enum class ModelMode {
+  kGiven,  ///< options.models, or the session's words
+  kAuto,   ///< the error of unseen frames (camera/model_choice.h)
+};
+
 struct CameraStageOptions : MeasurementModel {
+  ModelMode model_mode = ModelMode::kGiven;
   /// One per camera of the session. Empty: the words of the session's cameras, pinhole-radtan where
   /// they have none.
   std::vector<CameraModelPair> models;
@@ -73,6 +80,10 @@ struct CameraStageOptions : MeasurementModel {
   void check() const;
 };
 
+/// What the session says of a camera's model; empty where it says nothing. Throws InputError for
+/// words that are not known.
+std::optional<CameraModelPair> statedModel(const CameraStream& stream);
+
 /// One model per camera: options.models, or the session's words, or pinhole-radtan. Throws
 /// InputError for models that cannot be calibrated, or a list of another length.
 std::vector<CameraModelPair> cameraModels(const Session& session,
@@ -85,6 +96,8 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
 ///
 /// The covariance lists every camera's stacked intrinsics ("cam0.fu" ...), then the tangent of
 /// every T_C0Ci ("T_C0C1.tx" ... "T_C0C1.rz"); poses are marginalised.
+/// With ModelMode::kAuto the lens model of every camera is chosen by the error of unseen frames
+/// (CameraStageResult::models); models of options or session only count among equals.
 /// With options.target the board's terms are estimated besides (CameraStageResult::target); the
 /// covariance is the cameras', with the terms marginalised.
 /// views_offered counts all views of the session, whatever they saw; corners_offered their corners.

@@ -30,6 +30,7 @@ struct CameraStart {
 /// From the views alone: each camera's focal length, a first solution of each camera on some of its
 /// views, a pose of every view, extrinsics over the graph of cameras that share frames, and one
 /// pose for every frame. Frames without a plausible pose are left out.
+/// With ModelMode::kAuto `models` say nothing: each camera gets one that leads near any lens.
 /// Fails with kTooFewViews or kNoOverlap.
 Result<CameraStart> startFromViews(const Session& session, std::span<const PackedCorners> corners,
                                    const std::vector<Frame>& frames,

@@ -14,13 +14,15 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 32;           // frames
-constexpr int kLeastViews = 3;       // of a camera, to start from
-constexpr int kFewCorners = 16;      // a view with as many may have the mirrored pose
-constexpr double kStartLoss = 0.01;  // scale of the Cauchy loss over the image's width
-constexpr double kPlainPose = 0.03;  // error of a pose under no distortion, likewise: still useful
-constexpr double kGoodPose = 0.005;  // error of a frame's pose over the image's width
-constexpr double kGoodStart = 0.01;  // error of a camera's first solution over the image's width
+constexpr int kChunk = 32;            // frames
+constexpr int kLeastViews = 3;        // of a camera, to start from
+constexpr int kFewCorners = 16;       // a view with as many may have the mirrored pose
+constexpr double kStartLoss = 0.01;   // scale of the Cauchy loss over the image's width
+constexpr double kPlainPose = 0.03;   // error of a pose under no distortion, likewise: still useful
+constexpr double kGoodPose = 0.005;   // error of a frame's pose over the image's width
+constexpr double kGoodStart = 0.01;   // error of a camera's first solution over the image's width
+constexpr double kNearlyAll = 0.9;    // of the views that another model explains
+constexpr double kHardlyLess = 0.98;  // of the error of a model that was tried before
 
 /// The views of one camera that hold enough corners for a start.
 std::vector<int> startableViews(const PackedCorners& corners, const std::vector<Frame>& frames,
@@ -55,10 +57,11 @@ std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int
   return some;
 }
 
-/// A camera's first solution and the RMS error it leaves [px].
+/// A camera's first solution, the RMS error it leaves [px], and the views that had a pose.
 struct MonoSolution {
   Intrinsics camera;
   double rms_px = std::numeric_limits<double>::infinity();
+  int views = 0;
 };
 
 /// Poses of a start: gross errors take little part.
@@ -92,13 +95,14 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   coarse.cost_tolerance = 1e-4;
   const CameraSolution solution = solveCameraProblem(problem, estimate, coarse);
   const Intrinsics& camera = solution.estimate.intrinsics[0];
-  const bool sane = camera.stacked().allFinite() && camera.projection.head<2>().minCoeff() > 0;
+  const bool sane =
+      camera.stacked().allFinite() && camera.projection.tail<4>().head<2>().minCoeff() > 0;
   if (!sane) return {plain};
-  return {camera, std::sqrt(2 * solution.normals.cost / count)};
+  return {camera, std::sqrt(2 * solution.normals.cost / count), problem.frameCount()};
 }
 
 /// Tries the candidates for the focal length until one leads to a good solution.
-Intrinsics firstIntrinsics(const CameraStream& stream, const PackedCorners& corners,
+MonoSolution firstSolution(const CameraStream& stream, const PackedCorners& corners,
                            const std::vector<int>& views, const CameraModelPair& model,
                            const CameraStageOptions& options) {
   const std::vector<int> some = spreadViews(corners, views, options.start_views);
@@ -106,14 +110,41 @@ Intrinsics firstIntrinsics(const CameraStream& stream, const PackedCorners& corn
   packed.reserve(some.size());
   for (const int v : some) packed.push_back(corners.view(v));
   MonoSolution best;
-  for (const double focal : focalCandidates(model.distortion, stream.resolution, packed)) {
+  for (const double focal :
+       focalCandidates(model.projection, model.distortion, stream.resolution, packed)) {
     const Intrinsics plain =
         plainCamera(model.projection, model.distortion, stream.resolution, focal);
     const MonoSolution mono = solveMono(plain, corners, some, options.threads);
     if (best.camera.projection.size() == 0 || mono.rms_px < best.rms_px) best = mono;
     if (best.rms_px < kGoodStart * stream.resolution.width) break;
   }
-  return best.camera;
+  return best;
+}
+
+/// Under each of the models that lead near any lens: radtan, equidistant, and ds for views beyond
+/// 90 degrees from the axis, besides the stated one. Of those that explain nearly as many views as
+/// any, the one that leaves least; the stated one where it leaves hardly more.
+Intrinsics firstOfAnyModel(const CameraStream& stream, const PackedCorners& corners,
+                           const std::vector<int>& views, const CameraStageOptions& options) {
+  std::vector<CameraModelPair> models = {{ProjectionModel::kPinhole, DistortionModel::kRadtan},
+                                         {ProjectionModel::kPinhole, DistortionModel::kEquidistant},
+                                         {ProjectionModel::kDs, DistortionModel::kNone}};
+  const auto stated = statedModel(stream);
+  if (stated && canBeCalibrated(stated->projection, stated->distortion)) {
+    models.insert(models.begin(), *stated);
+  }
+  std::vector<MonoSolution> solutions;
+  int most_views = 0;
+  for (const CameraModelPair& model : models) {
+    solutions.push_back(firstSolution(stream, corners, views, model, options));
+    most_views = std::max(most_views, solutions.back().views);
+  }
+  const MonoSolution* best = nullptr;
+  for (const MonoSolution& s : solutions) {
+    if (s.views < kNearlyAll * most_views) continue;
+    if (!best || s.rms_px < kHardlyLess * best->rms_px) best = &s;
+  }
+  return best ? best->camera : solutions.front().camera;
 }
 
 /// Pose of the target in one camera, for every frame by itself.
@@ -244,7 +275,10 @@ Result<CameraStart> startFromViews(const Session& session, std::span<const Packe
     if (static_cast<int>(views.size()) < kLeastViews) {
       return tooFewViews(stream, views.size(), options);
     }
-    cameras.intrinsics.push_back(firstIntrinsics(stream, corners[c], views, models[c], options));
+    cameras.intrinsics.push_back(
+        options.model_mode == ModelMode::kAuto
+            ? firstOfAnyModel(stream, corners[c], views, options)
+            : firstSolution(stream, corners[c], views, models[c], options).camera);
     own.push_back(ownPoses(cameras.intrinsics[c], corners[c], frames, c, options));
     if (std::none_of(own.back().begin(), own.back().end(), [](const auto& p) { return bool(p); })) {
       return Failure{FailureCode::kNoPlausiblePose,

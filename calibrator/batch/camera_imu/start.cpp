@@ -169,9 +169,11 @@ class FramePoses {
       const Intrinsics& lens = cameras_[c].intrinsics;
       const Transform T_CF = cameras_[c].T_C0Ci.inverse() * T_C0F;
       const auto rejectAt = [&](int k) { out.rejected.push_back({c, index, k}); };
-      for (const int k : beyondAngle(view, T_CF, kGrazing)) {
-        rejectAt(k);
-        ++out.screening.grazing_corners;
+      if (endsAtRightAngle(lens)) {
+        for (const int k : beyondAngle(view, T_CF, kGrazing)) {
+          rejectAt(k);
+          ++out.screening.grazing_corners;
+        }
       }
       const std::size_t wrong = countFalseCorners(lens, view, T_CF);
       if (wrong == 0) continue;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "calibrator/camera/rational.h"
 #include "datasets/calibration/export/tools.h"
 
 namespace plumbline {
@@ -45,6 +46,16 @@ Json radtanJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
   return cameraJson("pinhole-radtan8", k);
 }
 
+Json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
+  Json k = pinholeOf(p);
+  const auto names = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+  Eigen::Index i = 0;
+  for (const char* name : names) k[name] = d[i++];
+  const double limit = std::sqrt(Rational::squaredRadiusLimit(d.data()));
+  k["rpmax"] = std::isfinite(limit) ? limit : 0.0;  // 0: no limit
+  return cameraJson("pinhole-radtan8", k);
+}
+
 Json pinholeFamily(const CameraCalibration& camera, const ExportChecks& checks, const char* known) {
   const Intrinsics& k = camera.intrinsics;
   switch (k.distortion_model) {
@@ -57,6 +68,8 @@ Json pinholeFamily(const CameraCalibration& camera, const ExportChecks& checks, 
       for (int i = 0; i < 4; ++i) kb4[fmt::format("k{}", i + 1)] = k.distortion[i];
       return cameraJson("kb4", kb4);
     }
+    case DistortionModel::kRational:
+      return rationalJson(k.projection, k.distortion);
     case DistortionModel::kFov:
       break;
   }
@@ -74,7 +87,8 @@ Json unifiedOf(const Eigen::VectorXd& p) {
 
 Json intrinsicsJson(const CameraCalibration& camera, const ExportChecks& checks) {
   const char* known =
-      "pinhole with radtan, equidistant or no distortion; ds, eucm and omni without distortion";
+      "pinhole with radtan, equidistant, rational or no distortion; ds, eucm and omni without "
+      "distortion";
   const Intrinsics& k = camera.intrinsics;
   if (k.projection_model == ProjectionModel::kPinhole) return pinholeFamily(camera, checks, known);
   if (k.distortion_model != DistortionModel::kNone) checks.refuseModel(camera, known);

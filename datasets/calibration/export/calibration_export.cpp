@@ -88,6 +88,11 @@ ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
 }
 
 ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& options) {
+  const ExportChecks checks(calibration, options, "Kalibr");
+  for (const CameraCalibration& camera : calibration.cameras) {
+    if (camera.intrinsics.distortion_model != DistortionModel::kRational) continue;
+    checks.refuseModel(camera, "radtan, equidistant, fov and no distortion");
+  }
   ExportedFiles out;
   const bool with_imu = calibration.imu.has_value();
   out.files.push_back({with_imu ? "camchain-imucam.yaml" : "camchain.yaml",

@@ -24,12 +24,13 @@ struct Distortion {
 Distortion distortionOf(const CameraCalibration& camera, const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   if (isPinhole(k, DistortionModel::kEquidistant)) return {"equidistant", k.distortion};
+  if (isPinhole(k, DistortionModel::kRational)) return {"rational_polynomial", k.distortion};
   if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
     Eigen::VectorXd five = Eigen::VectorXd::Zero(5);  // k1 k2 p1 p2 k3
     five.head(4) = fourCoefficients(k);
     return {"plumb_bob", five};
   }
-  checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+  checks.refuseModel(camera, "pinhole with radtan, equidistant, rational or no distortion");
 }
 
 std::string cameraText(const CameraCalibration& camera, const Distortion& distortion) {

@@ -44,10 +44,16 @@ output_parameters:
 const char* distortionWord(const CameraCalibration& camera, const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
+  if (isPinhole(k, DistortionModel::kRational)) return "radialtangential8";
   if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
     return "radialtangential";
   }
-  checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+  checks.refuseModel(camera, "pinhole with radtan, equidistant, rational or no distortion");
+}
+
+Eigen::VectorXd coefficients(const Intrinsics& k) {
+  if (k.distortion_model == DistortionModel::kRational) return k.distortion;
+  return fourCoefficients(k);
 }
 
 // The sixteen numbers of a transform, a row a line.
@@ -69,7 +75,7 @@ std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
   return fmt::format("     - {{T_SC:\n{0}{1},\n{0}image_dimension: [{2}, {3}],\n", indent,
                      matrixText(T_SC, indent), k.resolution.width, k.resolution.height) +
          fmt::format("{}distortion_coefficients: {},\n{}distortion_type: {},\n", indent,
-                     yamlList(fourCoefficients(k)), indent, distortion) +
+                     yamlList(coefficients(k)), indent, distortion) +
          fmt::format("{0}focal_length: {1},\n{0}principal_point: {2},\n", indent,
                      yamlList(k.projection.head(2)), yamlList(k.projection.tail(2))) +
          fmt::format("{0}camera_type: gray,\n{0}slam_use: okvis}}\n", indent);

@@ -174,9 +174,7 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                               fit.held_out_px, fit.flat_held_out_px))};
     case TargetFinding::kLensMisfits: {
       Rule lens = rule;
-      lens.advice =
-          "Run again with the other lens model (--models pinhole-equidistant or "
-          "pinhole-radtan).";
+      lens.advice = "Run again with the other lens model, or with --models auto.";
       return {finding(lens, VerdictLevel::kCaution, rms_mm,
                       "the other lens model predicts frames that the fit did not see better than "
                       "this one does, so that the board's shape cannot be told from what this "

@@ -67,6 +67,9 @@ struct StageErrors {
 Findings judgeConvergence(const StageSummary& summary, const std::string& stage);
 Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
                         const VerdictThresholds& t);
+/// The block of parameters in which the recording's halves differ most (halves_rules.cpp).
+Findings judgeHalves(const StageSummary& summary, const std::string& stage,
+                     const VerdictThresholds& t);
 /// Corners rejected as outliers, of those in the frames used.
 Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,
                        const VerdictThresholds& t);

@@ -6,6 +6,7 @@
 #include "generated/report/embedded.h"
 #include "report/html/calibration/held_scores.h"
 #include "report/html/calibration/imu_figures.h"
+#include "report/html/calibration/model_section.h"
 #include "report/html/calibration/reprojection_figures.h"
 #include "report/html/calibration/target_section.h"
 #include "report/html/page.h"
@@ -86,6 +87,11 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   if (record.held) sections.push_back(heldScoresSection(*record.held));
   Section correlations = correlationSection(record);
   if (!correlations.blocks.empty()) sections.push_back(std::move(correlations));
+  Section halves = halvesSection(record);
+  if (!halves.blocks.empty()) sections.push_back(std::move(halves));
+  if (record.camera && !record.camera->models.empty()) {
+    sections.push_back(modelSection(*record.camera));
+  }
   if (record.camera && record.camera->target_fit) {
     sections.push_back(targetSection(record.target, *record.camera));
   }

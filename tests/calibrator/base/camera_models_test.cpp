@@ -11,7 +11,7 @@ TEST(CameraModels, WordsLeadToTheModelAndBack) {
     ASSERT_TRUE(projectionModelFrom(word)) << word;
     EXPECT_EQ(toString(*projectionModelFrom(word)), word);
   }
-  for (const char* word : {"none", "radtan", "equidistant", "fov"}) {
+  for (const char* word : {"none", "radtan", "equidistant", "fov", "rational"}) {
     ASSERT_TRUE(distortionModelFrom(word)) << word;
     EXPECT_EQ(toString(*distortionModelFrom(word)), word);
   }
@@ -19,7 +19,7 @@ TEST(CameraModels, WordsLeadToTheModelAndBack) {
   EXPECT_EQ(distortionModelFrom("kb4"), DistortionModel::kEquidistant);
   EXPECT_FALSE(projectionModelFrom("fisheye"));
   EXPECT_EQ(allWords<ProjectionModel>(), "pinhole, omni, eucm, ds");
-  EXPECT_EQ(allWords<DistortionModel>(), "none, radtan, equidistant, fov");
+  EXPECT_EQ(allWords<DistortionModel>(), "none, radtan, equidistant, fov, rational");
 }
 
 TEST(CameraModels, NamesAndNumbersOfParametersAgree) {
@@ -35,9 +35,11 @@ TEST(CameraModels, NamesAndNumbersOfParametersAgree) {
 }
 
 TEST(CameraModels, SaysWhichCanBeCalibrated) {
-  EXPECT_EQ(calibratedModelWords(), "pinhole-radtan or pinhole-equidistant");
-  EXPECT_FALSE(canBeCalibrated(ProjectionModel::kOmni, DistortionModel::kRadtan));
-  EXPECT_NE(unsupportedModelText("omni", "radtan").find("pinhole-equidistant"), std::string::npos);
+  EXPECT_EQ(calibratedModelWords(),
+            "pinhole-none, pinhole-radtan, pinhole-equidistant, pinhole-fov, pinhole-rational, "
+            "omni-none, omni-radtan, eucm-none or ds-none");
+  EXPECT_FALSE(canBeCalibrated(ProjectionModel::kOmni, DistortionModel::kFov));
+  EXPECT_NE(unsupportedModelText("omni", "fov").find("pinhole-equidistant"), std::string::npos);
 }
 
 }  // namespace

@@ -39,20 +39,23 @@ TEST(CameraFailures, SessionsThatCannotBeCalibratedAreBadInput) {
 TEST(CameraFailures, ModelsThatCannotBeCalibratedAreNamed) {
   Session session = recording().session;
   CameraStageOptions options;
-  options.models = {{}, {ProjectionModel::kOmni, DistortionModel::kRadtan}};
-  EXPECT_THAT(inputErrorOf(session, options), HasSubstr("cam1: the model omni-radtan"));
+  options.models = {{}, {ProjectionModel::kOmni, DistortionModel::kFov}};
+  EXPECT_THAT(inputErrorOf(session, options), HasSubstr("cam1: the model omni-fov"));
   options.models.resize(1);
   EXPECT_THAT(inputErrorOf(session, options), HasSubstr("1 cameras were given"));
-  session.cameras[0].distortion_model = "fov";
-  EXPECT_THAT(inputErrorOf(session), HasSubstr("cam0: the model pinhole-fov"));
+  session.cameras[0].camera_model = "omni";
+  session.cameras[0].distortion_model = "equidistant";
+  EXPECT_THAT(inputErrorOf(session), HasSubstr("cam0: the model omni-equidistant"));
   // Nor are they a start, though they could be scored.
   SimulatedSession s = recording();
   Intrinsics& k = s.truth.cameras[1].intrinsics;
-  k.distortion_model = DistortionModel::kNone;
-  k.distortion.resize(0);
+  k.projection_model = ProjectionModel::kOmni;
+  k.projection = (Eigen::VectorXd(5) << 1, 900, 900, 376, 240).finished();
+  k.distortion_model = DistortionModel::kFov;
+  k.distortion.setConstant(1, 0.1);
   CameraStageOptions from_start;
   from_start.start = s.truth.cameras;
-  EXPECT_THAT(inputErrorOf(s.session, from_start), HasSubstr("cam1: the model pinhole-none"));
+  EXPECT_THAT(inputErrorOf(s.session, from_start), HasSubstr("cam1: the model omni-fov"));
 }
 
 TEST(CameraFailures, AStartMustHoldEveryCamera) {

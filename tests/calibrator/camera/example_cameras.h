@@ -28,9 +28,6 @@ inline Intrinsics equidistantCamera() {
   return camera;
 }
 
-/// Those of the models that are calibrated.
-inline std::vector<Intrinsics> allCameras() { return {radtanCamera(), equidistantCamera()}; }
-
 /// A camera of any models, of the size of EuRoC's.
 inline Intrinsics cameraOf(ProjectionModel projection, DistortionModel distortion,
                            std::initializer_list<double> values,
@@ -45,6 +42,15 @@ inline Intrinsics cameraOf(ProjectionModel projection, DistortionModel distortio
       coefficients.begin(), static_cast<Eigen::Index>(coefficients.size()));
   return camera;
 }
+
+/// EuRoC's cam0 in OpenCV's rational model.
+inline Intrinsics rationalCamera() {
+  return cameraOf(ProjectionModel::kPinhole, DistortionModel::kRational, {461, 460, 365, 248},
+                  {1.525, 0.1242, 2e-4, -1e-4, -0.01198, 1.866, 0.5149, -0.02848});
+}
+
+/// Those of the models that the vectorised kernel has.
+inline std::vector<Intrinsics> allCameras() { return {radtanCamera(), equidistantCamera()}; }
 
 /// EuRoC's cam0 as a double sphere and as EUCM, as another solver found them.
 inline Intrinsics doubleSphereCamera() {
@@ -63,6 +69,7 @@ inline std::vector<Intrinsics> everyModel() {
   return {
       radtanCamera(),
       equidistantCamera(),
+      rationalCamera(),
       cameraOf(P::kPinhole, D::kFov, {459, 458, 367, 248}, {0.9911}),
       cameraOf(P::kPinhole, D::kNone, {459, 458, 367, 248}, {}),
       cameraOf(P::kOmni, D::kNone, {1.1, 960, 958, 367, 248}, {}),

@@ -17,7 +17,7 @@ namespace {
 
 // Columns: point (3), intrinsics in the order of stacked() (4 to 9).
 using Jacobian = Eigen::Matrix<double, 2, Eigen::Dynamic>;
-constexpr int kMost = 12;
+constexpr int kMost = 15;
 using Jet = ceres::Jet<double, kMost>;
 
 int columnsOf(const Intrinsics& camera) { return 3 + static_cast<int>(camera.stacked().size()); }

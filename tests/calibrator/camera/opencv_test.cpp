@@ -23,7 +23,7 @@ std::vector<cv::Point2d> projectedByOpenCv(const Intrinsics& camera) {
   const Eigen::VectorXd& f = camera.projection;
   const cv::Matx33d K(f[0], 0, f[2], 0, f[1], f[3], 0, 0, 1);
   const Eigen::VectorXd& d = camera.distortion;
-  const cv::Vec4d D(d[0], d[1], d[2], d[3]);
+  const std::vector<double> D(d.begin(), d.end());
   const cv::Vec3d zero(0, 0, 0);
   std::vector<cv::Point2d> uv;
   if (camera.distortion_model == DistortionModel::kEquidistant) {
@@ -35,7 +35,9 @@ std::vector<cv::Point2d> projectedByOpenCv(const Intrinsics& camera) {
 }
 
 TEST(Project, EqualsOpenCv) {
-  for (const Intrinsics& camera : testing::allCameras()) {
+  std::vector<Intrinsics> cameras = testing::allCameras();
+  cameras.push_back(testing::rationalCamera());
+  for (const Intrinsics& camera : cameras) {
     const std::vector<cv::Point2d> expected = projectedByOpenCv(camera);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const cv::Point3d p = points()[i];

@@ -117,15 +117,16 @@ TEST(FocalCandidates, TheFirstIsWithinAThirdOfTheTruth) {
     const PackedCorners corners(s.session.target, s.session.cameras[0].views);
     std::vector<PackedView> views;
     for (int v = 0; v < corners.viewCount(); ++v) views.push_back(corners.view(v));
-    const auto candidates =
-        focalCandidates(truth.distortion_model, s.session.cameras[0].resolution, views);
+    const auto candidates = focalCandidates(truth.projection_model, truth.distortion_model,
+                                            s.session.cameras[0].resolution, views);
     ASSERT_FALSE(candidates.empty());
     EXPECT_LT(std::abs(std::log(candidates[0] / truth.projection[0])), std::log(4.0 / 3)) << rig;
   }
 }
 
 TEST(FocalCandidates, WithoutViewsAFieldOfAboutSeventyDegreesIsAssumed) {
-  const auto candidates = focalCandidates(DistortionModel::kRadtan, {1000, 800}, {});
+  const auto candidates =
+      focalCandidates(ProjectionModel::kPinhole, DistortionModel::kRadtan, {1000, 800}, {});
   ASSERT_EQ(candidates.size(), 1u);
   EXPECT_NEAR(2 * std::atan(500 / candidates[0]) * 180 / std::numbers::pi, 71, 1);
 }

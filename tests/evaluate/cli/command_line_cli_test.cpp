@@ -114,8 +114,8 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
   expectRefusal(calibrate(session(), "--loss huber"), 2, HasSubstr("cauchy:1.5"));
   expectRefusal(calibrate(session(), "--stride 0"), 2, HasSubstr("--stride"));
   expectRefusal(calibrate(session(), "--only cam7"), 2, HasSubstr("cam0, cam1"));
-  expectRefusal(calibrate(session(), "--models omni-radtan"), 2,
-                AllOf(HasSubstr("--models omni-radtan"), HasSubstr("pinhole-equidistant")));
+  expectRefusal(calibrate(session(), "--models omni-fov"), 2,
+                AllOf(HasSubstr("--models omni-fov"), HasSubstr("pinhole-equidistant")));
   expectRefusal(calibrate(session(), "--seed -1"), 2, HasSubstr("--seed"));
   expectRefusal(plumbline("simulate --seed -1 --out " + (scratch() / "out").string()), 2,
                 HasSubstr("--seed"));

@@ -54,7 +54,7 @@ TEST(ModelsOption, TakesKalibrsWordsAndAliases) {
   EXPECT_EQ(models[0].distortion, DistortionModel::kRadtan);
   EXPECT_EQ(models[1].distortion, DistortionModel::kEquidistant);
   EXPECT_THAT(complaint([] { (void)modelsFrom("fisheye"); }), HasSubstr("pinhole-radtan"));
-  for (const char* word : {"omni-radtan", "ds-none", "pinhole-fov", "pinhole-radtan,eucm-none"}) {
+  for (const char* word : {"omni-fov", "ds-radtan", "auto", "pinhole-radtan,eucm-fov"}) {
     EXPECT_THAT(complaint([&] { (void)modelsFrom(word); }),
                 AllOf(HasSubstr("--models"), HasSubstr("pinhole-equidistant")))
         << word;

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/held_out.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "calibrator/batch/camera/stage.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kBlocks = 10;             // of time, for the held-out error
+constexpr int kLeastFrames = 2;         // in a block
+constexpr double kTestTolerance = 0.1;  // of the halves' solutions [standard deviations]
+
+double usedCorners(const CameraProblem& problem, std::size_t f) {
+  double corners = 0;
+  for (std::size_t c = 0; c < problem.frames[f].view.size(); ++c) {
+    const int index = problem.frames[f].view[c];
+    if (index < 0) continue;
+    const PackedView view = problem.corners[c].view(index);
+    for (int k = 0; k < view.count; ++k) corners += view.w[k];
+  }
+  return corners;
+}
+
+/// A problem on some of the frames of another, with their poses.
+CameraPart partOf(const CameraProblem& problem, const CameraEstimate& estimate,
+                  const std::vector<int>& frames) {
+  CameraPart part{problem, estimate};
+  part.problem.frames.clear();
+  part.problem.weights.clear();
+  part.estimate.T_C0F.clear();
+  for (const int f : frames) {
+    part.problem.frames.push_back(problem.frames[static_cast<std::size_t>(f)]);
+    part.estimate.T_C0F.push_back(estimate.T_C0F[static_cast<std::size_t>(f)]);
+  }
+  return part;
+}
+
+/// Blocks of every n-th frame; a frame's block is its index.
+std::vector<std::vector<int>> blocksOf(int frames, int most_frames) {
+  const int stride = std::max(1, frames / most_frames);
+  const int count = (frames + stride - 1) / stride;
+  const int blocks = std::min(kBlocks, count / kLeastFrames);
+  std::vector<std::vector<int>> out(static_cast<std::size_t>(std::max(0, blocks)));
+  for (int i = 0; i < count && blocks > 0; ++i) {
+    out[static_cast<std::size_t>(i * blocks / count)].push_back(i * stride);
+  }
+  return out;
+}
+
+/// Cost of each frame with the cameras of `trained`, the poses refined.
+std::vector<double> heldOutCosts(CameraPart part, const CameraEstimate& trained,
+                                 std::span<const PackedCorners> corners) {
+  part.estimate.intrinsics = trained.intrinsics;
+  part.estimate.T_C0Ci = trained.T_C0Ci;
+  part.problem.corners = corners;
+  return refinePoses(part.problem, part.estimate).cost;
+}
+
+}  // namespace
+
+double HeldOut::rms() const { return std::sqrt(squared / std::max(1., corners)); }
+
+MinimiserOptions roughSolver() {
+  MinimiserOptions rough;
+  rough.tolerance = kTestTolerance;
+  return rough;
+}
+
+CameraPart testedPart(const CameraProblem& problem, const CameraEstimate& estimate,
+                      int most_frames) {
+  std::vector<int> frames;
+  for (const auto& block : blocksOf(problem.frameCount(), most_frames)) {
+    frames.insert(frames.end(), block.begin(), block.end());
+  }
+  return partOf(problem, estimate, frames);
+}
+
+HeldOut heldOut(const AprilGrid& board, const CameraProblem& problem, const CameraEstimate& from,
+                int most_frames, const MinimiserOptions& solver) {
+  const auto blocks = blocksOf(problem.frameCount(), most_frames);
+  HeldOut out;
+  out.cost.resize(blocks.size());
+  for (std::size_t parity = 0; parity < 2; ++parity) {
+    std::vector<int> seen;
+    for (std::size_t b = parity; b < blocks.size(); b += 2) {
+      seen.insert(seen.end(), blocks[b].begin(), blocks[b].end());
+    }
+    const CameraPart training = partOf(problem, from, seen);
+    const CameraSolution trained = solveCameraProblem(training.problem, training.estimate, solver);
+    std::span<const PackedCorners> corners = problem.corners;
+    std::vector<PackedCorners> placed;
+    if (trained.estimate.target) {
+      placed.assign(corners.begin(), corners.end());
+      placeCorners(board, trained.estimate, placed);
+      corners = placed;
+    }
+    for (std::size_t b = 1 - parity; b < blocks.size(); b += 2) {
+      const CameraPart test = partOf(problem, from, blocks[b]);
+      const std::vector<double> costs = heldOutCosts(test, trained.estimate, corners);
+      double sum = 0, count = 0;
+      for (std::size_t f = 0; f < costs.size(); ++f) {
+        sum += costs[f];
+        count += usedCorners(test.problem, f);
+      }
+      out.cost[b] = sum / std::max(1., count);
+      out.squared += sum;
+      out.frames += test.problem.frameCount();
+      out.corners += count;
+    }
+  }
+  return out;
+}
+
+MeanGain meanGain(const std::vector<double>& from, const std::vector<double>& to) {
+  const auto n = static_cast<double>(from.size());
+  MeanGain gain;
+  for (std::size_t b = 0; b < from.size(); ++b) gain.mean += (from[b] - to[b]) / n;
+  double square = 0;
+  for (std::size_t b = 0; b < from.size(); ++b) {
+    const double d = from[b] - to[b] - gain.mean;
+    square += d * d;
+  }
+  gain.std = std::sqrt(square / (n - 1) / n);
+  return gain;
+}
+
+}  // namespace plumbline

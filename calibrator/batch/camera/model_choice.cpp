@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/model_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera/held_out.h"
+#include "calibrator/initialise/lens_fit.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kScreenFrames = 80;
+constexpr int kTestFrames = 200;
+constexpr double kRuledOutSigmas = 3;  // of the mean excess
+constexpr int kUsualParameters = 8;    // of radtan and equidistant
+constexpr double kAlike = 0.01;        // of a camera's squares: what a model common to all may cost
+constexpr double kRuledOutShare = 0.1;     // of the best one's squares
+constexpr std::size_t kLeastBlocks = 4;    // fewer have no scatter
+constexpr std::size_t kFitCorners = 2000;  // that fit a lens for a start
+
+/// One camera with its own views and poses.
+CameraPart aloneCamera(const AprilGrid& board, const CameraProblem& problem,
+                       const CameraEstimate& solved, std::size_t c,
+                       const CameraStageOptions& options) {
+  CameraPart mono{problem, {{solved.intrinsics[c]}, {Transform()}, {}, std::nullopt}};
+  mono.problem.corners = problem.corners.subspan(c, 1);
+  mono.problem.frames.clear();
+  mono.problem.weights.clear();
+  mono.problem.threads = 1;
+  const Transform T_CiC0 = solved.T_C0Ci[c].inverse();
+  for (std::size_t f = 0; f < problem.frames.size(); ++f) {
+    const Frame& frame = problem.frames[f];
+    if (frame.view[c] < 0) continue;
+    mono.problem.frames.push_back({frame.t, {frame.view[c]}});
+    mono.estimate.T_C0F.push_back(T_CiC0 * solved.T_C0F[f]);
+  }
+  if (options.target != TargetMode::kGiven) {
+    mono.problem.target = std::make_shared<TargetModel>(board);
+    mono.estimate.target = board.shape.terms;
+  }
+  return mono;
+}
+
+/// Corners with the places that a solution puts them in, some thousand of them evenly in time.
+std::vector<SeenPoint> seenPoints(const CameraPart& mono) {
+  std::vector<SeenPoint> all;
+  for (std::size_t f = 0; f < mono.problem.frames.size(); ++f) {
+    const PackedView view = mono.problem.corners[0].view(mono.problem.frames[f].view[0]);
+    for (int k = 0; k < view.count; ++k) {
+      if (!(view.w[k] > 0)) continue;
+      const Eigen::Vector3d p_F(view.x[k], view.y[k], view.z[k]);
+      all.push_back({mono.estimate.T_C0F[f] * p_F, {view.u[k], view.v[k]}});
+    }
+  }
+  if (all.size() <= kFitCorners) return all;
+  std::vector<SeenPoint> some;
+  for (std::size_t i = 0; i < kFitCorners; ++i) some.push_back(all[i * all.size() / kFitCorners]);
+  return some;
+}
+
+bool isSame(const CameraModelPair& a, const CameraModelPair& b) {
+  return a.projection == b.projection && a.distortion == b.distortion;
+}
+CameraModelPair modelOf(const Intrinsics& lens) {
+  return {lens.projection_model, lens.distortion_model};
+}
+
+/// A model on trial: its lens, and what it left of unseen frames.
+struct Trialled {
+  CameraModelPair model;
+  std::optional<Intrinsics> lens;
+  std::optional<HeldOut> error;
+
+  int parameters() const {
+    return static_cast<int>(parameterCount(model.projection) + parameterCount(model.distortion));
+  }
+  double cost() const {
+    if (!error) return std::numeric_limits<double>::infinity();
+    double sum = 0;
+    for (const double c : error->cost) sum += c;
+    return sum / static_cast<double>(error->cost.size());
+  }
+};
+
+/// Models with more coefficients than the lens asks for have flat valleys: how far along them a
+/// solution has come is nothing that unseen frames would show.
+MinimiserOptions trialSolver() {
+  MinimiserOptions solver = roughSolver();
+  solver.max_iterations = 30;
+  solver.cost_tolerance = 1e-6;
+  return solver;
+}
+
+/// Scores a model on unseen frames of one camera; leaves it without error where it has no solution.
+void score(const AprilGrid& board, const CameraPart& mono, int frames, Trialled& trial) {
+  trial.error.reset();
+  if (!trial.lens) return;
+  CameraEstimate from = mono.estimate;
+  from.intrinsics = {*trial.lens};
+  HeldOut error = heldOut(board, mono.problem, from, frames, trialSolver());
+  const bool finite = std::all_of(error.cost.begin(), error.cost.end(),
+                                  [](double cost) { return std::isfinite(cost); });
+  if (finite && error.cost.size() >= kLeastBlocks) trial.error = std::move(error);
+}
+
+/// By how much a model exceeds the best.
+MeanGain excess(const Trialled& trial, const Trialled& best) {
+  return meanGain(trial.error->cost, best.error->cost);
+}
+
+/// Whether a model need not be tried on more frames: it is far behind the best, or it has more
+/// parameters than usual and than the one that would be chosen now and gains next to nothing by
+/// them.
+bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled& chosen) {
+  if (!trial.error || !best.error) return !trial.error;
+  const MeanGain over = excess(trial, best);
+  if (over.mean > kRuledOutSigmas * over.std && over.mean > kRuledOutShare * best.cost()) {
+    return true;
+  }
+  return trial.parameters() > std::max(kUsualParameters, chosen.parameters()) &&
+         trial.cost() > (1 - kAlike) * chosen.cost();
+}
+
+/// The best first; those without a solution last; among equals the order of the models.
+void rank(std::vector<Trialled>& trials) {
+  std::stable_sort(trials.begin(), trials.end(),
+                   [](const Trialled& a, const Trialled& b) { return a.cost() < b.cost(); });
+}
+
+/// What was tried on one camera.
+struct CameraTrial {
+  CameraPart mono;
+  std::vector<Trialled> open;  ///< not ruled out
+  std::vector<ModelCandidate> ruled_out;
+};
+
+ModelCandidate candidateOf(const Trialled& trial, const Trialled& best) {
+  ModelCandidate out;
+  out.projection = trial.model.projection;
+  out.distortion = trial.model.distortion;
+  out.parameters = trial.parameters();
+  out.held_out_px = std::numeric_limits<double>::quiet_NaN();
+  if (!trial.error || !best.error) return out;
+  const MeanGain over = excess(trial, best);
+  out.frames = trial.error->frames;
+  out.held_out_px = trial.error->rms();
+  out.excess_px2 = over.mean;
+  out.excess_std_px2 = over.std;
+  return out;
+}
+
+/// The index of the chosen one among the open models, the best of which stands first.
+std::size_t chosenOf(const std::vector<Trialled>& open,
+                     const std::optional<CameraModelPair>& stated) {
+  const Trialled& best = open.front();
+  std::size_t chosen = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (!open[i].error) continue;
+    const MeanGain over = excess(open[i], best);
+    if (over.mean > over.std) continue;
+    if (stated && isSame(open[i].model, *stated)) return i;
+    if (open[i].parameters() < open[chosen].parameters()) chosen = i;
+  }
+  return chosen;
+}
+
+/// Moves those that are ruled out, the worst last, out of the open ones.
+void ruleOut(CameraTrial& trial, const std::optional<CameraModelPair>& stated) {
+  rank(trial.open);
+  const Trialled best = trial.open.front();
+  if (!best.error) return;
+  const Trialled chosen = trial.open[chosenOf(trial.open, stated)];
+  std::vector<Trialled> open;
+  for (Trialled& t : trial.open) {
+    if (isRuledOut(t, best, chosen)) {
+      trial.ruled_out.push_back(candidateOf(t, best));
+    } else {
+      open.push_back(std::move(t));
+    }
+  }
+  trial.open = std::move(open);
+}
+
+/// Scores the open models of all cameras, shared out over the threads.
+void scoreAll(const AprilGrid& board, int frames, int threads, std::vector<CameraTrial>& trials) {
+  std::vector<std::pair<CameraTrial*, Trialled*>> jobs;
+  for (CameraTrial& camera : trials) {
+    if (camera.open.size() < 2) continue;
+    for (Trialled& trial : camera.open) jobs.emplace_back(&camera, &trial);
+  }
+  forChunks(static_cast<int>(jobs.size()), 1, threads, [&](const Chunk& chunk) {
+    for (int i = chunk.begin; i < chunk.end; ++i) {
+      const auto [camera, trial] = jobs[static_cast<std::size_t>(i)];
+      score(board, camera->mono, frames, *trial);
+    }
+  });
+}
+
+CameraTrial trialOf(CameraPart mono) {
+  CameraTrial trial{std::move(mono), {}, {}};
+  const Intrinsics& solved = trial.mono.estimate.intrinsics.front();
+  const std::vector<SeenPoint> points = seenPoints(trial.mono);
+  for (const CameraModelPair& model : candidateModels()) {
+    Trialled t{model, std::nullopt, std::nullopt};
+    if (isSame(model, modelOf(solved))) {
+      t.lens = solved;
+    } else if (const auto fit =
+                   fitLens(plainLike(solved, model.projection, model.distortion), points)) {
+      t.lens = fit->lens;
+    }
+    trial.open.push_back(std::move(t));
+  }
+  return trial;
+}
+
+const Trialled* find(const std::vector<Trialled>& open, const CameraModelPair& model) {
+  for (const Trialled& t : open) {
+    if (isSame(t.model, model)) return &t;
+  }
+  return nullptr;
+}
+
+/// The models of all cameras together, as if they were one: costs of a block are means over the
+/// cameras. Only those that are open in each of them, on equally many blocks.
+std::vector<Trialled> together(const std::vector<CameraTrial>& trials) {
+  std::vector<Trialled> joint;
+  for (const Trialled& first : trials.front().open) {
+    Trialled all = first;
+    bool everywhere = true;
+    for (std::size_t c = 1; c < trials.size() && everywhere; ++c) {
+      const Trialled* t = find(trials[c].open, first.model);
+      everywhere = t && t->error->cost.size() == all.error->cost.size();
+      for (std::size_t b = 0; everywhere && b < all.error->cost.size(); ++b) {
+        all.error->cost[b] += t->error->cost[b];
+      }
+    }
+    if (everywhere) joint.push_back(std::move(all));
+  }
+  rank(joint);
+  return joint;
+}
+
+/// The model that the cameras have in common: that chosen on all of them together, if it costs none
+/// of them a hundredth of its squares. Lenses of a rig are mostly of one make, and then differences
+/// far below what matters are no reason to give them different models.
+std::optional<CameraModelPair> commonModel(
+    const std::vector<CameraTrial>& trials,
+    const std::vector<std::optional<CameraModelPair>>& stated) {
+  for (const CameraTrial& trial : trials) {
+    if (trial.open.empty()) return std::nullopt;
+  }
+  const std::vector<Trialled> joint = together(trials);
+  if (joint.empty()) return std::nullopt;
+  const auto same = [&](const auto& s) { return s && isSame(*s, *stated.front()); };
+  const bool one_stated = stated.front() && std::all_of(stated.begin(), stated.end(), same);
+  const CameraModelPair model =
+      joint[chosenOf(joint, one_stated ? stated.front() : std::nullopt)].model;
+  for (const CameraTrial& trial : trials) {
+    const double cost = find(trial.open, model)->cost();
+    if (cost > (1 + kAlike) * trial.open.front().cost()) return std::nullopt;
+  }
+  return model;
+}
+
+/// What is chosen for one camera; `lens` becomes its start.
+ModelChoice choiceOf(const CameraTrial& trial, const std::optional<CameraModelPair>& stated,
+                     const std::optional<CameraModelPair>& common, Intrinsics& lens) {
+  ModelChoice choice;
+  if (!trial.open.empty()) {
+    const Trialled& chosen =
+        common ? *find(trial.open, *common) : trial.open[chosenOf(trial.open, stated)];
+    const bool as_stated = stated && isSame(chosen.model, *stated);
+    choice.reason = as_stated ? ModelReason::kStated : ModelReason::kSmallest;
+    lens = *chosen.lens;
+    for (const Trialled& t : trial.open) {
+      choice.candidates.push_back(candidateOf(t, trial.open.front()));
+    }
+  }
+  choice.candidates.insert(choice.candidates.end(), trial.ruled_out.begin(), trial.ruled_out.end());
+  choice.projection = lens.projection_model;
+  choice.distortion = lens.distortion_model;
+  return choice;
+}
+
+}  // namespace
+
+std::vector<CameraModelPair> candidateModels() {
+  std::vector<CameraModelPair> models;
+  for (std::size_t p = 0; p < enumWords(ProjectionModel()).size(); ++p) {
+    for (std::size_t d = 0; d < enumWords(DistortionModel()).size(); ++d) {
+      const CameraModelPair model{static_cast<ProjectionModel>(p), static_cast<DistortionModel>(d)};
+      if (canBeCalibrated(model.projection, model.distortion)) models.push_back(model);
+    }
+  }
+  return models;
+}
+
+bool ChosenModels::differ(const std::vector<Intrinsics>& from) const {
+  for (std::size_t c = 0; c < lenses.size(); ++c) {
+    if (!isSame(modelOf(lenses[c]), modelOf(from[c]))) return true;
+  }
+  return false;
+}
+
+ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
+                          const CameraEstimate& solved, const CameraStageOptions& options) {
+  std::vector<CameraTrial> trials(session.cameras.size());
+  forChunks(static_cast<int>(trials.size()), 1, problem.threads, [&](const Chunk& chunk) {
+    const auto c = static_cast<std::size_t>(chunk.begin);
+    trials[c] = trialOf(aloneCamera(session.target, problem, solved, c, options));
+  });
+  bool more = false;
+  scoreAll(session.target, kScreenFrames, problem.threads, trials);
+  std::vector<std::optional<CameraModelPair>> stated;
+  for (CameraTrial& trial : trials) {
+    stated.push_back(statedModel(session.cameras[stated.size()]));
+    ruleOut(trial, stated.back());
+    more = more || trial.mono.problem.frameCount() >= 2 * kScreenFrames;
+  }
+  if (more) scoreAll(session.target, kTestFrames, problem.threads, trials);
+  for (CameraTrial& trial : trials) {
+    std::erase_if(trial.open, [](const Trialled& t) { return !t.error; });
+    rank(trial.open);
+  }
+  const auto common = commonModel(trials, stated);
+  ChosenModels out;
+  for (std::size_t c = 0; c < trials.size(); ++c) {
+    out.lenses.push_back(solved.intrinsics[c]);
+    out.choices.push_back(choiceOf(trials[c], stated[c], common, out.lenses.back()));
+    out.choices.back().camera = session.cameras[c].name;
+  }
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "calibrator/base/results.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/problem.h"
+
+namespace plumbline {
+
+/// The models that ModelMode::kAuto tries: all that can be calibrated.
+std::vector<CameraModelPair> candidateModels();
+
+/// One choice per camera, and a lens of the chosen model to start from.
+struct ChosenModels {
+  std::vector<ModelChoice> choices;
+  std::vector<Intrinsics> lenses;
+
+  bool differ(const std::vector<Intrinsics>& from) const;  ///< in any camera's model
+};
+
+/// Chooses each camera's lens model by the error of frames that it was not fitted to (HeldOut),
+/// from a solution with any models, whose poses and lenses start the others:
+///
+/// - every camera by itself, on its own views and poses, so that another's lens has no say; with
+///   the board's terms free where options.target asks for its shape (else a lens with many
+///   coefficients would be preferred for bending as the board does);
+/// - first on 80 frames, of which no model is tried further that exceeds the best one's squares by
+///   three standard deviations and 10 %, or gains less than 1 % by more than the usual eight
+///   parameters; then the others on 200;
+/// - of the models within one standard error of the best (of the mean difference over blocks of
+///   time), the one that the session states; otherwise the one with fewest parameters, and among
+///   these the best (Breiman et al., "Classification and regression trees", 1984: the one-standard-
+///   error rule);
+/// - cameras that can have one model in common at a cost below 1 % of their squares get that.
+ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
+                          const CameraEstimate& solved, const CameraStageOptions& options);
+
+}  // namespace plumbline

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/halves.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "calibrator/batch/camera/robust_covariance.h"
+#include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
+#include "calibrator/information/covariance.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDeviate99 = 2.3263478740408408;  // of the normal distribution
+constexpr double kMostWidening = 3;
+constexpr double kDiagnosisBlocks = 20;  // what a ratio of deviations is taken to stand on
+
+/// Quantile of chi-square after Wilson and Hilferty, 1931.
+double chiSquare99(double degrees) {
+  const double v = 2 / (9 * degrees);
+  return degrees * std::pow(1 - v + kDeviate99 * std::sqrt(v), 3);
+}
+
+struct Half {
+  CameraEstimate estimate;
+  Eigen::MatrixXd formal, robust;
+  int blocks = 0;
+};
+
+std::optional<Half> solveHalf(const Session& session, const CameraStageResult& whole,
+                              const std::vector<PackedCorners>& corners, const FrameSegment& half,
+                              const CameraStageOptions& options) {
+  CameraProblem problem = problemOf(corners, {}, options);
+  CameraEstimate start = estimateOf(whole.cameras);
+  // An estimated shape is free here too; one that was given stays in the corners.
+  if (!(whole.target.terms == session.target.shape.terms)) {
+    problem.target = std::make_shared<TargetModel>(session.target);
+    start.target = whole.target.terms;
+  }
+  for (int i = half.first; i < half.first + half.count; ++i) {
+    const auto f = static_cast<std::size_t>(i);
+    problem.frames.push_back(whole.frames[f]);
+    start.T_C0F.push_back(whole.T_FC0[f].inverse());
+  }
+  const CameraSolution solution = solveCameraProblem(problem, start, solverOptions(options));
+  if (!solution.converged) return std::nullopt;
+  const auto formal = covarianceOf(reducedInformation(solution.normals));
+  const auto robust = robustCovariance(problem, solution);
+  if (!formal || !robust) return std::nullopt;
+  return Half{solution.estimate, *formal, robust->matrix, robust->blocks};
+}
+
+Eigen::VectorXd difference(const CameraEstimate& to, const CameraEstimate& from) {
+  const CameraLayout layout(from);
+  Eigen::VectorXd d(layout.size);
+  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
+    d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
+        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
+    if (c > 0) d.segment<6>(layout.T_C0Ci[c]) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
+  }
+  if (from.target) d.tail<kTargetTerms>() = *to.target - *from.target;
+  return d;
+}
+
+/// Where a block of parameters stands in the layout.
+struct Place {
+  std::string name;
+  int first = 0;
+  std::vector<ParameterName> parameters;
+};
+
+std::vector<Place> placesOf(const CameraStageResult& whole, const CameraLayout& layout) {
+  std::vector<Place> places;
+  const std::vector<ParameterName> names = cameraParameters(whole.cameras);
+  const auto named = [&](int first, int size) {
+    return std::vector<ParameterName>(names.begin() + first, names.begin() + first + size);
+  };
+  for (std::size_t c = 0; c < whole.cameras.size(); ++c) {
+    const int first = layout.intrinsics[c];
+    places.push_back(
+        {whole.cameras[c].name + " intrinsics", first, named(first, layout.intrinsics_size[c])});
+  }
+  for (std::size_t c = 1; c < whole.cameras.size(); ++c) {
+    const int first = layout.T_C0Ci[c];
+    places.push_back({"T_C0C" + std::to_string(c), first, named(first, 6)});
+  }
+  if (layout.target < 0) return places;
+  Place board{"target", layout.target, {}};
+  for (const char* term : kTargetTermNames) {
+    board.parameters.push_back({std::string("target.") + term, "m"});
+  }
+  places.push_back(std::move(board));
+  return places;
+}
+
+/// The recording's halves, of equally many frames.
+std::array<FrameSegment, 2> halvesOf(std::size_t frames) {
+  const auto n = static_cast<int>(frames);
+  return {FrameSegment{0, n / 2}, FrameSegment{n / 2, n - n / 2}};
+}
+
+}  // namespace
+
+HalvesBlock compareHalves(const HalvesDifference& block) {
+  const auto p = static_cast<double>(block.difference.size());
+  HalvesBlock out;
+  out.name = block.name;
+  out.parameters = static_cast<int>(block.difference.size());
+  const Eigen::LLT<Eigen::MatrixXd> L(block.formal);
+  const Eigen::MatrixXd half = L.matrixL().solve(block.robust);
+  const Eigen::MatrixXd W = L.matrixL().solve(half.transpose());
+  const double a = p / (p + block.blocks);
+  Eigen::MatrixXd C = (1 - a) * W;
+  C.diagonal().array() += a * std::max(1.0, W.trace() / p);
+  const Eigen::VectorXd z = L.matrixL().solve(block.difference);
+  out.chi2 = z.dot(C.llt().solve(z));
+  const double room = block.blocks - p - 3;
+  const double widening = room > 0 ? (block.blocks - 2) / room : kMostWidening;
+  out.limit = chiSquare99(p) * std::min(widening, kMostWidening);
+  const Eigen::MatrixXd shrunk = L.matrixL() * C * L.matrixU();
+  const Eigen::VectorXd std = shrunk.diagonal().cwiseSqrt();
+  Eigen::Index worst = 0;
+  block.difference.cwiseAbs().cwiseQuotient(std).maxCoeff(&worst);
+  out.worst = block.parameters[static_cast<std::size_t>(worst)].name;
+  out.unit = block.parameters[static_cast<std::size_t>(worst)].unit;
+  out.difference = block.difference[worst];
+  out.std = std[worst];
+  return out;
+}
+
+std::optional<HalvesCheck> checkCameraHalves(const Session& session, const CameraStageResult& whole,
+                                             const CameraStageOptions& options) {
+  const std::vector<PackedCorners> corners = usedCorners(session, whole.frames, whole.residuals);
+  const auto segments = halvesOf(whole.frames.size());
+  const auto first = solveHalf(session, whole, corners, segments[0], options);
+  if (!first) return std::nullopt;
+  const auto second = solveHalf(session, whole, corners, segments[1], options);
+  if (!second) return std::nullopt;
+  const Eigen::VectorXd d = difference(second->estimate, first->estimate);
+  HalvesCheck check;
+  check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
+  for (Place& place : placesOf(whole, CameraLayout(first->estimate))) {
+    const auto n = static_cast<Eigen::Index>(place.parameters.size());
+    const auto part = [&](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+      return Eigen::MatrixXd(a.block(place.first, place.first, n, n) +
+                             b.block(place.first, place.first, n, n));
+    };
+    check.blocks.push_back(
+        compareHalves({place.name, std::move(place.parameters), d.segment(place.first, n),
+                       part(first->formal, second->formal), part(first->robust, second->robust),
+                       static_cast<double>(first->blocks + second->blocks)}));
+  }
+  return check;
+}
+
+std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
+                                                const CameraImuStageResult& whole,
+                                                const CameraImuOptions& options) {
+  constexpr Eigen::Index kOwn = 7;  // T_SC0, time offset
+  if (!whole.faults || whole.frames.size() < 4) return std::nullopt;
+  const Eigen::VectorXd ratio =
+      whole.faults->robust_std.cwiseQuotient(whole.faults->formal_std).cwiseMax(1);
+  if (!ratio.allFinite()) return std::nullopt;
+  CameraImuOptions plain = options;
+  plain.noise_check = false;
+  plain.diagnose_faults = false;
+  plain.state_covariances = false;
+  const auto segments = halvesOf(whole.frames.size());
+  const auto first = recalibrateCameraImu(session, whole, {segments[0]}, plain);
+  if (!first || !first->summary.converged) return std::nullopt;
+  const auto second = recalibrateCameraImu(session, whole, {segments[1]}, plain);
+  if (!second || !second->summary.converged) return std::nullopt;
+  Eigen::VectorXd d(kOwn);
+  d << boxminus(second->imu.T_SC0, first->imu.T_SC0),
+      second->imu.timeOffset() - first->imu.timeOffset();
+  const Eigen::MatrixXd formal = first->summary.covariance.matrix.topLeftCorner(kOwn, kOwn) +
+                                 second->summary.covariance.matrix.topLeftCorner(kOwn, kOwn);
+  const Eigen::MatrixXd robust = ratio.asDiagonal() * formal * ratio.asDiagonal();
+  const std::vector<ParameterName> arm = transformParameters("T_SC0");
+  HalvesCheck check;
+  check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
+  const auto add = [&](const char* name, Eigen::Index at, std::vector<ParameterName> parameters) {
+    const auto n = static_cast<Eigen::Index>(parameters.size());
+    check.blocks.push_back(
+        compareHalves({name, std::move(parameters), d.segment(at, n), formal.block(at, at, n, n),
+                       robust.block(at, at, n, n), kDiagnosisBlocks}));
+  };
+  add("T_SC0 translation", 0, {arm.begin(), arm.begin() + 3});
+  add("T_SC0 rotation", 3, {arm.begin() + 3, arm.end()});
+  add("time offset", 6, {{"time_offset", "s"}});
+  return check;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+
+namespace plumbline {
+
+/// Whether the halves of a recording, each solved apart from the whole's solution, agree.
+///
+/// For each block of parameters, d their difference, F the sum of both halves' formal covariances
+/// and R that of their cluster-robust ones (camera/robust_covariance.h) from M blocks of time:
+///   chi2 = d^T C^-1 d,   L^-1 C L^-T = (1 - a) W + a max(1, tr W / p) 1,   W = L^-1 R L^-T,
+/// F = L L^T, p parameters, a = p / (p + M): the robust covariance, drawn towards the formal one at
+/// the size of the robust one, since M blocks do not fill p x p entries (a linear shrinkage after
+/// Ledoit and Wolf, "A well-conditioned estimator for large-dimensional covariance matrices",
+/// 2004). The limit is the 99 % quantile of chi-square with p degrees, times (M - 2) / (M - p - 3)
+/// for the deviations being estimates (Hotelling; at most 3).
+///
+/// Blocks: each camera's intrinsics, each T_C0Ci, and the board's terms where they were estimated.
+/// Empty where a half has no solution, or too few blocks of time.
+std::optional<HalvesCheck> checkCameraHalves(const Session& session, const CameraStageResult& whole,
+                                             const CameraStageOptions& options = {});
+
+/// The same for the camera-IMU stage, the cameras held at the whole's: translation and rotation of
+/// T_SC0, time offset. The robust deviations are the halves' formal ones times the ratio that the
+/// whole's diagnosis has (FaultDiagnosis), at least 1. Empty also without a diagnosis.
+std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
+                                                const CameraImuStageResult& whole,
+                                                const CameraImuOptions& options = {});
+
+/// A block of parameters to be compared.
+struct HalvesDifference {
+  std::string name;
+  std::vector<ParameterName> parameters;
+  Eigen::VectorXd difference;  ///< second half minus first
+  Eigen::MatrixXd formal;      ///< covariance of the difference
+  Eigen::MatrixXd robust;
+  double blocks = 0;  ///< of time, on which `robust` stands
+};
+HalvesBlock compareHalves(const HalvesDifference& block);
+
+}  // namespace plumbline

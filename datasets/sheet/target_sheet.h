@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/image.h"
+#include "calibrator/target/tag_family.h"
+
+namespace plumbline {
+
+/// In every sheet and its target.yaml.
+inline constexpr const char* kSheetMark = "Plumbline target";
+
+struct PaperSize {
+  double width_mm = 0;
+  double height_mm = 0;
+};
+
+/// "A4" to "A0", "letter", "tabloid", or WIDTHxHEIGHT in millimetres ("900x900"); empty for another
+/// word.
+std::optional<PaperSize> paperSizeFrom(const std::string& word);
+
+/// A sheet with an AprilGrid in its middle, at true size: tags, the squares between them, and below
+/// a ruler of 100 mm with a tick every 10 mm, by which a print that was scaled is found out.
+struct SheetOptions {
+  AprilGrid target;  ///< its shape is not printed: the sheet is flat and even
+  PaperSize paper{841, 1189};
+  int border_bits = kKalibrBorderBits;  ///< black border of a tag in cells, 1 or 2
+
+  /// Throws InputError where the target has no tags, more than the family, or does not fit on the
+  /// paper either way round: then with the largest tag that does.
+  void check() const;
+};
+
+/// The sheet as a PDF of one page, all vectors; the paper lies the way that the target fits.
+std::string targetSheetPdf(const SheetOptions& options);
+
+/// The same drawing as pixels, `pixels_per_mm` of them.
+GrayImage targetSheetImage(const SheetOptions& options, double pixels_per_mm);
+
+/// Kalibr's target.yaml of a grid.
+std::string targetYamlText(const AprilGrid& grid);
+
+}  // namespace plumbline

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/calibration/convert_models.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/initialise/lens_fit.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kStep = 8;  // [px] between the pixels that are compared
+
+std::string nameOf(const Intrinsics& k) {
+  return toString(k.projection_model) + "-" + toString(k.distortion_model);
+}
+
+/// Fills the figures of a conversion, cell by cell.
+void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out) {
+  const auto count = static_cast<std::size_t>(out.cells.size());
+  std::vector<double> squares(count, 0), points(count, 0);
+  double sum = 0, all = 0;
+  for (int u = 0; u < from.resolution.width; u += kStep) {
+    for (int v = 0; v < from.resolution.height; v += kStep) {
+      const Eigen::Vector2d uv(u, v);
+      const auto ray = unproject(from, uv);
+      const auto again = ray ? project(to, *ray) : std::nullopt;
+      if (!again) continue;
+      const double square = (*again - uv).squaredNorm();
+      const auto cell = static_cast<std::size_t>(out.cells.cellOf(uv, from.resolution));
+      squares[cell] += square;
+      points[cell] += 1;
+      sum += square;
+      all += 1;
+      out.most_px = std::max(out.most_px, std::sqrt(square));
+    }
+  }
+  out.rms_px = std::sqrt(sum / std::max(1., all));
+  for (std::size_t i = 0; i < count; ++i) {
+    out.region_px.push_back(points[i] > 0 ? std::optional(std::sqrt(squares[i] / points[i]))
+                                          : std::nullopt);
+  }
+}
+
+}  // namespace
+
+std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model) {
+  std::vector<ModelConversion> conversions;
+  for (CameraCalibration& camera : calibration.cameras) {
+    Intrinsics& lens = camera.intrinsics;
+    if (lens.projection_model == model.projection && lens.distortion_model == model.distortion) {
+      continue;
+    }
+    const auto fit = convertedLens(lens, model.projection, model.distortion);
+    if (!fit) {
+      throw InputError(fmt::format("{} is {} and cannot be given as {}-{}; choose another model",
+                                   camera.name, nameOf(lens), toString(model.projection),
+                                   toString(model.distortion)));
+    }
+    ModelConversion conversion;
+    conversion.camera = camera.name;
+    conversion.from = nameOf(lens);
+    conversion.to = nameOf(fit->lens);
+    compare(lens, fit->lens, conversion);
+    conversions.push_back(std::move(conversion));
+    lens = fit->lens;
+    camera.intrinsics_std.reset();
+  }
+  return conversions;
+}
+
+std::string conversionText(const ModelConversion& c) {
+  std::string text = fmt::format(
+      "{}: {} as {}: {:.4f} px RMS over the image, at most {:.3f} px; by region [px]:\n", c.camera,
+      c.from, c.to, c.rms_px, c.most_px);
+  for (int row = 0; row < c.cells.rows; ++row) {
+    for (int col = 0; col < c.cells.columns; ++col) {
+      const auto& px = c.region_px[static_cast<std::size_t>(row * c.cells.columns + col)];
+      text += px ? fmt::format(" {:8.4f}", *px) : fmt::format(" {:>8}", "-");
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <charconv>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/sheet/target_sheet.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
+
+namespace plumbline {
+namespace {
+
+struct PrintOptions {
+  SheetOptions sheet;
+  std::string tag_size, paper = "A0";
+  OutputOptions output;
+};
+
+/// "88mm", "8.8cm" or "0.088m" in metres.
+double lengthFrom(const std::string& option, const std::string& word) {
+  static const std::map<std::string, double> kUnits = {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}};
+  double value = 0;
+  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto unit = kUnits.find(stop);
+  if (error == std::errc() && unit != kUnits.end() && value > 0 && value * unit->second < 1e3) {
+    return value * unit->second;
+  }
+  throw InputError(fmt::format("{} {}: expected a length with its unit, e.g. 88mm", option, word));
+}
+
+void declarePrint(CLI::App& app, PrintOptions& o) {
+  AprilGrid& grid = o.sheet.target;
+  app.add_option("--rows", grid.rows, "Rows of tags")->check(numberFrom(1))->capture_default_str();
+  app.add_option("--cols", grid.cols, "Tags in a row")->check(numberFrom(1))->capture_default_str();
+  app.add_option("--tag-size", o.tag_size, "Edge of a tag's black border, e.g. 88mm")->required();
+  app.add_option("--spacing", grid.spacing, "Gap between tags as a ratio of --tag-size")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--paper", o.paper, "A4 to A0, letter, tabloid, or WIDTHxHEIGHT in mm")
+      ->capture_default_str();
+  app.add_option("--border-bits", o.sheet.border_bits, "Black border of the tags: 2 (Kalibr) or 1")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
+  o.output.declare(app, "PDF to write; its target.yaml is written beside it")->required();
+}
+
+/// The name of the sheet's target.yaml: that of the PDF with another ending.
+std::string yamlBeside(const std::string& pdf) {
+  const bool ends = pdf.ends_with(".pdf") || pdf.ends_with(".PDF");
+  return (ends ? pdf.substr(0, pdf.size() - 4) : pdf) + ".yaml";
+}
+
+int printTarget(const PrintOptions& o) {
+  SheetOptions sheet = o.sheet;
+  sheet.target.tag_size = lengthFrom("--tag-size", o.tag_size);
+  const auto paper = paperSizeFrom(o.paper);
+  if (!paper) {
+    throw InputError(fmt::format(
+        "--paper {}: expected A4 to A0, letter, tabloid, or WIDTHxHEIGHT in mm", o.paper));
+  }
+  sheet.paper = *paper;
+  sheet.check();
+  const std::string yaml_path = yamlBeside(o.output.out);
+  OutputFile pdf(o.output.file(o.output.out, {}), kSheetMark);
+  OutputFile yaml(o.output.file(yaml_path, {}), kSheetMark);
+  pdf.write(targetSheetPdf(sheet));
+  yaml.write(targetYamlText(sheet.target));
+  say("{}\n{}\nPrint it at 100 % (no fitting to the page) and measure the ruler.\n", o.output.out,
+      yaml_path);
+  return kDone;
+}
+
+Command printCommand() {
+  return {"print", "An AprilGrid to print at true size, with its target.yaml",
+          "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
+          [](CLI::App& app) {
+            auto options = std::make_shared<PrintOptions>();
+            declarePrint(app, *options);
+            return std::function<int()>([options] { return printTarget(*options); });
+          }};
+}
+
+}  // namespace
+
+Command targetCommand() {
+  return {"target", "The board: a sheet to print",
+          "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
+          [](CLI::App& app) {
+            app.require_subcommand(1);
+            const Command print = printCommand();
+            CLI::App* sub = app.add_subcommand(print.name, print.summary);
+            sub->footer("Example:\n  " + print.example);
+            return print.configure(*sub);
+          }};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+/// A figure as a person reads it: lengths in millimetres, angles in degrees, time in milliseconds.
+struct Shown {
+  double factor = 1;
+  const char* unit = "";
+};
+Shown shownIn(const std::string& unit) {
+  if (unit == "m") return {1e3, " mm"};
+  if (unit == "rad") return {kDegrees, " deg"};
+  if (unit == "s") return {1e3, " ms"};
+  return {1, unit == "px" ? " px" : ""};
+}
+
+std::string evidenceOf(const HalvesBlock& b) {
+  const Shown shown = shownIn(b.unit);
+  return fmt::format(
+      "{} of the second half less that of the first is {:+.4g}{}, with a standard deviation of "
+      "{:.2g}{} (chi-square of {}: {:.1f} of {} parameters, {:.1f} by chance)",
+      b.worst, shown.factor * b.difference, shown.unit, shown.factor * b.std, shown.unit, b.name,
+      b.chi2, b.parameters, b.limit);
+}
+
+}  // namespace
+
+Findings judgeHalves(const StageSummary& summary, const std::string& stage,
+                     const VerdictThresholds& t) {
+  if (!summary.halves || summary.halves->blocks.empty()) return {};
+  const auto ratio = [](const HalvesBlock& b) { return b.chi2 / b.limit; };
+  const std::vector<HalvesBlock>& blocks = summary.halves->blocks;
+  const auto worst = std::max_element(
+      blocks.begin(), blocks.end(),
+      [&](const HalvesBlock& a, const auto& b) { return !(ratio(b) <= ratio(a)); });
+  const Rule rule{
+      fmt::format("Halves of the recording ({})", stage), "-", t.halves,
+      "The standard deviations do not cover what the halves differ by: take that difference for "
+      "the "
+      "accuracy. It comes from what the recording does not keep, or the model does not have: see "
+      "the other findings first, then calibrate the halves (--to, --from) to see which one a "
+      "second "
+      "recording confirms."};
+  return {above(rule, ratio(*worst), evidenceOf(*worst))};
+}
+
+}  // namespace plumbline

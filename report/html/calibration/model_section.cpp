@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/calibration/model_section.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace plumbline::html_internal {
+namespace {
+
+template <class Model>
+std::string nameOf(const Model& model) {
+  return toString(model.projection) + "-" + toString(model.distortion);
+}
+
+std::string reasonText(const ModelChoice& choice) {
+  switch (choice.reason) {
+    case ModelReason::kStated:
+      return fmt::format(
+          "{}: {}, as the recording states it: no model predicts unseen frames better by more than "
+          "one standard error.",
+          choice.camera, nameOf(choice));
+    case ModelReason::kSmallest:
+      return fmt::format(
+          "{}: {}, the one with fewest parameters of the models that predict unseen frames as well "
+          "as the best, within one standard error.",
+          choice.camera, nameOf(choice));
+    case ModelReason::kNotTested:
+      break;
+  }
+  return fmt::format("{}: {}; the recording is too short to compare models.", choice.camera,
+                     nameOf(choice));
+}
+
+Table candidateTable(const ModelChoice& choice) {
+  Table table{{{"Model", Cell::Kind::kCode},
+               {"Parameters", kNumber},
+               {"Frames", kNumber},
+               {"Unseen frames, RMS [px]", kNumber},
+               {"Above the best [px\u00b2]", kNumber},
+               {"Std error [px\u00b2]", kNumber}},
+              {}};
+  for (const ModelCandidate& c : choice.candidates) {
+    const bool solved = std::isfinite(c.held_out_px);
+    const auto figure = [&](double value, const char* format) {
+      return number(solved ? fmt::format(fmt::runtime(format), value) : kDash);
+    };
+    table.rows.push_back({code(nameOf(c)), number(fmt::format("{}", c.parameters)),
+                          number(solved ? fmt::format("{}", c.frames) : kDash),
+                          figure(c.held_out_px, "{:.4f}"), figure(c.excess_px2, "{:.5f}"),
+                          figure(c.excess_std_px2, "{:.5f}")});
+  }
+  return table;
+}
+
+Table halvesTable(const HalvesCheck& check) {
+  Table table{{{"Parameters"},
+               {"Chi-square", kNumber},
+               {"Of", kNumber},
+               {"By chance (99 %)", kNumber},
+               {"Differs most", Cell::Kind::kCode},
+               {"Second half less first", kNumber},
+               {"Std", kNumber}},
+              {}};
+  for (const HalvesBlock& b : check.blocks) {
+    const std::string unit = b.unit == "-" ? "" : " " + b.unit;
+    Cell name{b.name};
+    name.level = b.agree() ? VerdictLevel::kGood : VerdictLevel::kCaution;
+    table.rows.push_back({name, number(fmt::format("{:.1f}", b.chi2)),
+                          number(fmt::format("{}", b.parameters)),
+                          number(fmt::format("{:.1f}", b.limit)), code(b.worst),
+                          number(fmt::format("{:+.3g}{}", b.difference, unit)),
+                          number(fmt::format("{:.2g}{}", b.std, unit))});
+  }
+  return table;
+}
+
+}  // namespace
+
+Section modelSection(const CameraStageResult& stage) {
+  Section section{
+      "models",
+      "Lens models",
+      "Each model was fitted to one half of the recording's blocks of time and scored on "
+      "the other, only poses moving. Models with fewer frames were ruled out early.",
+      {},
+      {}};
+  for (const ModelChoice& choice : stage.models) {
+    section.blocks.push_back({choice.camera, reasonText(choice), candidateTable(choice), {}, {}});
+  }
+  return section;
+}
+
+Section halvesSection(const CalibrationRecord& record) {
+  Section section{
+      "halves",
+      "Halves of the recording",
+      "Each half solved apart, with cluster-robust deviations; the camera-IMU stage with "
+      "the cameras of the whole recording.",
+      {},
+      {}};
+  const auto add = [&](const char* heading, const StageSummary& summary) {
+    if (!summary.halves) return;
+    section.blocks.push_back({heading, "", halvesTable(*summary.halves), {}, {}});
+  };
+  if (record.camera) add("Cameras", record.camera->summary);
+  if (record.camera_imu) add("Camera-IMU", record.camera_imu->summary);
+  return section;
+}
+
+}  // namespace plumbline::html_internal

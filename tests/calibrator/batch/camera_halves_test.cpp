@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether the halves of a recording agree.
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/halves.h"
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline {
+namespace {
+
+SimulatedSession recorded(std::uint64_t seed) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.duration_s = 30;
+  options.camera_rate_hz = 5;
+  return simulateSession(simulatedRig("euroc"), options);
+}
+
+/// The same recording, with a lens that is knocked in its middle: its corners move from there on.
+Session knocked(Session session, double shift_px) {
+  auto& views = session.cameras[0].views;
+  for (std::size_t i = views.size() / 2; i < views.size(); ++i) {
+    for (Corner& corner : views[i].corners) corner.uv.x() += shift_px;
+  }
+  return session;
+}
+
+TEST(CameraHalves, AgreeWhereNothingChanged) {
+  const SimulatedSession s = recorded(1);
+  const auto whole = calibrateCameras(s.session);
+  ASSERT_TRUE(whole.ok());
+  const auto check = checkCameraHalves(s.session, *whole);
+  ASSERT_TRUE(check);
+  ASSERT_EQ(check->blocks.size(), 3U);  // two lenses, one transform
+  EXPECT_EQ(check->split, whole->frames[whole->frames.size() / 2].t);
+  for (const HalvesBlock& b : check->blocks) EXPECT_TRUE(b.agree()) << b.name << " " << b.chi2;
+}
+
+TEST(CameraHalves, ALensThatWasKnockedIsNamedWithItsShift) {
+  const SimulatedSession s = recorded(1);
+  const Session session = knocked(s.session, 2);
+  const auto whole = calibrateCameras(session);
+  ASSERT_TRUE(whole.ok());
+  const auto check = checkCameraHalves(session, *whole);
+  ASSERT_TRUE(check);
+  const HalvesBlock& lens = check->blocks[0];
+  EXPECT_FALSE(lens.agree());
+  EXPECT_EQ(lens.worst, "cam0.pu");
+  EXPECT_NEAR(lens.difference, 2, 4 * lens.std);
+  EXPECT_TRUE(check->blocks[1].agree()) << "the other lens stayed";
+}
+
+TEST(CameraHalves, ChiSquareOfAWhiteDifferenceIsThatOfItsParameters) {
+  HalvesDifference d;
+  d.name = "two";
+  d.parameters = {{"a", "px"}, {"b", "m"}};
+  d.difference = Eigen::Vector2d(3, 0.2);
+  d.formal = Eigen::Vector2d(1, 0.01).asDiagonal();
+  d.robust = d.formal;
+  d.blocks = 80;
+  const HalvesBlock same = compareHalves(d);
+  EXPECT_NEAR(same.chi2, 9 + 4, 1e-12);
+  EXPECT_EQ(same.worst, "a");
+  EXPECT_NEAR(same.std, 1, 1e-12);
+  EXPECT_NEAR(same.limit, 9.2103 * 78 / 75, 0.05);  // Wilson and Hilferty
+  d.robust = 4 * d.formal;                          // deviations twice as large: a quarter
+  EXPECT_NEAR(compareHalves(d).chi2, 13.0 / 4, 1e-12);
+  d.robust = 0.01 * d.formal;  // a robust covariance that is too small by chance is drawn upwards
+  EXPECT_LT(compareHalves(d).chi2, 13 / 0.03);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every model that can be calibrated, on simulated cameras; and the choice among them.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/model_choice.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/initialise/lens_fit.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "tests/calibrator/camera/example_cameras.h"
+
+namespace plumbline {
+namespace {
+
+/// A recording of one camera; the session says nothing of its model.
+SimulatedSession recorded(const Intrinsics& lens, double sigma_px, double duration_s = 16) {
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras.resize(1);
+  rig.calibration.cameras[0].intrinsics = lens;
+  SimulationOptions options;
+  options.duration_s = duration_s;
+  options.camera_rate_hz = 5;
+  options.corner_sigma_px = sigma_px;
+  SimulatedSession s = simulateSession(rig, options);
+  s.session.cameras[0].camera_model.clear();
+  s.session.cameras[0].distortion_model.clear();
+  return s;
+}
+
+CameraStageOptions as(const Intrinsics& lens) {
+  CameraStageOptions options;
+  options.models = {{lens.projection_model, lens.distortion_model}};
+  options.cauchy_px = 0;
+  options.pixel_sigma = 0.1;
+  return options;
+}
+
+std::string nameOf(const Intrinsics& lens) {
+  return toString(lens.projection_model) + "-" + toString(lens.distortion_model);
+}
+
+/// Largest angle to the axis at which a used corner was seen [rad].
+double widestAngle(const CameraStageResult& result) {
+  double widest = 0;
+  for (const CornerResidual& r : result.residuals) {
+    if (!r.used) continue;
+    const auto ray = unproject(result.cameras[0].intrinsics, r.uv.cast<double>());
+    if (ray) widest = std::max(widest, std::acos(ray->z()));
+  }
+  return widest;
+}
+
+/// EuRoC's cam0 in the models that have no example of their own size.
+Intrinsics lensOf(ProjectionModel projection, DistortionModel distortion) {
+  for (const Intrinsics& lens : testing::everyModel()) {
+    if (lens.projection_model == projection && lens.distortion_model == distortion) return lens;
+  }
+  return {};
+}
+
+TEST(CameraModels, EveryModelRecoversTheLensWithoutNoise) {
+  for (const CameraModelPair& model : candidateModels()) {
+    const Intrinsics lens = lensOf(model.projection, model.distortion);
+    const SimulatedSession s = recorded(lens, 0);
+    CameraStageOptions options = as(lens);
+    options.pixel_sigma = 5e-3;  // rational's coefficients are observable to no less
+    const auto result = calibrateCameras(s.session, options);
+    ASSERT_TRUE(result.ok()) << nameOf(lens) << ": " << result.failure();
+    EXPECT_LT(result->summary.reprojection.rmse_px, 1e-5) << nameOf(lens);
+    const Eigen::VectorXd std = result->summary.covariance.standardDeviations();
+    const Eigen::VectorXd error = result->cameras[0].intrinsics.stacked() - lens.stacked();
+    EXPECT_LT(error.cwiseQuotient(std).cwiseAbs().maxCoeff(), 1e-3) << nameOf(lens);
+  }
+}
+
+/// A fisheye that shows 195 degrees over the height of the image, in this model.
+Intrinsics fisheye(ProjectionModel projection) {
+  Intrinsics lens = testing::doubleSphereCamera();
+  lens.resolution = {752, 752};
+  lens.projection << -0.2, 0.59, 1, 1, 374.1, 377.3;
+  const double half = 195 * std::numbers::pi / 360;
+  const auto edge = project(lens, {std::sin(half), 0, std::cos(half)});
+  const double focal = 376 / (edge->x() - 374.1);
+  lens.projection.segment<2>(2).setConstant(focal);
+  if (projection == ProjectionModel::kDs) return lens;
+  const DistortionModel none = DistortionModel::kNone;
+  return convertedLens(lens, projection, none)->lens;
+}
+
+TEST(CameraModels, FisheyesOf195DegreesAreCalibratedBeyondTheRightAngle) {
+  for (const ProjectionModel projection :
+       {ProjectionModel::kDs, ProjectionModel::kEucm, ProjectionModel::kOmni}) {
+    const Intrinsics lens = fisheye(projection);
+    const SimulatedSession s = recorded(lens, 0.1);
+    const auto result = calibrateCameras(s.session, as(lens));
+    ASSERT_TRUE(result.ok()) << nameOf(lens) << ": " << result.failure();
+    EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.1 * std::sqrt(2), 0.004) << nameOf(lens);
+    EXPECT_GT(widestAngle(*result), 0.5 * std::numbers::pi) << nameOf(lens);
+    const Eigen::VectorXd std = result->summary.covariance.standardDeviations();
+    const Eigen::VectorXd error = result->cameras[0].intrinsics.stacked() - lens.stacked();
+    EXPECT_LT(error.cwiseQuotient(std).cwiseAbs().maxCoeff(), 4.5) << nameOf(lens);
+  }
+}
+
+CameraStageOptions chosen() {
+  CameraStageOptions options;
+  options.model_mode = ModelMode::kAuto;
+  return options;
+}
+
+TEST(ModelChoice, FindsTheModelOfTheLens) {
+  for (const Intrinsics& lens : {testing::equidistantCamera(), fisheye(ProjectionModel::kDs)}) {
+    const SimulatedSession s = recorded(lens, 0.1, 30);
+    const auto result = calibrateCameras(s.session, chosen());
+    ASSERT_TRUE(result.ok()) << nameOf(lens) << ": " << result.failure();
+    ASSERT_EQ(result->models.size(), 1U);
+    const ModelChoice& choice = result->models[0];
+    // Another may describe the lens as well; never one that leaves more than the noise.
+    EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.1 * std::sqrt(2), 0.004) << nameOf(lens);
+    EXPECT_NE(choice.reason, ModelReason::kNotTested);
+    EXPECT_EQ(choice.candidates.size(), candidateModels().size());
+    for (std::size_t i = 1; i < choice.candidates.size(); ++i) {
+      if (choice.candidates[i].frames < choice.candidates[0].frames) break;
+      EXPECT_GE(choice.candidates[i].excess_px2, 0);
+    }
+  }
+}
+
+TEST(ModelChoice, KeepsTheStatedModelWhereNoneIsBetter) {
+  SimulatedSession s = recorded(testing::radtanCamera(), 0.2, 30);
+  s.session.cameras[0].camera_model = "pinhole";
+  s.session.cameras[0].distortion_model = "radtan";
+  const auto result = calibrateCameras(s.session, chosen());
+  ASSERT_TRUE(result.ok()) << result.failure();
+  EXPECT_EQ(result->models[0].reason, ModelReason::kStated);
+  EXPECT_EQ(result->models[0].distortion, DistortionModel::kRadtan);
+  CameraStageOptions given = as(testing::radtanCamera());
+  given.cauchy_px = CameraStageOptions().cauchy_px;
+  given.pixel_sigma = CameraStageOptions().pixel_sigma;
+  const auto same = calibrateCameras(s.session, given);
+  ASSERT_TRUE(same.ok());
+  EXPECT_NEAR(result->summary.cost, same->summary.cost, 1e-9 * same->summary.cost);
+}
+
+TEST(ModelChoice, LeavesAStatedModelThatMisfits) {
+  SimulatedSession s = recorded(testing::equidistantCamera(), 0.2, 30);
+  s.session.cameras[0].camera_model = "pinhole";
+  s.session.cameras[0].distortion_model = "radtan";
+  const auto result = calibrateCameras(s.session, chosen());
+  ASSERT_TRUE(result.ok()) << result.failure();
+  EXPECT_EQ(result->models[0].reason, ModelReason::kSmallest);
+  EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.2 * std::sqrt(2), 0.01);
+}
+
+TEST(ModelChoice, DoesNotDependOnTheNumberOfThreads) {
+  const SimulatedSession s = recorded(testing::eucmCamera(), 0.2);
+  CameraStageOptions options = chosen();
+  const auto one = calibrateCameras(s.session, options);
+  options.threads = 3;
+  const auto three = calibrateCameras(s.session, options);
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_EQ(one->summary.cost, three->summary.cost);
+  ASSERT_EQ(one->models[0].candidates.size(), three->models[0].candidates.size());
+  for (std::size_t i = 0; i < one->models[0].candidates.size(); ++i) {
+    const double a = one->models[0].candidates[i].held_out_px;
+    const double b = three->models[0].candidates[i].held_out_px;
+    EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A lens in another model.
+#include "calibrator/initialise/lens_fit.h"
+
+#include <gtest/gtest.h>
+
+#include "calibrator/camera/camera.h"
+#include "tests/calibrator/camera/example_cameras.h"
+
+namespace plumbline {
+namespace {
+
+TEST(LensFit, ALensInItsOwnModelIsItself) {
+  for (const Intrinsics& lens : testing::everyModel()) {
+    if (!canBeCalibrated(lens.projection_model, lens.distortion_model)) continue;
+    const auto fit = convertedLens(lens, lens.projection_model, lens.distortion_model);
+    ASSERT_TRUE(fit) << toString(lens.projection_model) << toString(lens.distortion_model);
+    // The projection: models with valleys (omni-radtan, rational) have many parameters for it.
+    EXPECT_LT(fit->most_px, 0.02) << toString(lens.projection_model)
+                                  << toString(lens.distortion_model);
+  }
+}
+
+TEST(LensFit, RationalHoldsRadtan) {
+  const auto fit =
+      convertedLens(testing::radtanCamera(), ProjectionModel::kPinhole, DistortionModel::kRational);
+  ASSERT_TRUE(fit);
+  EXPECT_LT(fit->most_px, 1e-2);
+}
+
+// A double sphere of 220 degrees: a pinhole shows what lies ahead, the rest is not counted.
+TEST(LensFit, APinholeTakesThePartThatItCanShow) {
+  Intrinsics wide = testing::doubleSphereCamera();
+  wide.projection.tail<4>() << 150, 150, 375.5, 239.5;
+  const auto fit = convertedLens(wide, ProjectionModel::kPinhole, DistortionModel::kEquidistant);
+  const auto whole = convertedLens(wide, ProjectionModel::kEucm, DistortionModel::kNone);
+  ASSERT_TRUE(fit && whole);
+  EXPECT_LT(fit->points, whole->points);
+  EXPECT_GT(fit->points, 500);
+  EXPECT_LT(fit->rms_px, 0.1);
+}
+
+TEST(LensFit, SaysHowMuchAModelMisses) {
+  const auto fit = convertedLens(testing::equidistantCamera(), ProjectionModel::kPinhole,
+                                 DistortionModel::kNone);
+  ASSERT_TRUE(fit);
+  EXPECT_GT(fit->rms_px, 1);
+  EXPECT_GE(fit->most_px, fit->rms_px);
+  EXPECT_FALSE(fitLens(testing::radtanCamera(), {}));
+}
+
+}  // namespace
+}  // namespace plumbline
