@@ -22,12 +22,6 @@ constexpr double kDeviate99 = 2.3263478740408408;  // of the normal distribution
 constexpr double kMostWidening = 3;
 constexpr double kDiagnosisBlocks = 20;  // what a ratio of deviations is taken to stand on
 
-/// Quantile of chi-square after Wilson and Hilferty, 1931.
-double chiSquare99(double degrees) {
-  const double v = 2 / (9 * degrees);
-  return degrees * std::pow(1 - v + kDeviate99 * std::sqrt(v), 3);
-}
-
 struct Half {
   CameraEstimate estimate;
   Eigen::MatrixXd formal, robust;
@@ -107,6 +101,11 @@ std::array<FrameSegment, 2> halvesOf(std::size_t frames) {
 }
 
 }  // namespace
+
+double chiSquare99(double degrees) {
+  const double v = 2 / (9 * degrees);
+  return degrees * std::pow(1 - v + kDeviate99 * std::sqrt(v), 3);
+}
 
 HalvesBlock compareHalves(const HalvesDifference& block) {
   const auto p = static_cast<double>(block.difference.size());

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,10 +12,14 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session/target_shape.h"
 #include "datasets/sheet/target_sheet.h"
+#include "evaluate/calibration/fit_target.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/option_values.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/results/parallel_for.h"
 
 namespace plumbline {
 namespace {
@@ -79,6 +84,73 @@ int printTarget(const PrintOptions& o) {
   return kDone;
 }
 
+struct FitOptions {
+  std::vector<std::string> sessions;
+  std::optional<std::string> target, models, cache;
+  std::string loss = "none";
+  int threads = 0;
+  OutputOptions output;
+};
+
+void declareFit(CLI::App& app, FitOptions& o) {
+  app.add_option("sessions", o.sessions, "Folders of recordings of one board (EuRoC layout)")
+      ->required();
+  app.add_option("--target", o.target, "Kalibr's target.yaml (default: in each session)");
+  app.add_option(
+      "--models", o.models,
+      "Lens model for all cameras (default: auto, chosen by the error of unseen frames)");
+  app.add_option("--loss", o.loss, "none, or cauchy:SCALE [px]")->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads (0: all cores); results do not depend on it")
+      ->check(numberFrom(0))
+      ->capture_default_str();
+  app.add_option("--cache", o.cache, "Folder in which found corners are kept");
+  o.output.declare(app, "target_shape.yaml to write")->required();
+}
+
+TargetFitRequest fitRequest(const FitOptions& o) {
+  TargetFitRequest request;
+  for (const std::string& session : o.sessions) {
+    SessionOptions one;
+    one.session = session;
+    one.target = o.target;
+    one.cache = o.cache;
+    one.threads = o.threads;
+    request.sessions.push_back(one.request());
+    request.sessions.back().read.read_imu = false;
+    request.sessions.back().read.supported_models_only = false;
+  }
+  request.camera.cauchy_px = lossFrom(o.loss);
+  request.camera.threads = threadCount(o.threads);
+  request.camera.model_mode = ModelMode::kAuto;
+  if (o.models && *o.models != "auto") {
+    request.camera.model_mode = ModelMode::kGiven;
+    request.camera.models = modelsFrom(*o.models);
+  }
+  return request;
+}
+
+int fitTarget(const FitOptions& o) {
+  std::vector<std::string> inputs = o.sessions;
+  if (o.target) inputs.push_back(*o.target);
+  OutputFile out(o.output.file(o.output.out, inputs), "terms_mm");
+  ProgressBar bar;
+  const auto fit = fitTargetOverSessions(fitRequest(o), bar.sink());
+  bar.clear();
+  if (!fit) return tellFailure(fit.failure());
+  out.write(targetShapeText(fit->board));
+  say("{}{}\n", jointTargetText(*fit), o.output.out);
+  return kDone;
+}
+
+Command fitCommand() {
+  return {"fit", "One board's shape from several recordings, and whether it changed between them",
+          "plumbline target fit monday tuesday --out target_shape.yaml", [](CLI::App& app) {
+            auto options = std::make_shared<FitOptions>();
+            declareFit(app, *options);
+            return std::function<int()>([options] { return fitTarget(*options); });
+          }};
+}
+
 Command printCommand() {
   return {"print", "An AprilGrid to print at true size, with its target.yaml",
           "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
@@ -92,14 +164,19 @@ Command printCommand() {
 }  // namespace
 
 Command targetCommand() {
-  return {"target", "The board: a sheet to print",
+  return {"target", "The board: its shape from recordings, a sheet to print",
           "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
           [](CLI::App& app) {
             app.require_subcommand(1);
-            const Command print = printCommand();
-            CLI::App* sub = app.add_subcommand(print.name, print.summary);
-            sub->footer("Example:\n  " + print.example);
-            return print.configure(*sub);
+            std::map<std::string, std::function<int()>> handlers;
+            for (const Command& command : {fitCommand(), printCommand()}) {
+              CLI::App* sub = app.add_subcommand(command.name, command.summary);
+              sub->footer("Example:\n  " + command.example);
+              handlers[command.name] = command.configure(*sub);
+            }
+            return std::function<int()>([handlers, &app] {
+              return handlers.at(app.get_subcommands().front()->get_name())();
+            });
           }};
 }
 
