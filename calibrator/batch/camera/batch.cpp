@@ -175,14 +175,15 @@ std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraPr
 /// The first solution, with the lens models chosen where that is asked for.
 CameraSolution solveModels(const Session& session, std::vector<PackedCorners>& corners,
                            CameraProblem& problem, const CameraEstimate& start,
-                           const CameraStageOptions& options, std::vector<ModelChoice>& choices) {
+                           const CameraStageOptions& options, int most_parameters,
+                           std::vector<ModelChoice>& choices) {
   const AprilGrid& board = session.target;
   if (options.model_mode != ModelMode::kAuto || !options.start.empty()) {
     return solveFromAfar(board, corners, problem, start, options);
   }
   const std::vector<PackedCorners> all = corners;
   CameraSolution first = solveFromAfar(board, corners, problem, start, options);
-  ChosenModels chosen = chooseModels(session, problem, first.estimate, options);
+  ChosenModels chosen = chooseModels(session, problem, first.estimate, options, most_parameters);
   choices = std::move(chosen.choices);
   if (!chosen.differ(first.estimate.intrinsics)) return first;
   // Which corners a lens leaves out depends on its model.
@@ -201,10 +202,11 @@ struct StageSolution : TargetSolution {
 };
 StageSolution solveStage(const Session& session, std::vector<PackedCorners>& corners,
                          CameraProblem& problem, const CameraEstimate& start,
-                         const CameraStageOptions& options) {
+                         const CameraStageOptions& options, int most_parameters) {
   const AprilGrid& board = session.target;
   StageSolution stage;
-  CameraSolution flat = solveModels(session, corners, problem, start, options, stage.models);
+  CameraSolution flat =
+      solveModels(session, corners, problem, start, options, most_parameters, stage.models);
   static_cast<TargetSolution&>(stage) = estimateTarget(board, problem, std::move(flat), options);
   CameraSolution& solution = stage.solution;
   placeCorners(board, solution.estimate, corners);
@@ -232,6 +234,24 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
   }
   solution.iterations = iterations;
   return stage;
+}
+
+/// From a start to all that is reported; `corners` by value, for their weights change.
+Result<CameraStageResult> solveAndReport(const Session& session, std::vector<PackedCorners> corners,
+                                         const CameraStart& start,
+                                         const CameraStageOptions& options, int most_parameters) {
+  Stopwatch watch;
+  CameraProblem problem = problemOf(corners, start.frames, options);
+  StageSolution solved =
+      solveStage(session, corners, problem, start.estimate, options, most_parameters);
+  const double solve_s = watch.lap();
+  auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
+  if (!result) return result;
+  result.value().target_fit = solved.fit;
+  result.value().models = std::move(solved.models);
+  result.value().summary.seconds.solve = solve_s;
+  result.value().summary.seconds.covariance = watch.lap();
+  return result;
 }
 
 }  // namespace
@@ -291,17 +311,15 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
                                      : startFromCameras(options.start, corners, frames, options);
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
-  CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
-  StageSolution solved = solveStage(session, corners, problem, start.value().estimate, options);
-  const double solve_s = watch.lap();
-  auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
+  auto result = solveAndReport(session, corners, *start, options, kMaxIntrinsics);
+  if (!result.ok() && options.model_mode == ModelMode::kAuto) {
+    // A short recording may not determine the coefficients of a large model, however well it
+    // predicts.
+    result = solveAndReport(session, corners, *start, options, kUsualParameters);
+  }
   if (!result) return result;
-  result.value().target_fit = solved.fit;
-  result.value().models = std::move(solved.models);
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.initialise = initialise_s;
-  seconds.solve = solve_s;
-  seconds.covariance = watch.lap();
   seconds.total = total.seconds();
   return result;
 }

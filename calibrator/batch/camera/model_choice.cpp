@@ -115,16 +115,15 @@ MeanGain excess(const Trialled& trial, const Trialled& best) {
 }
 
 /// Whether a model need not be tried on more frames: it is far behind the best, or it has more
-/// parameters than usual and than the one that would be chosen now and gains next to nothing by
-/// them.
-bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled& chosen) {
+/// parameters than usual and gains next to nothing by them.
+bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled* usual) {
   if (!trial.error || !best.error) return !trial.error;
   const MeanGain over = excess(trial, best);
   if (over.mean > kRuledOutSigmas * over.std && over.mean > kRuledOutShare * best.cost()) {
     return true;
   }
-  return trial.parameters() > std::max(kUsualParameters, chosen.parameters()) &&
-         trial.cost() > (1 - kAlike) * chosen.cost();
+  return usual && trial.parameters() > kUsualParameters &&
+         trial.cost() > (1 - kAlike) * usual->cost();
 }
 
 /// The best first; those without a solution last; among equals the order of the models.
@@ -171,14 +170,18 @@ std::size_t chosenOf(const std::vector<Trialled>& open,
 }
 
 /// Moves those that are ruled out, the worst last, out of the open ones.
-void ruleOut(CameraTrial& trial, const std::optional<CameraModelPair>& stated) {
+void ruleOut(CameraTrial& trial) {
   rank(trial.open);
   const Trialled best = trial.open.front();
   if (!best.error) return;
-  const Trialled chosen = trial.open[chosenOf(trial.open, stated)];
+  const auto found = std::find_if(trial.open.begin(), trial.open.end(), [](const Trialled& t) {
+    return t.error && t.parameters() <= kUsualParameters;
+  });
+  const std::optional<Trialled> usual =
+      found == trial.open.end() ? std::nullopt : std::optional(*found);
   std::vector<Trialled> open;
   for (Trialled& t : trial.open) {
-    if (isRuledOut(t, best, chosen)) {
+    if (isRuledOut(t, best, usual ? &*usual : nullptr)) {
       trial.ruled_out.push_back(candidateOf(t, best));
     } else {
       open.push_back(std::move(t));
@@ -202,12 +205,13 @@ void scoreAll(const AprilGrid& board, int frames, int threads, std::vector<Camer
   });
 }
 
-CameraTrial trialOf(CameraPart mono) {
+CameraTrial trialOf(CameraPart mono, int most_parameters) {
   CameraTrial trial{std::move(mono), {}, {}};
   const Intrinsics& solved = trial.mono.estimate.intrinsics.front();
   const std::vector<SeenPoint> points = seenPoints(trial.mono);
   for (const CameraModelPair& model : candidateModels()) {
     Trialled t{model, std::nullopt, std::nullopt};
+    if (t.parameters() > most_parameters) continue;
     if (isSame(model, modelOf(solved))) {
       t.lens = solved;
     } else if (const auto fit =
@@ -309,18 +313,19 @@ bool ChosenModels::differ(const std::vector<Intrinsics>& from) const {
 }
 
 ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
-                          const CameraEstimate& solved, const CameraStageOptions& options) {
+                          const CameraEstimate& solved, const CameraStageOptions& options,
+                          int most_parameters) {
   std::vector<CameraTrial> trials(session.cameras.size());
   forChunks(static_cast<int>(trials.size()), 1, problem.threads, [&](const Chunk& chunk) {
     const auto c = static_cast<std::size_t>(chunk.begin);
-    trials[c] = trialOf(aloneCamera(session.target, problem, solved, c, options));
+    trials[c] = trialOf(aloneCamera(session.target, problem, solved, c, options), most_parameters);
   });
   bool more = false;
   scoreAll(session.target, kScreenFrames, problem.threads, trials);
   std::vector<std::optional<CameraModelPair>> stated;
   for (CameraTrial& trial : trials) {
     stated.push_back(statedModel(session.cameras[stated.size()]));
-    ruleOut(trial, stated.back());
+    ruleOut(trial);
     more = more || trial.mono.problem.frameCount() >= 2 * kScreenFrames;
   }
   if (more) scoreAll(session.target, kTestFrames, problem.threads, trials);

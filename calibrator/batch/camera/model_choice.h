@@ -6,11 +6,15 @@
 #include "calibrator/base/results.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/camera/camera.h"
 
 namespace plumbline {
 
 /// The models that ModelMode::kAuto tries: all that can be calibrated.
 std::vector<CameraModelPair> candidateModels();
+
+/// Of radtan and equidistant; models with more must gain by them, and be observable.
+inline constexpr int kUsualParameters = 8;
 
 /// One choice per camera, and a lens of the chosen model to start from.
 struct ChosenModels {
@@ -34,7 +38,9 @@ struct ChosenModels {
 ///   these the best (Breiman et al., "Classification and regression trees", 1984: the one-standard-
 ///   error rule);
 /// - cameras that can have one model in common at a cost below 1 % of their squares get that.
+/// Models with more than `most_parameters` are not tried.
 ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
-                          const CameraEstimate& solved, const CameraStageOptions& options);
+                          const CameraEstimate& solved, const CameraStageOptions& options,
+                          int most_parameters = kMaxIntrinsics);
 
 }  // namespace plumbline
