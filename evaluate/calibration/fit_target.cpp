@@ -70,8 +70,8 @@ std::string jointTargetText(const SessionsTarget& fit) {
         "  {}: {} (chi-square {:.1f} of {} terms, {:.1f} by chance; {} differs by {:+.4f} +- "
         "{:.4f} "
         "mm)\n",
-        fit.names[i], m.agrees() ? "shows the same board" : "does not show the same board", m.chi2, m.terms,
-        m.limit, m.worst, 1e3 * m.difference, 1e3 * m.std);
+        fit.names[i], m.agrees() ? "shows the same board" : "does not show the same board", m.chi2,
+        m.terms, m.limit, m.worst, 1e3 * m.difference, 1e3 * m.std);
   }
   return text;
 }

@@ -57,9 +57,9 @@ TEST(TargetSheet, WhatDoesNotFitIsToldWithWhatDoes) {
     options.check();
     FAIL() << "88 mm tags on A3";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("tags of at most 33 mm fit"));
+    EXPECT_THAT(error.what(), HasSubstr("tags of at most 35 mm fit"));
   }
-  options.target.tag_size = 0.033;
+  options.target.tag_size = 0.035;
   EXPECT_NO_THROW(options.check());
   options.target.rows = 600;
   EXPECT_THROW(options.check(), InputError);
