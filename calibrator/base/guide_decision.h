@@ -35,22 +35,23 @@ enum class GuideReason {
   kInitialising,      ///< kept for the start
   kInitialised,       ///< the start stands with this frame
   kInitialiseFailed,  ///< the start was tried with this frame and did not succeed
-  kInformative,       ///< its gain reaches the threshold (or is unbounded)
+  kInformative,       ///< its gain reaches the threshold (or is unbounded), by the criterion used
   kNotInformative,    ///< its gain is below the threshold
   kUsed,              ///< camera-IMU stage: every frame enters the window
   kBusy,              ///< came before the guide was done with an earlier one: dropped
   kNoTarget,          ///< too few corners in every camera
   kNoPose,            ///< its corners give no plausible pose
+  kBadFit,            ///< its corners leave far more error than those of the views kept
   kTimeJump,          ///< its stamp is not after the frame before, or the window was cut loose here
   kNoImu,             ///< IMU samples do not cover it
   kImuGap,            ///< IMU samples are missing between it and the frame before
   kNotSolved,         ///< the window with it did not converge: left out
   kFinished,          ///< the stage was over before
 };
-constexpr std::array<const char*, 14> enumWords(GuideReason /*of*/) {
+constexpr std::array<const char*, 15> enumWords(GuideReason /*of*/) {
   return {"initialising", "initialised", "initialise-failed", "informative", "not-informative",
-          "used",         "busy",        "no-target",         "no-pose",     "time-jump",
-          "no-imu",       "imu-gap",     "not-solved",        "finished"};
+          "used",         "busy",        "no-target",         "no-pose",     "bad-fit",
+          "time-jump",    "no-imu",      "imu-gap",           "not-solved",  "finished"};
 }
 
 /// What happened to the suggestion on a frame.
@@ -75,6 +76,8 @@ struct Suggestion {
   Transform T_FC0;              ///< the view; for a trajectory, its start
   std::vector<Transform> path;  ///< T_FC0 along a trajectory; empty for a view
   double mi_nats = 0;           ///< predicted gain
+  /// Predicted error in later use with it [px]; empty for a trajectory, or before it is known.
+  std::optional<double> error_px;
 };
 
 /// Scores of all candidates at one time.
@@ -85,7 +88,9 @@ struct CandidateRound {
   std::vector<Transform> T_FC0;  ///< of the view, or of the trajectory's start
   /// Gain of each; NaN: it could not be scored (no tag in view, unreachable limits, ...).
   std::vector<double> mi_nats;
-  int best = -1;  ///< highest gain; -1: none could be scored
+  /// Predicted error in later use with each [px], NaN as above; empty: not known.
+  std::vector<double> error_px;
+  int best = -1;  ///< the best by the criterion; -1: none could be scored
 };
 
 /// What the guide did with one frame. Scores in nats; every number that drove it is here.
@@ -101,11 +106,17 @@ struct Decision {
   std::optional<double> mi_nats;  ///< its gain; infinite: the views before left parameters free
   std::optional<double> entropy_nats;  ///< of the calibration parameters, after the frame
   double threshold_nats = 0;           ///< what the gain was held against
-  int corners = 0;                     ///< seen by all cameras
-  int views_kept = 0;                  ///< accepted in this stage so far
-  int frames_without_view = 0;         ///< offered since the last accepted one
-  std::optional<double> rmse_px;       ///< of the window, after the frame
-  std::optional<Transform> T_FC0;      ///< where the camera was
+  /// Predicted error in later use (information/predicted_error.h), sqrt(E), of the views kept after
+  /// the frame, and with this frame [px]; empty: not known.
+  std::optional<double> error_px, error_with_px;
+  /// What error_with_px was held against; empty where the criterion is the gain.
+  std::optional<double> error_bound_px;
+  std::optional<double> excess;    ///< share by which E raises the error of a corner
+  int corners = 0;                 ///< seen by all cameras
+  int views_kept = 0;              ///< accepted in this stage so far
+  int frames_without_view = 0;     ///< offered since the last accepted one
+  std::optional<double> rmse_px;   ///< of the window, after the frame
+  std::optional<Transform> T_FC0;  ///< where the camera was
   SuggestionEvent event = SuggestionEvent::kNone;
   std::optional<int> suggestion;        ///< id of the one that is open, or was closed here
   std::optional<double> distance_px;    ///< mean corner distance to it; empty: no corner in common

@@ -33,6 +33,7 @@ void fields(V& v, Suggestion& s) {
   bool unbounded = std::isinf(s.mi_nats);
   v.ifSet("mi_unbounded", unbounded, "the views before left parameters free");
   if (V::kReads && unbounded) s.mi_nats = std::numeric_limits<double>::infinity();
+  v("error_px", s.error_px, "px", "predicted error in later use with it");
 }
 
 template <class V>
@@ -45,7 +46,8 @@ void fields(V& v, CandidateRound& r) {
   std::vector<double> mi_bits;
   for (const double nats : r.mi_nats) mi_bits.push_back(inBits(nats));
   v.derived("mi_bits", mi_bits, "", "the same in bits");
-  v("best", r.best, "highest gain; -1: none could be scored");
+  v("error_px", r.error_px, "predicted error in later use with each [px]");
+  v("best", r.best, "the best by the criterion; -1: none could be scored");
 }
 
 template <class V>
@@ -67,6 +69,11 @@ void fields(V& v, Decision& d) {
   // As it was asked for: without the last digits that the change of unit disturbs.
   v.derived("threshold_bits", std::round(1e12 * inBits(d.threshold_nats)) / 1e12, "bit",
             "the same in bits");
+  v("error_px", d.error_px, "px", "predicted error in later use of the views kept");
+  v("error_with_px", d.error_with_px, "px", "the same with this frame");
+  v("error_bound_px", d.error_bound_px, "px",
+    "what `error_with_px` was compared with; null where the criterion is the gain");
+  v("excess", d.excess, "1", "share by which it raises the error of a corner");
   v("corners", d.corners, "seen by all cameras");
   v("views_kept", d.views_kept, "accepted in this stage so far");
   v("frames_without_view", d.frames_without_view, "offered since the last accepted one");

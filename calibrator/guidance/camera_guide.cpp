@@ -10,17 +10,20 @@
 #include "calibrator/guidance/candidate_views.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/open_suggestion.h"
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/view_judge.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/window/camera_window.h"
 
 namespace plumbline {
 struct CameraGuide::State {
+  State(const GuideRig& of, const GuideOptions& asked)
+      : rig(of), options(asked), judge(of.target, asked.views, asked.threads) {}
+
   GuideRig rig;
   GuideOptions options;
   std::vector<KeptFrame> kept;
   std::optional<CameraWindow> window;  // once the start stands
-  std::optional<ViewScorer> scorer;    // at the window's estimate
+  ViewJudge judge;
   std::optional<double> entropy, rmse;
   std::optional<OpenSuggestion> open;
   std::optional<TimeNs> last_t, last_target_t;
@@ -43,6 +46,7 @@ struct CameraGuide::State {
   void beginWindow(const CameraStageResult& start, Decision& d);
   void startWasWrong(Decision& d);
   void consider(const FrameCorners& corners, Decision& d);
+  void finish(Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
   void findNextView(Decision& d);
@@ -51,10 +55,7 @@ struct CameraGuide::State {
 };
 
 CameraGuide::CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion)
-    : state_(std::make_unique<State>()) {
-  options.check();
-  state_->rig = rig;
-  state_->options = options;
+    : state_((options.check(), std::make_unique<State>(rig, options))) {
   state_->next_start = static_cast<std::size_t>(options.views.start_frames);
   state_->next_suggestion = first_suggestion;
   state_->until_round = options.views.patience;
@@ -204,6 +205,8 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
     const auto& T_FC0 = result.T_FC0[static_cast<std::size_t>(found - result.frames.begin())];
     if (frame.index == d.frame) d.T_FC0 = T_FC0;
     window->add(frame.corners, T_FC0);
+    judge.see(frame.corners, T_FC0);
+    judge.keep(frame.corners, T_FC0);
     used.push_back(std::move(frame));
   }
   kept = std::move(used);
@@ -223,8 +226,8 @@ void CameraGuide::State::startWasWrong(Decision& d) {
     open.reset();
   }
   kept.clear();
+  judge.forget();
   window.reset();
-  scorer.reset();
   entropy.reset();
   rmse.reset();
   posed = unposed = frames_without_view = 0;
@@ -243,21 +246,29 @@ void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
   }
   unposed = 0;
   ++posed;
-  const double gain = scorer->seenGain(corners, *d.T_FC0);
-  if (std::isnan(gain)) return;  // the corners leave the pose free
-  d.mi_nats = gain;
+  if (!judge.score(*window, corners, d)) return;  // the corners leave the pose free
   // Scored before it takes part: with the window's estimate as it is, a view below the threshold
   // costs no solve (paper, section IV).
   d.reason = GuideReason::kNotInformative;
-  if (*d.mi_nats >= options.views.threshold_nats) d.accepted = accept(corners, d);
+  if (judge.isWorthKeeping(d)) d.accepted = accept(corners, d);
   if (d.accepted) {
     frames_without_view = 0;
     until_round = options.views.patience;
+    if (judge.isEnough()) finish(d);
     return;
   }
   ++frames_without_view;
   --until_round;
   if (!open && d.event == SuggestionEvent::kNone && until_round <= 0) findNextView(d);
+}
+
+void CameraGuide::State::finish(Decision& d) {
+  finished = true;
+  busy_until += toNanoseconds(options.latency.camera_batch_s);
+  if (!open) return;
+  d.event = SuggestionEvent::kWithdrawn;
+  d.suggestion = open->suggestion().id;
+  open.reset();
 }
 
 /// Takes the frame into the window; false where the window does not solve with it.
@@ -269,9 +280,16 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
     note(d, "the window with it did not converge: removed again");
     return false;
   }
+  if (!judge.fits(window->estimate(), corners)) {
+    window->remove(window->frameCount() - 1);
+    d.reason = GuideReason::kBadFit;
+    if (!window->solve()) note(d, "the window without it did not converge");
+    return false;
+  }
   d.reason = GuideReason::kInformative;
   d.T_FC0 = window->estimate().T_C0F.back().inverse();
   kept.push_back({d.frame, d.t, corners});
+  judge.keep(corners, *d.T_FC0);
   windowChanged();
   return true;
 }
@@ -280,40 +298,25 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
 void CameraGuide::State::windowChanged() {
   while (window->frameCount() > options.views.window) window->marginaliseOldest();
   const Eigen::MatrixXd information = window->information();
-  ViewGainOptions gain;
-  gain.model() = options.views.model();
-  gain.min_corners = options.views.min_corners;
-  scorer.emplace(rig.target, window->estimate(), information, gain);
+  judge.refresh(*window, information);
   entropy = entropyNats(information);
   rmse = window->rmsePx();
 }
 
-/// Scores all candidates; suggests the best, or finishes where even its expected information gain
-/// is below the threshold (the stopping rule).
+/// Scores all candidates; suggests the best, or finishes where even that is not worth asking for
+/// (the stopping rule).
 void CameraGuide::State::findNextView(Decision& d) {
   const std::vector<CandidateView> views = candidateViews(window->cameras(), rig.target);
-  CandidateRound round;
+  CandidateRound round = judge.scored(views);
   round.asked = d.t;
   round.answered = busy_until + toNanoseconds(options.latency.next_view_s);
   busy_until = round.answered;
   until_round = options.views.patience;
-  for (const CandidateView& view : views) {
-    round.names.push_back(view.name);
-    round.T_FC0.push_back(view.T_FC0);
-  }
-  round.mi_nats = scorer->predictedGains(round.T_FC0, options.threads);
-  double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < round.mi_nats.size(); ++i) {
-    if (!(round.mi_nats[i] > most)) continue;  // NaN as well
-    most = round.mi_nats[i];
-    round.best = static_cast<int>(i);
-  }
   const bool enough = static_cast<int>(kept.size()) >= options.views.min_views;
   if (round.best < 0) {
     note(d, "no candidate view shows the target to any camera");
-  } else if (most < options.views.threshold_nats && enough) {
-    finished = true;
-    busy_until += toNanoseconds(options.latency.camera_batch_s);
+  } else if (judge.isEnough() || (enough && !judge.isWorthAsking(round))) {
+    finish(d);
   } else {
     openSuggestion(round, views[static_cast<std::size_t>(round.best)].camera, d);
   }
@@ -330,8 +333,9 @@ void CameraGuide::State::openSuggestion(const CandidateRound& round, int camera,
   s.camera = camera;
   s.T_FC0 = round.T_FC0[best];
   s.mi_nats = round.mi_nats[best];
+  if (!round.error_px.empty()) s.error_px = round.error_px[best];
   const ViewGuideOptions& v = options.views;
-  open.emplace(s, scorer->predictedCorners(camera, s.T_FC0),
+  open.emplace(s, judge.predictedCorners(camera, s.T_FC0),
                ReachRule{v.reached_px, v.reached_s, v.expires_s});
   d.event = SuggestionEvent::kOpened;
   d.suggestion = s.id;
@@ -346,6 +350,7 @@ void CameraGuide::State::fill(Decision& d) const {
                      : GuideMode::kCollecting;
   d.entropy_nats = entropy;
   d.rmse_px = rmse;
+  judge.tell(d);
   d.views_kept = static_cast<int>(kept.size());
   d.frames_without_view = frames_without_view;
   if (open && !d.suggestion) d.suggestion = open->suggestion().id;

@@ -17,6 +17,10 @@ void ViewGuideOptions::check() const {
   requireOption(window >= 1, "views.window", window, "1 or more");
   requireOption(min_corners >= 4, "views.min_corners", min_corners, "4 or more");
   requireOption(threshold_nats >= 0, "views.threshold_nats", threshold_nats, "0 or more");
+  requireOption(least_lowering > 0 && least_lowering < 1, "views.least_lowering", least_lowering,
+                "a share between 0 and 1");
+  requireOption(stop_excess > 0, "views.stop_excess", stop_excess, "a positive share");
+  requireOption(stop_views >= 2, "views.stop_views", stop_views, "2 or more");
   requireOption(patience >= 1, "views.patience", patience, "1 or more");
   requireOption(reached_px > 0, "views.reached_px", reached_px, "a positive distance");
   requireOption(reached_s >= 0, "views.reached_s", reached_s, "0 or more");

@@ -11,6 +11,8 @@
 #include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/view_terms.h"
+#include "calibrator/information/predicted_error.h"
 
 namespace plumbline {
 
@@ -27,6 +29,14 @@ struct ViewGuideOptions : MeasurementModel {
   int window = 10;                              ///< views in the fixed-lag window
   int min_corners = 16;                         ///< of one camera, for its view to count
   double threshold_nats = kGuideThresholdNats;  ///< views that gain less are removed
+  ViewCriterion criterion = ViewCriterion::kMutualInformation;
+  /// Of kPredictedError: what later use looks like; by which share a view must lower E; and the
+  /// stage is over when E raises the error of a corner by no more than `stop_excess`, with
+  /// `stop_views` or more that tell the parts of the misfit apart.
+  LaterUseKind later_use = LaterUseKind::kImage;
+  double least_lowering = 0.05;
+  double stop_excess = 0.02;
+  int stop_views = 8;
   int patience = 3;        ///< frames without a new view until a next best view is looked for
   double reached_px = 15;  ///< a suggestion is reached within this mean corner distance [px] ...
   double reached_s = 0.5;  ///< ... held for so long [s]

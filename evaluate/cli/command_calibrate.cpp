@@ -44,7 +44,8 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_flag("--joint", o.joint, "The camera-IMU stage refines the cameras too");
   app.add_option("--imu-shift-ms", o.imu_shift_ms, "Add this to every IMU stamp first [ms]");
   app.add_option("--select-views", o.select_views,
-                 "Keep only informative views, e.g. mi:0.2bits as Kalibr (default: all views)");
+                 "Keep only some views: mi:0.2bits (those that tell enough, as Kalibr) or "
+                 "predicted-error:2% (few that leave little error; default: all views)");
   app.add_option("--resample", o.resamples,
                  "Solve again on N draws of time segments and report the bootstrap std")
       ->check(CLI::IsMember({0}) | numberFrom(2));
@@ -65,7 +66,8 @@ void declareOutput(CLI::App& app, CalibrateOptions& o) {
 CameraStageOptions cameraOptions(const CalibrateOptions& o, const LoadRequest& load) {
   CameraStageOptions options = o.estimation.cameraStage(load);
   if (o.select_views) {
-    options.select_views = ViewSelectionOptions{selectionThresholdFrom(*o.select_views), o.seed};
+    options.select_views = viewSelectionFrom(*o.select_views);
+    options.select_views->seed = o.seed;
   }
   return options;
 }

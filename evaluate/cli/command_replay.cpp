@@ -16,6 +16,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/option_values.h"
 #include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
@@ -37,6 +38,9 @@ struct GuideOptionSet {
   double max_acceleration_g = 1;
   std::vector<std::string> latencies;  ///< "camera-frame=5"
   double arrival_ms = 50;
+  std::string criterion = toString(ViewCriterion::kMutualInformation);
+  std::string later_use = toString(ViewGuideOptions().later_use);
+  double stop_excess_percent = 100 * ViewGuideOptions().stop_excess;
 
   void declare(CLI::App& app);
   /// Noise, loss and gravity are the batches'.
@@ -137,6 +141,16 @@ void GuideOptionSet::declare(CLI::App& app) {
   app.add_option("--threshold-bits", threshold_bits, "Least gain of a view or trajectory [bits]")
       ->check(positiveNumber())
       ->capture_default_str();
+  app.add_option("--criterion", criterion,
+                 "Views are chosen and the stage stops by mi or by predicted-error")
+      ->capture_default_str();
+  app.add_option("--later-use", later_use,
+                 "Where the error is predicted: all over the image, or as the frames seen so far")
+      ->capture_default_str();
+  app.add_option("--stop-excess", stop_excess_percent,
+                 "By predicted-error, the stage stops when it adds no more than this [%]")
+      ->check(positiveNumber())
+      ->capture_default_str();
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
   app.add_option("--max-rate", max_rate_deg_s, "Limit of a trajectory [deg/s]")
@@ -162,6 +176,9 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   GuideOptions o = guide;
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
+  o.views.criterion = viewCriterionFrom(criterion);
+  o.views.later_use = laterUseFrom(later_use);
+  o.views.stop_excess = stop_excess_percent / 100;
   o.trajectories.expires_s = o.views.expires_s;
   o.trajectories.max_rate_rad_s = max_rate_deg_s * std::numbers::pi / 180;
   o.trajectories.max_acceleration_m_s2 = max_acceleration_g * kStandardGravity;

@@ -43,7 +43,7 @@ void checkWords(const std::string& option, const std::string& words) {
   if (option == "loss") lossFrom(words);
   if (option == "models") modelsFrom(words);
   if (option == "outliers") outliersFrom(words);
-  if (option == "select-views") selectionThresholdFrom(words);
+  if (option == "select-views") viewSelectionFrom(words);
   if (option == "resolution") resolutionFrom(words);
 }
 

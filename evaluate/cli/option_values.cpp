@@ -160,14 +160,44 @@ std::pair<CornerFilter, double> outliersFrom(const std::string& word) {
   refuse("--outliers", word, "none, kalibr, or sigma:K with a positive K, e.g. sigma:4");
 }
 
-double selectionThresholdFrom(const std::string& word) {
-  const auto unit = [&](const std::string& suffix) {
+ViewSelectionOptions viewSelectionFrom(const std::string& word) {
+  const auto number = [&](const char* prefix, const std::string& suffix) {
     if (word.size() <= suffix.size() || !word.ends_with(suffix)) return std::optional<double>();
-    return positiveAfter(word.substr(0, word.size() - suffix.size()), "mi:");
+    return positiveAfter(word.substr(0, word.size() - suffix.size()), prefix);
   };
-  if (const auto bits = unit("bits")) return *bits;
-  if (const auto nats = unit("nats")) return *nats / std::numbers::ln2;
-  refuse("--select-views", word, "mi:THRESHOLDbits (or nats), e.g. mi:0.2bits");
+  ViewSelectionOptions selection;
+  const std::string by_error = toString(ViewCriterion::kPredictedError);
+  const auto percent = number((by_error + ":").c_str(), "%");
+  if (word == by_error || percent) {
+    selection.criterion = ViewCriterion::kPredictedError;
+    if (percent) selection.stop_excess = *percent / 100;
+    return selection;
+  }
+  if (const auto bits = number("mi:", "bits")) {
+    selection.threshold_bits = *bits;
+    return selection;
+  }
+  if (const auto nats = number("mi:", "nats")) {
+    selection.threshold_bits = *nats / std::numbers::ln2;
+    return selection;
+  }
+  refuse("--select-views", word,
+         "mi:THRESHOLDbits (or nats), e.g. mi:0.2bits, or predicted-error:EXCESS%, e.g. "
+         "predicted-error:2%");
+}
+
+ViewCriterion viewCriterionFrom(const std::string& word) {
+  for (const auto criterion : {ViewCriterion::kMutualInformation, ViewCriterion::kPredictedError}) {
+    if (word == toString(criterion)) return criterion;
+  }
+  refuse("--criterion", word, "mi or predicted-error");
+}
+
+LaterUseKind laterUseFrom(const std::string& word) {
+  for (const auto kind : {LaterUseKind::kSeen, LaterUseKind::kImage}) {
+    if (word == toString(kind)) return kind;
+  }
+  refuse("--later-use", word, "seen or image");
 }
 
 std::vector<CameraModelPair> modelsFrom(const std::string& words) {

@@ -8,6 +8,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/simulate/trajectory.h"
 #include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/metrics/trajectory/alignment.h"
@@ -26,8 +27,15 @@ double lossFrom(const std::string& word);
 /// "none", "sigma:K", "kalibr" -> filter and K (0 where it has none).
 std::pair<CornerFilter, double> outliersFrom(const std::string& word);
 
-/// "mi:0.2bits" (or "mi:0.139nats") -> threshold [bits].
-double selectionThresholdFrom(const std::string& word);
+/// "mi:0.2bits" (or "mi:0.139nats"): by mutual information with this threshold; "predicted-error"
+/// or "predicted-error:2%": by predicted error, until it adds no more than this. Without a seed.
+ViewSelectionOptions viewSelectionFrom(const std::string& word);
+
+/// --criterion: "mi" or "predicted-error".
+ViewCriterion viewCriterionFrom(const std::string& word);
+
+/// --later-use: "seen" or "image".
+LaterUseKind laterUseFrom(const std::string& word);
 
 /// "pinhole-radtan,pinhole-equidistant" -> one per camera; a single one stands for all cameras.
 std::vector<CameraModelPair> modelsFrom(const std::string& words);

@@ -40,12 +40,15 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
                    const CounterfactualOptions& options, Counterfactuals& out) {
   CameraStageOptions camera = options.camera;
   camera.models = otherModels(first.reference().estimate);
+  camera.start.clear();
   if (camera.models.empty()) return;
   const auto pool = ViewPool::prepare(first.session(), split, camera, options.max_held_out);
   if (!pool) return;
   std::vector<CounterfactualCurve> curves;
   for (CounterfactualCurve& curve : strategyOrders(*pool, {}, options)) {
-    if (curve.strategy == "random" || curve.strategy == "greedy-mi") {
+    const bool is_compared = curve.strategy == "random" || curve.strategy == "greedy-mi" ||
+                             curve.strategy == "predicted-error";
+    if (is_compared) {
       curves.push_back(std::move(curve));
     }
   }
@@ -60,6 +63,7 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
 void CounterfactualOptions::check() const {
   split.check();
   if (random_seeds < 1) throw InputError("at least one random order is needed");
+  if (online_views < 4) throw InputError("an order by predicted error has four views or more");
   if (max_held_out < 1) throw InputError("at least one frame must be held out");
   if (std::any_of(views.begin(), views.end(), [](int n) { return n < 1; })) {
     throw InputError("numbers of views are 1 or more");

@@ -12,8 +12,8 @@
 namespace plumbline {
 
 struct CounterfactualOptions {
-  /// Noise, loss, filter and models of every calibration; `frames`, `start`, `select_views` and
-  /// `threads` do not matter.
+  /// Noise, loss, filter and models of every calibration, and a start for that of all frames;
+  /// `frames`, `select_views` and `threads` do not matter.
   CameraStageOptions camera;
   FrameSplitOptions split;
   int random_seeds = 5;    ///< random orders
@@ -22,6 +22,7 @@ struct CounterfactualOptions {
   /// left out and the length itself is added. Empty: 5, 8, 10, 15, 20, 30, 40, 60, 80, 120, 160,
   /// 240, ... up to the pool.
   std::vector<int> views;
+  int online_views = 40;   ///< how far "predicted-error" goes
   int max_held_out = 200;  ///< held-out frames that are scored, evenly spread over all of them
   /// Fit the other of pinhole-radtan and pinhole-equidistant as well and say how the strategies
   /// compare there: what is the model's fault goes away with another model.
@@ -39,6 +40,9 @@ struct CounterfactualOptions {
 /// - "greedy-mi": each next frame has the highest mutual information with the cameras' parameters
 ///   given those before it, 0.5 (log |I + I_f| - log |I|), all at the calibration from the whole
 ///   pool: hindsight that no operator has;
+/// - "predicted-error": each next frame lowers the predicted error most where the pool's corners
+///   are, at the estimate of the views before it (onlineOrder()), after the first three of the
+///   first random order: what an operator could have; up to `online_views`;
 /// - "coverage": each next frame covers the most cells of the images that are not yet covered;
 /// - "guide": `guide_frames` that are in the pool, in their order; no curve where none is.
 /// At every number of views the batch is solved over the frames used so far (as calibrateCameras(),

@@ -8,6 +8,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics.h"
+#include "evaluate/replay/online_orders.h"
 #include "evaluate/replay/view_orders.h"
 
 namespace plumbline {
@@ -91,6 +92,18 @@ std::vector<int> guideOrder(const ViewPool& pool, const std::vector<int>& guide_
   return order;
 }
 
+/// By predicted error, each decision at the estimate of its time.
+std::vector<int> predictedErrorOrder(const ViewPool& pool, const CounterfactualOptions& options) {
+  constexpr int kStart = 3;
+  const int count = static_cast<int>(pool.pool().size());
+  if (count < kStart) return {};
+  std::vector<int> first = framesOf(pool, randomOrder(count, options.seed));
+  first.resize(kStart);
+  OnlineOrderOptions online;
+  online.most_views = options.online_views;
+  return onlineOrder(pool, pool.pool(), first, online).order;
+}
+
 std::optional<Quartiles> neededQuartiles(const std::vector<const CounterfactualCurve*>& curves) {
   std::vector<double> all;
   for (const CounterfactualCurve* curve : curves) {
@@ -161,6 +174,8 @@ std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
   }
   const auto greedy = greedyInformationOrder(pool.poolInformation());
   if (!greedy.empty()) curves.push_back(curveOf("greedy-mi", framesOf(pool, greedy)));
+  auto online = predictedErrorOrder(pool, options);
+  if (!online.empty()) curves.push_back(curveOf("predicted-error", std::move(online)));
   const auto covering = coverageOrder(cellsSeen(pool.session(), frames));
   curves.push_back(curveOf("coverage", framesOf(pool, covering)));
   std::vector<int> guide = guideOrder(pool, guide_frames);

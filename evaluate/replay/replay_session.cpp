@@ -36,7 +36,7 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   f.rule = ruleName(s.stage, "start");
   if (s.frames_offered == 0) {
     f.level = VerdictLevel::kCaution;
-    f.evidence = "not played: " + s.problem;
+    f.evidence = "not judged, for it was not played: " + s.problem;
     f.advice = "give the cameras' calibration to play this stage over the whole recording";
     return f;
   }
@@ -187,21 +187,40 @@ class Judge {
     tell_("judging the camera-IMU stage", -1);
     const auto batches = cameraImuBatches(run_, used_cameras_);
     record.stages.push_back(summariseCameraImuStage(run_, batches));
-    if (!record.stages.back().ran) return;
+    if (!record.stages.back().ran) {
+      StopAudit audit;
+      audit.stage = GuideStage::kCameraImu;
+      audit.verdict = StopAudit::Verdict::kNotJudged;
+      audit.explanation = "not judged: " + record.stages.back().problem;
+      record.stop_audits.push_back(std::move(audit));
+      return;
+    }
     record.stop_audits.push_back(judgeCameraImuStop(run_, used_cameras_, batches, request_.audit));
   }
 
   void counterfactualCurves(ReplayRecord& record) const {
-    if (!request_.counterfactuals || given_) return;
+    if (!request_.counterfactuals) return;
     tell_("trying other choices of views", -1);
     CounterfactualOptions options = *request_.counterfactuals;
     options.camera = request_.camera;
+    if (given_) startFrom(used_cameras_, options.camera);
     options.threads = threadCount(request_.load.threads);
     const Session session = pool();
     const std::vector<int> recorded = recordedFrames(session);
     record.counterfactuals = counterfactuals(session, keptFrames(recorded), options);
     for (CounterfactualCurve& curve : record.counterfactuals->curves) {
       for (int& frame : curve.order) frame = recorded[static_cast<std::size_t>(frame)];
+    }
+  }
+
+  /// With cameras that are given the frames are tried out as those cameras, from their values.
+  static void startFrom(const std::vector<CameraCalibration>& cameras,
+                        CameraStageOptions& options) {
+    options.start = cameras;
+    options.models.clear();
+    for (const CameraCalibration& camera : cameras) {
+      options.models.push_back(
+          {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
     }
   }
 

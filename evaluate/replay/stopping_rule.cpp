@@ -125,6 +125,14 @@ StopAudit auditOf(const ReplayRun& run, GuideStage stage,
   return audit;
 }
 
+/// What the camera stage predicted last.
+std::optional<double> predictedExcess(const ReplayRun& run) {
+  for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
+    if (d->stage == GuideStage::kCamera && d->excess) return d->excess;
+  }
+  return std::nullopt;
+}
+
 StopAudit notJudged(StopAudit audit, const std::string& why) {
   audit.verdict = StopAudit::Verdict::kNotJudged;
   audit.explanation = "not judged: " + why;
@@ -185,6 +193,8 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
     holds.push_back(error && *error <= bound);
     if (count == finished_with) at_finish = error;
   }
+  if (at_finish) audit.measured_excess = *at_finish / *best - 1;
+  audit.predicted_excess = predictedExcess(run);
   if (const auto first = holdsFrom(holds)) {
     const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];
     audit.enough = run.frames[static_cast<std::size_t>(frame)].t;

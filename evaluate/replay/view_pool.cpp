@@ -96,10 +96,10 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   pool.session_ = &session;
   pool.options_ = asked;
   pool.options_.frames = {};
-  pool.options_.start.clear();
   pool.options_.select_views.reset();
   const auto all = calibrateCameras(session, pool.options_);
   if (!all) return all.failure();
+  pool.options_.start.clear();
   pool.options_.threads = 1;  // selections run beside each other
   pool.corners_ = usedCorners(session, all->frames, all->residuals);
   pool.frames_ = pairFrames(session.cameras);
@@ -180,6 +180,32 @@ HeldOutError ViewPool::heldOutError(const CameraEstimate& cameras) const {
     addErrors(cameras, f, refinePose(views, start, refinement).T_C0F, errors);
   }
   return summaryOf(errors, options_.cauchy_px);
+}
+
+ViewPool::PosedFrames ViewPool::posed(const CameraEstimate& cameras,
+                                      const std::vector<int>& frames) const {
+  const PoseRefinementOptions refinement{
+      {options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance};
+  PosedFrames out;
+  for (const int f : frames) {
+    const Frame& frame = frames_[static_cast<std::size_t>(f)];
+    std::vector<FrameView> views;
+    RigView rig;
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      const bool sees = frame.view[c] >= 0;
+      rig.views.push_back(sees ? corners_[c].view(frame.view[c]) : PackedView{});
+      if (!sees) continue;
+      views.push_back({&cameras.intrinsics[c], rig.views.back(), cameras.T_C0Ci[c].inverse()});
+    }
+    rig.T_C0F = refinePose(views, T_C0F_[static_cast<std::size_t>(f)], refinement).T_C0F;
+    std::vector<ImageError> errors;
+    addErrors(cameras, f, rig.T_C0F, errors);
+    double squares = 0;
+    for (const ImageError& e : errors) squares += e.squared_px;
+    out.rmse_px.push_back(std::sqrt(squares / std::max(1.0, static_cast<double>(errors.size()))));
+    out.views.push_back(std::move(rig));
+  }
+  return out;
 }
 
 std::vector<Eigen::MatrixXd> ViewPool::poolInformation() const {

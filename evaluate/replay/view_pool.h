@@ -9,6 +9,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera/view_terms.h"
 #include "evaluate/replay/frames.h"
 
 namespace plumbline {
@@ -34,9 +35,10 @@ struct HeldOutError {
 /// and a start for every pose. The session must outlive it.
 class ViewPool {
  public:
-  /// Calibrates all frames from scratch for first poses and the corners to leave out, and then the
-  /// split's pool, which is the reference that every selection starts from. Of the held-out frames
-  /// at most `max_held_out` are kept, evenly spread. Fails as calibrateCameras().
+  /// Calibrates all frames (from scratch, or options.start) for first poses and the corners to
+  /// leave out, and then the split's pool, which is the reference that every selection starts from.
+  /// Of the held-out frames at most `max_held_out` are kept, evenly spread. Fails as
+  /// calibrateCameras().
   static Result<ViewPool> prepare(const Session& session, const FrameSplit& split,
                                   const CameraStageOptions& options, int max_held_out);
 
@@ -57,6 +59,16 @@ class ViewPool {
 
   /// What each frame of the pool tells of the cameras at the reference, its pose eliminated.
   std::vector<Eigen::MatrixXd> poolInformation() const;
+
+  /// Frames of the recording at other cameras, their poses where their corners want them.
+  struct PosedFrames {
+    std::vector<RigView> views;   ///< one per frame asked for
+    std::vector<double> rmse_px;  ///< of each, whatever the loss
+  };
+  PosedFrames posed(const CameraEstimate& cameras, const std::vector<int>& frames) const;
+
+  /// Of the loss of every batch; 0 without.
+  double cauchyPx() const { return options_.cauchy_px; }
 
   /// Errors of some frames' used corners at the reference [px], with where in the image they are.
   struct ImageError {

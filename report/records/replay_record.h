@@ -76,10 +76,13 @@ struct StopAudit {
   enum class Verdict { kNeverStopped, kEarly, kLate, kRight, kNotJudged };
   GuideStage stage = GuideStage::kCamera;
   Verdict verdict = Verdict::kNeverStopped;
-  std::optional<TimeNs> finished;     ///< the guide's "finish"
-  std::optional<TimeNs> enough;       ///< first instant at which the views kept were good enough
-  double seconds = 0;                 ///< early: missing; late: wasted; right or never: 0
-  double saved_s = 0;                 ///< of the recording, after "finish"
+  std::optional<TimeNs> finished;  ///< the guide's "finish"
+  std::optional<TimeNs> enough;    ///< first instant at which the views kept were good enough
+  double seconds = 0;              ///< early: missing; late: wasted; right or never: 0
+  double saved_s = 0;              ///< of the recording, after "finish"
+  /// Camera stage: by how much the views kept at the end of the stage leave more error than all
+  /// frames would, as a share: as the guide predicted it, and on frames held out.
+  std::optional<double> predicted_excess, measured_excess;
   double entropy_at_finish_nats = 0;  ///< of the calibration parameters
   double entropy_of_all_nats = 0;     ///< had every frame been used
   std::string explanation;            ///< a sentence with the numbers that decided it
@@ -98,6 +101,9 @@ void fields(V& v, StopAudit& a) {
   v("enough_ns", a.enough, "first instant at which the views kept were good enough");
   v("seconds", a.seconds, "s", "early: missing; late: wasted; right or never: 0");
   v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");
+  v("predicted_excess", a.predicted_excess, "1",
+    "share of error that the views kept add, as the guide predicted it");
+  v("measured_excess", a.measured_excess, "1", "the same on held-out frames, against all frames");
   v("entropy_at_finish_nats", a.entropy_at_finish_nats, "nat", "of the calibration parameters");
   v("entropy_of_all_nats", a.entropy_of_all_nats, "nat", "had every frame been used");
   v("explanation", a.explanation, "a sentence with the numbers that decided it");
@@ -153,7 +159,8 @@ void fields(V& v, ReplayStageSummary& s) {
 
 /// One order in which the frames of a pool could have been used.
 struct CounterfactualCurve {
-  std::string strategy;  ///< "recorded", "random", "greedy-mi", "coverage", "guide"
+  /// "recorded", "random", "greedy-mi", "predicted-error", "coverage", "guide"
+  std::string strategy;
   std::uint64_t seed = 0;
   std::vector<int> order;  ///< frames of the pool, as positions in the recording's frames
   std::vector<int> views;  ///< abscissa: how many were used
@@ -174,7 +181,8 @@ struct CounterfactualCurve {
 
 template <class V>
 void fields(V& v, CounterfactualCurve& c) {
-  v("strategy", c.strategy, "`recorded`, `random`, `greedy-mi`, `coverage`, `guide`");
+  v("strategy", c.strategy,
+    "`recorded`, `random`, `greedy-mi`, `predicted-error`, `coverage`, `guide`");
   v.ifSet("seed", c.seed, "of a random order");
   v("views", c.views, "abscissa: how many were used");
   v("entropy_nats", c.entropy_nats, "at each; null: not determined yet");

@@ -11,11 +11,11 @@
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera/select_frames.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/information/view_selection.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"
 
@@ -226,10 +226,8 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
     }
   }
   if (options.select_views) {
-    const auto shares = frameInformation(problem, solution.estimate);
-    keepFrames(
-        selectViews(shares, options.select_views->threshold_bits, options.select_views->seed),
-        problem, solution.estimate);
+    keepFrames(selectFrames(problem, solution.estimate, *options.select_views), problem,
+               solution.estimate);
     again();
   }
   solution.iterations = iterations;

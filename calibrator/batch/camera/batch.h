@@ -14,6 +14,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/batch/resample.h"
+#include "calibrator/information/predicted_error.h"
 
 namespace plumbline {
 
@@ -23,11 +24,17 @@ struct CameraModelPair {
   DistortionModel distortion = DistortionModel::kRadtan;
 };
 
-/// Keeps a frame if it tells enough: its mutual information with the cameras' parameters, given the
-/// frames kept before it, in bits (Kalibr's rule and unit).
+/// Which frames are kept, judged at the solution of all of them. By mutual information: a frame
+/// that tells enough of the cameras' parameters given those kept before it, in bits (Kalibr's rule
+/// and unit). By predicted error (information/predicted_error.h): one frame after the other, each
+/// the one that lowers it most where all frames' corners are, until it raises the error of a corner
+/// by no more than `stop_excess`; frames with more than three times the median RMSE are not taken.
 struct ViewSelectionOptions {
   double threshold_bits = 0.2;
   std::uint64_t seed = 1;  ///< of the order in which frames are offered
+  ViewCriterion criterion = ViewCriterion::kMutualInformation;
+  double stop_excess = 0.02;
+  int least_views = 8;  ///< by predicted error, never fewer
 
   void check() const;
 };

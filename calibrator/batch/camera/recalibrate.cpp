@@ -10,6 +10,8 @@ namespace plumbline {
 
 void ViewSelectionOptions::check() const {
   requireAtLeast(0, "select_views.threshold_bits", threshold_bits);
+  requirePositive("select_views.stop_excess", stop_excess);
+  requireAtLeast(2, "select_views.least_views", least_views);
 }
 
 void CameraStageOptions::check() const {

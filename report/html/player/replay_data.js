@@ -70,7 +70,7 @@ window.plumblineReplay = {};
     const poses = typed(Int16Array, json.poses);
     return json.rounds.map((r) => {
       const names = typed(Uint32Array, r.names), places = typed(Uint32Array, r.poses);
-      return {...r, mi: typed(Float32Array, r.mi), names: [...names].map((i) => json.names[i]),
+      return {...r, mi: typed(Float32Array, r.mi), error: typed(Float32Array, r.error), names: [...names].map((i) => json.names[i]),
         poses: [...places].map((i) => matrixOf(poses.subarray(7 * i, 7 * i + 7)))};
     });
   };

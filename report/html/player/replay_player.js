@@ -25,6 +25,40 @@
 
   const leftText = (f) => (data.leftAt(f) === undefined ? '' : `left the estimate at frame ${data.leftAt(f)}`);
 
+  const errorText = (f) => {
+    const {error, excess} = data.table;
+    return known(error[f]) ? `${error[f].toFixed(4)} px, raises a corner's by ${(100 * excess[f]).toFixed(1)} %` : NONE;
+  };
+
+  /** Why a frame was kept or not, in a sentence. */
+  const byGain = (f) => {
+    const {mi, threshold} = data.table;
+    return mi[f] === Infinity ? 'the views before left parameters free' : `it tells ${inBits(mi[f])} bits of the parameters, ${mi[f] < threshold[f] ? 'less than' : 'at least'} the ${inBits(threshold[f])} that are asked for`;
+  };
+  const byCriterion = (f) => {
+    const {mi, error_with: withIt, error_bound: bound} = data.table;
+    if (!known(bound[f]) || mi[f] === Infinity) return byGain(f);
+    return `with it the predicted error is ${withIt[f].toFixed(4)} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the ${bound[f].toFixed(4)} px that are asked for`;
+  };
+  const reasons = {
+    initialising: (f) => (data.table.accepted[f] ? 'Kept: one of the first frames, from which the estimate starts.' : 'Not kept: hardly moved since the frame kept before it.'),
+    initialised: () => 'Kept: with it the estimate starts.',
+    'initialise-failed': () => 'The estimate could not be started, or not from these frames.',
+    informative: (f) => `Kept: ${byCriterion(f)}.`,
+    'not-informative': (f) => `Not kept: ${byCriterion(f)}.`,
+    used: (f) => (data.table.accepted[f] ? 'Kept: in this stage every frame enters the estimate.' : 'Left out of the estimate again.'),
+    busy: () => 'Not kept: it came while the guide was busy with an earlier frame.',
+    'no-target': () => 'Not kept: no camera saw enough corners of the target.',
+    'no-pose': () => 'Not kept: its corners give no plausible pose.',
+    'bad-fit': () => 'Not kept: its corners leave more than three times the error of the views kept.',
+    'time-jump': () => 'Not kept: its stamp is not after that of the frame before, or it is too far from it.',
+    'no-imu': () => 'Not kept: IMU samples do not cover it.',
+    'imu-gap': () => 'Not kept: IMU samples are missing before it.',
+    'not-solved': () => 'Not kept: the estimate with it did not converge.',
+    finished: () => 'Not looked at: the stage was over.',
+  };
+  const whyText = (f) => { const say = reasons[data.word('reason', f)]; return say ? say(f) : NONE; };
+
   /** What the log says of a frame: text, and a class where it matters. */
   const fields = {
     time: (f) => [`${(data.offsets[f] / 1e9).toFixed(3)} s`],
@@ -36,6 +70,8 @@
     kept: (f) => [known(data.table.kept[f]) ? `${data.table.kept[f]} (${data.table.without[f]} since)` : NONE],
     mi: (f) => [gainText(data.table.mi[f]), data.table.mi[f] >= data.table.threshold[f] ? 'good' : ''],
     entropy: (f) => [entropyText(data.table.entropy[f])],
+    error: (f) => [errorText(f)],
+    why: (f) => [whyText(f), data.stays(f) ? 'good' : ''],
     rmse: (f) => [fixed(data.table.rmse[f], 3, 'px')],
     suggestion: (f) => [askedText(f), known(data.table.suggestion[f]) ? 'warn' : ''],
     distance: (f) => [fixed(data.table.distance[f], 1, 'px')],
@@ -156,6 +192,7 @@
   window.addEventListener('hashchange', () => fromHash());
   const fromHash = () => { const wanted = /^#frame=(\d+)$/.exec(location.hash); if (wanted) jump(Number(wanted[1])); };
   layout();
+  if (eventFrames.length) jump(eventFrames[0]);
   fromHash();
   window.plumblineReplay.player = {data, go: jump, frame: () => frame, playing: () => last !== null, scene: shown[1]};
 })();

@@ -159,22 +159,32 @@
       });
     }
 
+    /** The camera for whose image a view was made: "cam1 tilt-x -30"; a trajectory is camera 0's. */
+    cameraOf(name) {
+      const found = /^cam(\d+) /.exec(name);
+      return this.data.cameras[found ? Number(found[1]) : 0] || this.data.cameras[0];
+    }
+
+    candidateShape(round, i, size = 0.055) {
+      return frustum(round.poses[i], this.cameraOf(round.names[i]).frustum, size * this.size);
+    }
+
     drawCandidates(ctx, round) {
       this.spots = [];
       const most = Math.max(1e-9, ...[...round.mi].filter(Number.isFinite));
-      const order = round.poses.map((T, i) => ({T, i, at: this.eye.project([T[3], T[7], T[11]])}))
+      const order = round.poses.map((T, i) => ({i, shape: this.candidateShape(round, i), at: this.eye.project(frustum(T, this.cameraOf(round.names[i]).frustum, 0)[0])}))
         .filter((c) => c.at).sort((a, b) => b.at[2] - a.at[2]);
-      for (const {T, i, at} of order) {
-        this.spots.push({x: at[0], y: at[1], text: `${round.names[i]}: ${this.gain(round.mi[i])}`});
+      for (const {i, shape, at} of order) {
+        this.spots.push({x: at[0], y: at[1], text: `${round.names[i]}: ${this.score(round, i)}`});
         if (i === round.best) continue;
         const scored = !Number.isNaN(round.mi[i]);
         const colour = scored ? ramp(round.mi[i] / most) : UNSCORED;
-        this.stroke(ctx, colour, scored ? 1.3 : 0.8, () => this.frustumLines(ctx, frustum(T, this.data.cameras[0].frustum, 0.055 * this.size)));
+        this.stroke(ctx, colour, scored ? 1.3 : 0.8, () => this.frustumLines(ctx, shape));
       }
       if (round.best < 0) return most;
-      const T = round.poses[round.best];
-      this.stroke(ctx, BEST, 2.2, () => this.frustumLines(ctx, frustum(T, this.data.cameras[0].frustum, 0.085 * this.size)));
-      const at = this.eye.project([T[3], T[7], T[11]]);
+      const best = this.candidateShape(round, round.best, 0.085);
+      this.stroke(ctx, BEST, 2.2, () => this.frustumLines(ctx, best));
+      const at = this.eye.project(best[0]);
       if (at) { ctx.beginPath(); ctx.arc(at[0], at[1], 6, 0, 7); ctx.lineWidth = 2; ctx.stroke(); }
       return most;
     }
@@ -184,7 +194,7 @@
       for (let i = 0; i < p.length; i += 3) points.push([p[i], p[i + 1], p[i + 2]]);
       if (points.length) this.stroke(ctx, ASKED, 2, () => this.line(ctx, points, false));
       ctx.setLineDash([4, 3]);
-      this.stroke(ctx, ASKED, 2, () => this.frustumLines(ctx, frustum(suggestion.pose, this.data.cameras[0].frustum, 0.13 * this.size)));
+      this.stroke(ctx, ASKED, 2, () => this.frustumLines(ctx, frustum(suggestion.pose, this.data.cameras[suggestion.camera].frustum, 0.13 * this.size)));
       ctx.setLineDash([]);
     }
 
@@ -194,6 +204,12 @@
       for (const camera of this.data.cameras) {
         this.stroke(ctx, `rgb(${camera.colour.join(',')})`, 2.2, () => this.frustumLines(ctx, frustum(T, camera.frustum, 0.16 * this.size)));
       }
+    }
+
+    /** Bits, and the predicted error with it where that is known. */
+    score(round, i) {
+      const px = round.error[i];
+      return this.gain(round.mi[i]) + (Number.isFinite(px) ? `, error ${px.toFixed(3)} px` : '');
     }
 
     gain(nats) {
@@ -245,7 +261,7 @@
         const row = table.insertRow();
         row.className = i === round.best ? 'best' : '';
         row.insertCell().textContent = name;
-        row.insertCell().textContent = this.gain(round.mi[i]);
+        row.insertCell().textContent = this.score(round, i);
       });
       box.replaceChildren(table);
     }

@@ -86,7 +86,8 @@ Range viewRange(const Bands& bands) {
 
 /// One colour a strategy, in all figures.
 std::size_t placeOf(const std::string& strategy) {
-  static const char* const kKnown[] = {"recorded", "random", "greedy-mi", "coverage", "guide"};
+  static const char* const kKnown[] = {"recorded", "random", "greedy-mi",
+                                       "coverage", "guide",  "predicted-error"};
   std::size_t place = 0;
   while (place < std::size(kKnown) && strategy != kKnown[place]) ++place;
   return place;

@@ -37,6 +37,10 @@ std::string initialisedText(const Decision& d) {
 
 std::string finishedText(const Decision& d) {
   std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
+  if (d.error_bound_px && d.excess) {
+    return text + fmt::format(": the predicted error raises that of a corner by {:.1f} %",
+                              100 * *d.excess);
+  }
   if (d.round && d.round->best >= 0) {
     const double best = d.round->mi_nats[static_cast<std::size_t>(d.round->best)];
     text += fmt::format(": the best candidate would gain {:.3f} bits, less than {:.3f}",
@@ -83,7 +87,8 @@ class Events {
       opened_[d.opened->id] = d.t;
       push(d, "opened",
            fmt::format("#{} asked: {}, {}", d.opened->id, d.opened->candidate,
-                       bits(d.opened->mi_nats)));
+                       bits(d.opened->mi_nats)) +
+               (d.opened->error_px ? fmt::format(", error {:.3f} px", *d.opened->error_px) : ""));
     }
     if (!d.suggestion) return;
     if (d.event == SuggestionEvent::kNone || d.event == SuggestionEvent::kOpened) return;

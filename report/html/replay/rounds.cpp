@@ -58,13 +58,15 @@ Json roundJson(const Decision& d, Tables& tables) {
   for (const std::string& name : round.names) names.push_back(tables.names.place(name));
   for (const Transform& T : round.T_FC0) poses.push_back(tables.poses.place(roundPose(T)));
   const std::vector<float> mi(round.mi_nats.begin(), round.mi_nats.end());
+  const std::vector<float> error(round.error_px.begin(), round.error_px.end());
   return {{"frame", d.frame},
           {"best", round.best},
           {"waited_s", secondsBetween(round.asked, round.answered)},
           {"threshold", d.threshold_nats},
           {"names", base64(names)},
           {"poses", base64(poses)},
-          {"mi", base64(mi)}};
+          {"mi", base64(mi)},
+          {"error", base64(error)}};
 }
 
 /// Between which frames a suggestion was open.

@@ -161,6 +161,8 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
       number(secondsText(record, a.enough)),
       number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
       number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
+      number(fixedOrDash(a.predicted_excess, 1, 100)),
+      number(fixedOrDash(a.measured_excess, 1, 100)),
       number(a.finished && a.entropy_at_finish_nats != 0
                  ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
                  : kDash),
@@ -209,7 +211,8 @@ Section stopAuditSection(const ReplayRecord& record) {
       "Stop audit",
       "The guide's \"finish\" against the first instant at which the views kept were "
       "good enough, judged by the held-out error of the batch over them. Saved: what of the "
-      "recording came after it.",
+      "recording came after it. Excess: by how much the views kept leave more error than all "
+      "frames would, as the guide predicted it and as held-out frames show it.",
       {},
       {}};
   Table table{{{"Stage"},
@@ -218,6 +221,8 @@ Section stopAuditSection(const ReplayRecord& record) {
                {"Enough [s]", kNumber},
                {"Missing or wasted [s]", kNumber},
                {"Saved [s]", kNumber},
+               {"Excess, predicted [%]", kNumber},
+               {"Measured [%]", kNumber},
                {"Entropy then [nats]", kNumber},
                {"Of all frames [nats]", kNumber}},
               {}};

@@ -129,6 +129,8 @@ inline std::string textOf(const Decision& d) {
                   numberText(d.mi_nats), numberText(d.entropy_nats), d.threshold_nats, d.corners,
                   d.views_kept, d.frames_without_view, numberText(d.rmse_px), toString(d.event),
                   d.suggestion.value_or(-1), numberText(d.distance_px), d.held_s, d.detail);
+  text += fmt::format(" {} {} {} {}", numberText(d.error_px), numberText(d.error_with_px),
+                      numberText(d.error_bound_px), numberText(d.excess));
   if (d.T_FC0) text += poseText(*d.T_FC0);
   if (d.opened) {
     text += fmt::format(" opened {} {} {} {:a}", d.opened->id, d.opened->t, d.opened->candidate,

@@ -113,6 +113,38 @@ TEST_F(CommandReplay, GivenCamerasLeaveTheImuStageAlone) {
   ASSERT_EQ(document["stages"].size(), 1u);
   EXPECT_EQ(document["stages"][0]["stage"], "camera-imu");
   EXPECT_GT(document["stages"][0]["views_used"].get<int>(), 100);
+  // Other choices of views are tried all the same, with the cameras as they are given.
+  EXPECT_GT(document["counterfactuals"]["bands"].size(), 3u);
+}
+
+TEST_F(CommandReplay, ByPredictedErrorItStopsWithFewViewsAndSaysHowGoodTheyAre) {
+  const Outcome run = replay(session(),
+                             "--no-report --no-imu --loss none --criterion predicted-error "
+                             "--stop-excess 5 --no-counterfactuals");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  const json document = json::parse(read(out() / "replay.json"));
+  bool scored = false;
+  for (const json& d : lines(out() / "decisions.jsonl")) {
+    if (!d["error_bound_px"].is_number()) continue;
+    scored = true;
+    if (d["reason"] == "bad-fit") continue;
+    EXPECT_EQ(d["accepted"].get<bool>(),
+              d["error_with_px"].get<double>() <= d["error_bound_px"].get<double>());
+  }
+  EXPECT_TRUE(scored);
+  const json& audit = document["stop_audits"][0];
+  EXPECT_TRUE(audit["predicted_excess"].is_number());
+  EXPECT_TRUE(audit["measured_excess"].is_number());
+}
+
+TEST_F(CommandReplay, AStageThatWasNotPlayedIsNotJudged) {
+  // Too short for the camera stage to finish.
+  ASSERT_EQ(replay(session(), "--no-report --no-counterfactuals --to 4").exit_code, 0);
+  const json document = json::parse(read(out() / "replay.json"));
+  ASSERT_EQ(document["stages"].size(), 2u);
+  ASSERT_EQ(document["stop_audits"].size(), 2u);
+  EXPECT_EQ(document["stop_audits"][1]["stage"], "camera-imu");
+  EXPECT_EQ(document["stop_audits"][1]["verdict"], "not judged");
 }
 
 TEST_F(CommandReplay, SuggestionsOfTheRecordingAreFollowed) {
@@ -200,7 +232,8 @@ TEST_F(CommandReplay, BadUsageLeavesNothing) {
   for (const char* options :
        {"--latency-ms frame=5", "--latency-ms camera-frame=x", "--latency-ms camera-frame=-1",
         "--threshold-bits 0", "--window 0", "--imu-window 1", "--suggestions none.csv",
-        "--max-rate -3", "--reached-s -1"}) {
+        "--max-rate -3", "--reached-s -1", "--criterion error", "--later-use here",
+        "--stop-excess 0"}) {
     expectRefusal(replay(session(), options), 2, Not(HasSubstr("terminate")));
   }
 }

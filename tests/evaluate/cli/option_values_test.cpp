@@ -43,9 +43,23 @@ TEST(OutlierOption, KnowsItsThreeRules) {
 }
 
 TEST(SelectionOption, IsInBitsWhicheverUnitWasGiven) {
-  EXPECT_DOUBLE_EQ(selectionThresholdFrom("mi:0.2bits"), 0.2);
-  EXPECT_NEAR(selectionThresholdFrom("mi:0.1386294361119891nats"), 0.2, 1e-15);
-  EXPECT_THAT(complaint([] { (void)selectionThresholdFrom("mi:0.2"); }), HasSubstr("bits"));
+  EXPECT_DOUBLE_EQ(viewSelectionFrom("mi:0.2bits").threshold_bits, 0.2);
+  EXPECT_NEAR(viewSelectionFrom("mi:0.1386294361119891nats").threshold_bits, 0.2, 1e-15);
+  EXPECT_EQ(viewSelectionFrom("mi:0.2bits").criterion, ViewCriterion::kMutualInformation);
+  EXPECT_EQ(viewSelectionFrom("predicted-error").criterion, ViewCriterion::kPredictedError);
+  EXPECT_DOUBLE_EQ(viewSelectionFrom("predicted-error:3%").stop_excess, 0.03);
+  for (const char* wrong : {"mi:0.2", "predicted-error:3", "predicted-error:-1%", "predicted"}) {
+    EXPECT_THAT(complaint([&] { (void)viewSelectionFrom(wrong); }), HasSubstr("bits")) << wrong;
+  }
+}
+
+TEST(OptionValues, Criterion) {
+  EXPECT_EQ(viewCriterionFrom("mi"), ViewCriterion::kMutualInformation);
+  EXPECT_EQ(viewCriterionFrom("predicted-error"), ViewCriterion::kPredictedError);
+  EXPECT_THAT(complaint([] { (void)viewCriterionFrom("error"); }), HasSubstr("predicted-error"));
+  EXPECT_EQ(laterUseFrom("seen"), LaterUseKind::kSeen);
+  EXPECT_EQ(laterUseFrom("image"), LaterUseKind::kImage);
+  EXPECT_THAT(complaint([] { (void)laterUseFrom("here"); }), HasSubstr("image"));
 }
 
 TEST(ModelsOption, TakesKalibrsWordsAndAliases) {

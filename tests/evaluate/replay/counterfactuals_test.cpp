@@ -57,12 +57,16 @@ TEST(Counterfactuals, EveryStrategyUsesThePoolAndEndsWithAllOfIt) {
   EXPECT_EQ(found.held_out_frames, 40);
   std::vector<std::string> names;
   for (const auto& band : found.bands) names.push_back(band.strategy);
-  EXPECT_THAT(names, ElementsAre("recorded", "random", "greedy-mi", "coverage", "guide"));
-  ASSERT_EQ(found.curves.size(), 7u);
+  EXPECT_THAT(names, ElementsAre("recorded", "random", "greedy-mi", "predicted-error", "coverage",
+                                 "guide"));
+  ASSERT_EQ(found.curves.size(), 8u);
   for (const CounterfactualCurve& curve : found.curves) {
     std::vector<int> used = curve.order;
     std::sort(used.begin(), used.end());
-    if (curve.strategy == "guide") continue;
+    if (curve.strategy == "predicted-error") {
+      EXPECT_EQ(curve.order.size(), 40u);
+    }
+    if (curve.strategy == "guide" || curve.strategy == "predicted-error") continue;
     EXPECT_EQ(used, split.pool) << curve.strategy;
     EXPECT_EQ(curve.views.back(), found.pool_frames);
     EXPECT_EQ(curve.entropy_nats.back().value(), found.full_pool_entropy_nats);
@@ -162,7 +166,7 @@ TEST(Counterfactuals, OneCameraWillDo) {
   session.cameras.pop_back();
   const Counterfactuals found = counterfactuals(session, {}, quick());
   EXPECT_EQ(found.problem, "");
-  EXPECT_EQ(found.bands.size(), 4u);
+  EXPECT_EQ(found.bands.size(), 5u);
   // Corners with 0.2 px of noise per axis, and little that the calibration adds.
   EXPECT_NEAR(found.full_pool_held_out_px, 0.2 * std::sqrt(2.0), 0.02);
 }

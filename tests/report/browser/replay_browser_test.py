@@ -74,6 +74,7 @@ const views = () => [...document.querySelectorAll('.player-view canvas')];
 const measure = async () => {
   const result = {errors: pageErrors, log: [], looks: {}, tags: [], size: [innerWidth, innerHeight, document.getElementById('player').getBoundingClientRect().bottom + scrollY]};
   const count = Number(part('slider').max) + 1;
+  result.opened = [frame(), window.plumblineReplay.player.data.events[0].frame, field('why')];
   for (let f = 0; f < count; f += wanted.step) { slide(f); result.log.push(wanted.fields.map(field)); }
   for (const [f, u, v, width] of wanted.tags) {
     slide(f);
@@ -207,6 +208,10 @@ def check_drawn(name, result):
     for index, looks in result["looks"].items():
         if looks["share"] < 0.01 or looks["colours"] < 5:
             fail("%s: canvas %s is blank: %s" % (name, index, looks))
+    if result["opened"][0] != result["opened"][1]:
+        fail("%s: opens on frame %d, the first event is at %d" % (name, *result["opened"][:2]))
+    if not result["opened"][2].endswith("."):
+        fail("%s: no sentence says why a frame was kept: %s" % (name, result["opened"][2]))
     if len(result["looks"]) != 5:
         fail("%s: %d canvases" % (name, len(result["looks"])))
     dark = [pixel for pixel in result["tags"] if max(pixel[:3]) < 110]

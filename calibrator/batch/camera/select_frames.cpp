@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/select_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics.h"
+#include "calibrator/batch/camera/view_terms.h"
+#include "calibrator/information/view_selection.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kWorstView = 3;  // times the median RMSE
+constexpr int kChunk = 8;         // frames
+
+std::vector<RigView> rigViews(const CameraProblem& problem, const CameraEstimate& estimate) {
+  std::vector<RigView> views;
+  for (std::size_t f = 0; f < problem.frames.size(); ++f) {
+    RigView rig;
+    rig.T_C0F = estimate.T_C0F[f];
+    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+      const int view = problem.frames[f].view[c];
+      rig.views.push_back(view >= 0 ? problem.corners[c].view(view) : PackedView{});
+    }
+    views.push_back(std::move(rig));
+  }
+  return views;
+}
+
+std::vector<ViewTerms> termsOf(const ViewTermsMaker& maker, const std::vector<RigView>& views,
+                               int threads) {
+  std::vector<ViewTerms> terms(views.size());
+  forChunks(static_cast<int>(views.size()), kChunk, threads, [&](const Chunk& chunk) {
+    for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);
+         ++i) {
+      terms[i] = maker.seen(views[i]);
+    }
+  });
+  return terms;
+}
+
+/// Frames of which none leaves far more error than the others.
+std::vector<int> fittingFrames(const std::vector<ViewTerms>& terms) {
+  std::vector<double> rmse;
+  for (const ViewTerms& view : terms) {
+    if (view.corners > 0) rmse.push_back(std::sqrt(view.squared_px / view.corners));
+  }
+  std::vector<int> fitting;
+  if (rmse.empty()) return fitting;
+  const double most = kWorstView * quantile(rmse, 0.5);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (terms[i].corners == 0) continue;
+    const bool fits = std::sqrt(terms[i].squared_px / terms[i].corners) <= most;
+    if (fits) fitting.push_back(static_cast<int>(i));
+  }
+  return fitting;
+}
+
+/// Takes from `left` the view with which E is least.
+int takeBest(const PredictedError& error, const std::vector<ViewTerms>& terms,
+             std::vector<int>& left) {
+  auto best = left.begin();
+  double least = std::numeric_limits<double>::infinity();
+  for (auto i = left.begin(); i != left.end(); ++i) {
+    const double E = error.valueWith(terms[static_cast<std::size_t>(*i)]);
+    if (E < least) best = i;
+    least = std::min(least, E);
+  }
+  const int taken = *best;
+  left.erase(best);
+  return taken;
+}
+
+std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimate& estimate,
+                               const ViewSelectionOptions& options) {
+  const std::vector<RigView> views = rigViews(problem, estimate);
+  std::vector<int> all(views.size());
+  std::iota(all.begin(), all.end(), 0);
+  const auto model =
+      errorModel(views, estimate, problem.gram.cauchy_px, LaterUseKind::kSeen, problem.threads);
+  if (!model) return all;
+  const std::vector<ViewTerms> terms = termsOf(model->maker, views, problem.threads);
+  std::vector<int> left = fittingFrames(terms);
+  if (left.empty()) return all;
+  std::vector<ViewTerms> fitting;
+  for (const int i : left) fitting.push_back(terms[static_cast<std::size_t>(i)]);
+  const ErrorComponents components = guarded(errorComponents(fitting));
+  PredictedError error(model->use, components);
+  std::vector<int> kept;
+  while (!left.empty()) {
+    kept.push_back(takeBest(error, terms, left));
+    error.add(terms[static_cast<std::size_t>(kept.back())]);
+    const bool enough = static_cast<int>(kept.size()) >= options.least_views;
+    if (enough && relativeExcess(error.value(), components) <= options.stop_excess) break;
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+}  // namespace
+
+std::vector<int> selectFrames(const CameraProblem& problem, const CameraEstimate& estimate,
+                              const ViewSelectionOptions& options) {
+  if (options.criterion == ViewCriterion::kPredictedError) {
+    return selectByError(problem, estimate, options);
+  }
+  return selectViews(frameInformation(problem, estimate), options.threshold_bits, options.seed);
+}
+
+}  // namespace plumbline

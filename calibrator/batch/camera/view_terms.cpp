@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera/view_terms.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/parallel.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kSeenRaised = 0.1;  // kappa
+constexpr double kSeenMost = 50;
+constexpr double kImageMost = 20;
+constexpr double kLeastHalf = 1;  // of a box [px]
+constexpr int kUseChunk = 4;      // frames
+
+Matrix6d adjoint(const Transform& T) {
+  Matrix6d A;
+  A << T.R, skew(T.t) * T.R, Eigen::Matrix3d::Zero(), T.R;
+  return A;
+}
+
+}  // namespace
+
+int CornerCells::cellOf(double u, double v, const Resolution& image) {
+  const auto place = [](double x, int size, int count) {
+    return std::clamp(static_cast<int>((x + 0.5) * count / size), 0, count - 1);
+  };
+  return place(v, image.height, kRows) * kColumns + place(u, image.width, kColumns);
+}
+
+/// Sums of one frame: H of the pose; X = [P | C | b] its 6 rows against the parameters, the fields
+/// and the residuals; and G, C, D, s of the parameters and fields themselves.
+class ViewTermsMaker::Sum {
+ public:
+  explicit Sum(const ViewTermsMaker& maker)
+      : maker_(maker), n_(maker.layout_.camerasSize()), K_(maker.field_.size()) {
+    H_.setZero();
+    X_.setZero(6, n_ + K_ + 1);
+    out_.I.setZero(n_, n_);
+    out_.C.setZero(n_, K_);
+  }
+
+  void keepSquares() {
+    squares_ = true;
+    out_.D.setZero(K_, K_);
+    out_.s.setZero(K_);
+  }
+
+  void add(std::size_t c, const FieldGram& g) {
+    const CameraLayout& layout = maker_.layout_;
+    const int k = layout.intrinsics[c];
+    const int size = layout.intrinsics_size[c];
+    out_.I.block(k, k, size, size) += g.H_k;
+    if (c == 0) {
+      H_ += g.H;
+      X_.middleCols(k, size) += g.H_pose_k;
+      X_.col(n_ + K_) += g.b;
+      addFields(c, g, Matrix6d::Identity(), -1);
+      return;
+    }
+    // T_CiF = T_CiC0 T_C0F: its twist is A d + E e, e the tangent of T_C0Ci.
+    const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
+    const Matrix6d A = adjoint(maker_.T_CiC0_[c]);
+    const int e = layout.T_C0Ci[c];
+    Matrix6d E = Matrix6d::Zero();
+    E.topLeftCorner<3, 3>() = -R;
+    E.bottomRightCorner<3, 3>() = -R;
+    const Matrix6d AtH = A.transpose() * g.H;
+    H_.noalias() += AtH * A;
+    X_.middleCols(k, size).noalias() += A.transpose() * g.H_pose_k;
+    X_.middleCols<6>(e).noalias() += AtH * E;
+    X_.col(n_ + K_).noalias() += A.transpose() * g.b;
+    out_.I.block<6, 6>(e, e).noalias() += E.transpose() * g.H * E;
+    const Eigen::MatrixXd cross = E.transpose() * g.H_pose_k;
+    out_.I.block(e, k, 6, size) += cross;
+    out_.I.block(k, e, size, 6) += cross.transpose();
+    addFields(c, g, A, e);
+  }
+
+  /// Without the pose; says nothing where that is free.
+  ViewTerms finish() && {
+    const Eigen::LLT<Matrix6d> llt(H_);
+    if (llt.info() != Eigen::Success || !(H_.diagonal().array() > 0).all()) {
+      out_.corners = 0;
+      return std::move(out_);
+    }
+    llt.matrixL().solveInPlace(X_);
+    const auto P = X_.leftCols(n_);
+    const auto F = X_.middleCols(n_, K_);
+    out_.I.noalias() -= P.transpose() * P;
+    out_.C.noalias() -= P.transpose() * F;
+    if (squares_) {
+      out_.D.noalias() -= F.transpose() * F;
+      out_.s.noalias() -= F.transpose() * X_.col(n_ + K_);
+    }
+    return std::move(out_);
+  }
+
+  void count(double squared_px, double corners) {
+    out_.squared_px += squared_px;
+    out_.corners += corners;
+  }
+
+ private:
+  void addFields(std::size_t c, const FieldGram& g, const Matrix6d& A, int e) {
+    const MisfitField& field = maker_.field_;
+    if (field.columns.size() > 0) {
+      const auto R = field.ofCamera(c);
+      place(c, g, A, e, 0, g.H_pose_f * R, g.H_k_f * R);
+      if (squares_) addSquares(g, R);
+      return;
+    }
+    const Eigen::Index at = static_cast<Eigen::Index>(c) * kFieldColumns;
+    place(c, g, A, e, at, g.H_pose_f, g.H_k_f);
+    if (!squares_) return;
+    for (int row = 0; row < 2; ++row) {
+      const Eigen::Index f = at + row * kFieldFunctions;
+      out_.D.block<kFieldFunctions, kFieldFunctions>(f, f) += g.H_f;
+    }
+    out_.s.segment<kFieldColumns>(at) += g.b_f;
+  }
+
+  void place(std::size_t c, const FieldGram& g, const Matrix6d& A, int e, Eigen::Index at,
+             const Eigen::MatrixXd& pose_f, const Eigen::MatrixXd& k_f) {
+    const Eigen::Index columns = pose_f.cols();
+    out_.C.block(maker_.layout_.intrinsics[c], at, g.H_k.rows(), columns) += k_f;
+    if (e < 0) {
+      X_.middleCols(n_ + at, columns) += pose_f;
+      return;
+    }
+    X_.middleCols(n_ + at, columns).noalias() += A.transpose() * pose_f;
+    const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
+    out_.C.block(e, at, 3, columns).noalias() -= R.transpose() * pose_f.topRows<3>();
+    out_.C.block(e + 3, at, 3, columns).noalias() -= R.transpose() * pose_f.bottomRows<3>();
+  }
+
+  void addSquares(const FieldGram& g, const Eigen::Ref<const Eigen::MatrixXd>& R) {
+    for (int row = 0; row < 2; ++row) {
+      const auto half = R.middleRows(row * kFieldFunctions, kFieldFunctions);
+      const Eigen::MatrixXd weighted = g.H_f * half;
+      out_.D.noalias() += half.transpose() * weighted;
+    }
+    out_.s.noalias() += R.transpose() * g.b_f;
+  }
+
+  const ViewTermsMaker& maker_;
+  Eigen::Index n_, K_;
+  Matrix6d H_;
+  Eigen::MatrixXd X_;
+  ViewTerms out_;
+  bool squares_ = false;
+};
+
+ViewTermsMaker::ViewTermsMaker(const CameraEstimate& cameras, MisfitField field, double cauchy_px)
+    : cameras_(cameras),
+      layout_(cameras.intrinsics),
+      field_(std::move(field)),
+      cauchy_px_(cauchy_px) {
+  assert(field_.boxes.size() == cameras.intrinsics.size());
+  for (const Transform& T : cameras.T_C0Ci) T_CiC0_.push_back(T.inverse());
+}
+
+ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cell_weights) const {
+  Sum sum(*this);
+  sum.keepSquares();
+  std::vector<double> roots;
+  for (std::size_t c = 0; c < frame.views.size(); ++c) {
+    PackedView view = frame.views[c];
+    if (view.count == 0) continue;
+    double used = 0;
+    for (int k = 0; k < view.count; ++k) used += view.w[k];
+    if (!cell_weights.empty()) {
+      roots.assign(view.w, view.w + view.padded);
+      for (int k = 0; k < view.count; ++k) {
+        const int cell =
+            CornerCells::cellOf(view.u[k], view.v[k], cameras_.intrinsics[c].resolution);
+        roots[static_cast<std::size_t>(k)] *=
+            std::sqrt(cell_weights[c * CornerCells::kCount + static_cast<std::size_t>(cell)]);
+      }
+      view.w = roots.data();
+    }
+    const FieldGram g = fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view,
+                                  field_.boxes[c], FieldSquares::kKeep, {cauchy_px_, 0});
+    sum.add(c, g);
+    sum.count(g.squared_error, used);
+  }
+  return std::move(sum).finish();
+}
+
+ViewTerms ViewTermsMaker::imagined(const RigView& frame) const {
+  Sum sum(*this);
+  for (std::size_t c = 0; c < frame.views.size(); ++c) {
+    const PackedView& view = frame.views[c];
+    if (view.count == 0) continue;
+    sum.add(c, fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view, field_.boxes[c],
+                         FieldSquares::kDrop, {0, 0}));
+    sum.count(0, view.count);
+  }
+  return std::move(sum).finish();
+}
+
+std::vector<double> cellWeights(const std::vector<RigView>& frames, const CameraEstimate& cameras,
+                                LaterUseKind kind) {
+  std::vector<double> weights(cameras.intrinsics.size() * CornerCells::kCount, 0);
+  double corners = 0;
+  for (const RigView& frame : frames) {
+    for (std::size_t c = 0; c < frame.views.size(); ++c) {
+      const PackedView& view = frame.views[c];
+      for (int k = 0; k < view.count; ++k) {
+        const int cell =
+            CornerCells::cellOf(view.u[k], view.v[k], cameras.intrinsics[c].resolution);
+        weights[c * CornerCells::kCount + static_cast<std::size_t>(cell)] += view.w[k];
+        corners += view.w[k];
+      }
+    }
+  }
+  const double mean = corners / static_cast<double>(weights.size());
+  for (double& w : weights) {
+    const double q = w > 0 ? mean / w : 0;
+    w = kind == LaterUseKind::kSeen ? 1 + kSeenRaised * std::min(q, kSeenMost)
+                                    : std::min(q, kImageMost);
+  }
+  return weights;
+}
+
+std::vector<FieldBox> seenBoxes(const std::vector<RigView>& frames, const CameraEstimate& cameras) {
+  std::vector<FieldBox> boxes;
+  for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
+    const Resolution& image = cameras.intrinsics[c].resolution;
+    const double most = std::numeric_limits<double>::infinity();
+    Eigen::Array2d low(most, most), high(-most, -most);
+    for (const RigView& frame : frames) {
+      const PackedView& view = frame.views[c];
+      for (int k = 0; k < view.count; ++k) {
+        if (!(view.w[k] > 0)) continue;
+        low = low.min(Eigen::Array2d(view.u[k], view.v[k]));
+        high = high.max(Eigen::Array2d(view.u[k], view.v[k]));
+      }
+    }
+    if (!(low <= high).all()) {
+      low = {-0.5, -0.5};
+      high = {image.width - 0.5, image.height - 0.5};
+    }
+    boxes.push_back({0.5 * (low + high), (0.5 * (high - low)).max(kLeastHalf)});
+  }
+  return boxes;
+}
+
+std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
+                                     const CameraEstimate& cameras, double cauchy_px,
+                                     LaterUseKind kind, int threads) {
+  const ViewTermsMaker all(cameras, {seenBoxes(frames, cameras), {}}, cauchy_px);
+  const std::vector<double> weights = cellWeights(frames, cameras, kind);
+  const int count = static_cast<int>(frames.size());
+  std::vector<LaterUse> parts(static_cast<std::size_t>(chunkCount(count, kUseChunk)));
+  forChunks(count, kUseChunk, threads, [&](const Chunk& chunk) {
+    std::vector<ViewTerms> terms;
+    for (int i = chunk.begin; i < chunk.end; ++i) {
+      terms.push_back(all.seen(frames[static_cast<std::size_t>(i)], weights));
+    }
+    parts[static_cast<std::size_t>(chunk.index)] = laterUse(terms);
+  });
+  LaterUse use;
+  for (const LaterUse& part : parts) use += part;
+  const auto fields = strongestFields(use);
+  if (!fields) return std::nullopt;
+  return ErrorModel{{use.H, use.C * *fields, fields->transpose() * use.D * *fields, use.corners},
+                    ViewTermsMaker(cameras, {all.field().boxes, *fields}, cauchy_px)};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/view_error.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "calibrator/base/option_check.h"
+#include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics.h"
+#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/initialise/camera_poses.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kChunk = 8;  // views; fixed, so that no result depends on the number of threads
+constexpr double kWorstView = 3;
+constexpr double kPoseTolerance = 1e-3;  // standard deviations
+constexpr int kPoseIterations = 10;
+constexpr int kSeenUntilRefresh = 25;
+
+int viewsUntilRefresh(int views) {
+  if (views < 8) return 1;
+  if (views < 12) return 2;
+  if (views < 20) return 4;
+  return views < 32 ? 6 : 10;
+}
+
+}  // namespace
+
+void ViewErrorOptions::check() const {
+  ViewGainOptions::check();
+  requireOption(most_seen >= 2, "most_seen", most_seen, "2 or more");
+}
+
+ViewErrorTracker::ViewErrorTracker(const AprilGrid& target, const ViewErrorOptions& options)
+    : target_(target), options_(options) {
+  options.check();
+}
+
+RigView ViewErrorTracker::Held::view() const {
+  RigView rig;
+  rig.T_C0F = T_C0F;
+  for (const PackedCorners& camera : corners) rig.views.push_back(camera.view(0));
+  return rig;
+}
+
+ViewErrorTracker::Held ViewErrorTracker::hold(const FrameCorners& corners,
+                                              const Transform& T_FC0) const {
+  Held frame;
+  frame.T_C0F = T_FC0.inverse();
+  for (const std::vector<Corner>& camera : corners) {
+    frame.corners.emplace_back(target_, std::vector<ImageView>{{0, camera}});
+  }
+  return frame;
+}
+
+void ViewErrorTracker::see(const FrameCorners& corners, const Transform& T_FC0) {
+  if (seen_count_++ % seen_stride_ != 0) return;
+  seen_.push_back(hold(corners, T_FC0));
+  if (static_cast<int>(seen_.size()) <= options_.most_seen) return;
+  // Every second one leaves: what remains is spread evenly over all that was seen.
+  std::vector<Held> spread;
+  for (std::size_t i = 0; i < seen_.size(); i += 2) spread.push_back(std::move(seen_[i]));
+  seen_ = std::move(spread);
+  seen_stride_ *= 2;
+}
+
+void ViewErrorTracker::keep(const FrameCorners& corners, const Transform& T_FC0) {
+  kept_.push_back(hold(corners, T_FC0));
+  if (error_) error_->add(model_->maker.seen(kept_.back().view()));
+}
+
+bool ViewErrorTracker::isDue() const {
+  const int kept = static_cast<int>(kept_.size());
+  const bool seen_more = options_.later_use == LaterUseKind::kSeen &&
+                         seen_count_ - seen_at_refresh_ >= kSeenUntilRefresh;
+  return seen_more || kept - kept_at_refresh_ >= viewsUntilRefresh(kept_at_refresh_);
+}
+
+void ViewErrorTracker::pose(Held& frame) const {
+  std::vector<FrameView> views;
+  for (std::size_t c = 0; c < frame.corners.size(); ++c) {
+    const PackedView view = frame.corners[c].view(0);
+    if (view.count == 0) continue;
+    views.push_back({&cameras_.intrinsics[c], view, cameras_.T_C0Ci[c].inverse()});
+  }
+  frame.T_C0F =
+      refinePose(views, frame.T_C0F, {{options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance})
+          .T_C0F;
+}
+
+double ViewErrorTracker::rmsePx(const CameraEstimate& cameras, const Held& frame) {
+  double squares = 0;
+  int corners = 0;
+  for (std::size_t c = 0; c < frame.corners.size(); ++c) {
+    const PackedView view = frame.corners[c].view(0);
+    if (view.count == 0) continue;
+    squares += viewCost(cameras.intrinsics[c], cameras.T_C0Ci[c].inverse() * frame.T_C0F, view);
+    corners += view.count;
+  }
+  return std::sqrt(squares / std::max(corners, 1));
+}
+
+void ViewErrorTracker::refresh(const CameraEstimate& estimate,
+                               const std::vector<CameraCalibration>& cameras, int threads) {
+  cameras_ = estimate;
+  cameras_.T_C0F.clear();
+  kept_at_refresh_ = static_cast<int>(kept_.size());
+  seen_at_refresh_ = seen_count_;
+  visible_.clear();
+  for (const Intrinsics& camera : cameras_.intrinsics) {
+    visible_.emplace_back(camera, target_,
+                          VisibleTags::Limits{options_.border_px, options_.min_tag_px});
+  }
+  error_.reset();
+  std::vector<double> rmse;
+  for (Held& frame : kept_) {
+    pose(frame);
+    rmse.push_back(rmsePx(cameras_, frame));
+  }
+  std::vector<Held> made;
+  const std::vector<Held>* use = &seen_;
+  if (options_.later_use == LaterUseKind::kImage) {
+    std::vector<Transform> T_FC0;
+    for (const CandidateView& view : candidateViews(cameras, target_)) T_FC0.push_back(view.T_FC0);
+    made = imagined(T_FC0);
+    use = &made;
+  } else {
+    for (Held& frame : seen_) pose(frame);
+  }
+  std::vector<RigView> frames;
+  for (const Held& frame : *use) frames.push_back(frame.view());
+  model_ = errorModel(frames, cameras_, options_.cauchy_px, options_.later_use, threads);
+  if (!model_ || kept_.empty()) return model_.reset();
+  median_px_ = quantile(rmse, 0.5);
+  std::vector<ViewTerms> terms, fitting;
+  for (std::size_t i = 0; i < kept_.size(); ++i) {
+    terms.push_back(model_->maker.seen(kept_[i].view()));
+    if (rmse[i] <= kWorstView * median_px_) fitting.push_back(terms.back());
+  }
+  components_ = guarded(errorComponents(fitting));
+  error_.emplace(model_->use, components_);
+  for (const ViewTerms& view : terms) error_->add(view);
+}
+
+/// The corners that would be seen there, exact; of cameras that would see too few, none.
+std::vector<ViewErrorTracker::Held> ViewErrorTracker::imagined(
+    const std::vector<Transform>& T_FC0) const {
+  std::vector<Held> frames;
+  for (const Transform& T : T_FC0) {
+    Held frame;
+    frame.T_C0F = T.inverse();
+    for (std::size_t c = 0; c < visible_.size(); ++c) {
+      PredictedCorners predicted(visible_[c].cornerCount());
+      visible_[c].predict(cameras_.T_C0Ci[c].inverse() * frame.T_C0F, predicted);
+      const PackedView view = predicted.view();
+      std::vector<Corner> corners;
+      for (int k = 0; k < view.count && view.count >= options_.min_corners; ++k) {
+        corners.push_back({view.id[k], {view.u[k], view.v[k]}});
+      }
+      frame.corners.emplace_back(target_, std::vector<ImageView>{{0, std::move(corners)}});
+    }
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+double ViewErrorTracker::seenWith(const FrameCorners& corners, const Transform& T_FC0) const {
+  assert(error_);
+  const Held frame = hold(corners, T_FC0);
+  return error_->valueWith(model_->maker.seen(frame.view()));
+}
+
+std::vector<double> ViewErrorTracker::predictedWith(const std::vector<Transform>& T_FC0,
+                                                    int threads) const {
+  assert(error_);
+  std::vector<double> errors(T_FC0.size(), std::numeric_limits<double>::quiet_NaN());
+  forChunks(static_cast<int>(T_FC0.size()), kChunk, threads, [&](const Chunk& chunk) {
+    std::vector<PredictedCorners> memory;
+    for (const VisibleTags& tags : visible_) memory.emplace_back(tags.cornerCount());
+    for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);
+         ++i) {
+      RigView rig;
+      rig.T_C0F = T_FC0[i].inverse();
+      for (std::size_t c = 0; c < visible_.size(); ++c) {
+        visible_[c].predict(cameras_.T_C0Ci[c].inverse() * rig.T_C0F, memory[c]);
+        const PackedView view = memory[c].view();
+        rig.views.push_back(view.count >= options_.min_corners ? view : PackedView{});
+      }
+      const ViewTerms terms = model_->maker.imagined(rig);
+      if (terms.corners > 0) errors[i] = error_->valueWith(terms);
+    }
+  });
+  return errors;
+}
+
+bool ViewErrorTracker::fits(const CameraEstimate& estimate, const FrameCorners& corners,
+                            const Transform& T_FC0) const {
+  return rmsePx(estimate, hold(corners, T_FC0)) <= kWorstView * median_px_;
+}
+
+}  // namespace plumbline

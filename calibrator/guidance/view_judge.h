@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "calibrator/base/guide_decision.h"
+#include "calibrator/guidance/camera_frames.h"
+#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/guide_options.h"
+#include "calibrator/guidance/view_error.h"
+#include "calibrator/guidance/view_gain.h"
+#include "calibrator/window/camera_window.h"
+
+namespace plumbline {
+
+/// Which views the camera stage keeps and asks for, and when it has enough: by the criterion of
+/// ViewGuideOptions. Mutual information (ViewScorer) and predicted error (ViewErrorTracker) are
+/// both worked out, so that a decision holds either, whichever decides.
+class ViewJudge {
+ public:
+  ViewJudge(const AprilGrid& target, const ViewGuideOptions& options, int threads);
+
+  /// As if no frame had been seen.
+  void forget();
+  /// A frame with a plausible pose; a view that entered the window.
+  void see(const FrameCorners& corners, const Transform& T_FC0) { errors_.see(corners, T_FC0); }
+  void keep(const FrameCorners& corners, const Transform& T_FC0) { errors_.keep(corners, T_FC0); }
+  /// After every change of the window; `information`: its own.
+  void refresh(const CameraWindow& window, const Eigen::MatrixXd& information);
+
+  /// Sees a frame at d.T_FC0 and writes its scores; false where its corners leave the pose free.
+  bool score(const CameraWindow& window, const FrameCorners& corners, Decision& d);
+  /// Of a frame that was scored. Before the views kept determine the cameras, any view is.
+  bool isWorthKeeping(const Decision& d) const;
+  /// By predicted error, whether the last frame of an estimate, that took part in it, fits there.
+  bool fits(const CameraEstimate& estimate, const FrameCorners& corners) const;
+  /// The stopping rule in pixels; false under the other criterion.
+  bool isEnough() const;
+
+  /// Scores candidates at the estimate of the last refresh().
+  CandidateRound scored(const std::vector<CandidateView>& views) const;
+  /// Whether the best of a round would be kept.
+  bool isWorthAsking(const CandidateRound& round) const;
+  std::vector<Corner> predictedCorners(int camera, const Transform& T_FC0) const {
+    return scorer_->predictedCorners(camera, T_FC0);
+  }
+  /// Writes what holds after a frame.
+  void tell(Decision& d) const;
+
+ private:
+  bool byError() const {
+    return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown();
+  }
+
+  AprilGrid target_;
+  ViewGuideOptions options_;
+  int threads_;
+  std::optional<ViewScorer> scorer_;
+  ViewErrorTracker errors_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/information/predicted_error.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "calibrator/linear/dense.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Rounding alone lies below: of a matrix with unit diagonal.
+constexpr double kLeastPivot = 1e-13;
+// What is known before the first view, in corners of later use: so little that a handful of corners
+// outweighs it, so much that two views leave a number.
+constexpr double kKnownBefore = 1e-6;
+// Of the mean square of the field's columns in a view.
+constexpr double kFieldRidge = 1e-3;
+constexpr double kLeastNoiseShare = 0.2;
+// |M|^2 over sum |D_v|^2 below which few views cannot part their own misfit from a common one: V
+// views that see alike have V.
+constexpr double kTellsApart = 1.5;
+
+MatrixXd symmetric(const MatrixXd& A) { return 0.5 * (A + A.transpose()); }
+
+/// L of A = L L^T, factored with a unit diagonal, so that pixels beside radians do not look like a
+/// loss of rank.
+std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
+  if (!A.allFinite() || !(A.diagonal().array() > 0).all()) return std::nullopt;
+  const VectorXd D = A.diagonal().cwiseSqrt();
+  const VectorXd inverse = D.cwiseInverse();
+  const Eigen::LLT<MatrixXd> llt(inverse.asDiagonal() * A * inverse.asDiagonal());
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const MatrixXd L = llt.matrixL();
+  if (!(L.diagonal().array().square() >= kLeastPivot).all()) return std::nullopt;
+  return MatrixXd(D.asDiagonal() * L);
+}
+
+/// Sums over views of what the components are made of.
+struct Moments {
+  MatrixXd H, C, D;
+  VectorXd s;
+  double s_squared = 0, D_squared = 0, D_trace = 0;  // over the views, of each by itself
+  double fitted = 0;  // what a field of each view's own takes of its squared error
+  double fields = 0;  // how many functions did
+  double squared_px = 0, corners = 0, views = 0;
+
+  explicit Moments(const ViewTerms& like)
+      : H(MatrixXd::Zero(like.I.rows(), like.I.cols())),
+        C(MatrixXd::Zero(like.C.rows(), like.C.cols())),
+        D(MatrixXd::Zero(like.D.rows(), like.D.cols())),
+        s(VectorXd::Zero(like.s.size())) {}
+
+  void add(const ViewTerms& view) {
+    const auto K = static_cast<double>(view.s.size());
+    H += view.I;
+    C += view.C;
+    D += view.D;
+    s += view.s;
+    s_squared += view.s.squaredNorm();
+    D_squared += view.D.squaredNorm();
+    D_trace += view.D.trace();
+    MatrixXd ridged = view.D;
+    ridged.diagonal().array() += kFieldRidge * view.D.trace() / std::max(K, 1.0) + 1e-9;
+    fitted += view.s.dot(ridged.llt().solve(view.s));
+    fields += std::min(K, view.corners);
+    squared_px += view.squared_px;
+    corners += view.corners;
+    ++views;
+  }
+
+  double sigma2() const {
+    const double free = 2 * corners - 6 * views - static_cast<double>(H.rows()) - fields;
+    const double left = std::max(kLeastNoiseShare * squared_px, squared_px - fitted);
+    return left / std::max(free, 0.5 * corners);
+  }
+};
+
+}  // namespace
+
+LaterUse& LaterUse::operator+=(const LaterUse& other) {
+  if (other.corners == 0) return *this;
+  if (corners == 0) return *this = other;
+  const double all = corners + other.corners;
+  const double own = corners / all;
+  const double others = other.corners / all;
+  H = own * H + others * other.H;
+  C = own * C + others * other.C;
+  D = own * D + others * other.D;
+  corners = all;
+  return *this;
+}
+
+LaterUse laterUse(std::span<const ViewTerms> views) {
+  LaterUse use;
+  for (const ViewTerms& view : views) {
+    if (view.corners == 0) continue;
+    use += {view.I / view.corners, view.C / view.corners, view.D / view.corners, view.corners};
+  }
+  return use;
+}
+
+std::optional<MatrixXd> strongestFields(const LaterUse& use, int count) {
+  if (use.corners == 0) return std::nullopt;
+  const auto L = lowerFactor(use.H);
+  if (!L) return std::nullopt;
+  const MatrixXd W = L->triangularView<Eigen::Lower>().solve(use.C);
+  const SymmetricEigen eigen = symmetricEigen(symmetric(use.D - W.transpose() * W));
+  return MatrixXd(eigen.vectors.rightCols(std::min<Eigen::Index>(count, use.D.cols())));
+}
+
+ErrorComponents errorComponents(std::span<const ViewTerms> views) {
+  ErrorComponents out;
+  if (views.empty()) return out;
+  Moments sum(views.front());
+  for (const ViewTerms& view : views) {
+    if (view.corners > 0) sum.add(view);
+  }
+  if (sum.corners == 0) return out;
+  out.mean_squared_px = sum.squared_px / sum.corners;
+  out.sigma2 = sum.sigma2();
+  if (!(sum.D_squared > 0)) return out;
+  sum.H += 1e-9 * MatrixXd(sum.H.diagonal().asDiagonal()) / sum.corners;
+  const auto L = lowerFactor(sum.H);
+  MatrixXd M = sum.D;
+  if (L) {
+    const MatrixXd W = L->triangularView<Eigen::Lower>().solve(sum.C);
+    M -= W.transpose() * W;
+  }
+  const double t = std::max(0.0, (sum.s_squared - out.sigma2 * sum.D_trace) / sum.D_squared);
+  const double M_squared = M.squaredNorm();
+  if (M_squared <= kTellsApart * sum.D_squared) {
+    out.b2 = 0.5 * t;
+  } else {
+    out.told_apart = true;
+    const double common = sum.s.squaredNorm() - out.sigma2 * std::max(0.0, M.trace());
+    const double b2 = (common - t * sum.D_squared) / (M_squared - sum.D_squared);
+    out.b2 = std::clamp(b2, 0.0, t);
+  }
+  out.tau2 = t - out.b2;
+  return out;
+}
+
+ErrorComponents guarded(ErrorComponents components) {
+  constexpr double kRaised = 16;
+  components.b2 = std::min(kRaised * components.b2, 0.45 * components.sigma2);
+  components.tau2 = std::min(kRaised * components.tau2, components.sigma2 / 9);
+  return components;
+}
+
+double relativeExcess(double E, const ErrorComponents& components) {
+  if (!(components.mean_squared_px > 0)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(1 + E / components.mean_squared_px) - 1;
+}
+
+PredictedError::PredictedError(const LaterUse& use, const ErrorComponents& components)
+    : components_(components) {
+  const Eigen::Index n = use.H.rows();
+  MatrixXd H_T = use.H;
+  // A direction of the parameters that later use does not touch costs nothing there.
+  H_T.diagonal() *= 1 + 1e-6;
+  const auto L = lowerFactor(H_T);
+  assert(L);
+  L_ = *L;
+  bias_ = L_.triangularView<Eigen::Lower>().solve(use.C);
+  H_ = kKnownBefore * H_T;
+  Q_ = MatrixXd::Zero(n, n);
+  C_ = MatrixXd::Zero(n, use.C.cols());
+}
+
+void PredictedError::add(const ViewTerms& view) {
+  H_ += view.I;
+  Q_.noalias() += view.C * view.C.transpose();
+  C_ += view.C;
+}
+
+double PredictedError::value() const { return evaluate(H_, nullptr); }
+
+double PredictedError::valueWith(const ViewTerms& view) const {
+  return evaluate(H_ + view.I, &view.C);
+}
+
+/// With H = U U^T and Z = H^-1 L:  E = sigma^2 |U^-1 L|^2 + tau^2 tr(Z^T Q Z) + b^2 |Z^T C - L^T
+/// A_T|^2.
+double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
+  const Eigen::LLT<MatrixXd> llt(H);
+  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  MatrixXd Z = L_;
+  llt.matrixL().solveInPlace(Z);
+  double E = components_.sigma2 * Z.squaredNorm();
+  if (components_.tau2 == 0 && components_.b2 == 0) return E;
+  llt.matrixU().solveInPlace(Z);
+  if (components_.tau2 > 0) {
+    double tau = Z.cwiseProduct(Q_ * Z).sum();
+    if (C_v != nullptr) tau += (Z.transpose() * *C_v).squaredNorm();
+    E += components_.tau2 * tau;
+  }
+  if (components_.b2 > 0) {
+    const MatrixXd C = C_v != nullptr ? MatrixXd(C_ + *C_v) : C_;
+    E += components_.b2 * (Z.transpose() * C - bias_).squaredNorm();
+  }
+  return E;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/residuals/field_gram.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <variant>
+
+#include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/residuals/gram_kernel.h"
+#include "calibrator/residuals/instruction_set.h"
+
+namespace plumbline {
+namespace {
+
+/// What the kernel reads besides gram::Input.
+struct FieldInput {
+  FieldBox box;
+  bool squares = false;
+};
+
+template <int W>
+[[gnu::always_inline]] inline Lanes<W> clampedPlace(const Lanes<W>& pixel, double centre,
+                                                    double half) {
+  const Lanes<W> one = Lanes<W>{} + 1.0;
+  const Lanes<W> x = (pixel - centre) / half;
+  const Lanes<W> low = x < -one ? -one : x;
+  return low > one ? one : low;
+}
+
+/// sqrt(2i+1) P_i(x) by the recurrence (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}.
+template <int W>
+[[gnu::always_inline]] inline void legendre(const Lanes<W>& x, Lanes<W> (&P)[kFieldDegree + 1]) {
+  constexpr double kNorm[] = {1,   1.7320508075688772, 2.2360679774997897, 2.6457513110645906,
+                              3.0, 3.3166247903553998};
+  static_assert(std::size(kNorm) == kFieldDegree + 1);
+  P[0] = Lanes<W>{} + 1.0;
+  P[1] = x;
+#pragma GCC unroll 8
+  for (int k = 1; k < kFieldDegree; ++k) {
+    P[k + 1] = ((2.0 * k + 1) / (k + 1)) * x * P[k] - (static_cast<double>(k) / (k + 1)) * P[k - 1];
+  }
+#pragma GCC unroll 8
+  for (int k = 1; k <= kFieldDegree; ++k) P[k] *= kNorm[k];
+}
+
+/// Calls put(place, value) for each function.
+template <int W, class Put>
+[[gnu::always_inline]] inline void eachFunction(const FieldBox& box, const Lanes<W>& u,
+                                                const Lanes<W>& v, const Put& put) {
+  Lanes<W> X[kFieldDegree + 1];
+  Lanes<W> Y[kFieldDegree + 1];
+  legendre<W>(clampedPlace<W>(u, box.centre[0], box.half[0]), X);
+  legendre<W>(clampedPlace<W>(v, box.centre[1], box.half[1]), Y);
+  int place = 0;
+#pragma GCC unroll 8
+  for (int i = 0; i <= kFieldDegree; ++i) {
+#pragma GCC unroll 8
+    for (int j = 0; i + j <= kFieldDegree; ++j) put(place++, X[i] * Y[j]);
+  }
+}
+
+template <int W, int S>
+struct FieldSums {
+  gram::Sums<W, S> view;
+  /// Per row: (shared, e, m, 1) x functions.
+  Lanes<W> fields[2][S + 3][kFieldFunctions] = {};
+  Lanes<W> squares[kFieldFunctions][kFieldFunctions] = {};
+};
+
+/// Rows kRow .. kEnd - 1 of the left factor against all functions.
+template <int W, int kEnd, int kRow = 0>
+[[gnu::always_inline]] inline void addAgainst(const double* left, const double* functions, int n,
+                                              Lanes<W>* sums) {
+  constexpr int kRows = kEnd - kRow < 4 ? kEnd - kRow : 4;
+  gram::addStrip<W, kRows, kFieldFunctions>(left + kRow * gram::kStride, functions, n,
+                                            sums + kRow * kFieldFunctions, kFieldFunctions);
+  if constexpr (kRow + kRows < kEnd) {
+    addAgainst<W, kEnd, kRow + kRows>(left, functions, n, sums);
+  }
+}
+
+/// The corners of one group: the columns of the view, and the functions, all times the root of
+/// the corner's weight.
+template <int W, int S, class Model, bool kRobust>
+[[gnu::always_inline]] inline void fillGroup(const gram::Input& in, const FieldBox& box, int first,
+                                             int j, double* left, double* functions,
+                                             Lanes<W>& invalid, Lanes<W>& squared) {
+  auto g = gram::projectGroup<W, Model>(in, first + j, invalid);
+  squared += g.w * g.squared;
+  if constexpr (kRobust) {
+    const Lanes<W> slope = 1.0 / (1.0 + (g.e_u * g.e_u + g.e_v * g.e_v) * in.inverse_c2);
+    for (int lane = 0; lane < W; ++lane) g.w[lane] *= std::sqrt(slope[lane]);
+  }
+  gram::fillPlain<W, S, true, false>(in, g, first + j, left + j);
+  eachFunction<W>(box, gram::load<W>(in.view.u + first + j), gram::load<W>(in.view.v + first + j),
+                  [&](int place, const Lanes<W>& f) {
+                    gram::store<W>(functions + place * gram::kStride + j, g.w * f);
+                  });
+}
+
+template <int W, class Model, bool kRobust>
+[[gnu::always_inline]] inline auto sumFields(const gram::Input& in, const FieldInput& f) {
+  using gram::kChunk;
+  using gram::kStride;
+  constexpr int S = gram::kShared<Model, true, false>;
+  alignas(64) double left[(S + 3) * kStride];
+  alignas(64) double functions[kFieldFunctions * kStride];
+  FieldSums<W, S> sums;
+  Lanes<W> invalid = {};
+  for (int first = 0; first < in.view.padded; first += kChunk) {
+    const int n = std::min(in.view.padded - first, kChunk);
+    for (int j = 0; j < n; j += W) {
+      fillGroup<W, S, Model, kRobust>(in, f.box, first, j, left, functions, invalid,
+                                      sums.view.squared);
+    }
+    for (int row = 0; row < 2; ++row) {
+      const double* half = left + row * kChunk;
+      gram::addUpper<W, S>(half, half, n, &sums.view.shared[0][0]);
+      gram::addStrip<W, 2, S + 3>(half + (S + gram::kPlane) * kStride, half, n,
+                                  &sums.view.own[row][0][0], S + 3);
+      addAgainst<W, S + 3>(half, functions, n, &sums.fields[row][0][0]);
+    }
+    if (f.squares) addAgainst<W, kFieldFunctions>(functions, functions, n, &sums.squares[0][0]);
+  }
+  const double charged = kInvalidSquaredError * gram::sumOf<W>(invalid);
+  sums.view.squared[0] += charged;
+  sums.view.cost = gram::sumOf<W>(sums.view.squared);
+  return sums;
+}
+
+template <int W, int kShape, int S>
+[[gnu::always_inline]] inline void writeFields(const FieldSums<W, S>& sums, FieldGram& out) {
+  out.H_k_f.setZero(4 + kShape, kFieldColumns);
+  for (int row = 0; row < 2; ++row) {
+    for (int f = 0; f < kFieldFunctions; ++f) {
+      const int column = row * kFieldFunctions + f;
+      for (int i = 0; i < 6; ++i) {
+        out.H_pose_f(i, column) = gram::sumOf<W>(sums.fields[row][i][f]);
+      }
+      for (int i = 0; i < kShape; ++i) {
+        out.H_k_f(4 + i, column) = gram::sumOf<W>(sums.fields[row][6 + i][f]);
+      }
+      out.b_f[column] = gram::sumOf<W>(sums.fields[row][S + gram::kError][f]);
+      out.H_k_f(row, column) = gram::sumOf<W>(sums.fields[row][S + gram::kPlane][f]);
+      out.H_k_f(2 + row, column) = gram::sumOf<W>(sums.fields[row][S + gram::kOne][f]);
+    }
+  }
+  for (int i = 0; i < kFieldFunctions; ++i) {
+    for (int j = 0; j < kFieldFunctions; ++j) {
+      out.H_f(i, j) = gram::sumOf<W>(sums.squares[i][j]);
+    }
+  }
+}
+
+template <int W, class Model, bool kRobust>
+[[gnu::always_inline]] inline void compute(const gram::Input& in, const FieldInput& f,
+                                           FieldGram& out) {
+  const auto sums = sumFields<W, Model, kRobust>(in, f);
+  gram::writePose<W>(sums.view, out);
+  gram::writeIntrinsics<W, Model::kShape>(sums.view, out);
+  writeFields<W, Model::kShape>(sums, out);
+}
+
+// Only these functions carry the instruction set.
+template <class Model, bool kRobust>
+void computeBaseline(const gram::Input& in, const FieldInput& f, FieldGram& out) {
+  compute<2, Model, kRobust>(in, f, out);
+}
+
+#if defined(__x86_64__)
+template <class Model, bool kRobust>
+[[gnu::target("avx2,fma")]] void computeAvx2(const gram::Input& in, const FieldInput& f,
+                                             FieldGram& out) {
+  compute<4, Model, kRobust>(in, f, out);
+}
+#endif
+
+template <class Model, bool kRobust>
+void computeWith(InstructionSet set, const gram::Input& in, const FieldInput& f, FieldGram& out) {
+#if defined(__x86_64__)
+  if (set == InstructionSet::kAvx2) return computeAvx2<Model, kRobust>(in, f, out);
+#endif
+  computeBaseline<Model, kRobust>(in, f, out);
+}
+
+gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                    const GramOptions& options) {
+  gram::Input in;
+  in.T_CF = T_CF;
+  // Models that can be calibrated are pinholes: no coefficient stands before fu.
+  in.fu = camera.projection[0];
+  in.fv = camera.projection[1];
+  in.pu = camera.projection[2];
+  in.pv = camera.projection[3];
+  in.k = camera.distortion.data();
+  in.view = view;
+  if (options.cauchy_px > 0) in.inverse_c2 = 1 / (options.cauchy_px * options.cauchy_px);
+  return in;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
+                                                         const Eigen::Vector2d& uv) {
+  Eigen::Matrix<double, kFieldFunctions, 1> f;
+  eachFunction<2>(box, Lanes<2>{uv[0], uv[0]}, Lanes<2>{uv[1], uv[1]},
+                  [&](int place, const Lanes<2>& value) { f[place] = value[0]; });
+  return f;
+}
+
+FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                    const FieldBox& box, FieldSquares squares, const GramOptions& options) {
+  assert(box.half.minCoeff() > 0);
+  FieldGram out;
+  const gram::Input in = inputOf(camera, T_CF, view, options);
+  const FieldInput f{box, squares == FieldSquares::kKeep};
+  std::visit(
+      [&]<class Model>(Model) {
+        if constexpr (kIsCalibrated<Model>) {
+          const InstructionSet set = bestInstructionSet();
+          options.cauchy_px > 0 ? computeWith<Model, true>(set, in, f, out)
+                                : computeWith<Model, false>(set, in, f, out);
+        } else {
+          assert(!"fields of a model that cannot be calibrated");
+        }
+      },
+      cameraModelOf(camera));
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "calibrator/base/transform.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/residuals/packed_corners.h"
+#include "calibrator/residuals/view_gram.h"
+
+namespace plumbline {
+
+/// A smooth displacement of a camera's image, which stands for what its model cannot describe: for
+/// u and for v the functions sqrt((2i+1)(2j+1)) P_i(x) P_j(y), i + j <= 5, P_i Legendre's
+/// polynomials, x and y in [-1, 1] over a box of the image. Mean square over the box: 1 px^2 each.
+inline constexpr int kFieldDegree = 5;
+inline constexpr int kFieldFunctions = (kFieldDegree + 1) * (kFieldDegree + 2) / 2;  ///< of a row
+inline constexpr int kFieldColumns = 2 * kFieldFunctions;  ///< those of u, then those of v
+
+/// Where the functions are spread; beyond it they keep their values at its edge, for polynomials
+/// that nothing holds there would grow without bound.
+struct FieldBox {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [px]
+  Eigen::Vector2d half = Eigen::Vector2d::Ones();    ///< half its width and height, > 0 [px]
+};
+
+/// The functions' values at a pixel: i ascending, for each i j ascending.
+Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
+                                                         const Eigen::Vector2d& uv);
+
+/// ViewGram, with the functions taken at the measured pixels as further columns F:
+///   H_pose_f = sum w J_pose^T F,  H_k_f = sum w J_k^T F,  b_f = sum w F^T e,
+/// and H_f = sum w f f^T of one row (it is the same for u and v, and nothing couples them).
+struct FieldGram : ViewGram {
+  Eigen::Matrix<double, 6, kFieldColumns> H_pose_f;
+  Eigen::Matrix<double, Eigen::Dynamic, kFieldColumns, 0, kMaxIntrinsics, kFieldColumns> H_k_f;
+  Eigen::Matrix<double, kFieldFunctions, kFieldFunctions> H_f;
+  Eigen::Matrix<double, kFieldColumns, 1> b_f;
+};
+
+/// What is done with the squares of the functions: a view that nobody has taken needs none.
+enum class FieldSquares { kKeep, kDrop };
+
+/// Corners weigh w^2 of the view (any weight here, 0 or more: its root is the column's factor),
+/// times 1 / (1 + |e|^2 / c^2) where there is a loss; triggs_clamp does not matter. Without
+/// FieldSquares::kKeep H_f is zero. Only for models that can be calibrated (canBeCalibrated()):
+/// another one is a bug.
+FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                    const FieldBox& box, FieldSquares squares, const GramOptions& options = {});
+
+}  // namespace plumbline

@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""How many views are enough, by which choice? Runs view_choice_evidence on pools of a recording and
+prints the tables of docs/counterfactuals.md.
+
+  scripts/counterfactuals_evidence.py --program build/tests/benchmarks/view_choice_evidence \\
+      --session DATA/euroc_imu_april --shape target_shape.yaml --out FOLDER [--only PATTERN] [--table]
+
+Outputs are kept in --out, one file per pool, and not made again. --shape is the board's own shape, best
+from another recording (`plumbline calibrate OTHER --target-shape auto` writes it); pools named "bent"
+know it, those named "flat" take the board as target.yaml has it.
+"""
+
+import argparse
+import collections
+import fnmatch
+import itertools
+import math
+import pathlib
+import subprocess
+import sys
+
+STRATEGIES = ["random", "recorded", "coverage", "mi", "predicted-error"]
+LEVELS = (10, 5, 2)  # % above the whole pool's held-out error
+STOP = 0.02
+LEAST_VIEWS = 8
+
+
+def quantile(values, p):
+    values = sorted(values)
+    at = p * (len(values) - 1)
+    low = math.floor(at)
+    high = min(low + 1, len(values) - 1)
+    if values[high] == math.inf:
+        return values[low] if at == low else math.inf
+    return values[low] + (values[high] - values[low]) * (at - low)
+
+
+def pools():
+    """Names and arguments, the most telling first."""
+    cameras = {"stereo": "both", "cam0": "cam0", "cam1": "cam1"}
+    losses = {"none": "0", "cauchy": "1.5"}
+    splits = ["1s", "first-second", "second-first", "3s", "interleaved"]
+    for split, loss, camera, shape, model in itertools.product(
+        splits, losses, cameras, ["flat", "bent"], ["radtan", "equidistant"]
+    ):
+        yield f"{camera}-{model}-{loss}-{shape}-{split}", [model, losses[loss], shape, cameras[camera], split]
+
+
+def run(options):
+    folder = pathlib.Path(options.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, (model, loss, shape, camera, split) in pools():
+        path = folder / f"{name}-{options.candidates}.txt"
+        if path.exists() or not fnmatch.fnmatch(name, options.only):
+            continue
+        shape = options.shape if shape == "bent" else "flat"
+        numbers = [str(options.starts), str(options.candidates), str(options.views)]
+        command = [options.program, options.session, model, loss, shape, camera, split, *numbers]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode == 2:
+            sys.exit(done.stderr)
+        path.write_text(done.stdout)
+
+
+class Pool:
+    """What one run printed."""
+
+    def __init__(self, path):
+        self.full = None
+        self.curves = collections.defaultdict(dict)  # strategy -> start -> {views: px}
+        self.steps = collections.defaultdict(list)  # start -> [(views, E, excess)]
+        for line in path.read_text().splitlines():
+            words = line.split()
+            if words[0] == "pool":
+                self.frames, self.held, self.full = int(words[1]), int(words[2]), float(words[3])
+            elif words[0] == "curve":
+                curve = dict(w.split("=") for w in words[3:])
+                self.curves[words[2]][int(words[1])] = {int(n): float(px) for n, px in curve.items()}
+            elif words[0] == "step":
+                self.steps[int(words[1])].append((int(words[2]), float(words[6]), float(words[7])))
+
+    def needed(self, curve, percent):
+        """First number of views from which on the curve stays within so much of the whole pool's error."""
+        found = math.inf
+        for views, px in curve.items():
+            if px > self.full * (1 + percent / 100):
+                found = math.inf
+            elif found == math.inf:
+                found = views
+        return found
+
+    def median_needed(self, strategy):
+        curves = self.curves[strategy].values()
+        return [quantile([self.needed(c, p) for c in curves], 0.5) for p in LEVELS]
+
+    def excess_at(self, strategy, views):
+        values = [c[views] for c in self.curves[strategy].values() if views in c]
+        return 100 * (quantile(values, 0.5) / self.full - 1) if values else math.nan
+
+    def stops(self):
+        """Per start: views at the stop, predicted and measured excess [%]."""
+        found = []
+        for start, steps in self.steps.items():
+            curve = self.curves["predicted-error"][start]
+            stop = next(((n, x) for n, _, x in steps if n >= LEAST_VIEWS and x <= STOP), None)
+            n, predicted = stop if stop else (max(curve), steps[-1][2])
+            at = min(v for v in curve if v >= n)
+            found.append((n, 100 * predicted, 100 * (curve[at] / self.full - 1)))
+        return found
+
+
+def text(views):
+    return "–" if views == math.inf else f"{views:g}"
+
+
+def table(options):
+    read = []
+    for path in sorted(pathlib.Path(options.out).glob(f"*-{options.candidates}.txt")):
+        name = path.stem.rsplit("-", 1)[0]
+        pool = Pool(path)
+        if fnmatch.fnmatch(name, options.only) and pool.full is not None and pool.steps:
+            read.append((name, pool))
+    order = {name: i for i, (name, _) in enumerate(pools())}
+    read.sort(key=lambda item: order.get(item[0], 0))
+    print("| pool | held out [px] | " + " | ".join(STRATEGIES) + " |")
+    print("|---" * (2 + len(STRATEGIES)) + "|")
+    for name, pool in read:
+        cells = ["/".join(text(v) for v in pool.median_needed(s)) for s in STRATEGIES]
+        print(f"| {name} | {pool.full:.4f} | " + " | ".join(cells) + " |")
+    print("\n| pool | excess at 4 views | at 5 | at 6 | at 8 |\n|---|---|---|---|---|")
+    for name, pool in read:
+        cells = [
+            "/".join(f"{pool.excess_at(s, n):.1f}" for s in ("random", "mi", "predicted-error")) for n in (4, 5, 6, 8)
+        ]
+        print(f"| {name} | " + " | ".join(cells) + " |")
+    print("\n| pool | stops with views | predicted excess [%] | measured [%] | worst [%] |\n|---|---|---|---|---|")
+    for name, pool in read:
+        stops = pool.stops()
+        n, predicted, measured = ([s[i] for s in stops] for i in range(3))
+        print(
+            f"| {name} | {quantile(n, 0.5):g} ({min(n)} to {max(n)}) | {quantile(predicted, 0.5):.1f} "
+            f"| {quantile(measured, 0.5):.1f} | {max(measured):.1f} |"
+        )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program")
+    parser.add_argument("--session")
+    parser.add_argument("--shape")
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--only", default="*", help="pattern of pools")
+    parser.add_argument("--starts", type=int, default=20)
+    parser.add_argument("--candidates", type=int, default=200)
+    parser.add_argument("--views", type=int, default=40)
+    parser.add_argument("--table", action="store_true", help="only the tables, of what has been run")
+    options = parser.parse_args()
+    if not options.table:
+        run(options)
+    table(options)
+
+
+if __name__ == "__main__":
+    main()

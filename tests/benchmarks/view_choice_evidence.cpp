@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How good are few views, and which? Curves of held-out error over the number of views for
+// docs/counterfactuals.md; run by scripts/counterfactuals_evidence.py, which makes tables of them.
+//
+//   view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS
+//     MODEL radtan | equidistant; LOSS_PX of Cauchy's loss, 0: none; SHAPE flat or
+//     target_shape.yaml; CAMERAS both | cam0 | cam1; SPLIT 1s | 3s (blocks, every third held out) |
+//     interleaved (every third frame) | first-second | second-first (one half chosen from, the
+//     other held out)
+//
+// Prints "pool FRAMES HELD PX", then a line per start and strategy: "curve START STRATEGY n=px
+// ...", and per step of the predicted error "step START n sigma tau b E excess".
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/target_shape.h"
+#include "evaluate/replay/counterfactuals.h"
+#include "evaluate/replay/frames.h"
+#include "evaluate/replay/online_orders.h"
+#include "evaluate/replay/view_orders.h"
+#include "evaluate/replay/view_pool.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kStartViews = 3;
+constexpr int kHeldOut = 150;
+const int kCounts[] = {4,  5,  6,  7,  8,  9,  10, 12, 14, 16, 18,
+                       20, 23, 26, 30, 35, 40, 45, 50, 60, 70, 80};
+
+struct Asked {
+  std::string session, model, shape, cameras, split;
+  double cauchy_px;
+  int starts, candidates, views;
+};
+
+Session sessionOf(const Asked& asked) {
+  Session session = readSession(asked.session);
+  if (asked.shape != "flat") {
+    session.target.shape = readTargetShape(asked.shape, session.target);
+  }
+  if (asked.cameras != "both") {
+    std::erase_if(session.cameras,
+                  [&](const CameraStream& camera) { return camera.name != asked.cameras; });
+  }
+  return session;
+}
+
+FrameSplit splitOf(const Session& session, const std::string& how) {
+  FrameSplitOptions options;
+  if (how == "1s" || how == "3s") {
+    options.block_s = how == "1s" ? 1 : 3;
+    return splitFrames(session, options);
+  }
+  FrameSplit split;
+  const int frames = static_cast<int>(pairFrames(session.cameras).size());
+  for (int f = 0; f < frames; ++f) {
+    bool is_held_out = f % 3 == 2;
+    if (how == "first-second") is_held_out = f >= frames / 2;
+    if (how == "second-first") is_held_out = f < frames / 2;
+    (is_held_out ? split.held_out : split.pool).push_back(f);
+  }
+  return split;
+}
+
+std::string curveText(const ViewPool& pool, const std::vector<int>& order, int most) {
+  std::string text;
+  for (const int n : kCounts) {
+    if (n > most || n > static_cast<int>(order.size())) break;
+    const auto solution = pool.solve({order.begin(), order.begin() + n});
+    if (solution) text += fmt::format(" {}={:.5f}", n, pool.heldOutError(solution->estimate).px);
+  }
+  return text;
+}
+
+std::vector<int> picked(const std::vector<int>& from, const std::vector<int>& places) {
+  std::vector<int> out;
+  for (const int i : places) out.push_back(from[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+/// Most cells not yet covered next, after the views of the start.
+std::vector<int> coverageAfter(const ViewPool& pool, const std::vector<int>& candidates,
+                               const std::vector<int>& first) {
+  std::vector<Frame> frames;
+  for (const int f : candidates) frames.push_back(pool.frames()[static_cast<std::size_t>(f)]);
+  const auto cells = cellsSeen(pool.session(), frames);
+  std::vector<int> order = first;
+  for (const int f : picked(candidates, coverageOrder(cells))) {
+    if (std::find(first.begin(), first.end(), f) == first.end()) order.push_back(f);
+  }
+  return order;
+}
+
+void tellOnline(const ViewPool& pool, const std::vector<int>& candidates, ViewCriterion criterion,
+                int start, int most) {
+  OnlineOrderOptions options;
+  options.criterion = criterion;
+  options.most_views = most;
+  const std::vector<int> first(candidates.begin(), candidates.begin() + kStartViews);
+  const OnlineOrder found = onlineOrder(pool, candidates, first, options);
+  const bool is_error = criterion == ViewCriterion::kPredictedError;
+  fmt::print("curve {} {}{}\n", start, is_error ? "predicted-error" : "mi",
+             curveText(pool, found.order, most));
+  if (!is_error) return;
+  for (const OnlineStep& s : found.steps) {
+    fmt::print("step {} {} {:.4f} {:.4f} {:.4f} {:.6f} {:.5f}\n", start, s.views,
+               std::sqrt(s.components.sigma2), std::sqrt(s.components.tau2),
+               std::sqrt(s.components.b2), s.predicted_px2, s.excess);
+  }
+}
+
+int tell(const Asked& asked) {
+  const Session session = sessionOf(asked);
+  CameraStageOptions camera;
+  camera.cauchy_px = asked.cauchy_px;
+  camera.models.assign(
+      session.cameras.size(),
+      {ProjectionModel::kPinhole,
+       asked.model == "radtan" ? DistortionModel::kRadtan : DistortionModel::kEquidistant});
+  const auto pool = ViewPool::prepare(session, splitOf(session, asked.split), camera, kHeldOut);
+  if (!pool) {
+    fmt::print("failed\n");
+    return 1;
+  }
+  fmt::print("pool {} {} {:.5f}\n", pool->pool().size(), pool->heldOut().size(),
+             pool->heldOutError(pool->reference().estimate).px);
+  const int frames = static_cast<int>(pool->pool().size());
+  for (int start = 0; start < asked.starts; ++start) {
+    std::vector<int> candidates =
+        picked(pool->pool(), randomOrder(frames, 1000 + static_cast<std::uint64_t>(start)));
+    candidates.resize(static_cast<std::size_t>(std::min(frames, asked.candidates)));
+    const std::vector<int> first(candidates.begin(), candidates.begin() + kStartViews);
+    fmt::print("curve {} random{}\n", start, curveText(*pool, candidates, asked.views));
+    fmt::print("curve {} coverage{}\n", start,
+               curveText(*pool, coverageAfter(*pool, candidates, first), asked.views));
+    std::vector<int> recorded = candidates;
+    std::sort(recorded.begin(), recorded.end());
+    fmt::print("curve {} recorded{}\n", start, curveText(*pool, recorded, asked.views));
+    tellOnline(*pool, candidates, ViewCriterion::kMutualInformation, start, asked.views);
+    tellOnline(*pool, candidates, ViewCriterion::kPredictedError, start, asked.views);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace plumbline
+
+int main(int argc, char** argv) try {
+  if (argc != 10) {
+    std::fputs(
+        "view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS\n",
+        stderr);
+    return 2;
+  }
+  return plumbline::tell({argv[1], argv[2], argv[4], argv[5], argv[6], std::atof(argv[3]),
+                          std::atoi(argv[7]), std::atoi(argv[8]), std::atoi(argv[9])});
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 2;
+}

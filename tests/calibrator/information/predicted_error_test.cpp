@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/information/predicted_error.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kParameters = 6, kFunctions = 4, kRows = 120;
+
+/// Views of a linear model whose residuals hold noise, a field of each view's own, and a common
+/// one: random columns of parameters and fields, units orders of magnitude apart. Six more columns
+/// of each view's own, as of a pose, are eliminated.
+struct LinearViews {
+  std::vector<MatrixXd> J, F;
+  std::vector<ViewTerms> terms;
+
+  LinearViews(int views, double sigma, double tau, double b, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const auto draw = [&](Eigen::Index rows, Eigen::Index columns) {
+      return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
+    };
+    const VectorXd common = b * draw(kFunctions, 1);
+    for (int v = 0; v < views; ++v) {
+      const MatrixXd pose = draw(kRows, 6);
+      const MatrixXd rest = MatrixXd::Identity(kRows, kRows) -
+                            pose * (pose.transpose() * pose).inverse() * pose.transpose();
+      MatrixXd columns = rest * draw(kRows, kParameters);
+      for (int j = 1; j < kParameters; j += 2) columns.col(j) *= 1e-3;
+      J.push_back(columns);
+      F.push_back(rest * draw(kRows, kFunctions) + columns.col(0) * draw(1, kFunctions));
+      const VectorXd field = common + tau * draw(kFunctions, 1);
+      const VectorXd e = rest * (sigma * draw(kRows, 1)) + F.back() * field;
+      terms.push_back({J.back().transpose() * J.back(), J.back().transpose() * F.back(),
+                       F.back().transpose() * F.back(), F.back().transpose() * e, e.squaredNorm(),
+                       kRows / 2});
+    }
+  }
+};
+
+/// By inverses, as the equation is printed.
+double byInverses(const LinearViews& views, const LaterUse& use, const ErrorComponents& c) {
+  MatrixXd H = MatrixXd::Zero(kParameters, kParameters), G = H;
+  MatrixXd C = MatrixXd::Zero(kParameters, kFunctions);
+  for (const ViewTerms& v : views.terms) {
+    H += v.I;
+    C += v.C;
+    G += c.sigma2 * v.I + c.tau2 * v.C * v.C.transpose();
+  }
+  const MatrixXd Hi = H.inverse();
+  const MatrixXd root = use.H.llt().matrixL().transpose();
+  const MatrixXd A = use.H.inverse() * use.C;
+  return (use.H * Hi * G * Hi).trace() + c.b2 * (root * (Hi * C - A)).squaredNorm();
+}
+
+TEST(PredictedError, HandValueOfOneParameter) {
+  // H = 4, C = 2, tau^2 C_v^2 = 0.5 * 4; H_T = 2, C_T = 3, so A_T = 1.5 and H^-1 C = 0.5:
+  // E = 2 (0.25 * 4 + 0.5 * 4) / 16 + 0.1 * 2 * 1 = 0.375 + 0.2.
+  const auto one = [](double x) { return MatrixXd(MatrixXd::Constant(1, 1, x)); };
+  const LaterUse use{one(2), one(3), one(9), 1};
+  PredictedError error(use, {0.25, 0.5, 0.1, 1, true});
+  const ViewTerms view{one(4), one(2), {}, {}, 0, 1};
+  EXPECT_NEAR(error.valueWith(view), 0.575, 1e-5);
+  error.add(view);
+  EXPECT_NEAR(error.value(), 0.575, 1e-5);  // what is known before counts a millionth
+}
+
+TEST(PredictedError, IsWhatTheEquationSaysOfManyViews) {
+  const LinearViews views(7, 0.3, 0.2, 0.1, 1);
+  const LaterUse use = laterUse(LinearViews(9, 0, 0, 0, 2).terms);
+  const ErrorComponents c{0.09, 0.04, 0.01, 1, true};
+  PredictedError error(use, c);
+  for (std::size_t v = 0; v + 1 < views.terms.size(); ++v) error.add(views.terms[v]);
+  const double expected = byInverses(views, use, c);
+  EXPECT_NEAR(error.valueWith(views.terms.back()), expected, 1e-6 * expected);
+  error.add(views.terms.back());
+  EXPECT_NEAR(error.value(), expected, 1e-6 * expected);
+}
+
+TEST(PredictedError, WithoutMisfitItIsTheVarianceInLaterUse) {
+  const LinearViews views(5, 0.3, 0, 0, 3);
+  const LaterUse use = laterUse(views.terms);
+  PredictedError error(use, {0.09, 0, 0, 1, true});
+  for (const ViewTerms& v : views.terms) error.add(v);
+  // Used as it was made: sigma^2 n over the corners.
+  EXPECT_NEAR(error.value(), 0.09 * kParameters / (5 * kRows / 2), 1e-7);
+}
+
+/// The equation is an expectation: averaged over draws of noise and fields, least squares on the
+/// views misses later use by so much.
+TEST(PredictedError, IsTheMeanExcessOfLeastSquaresOverDraws) {
+  constexpr double kSigma = 0.3, kTau = 0.2, kB = 0.15;
+  const LinearViews used(6, 0, 0, 0, 4), later(8, 0, 0, 0, 5);
+  const LaterUse use = laterUse(later.terms);
+  MatrixXd H = MatrixXd::Zero(kParameters, kParameters);
+  for (const ViewTerms& v : used.terms) H += v.I;
+  const Eigen::LLT<MatrixXd> llt(H);
+  const MatrixXd A_T = use.H.ldlt().solve(use.C);
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  const auto draw = [&](int n) {
+    return VectorXd(VectorXd::NullaryExpr(n, [&] { return normal(random); }));
+  };
+  constexpr int kDraws = 4000;
+  double excess = 0;
+  for (int d = 0; d < kDraws; ++d) {
+    const VectorXd common = kB * draw(kFunctions);
+    VectorXd g = VectorXd::Zero(kParameters);
+    for (std::size_t v = 0; v < used.J.size(); ++v) {
+      const VectorXd e = kSigma * draw(kRows) + used.F[v] * (common + kTau * draw(kFunctions));
+      g += used.J[v].transpose() * e;
+    }
+    // The best that parameters can do in later use under the common field is A_T common.
+    const VectorXd miss = llt.solve(g) - A_T * common;
+    excess += miss.dot(use.H * miss) / kDraws;
+  }
+  PredictedError error(use, {kSigma * kSigma, kTau * kTau, kB * kB, 1, true});
+  for (const ViewTerms& v : used.terms) error.add(v);
+  // A mean of 4000 draws of a quadratic form: its deviation is about 2 %.
+  EXPECT_NEAR(error.value() / excess, 1, 0.08);
+}
+
+TEST(ErrorComponents, AreFoundFromTheResiduals) {
+  double sigma2 = 0, tau2 = 0, b2 = 0;
+  constexpr int kDraws = 40;
+  for (int d = 0; d < kDraws; ++d) {
+    const auto found = errorComponents(LinearViews(40, 0.3, 0.1, 0.08, 100 + d).terms);
+    EXPECT_TRUE(found.told_apart);
+    sigma2 += found.sigma2 / kDraws;
+    tau2 += found.tau2 / kDraws;
+    b2 += found.b2 / kDraws;
+  }
+  // The ridge and the parameters' share leave a few per cent. The common field is one draw of four
+  // numbers each time: 40 draws know its mean square to 1.5 / sqrt(160) = 11 %.
+  EXPECT_NEAR(sigma2 / 0.09, 1, 0.15);
+  EXPECT_NEAR(tau2 / 0.01, 1, 0.15);
+  EXPECT_NEAR(b2 / 0.0064, 1, 0.35);
+}
+
+TEST(ErrorComponents, ExactDataHaveNoMisfit) {
+  double misfit = 0;
+  for (int d = 0; d < 20; ++d) {
+    const auto found = errorComponents(LinearViews(20, 0.3, 0, 0, 200 + d).terms);
+    EXPECT_NEAR(found.sigma2 / 0.09, 1, 0.15);
+    misfit = std::max(misfit, found.tau2 + found.b2);
+  }
+  // Of the moments' own noise: sigma^2 over sqrt of views times rows of a function.
+  EXPECT_LT(misfit, 0.05 * 0.09);
+}
+
+TEST(ErrorComponents, OneViewCannotTellACommonFieldFromItsOwn) {
+  const auto found = errorComponents(LinearViews(1, 0.1, 0.5, 0.5, 7).terms);
+  EXPECT_FALSE(found.told_apart);
+  EXPECT_EQ(found.b2, found.tau2);
+  EXPECT_GT(found.b2, 0);
+}
+
+TEST(ErrorComponents, GuardsKeepTheMisfitBelowTheNoise) {
+  const ErrorComponents raised = guarded({1, 0.001, 0.002, 2, true});
+  EXPECT_DOUBLE_EQ(raised.tau2, 0.016);
+  EXPECT_DOUBLE_EQ(raised.b2, 0.032);
+  const ErrorComponents cut = guarded({1, 1, 1, 2, true});
+  EXPECT_DOUBLE_EQ(cut.tau2, 1.0 / 9);
+  EXPECT_DOUBLE_EQ(cut.b2, 0.45);
+  EXPECT_NEAR(relativeExcess(0.42, {0, 0, 0, 2, true}), 0.1, 1e-15);
+}
+
+TEST(StrongestFields, AreThoseThatParametersCannotTake) {
+  LinearViews views(5, 0, 0, 0, 8);
+  // The first function becomes a column of the parameters: nothing of it is left.
+  for (std::size_t v = 0; v < views.terms.size(); ++v) {
+    views.F[v].col(0) = views.J[v].col(0);
+    views.terms[v].C = views.J[v].transpose() * views.F[v];
+    views.terms[v].D = views.F[v].transpose() * views.F[v];
+  }
+  const auto fields = strongestFields(laterUse(views.terms), kFunctions - 1);
+  ASSERT_TRUE(fields);
+  ASSERT_EQ(fields->cols(), kFunctions - 1);
+  const VectorXd absorbed = VectorXd::Unit(kFunctions, 0);
+  EXPECT_LT((fields->transpose() * absorbed).norm(), 1e-6);
+  EXPECT_LT((fields->transpose() * *fields - MatrixXd::Identity(3, 3)).norm(), 1e-12);
+}
+
+TEST(StrongestFields, NothingWhereLaterUseLeavesParametersFree) {
+  LinearViews views(3, 0, 0, 0, 9);
+  for (ViewTerms& v : views.terms) {
+    v.I.row(2).setZero();
+    v.I.col(2).setZero();
+  }
+  EXPECT_FALSE(strongestFields(laterUse(views.terms)));
+  EXPECT_FALSE(strongestFields(LaterUse{}));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The columns of a misfit field in a view's Gram matrix, against sums over corners with dense rows.
+#include "calibrator/residuals/field_gram.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/camera/camera.h"
+#include "tests/calibrator/camera/example_cameras.h"
+#include "tests/calibrator/residuals/example_view.h"
+
+namespace plumbline {
+namespace {
+
+const FieldBox kBox{{376, 240}, {376, 240}};
+
+/// Rows (twist 6, intrinsics 8, fields 42, error) of every corner, squared up.
+Eigen::MatrixXd denseSums(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                          double cauchy_px) {
+  constexpr int kColumns = 14 + kFieldColumns + 1;
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kColumns, kColumns);
+  for (int i = 0; i < view.count; ++i) {
+    const Eigen::Vector3d p_C = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
+    const Projection projection = projectWithJacobians(camera, p_C).value();
+    const Eigen::Vector2d uv(view.u[i], view.v[i]);
+    const Eigen::Vector2d e = projection.uv - uv;
+    const auto f = fieldFunctions(kBox, uv);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(2, kColumns);
+    J.leftCols(14) << projection.J_point, -projection.J_point * skew(p_C), projection.J_intrinsics;
+    J.block<1, kFieldFunctions>(0, 14) = f.transpose();
+    J.block<1, kFieldFunctions>(1, 14 + kFieldFunctions) = f.transpose();
+    J.rightCols<1>() = e;
+    const double slope = cauchy_px > 0 ? 1 / (1 + e.squaredNorm() / (cauchy_px * cauchy_px)) : 1;
+    sums += view.w[i] * view.w[i] * slope * J.transpose() * J;
+  }
+  return sums;
+}
+
+class FieldGramOf : public ::testing::TestWithParam<double> {};
+
+TEST_P(FieldGramOf, IsTheSumOverCorners) {
+  for (const Intrinsics& camera : {testing::radtanCamera(), testing::equidistantCamera()}) {
+    const AprilGrid target;
+    const Transform T_CF = testing::examplePose();
+    const PackedCorners packed(target, {testing::noisyView(target, camera, T_CF, 109, 0.7, 3)});
+    const PackedView view = packed.view(0);
+    const FieldGram g = fieldGram(camera, T_CF, view, kBox, FieldSquares::kKeep, {GetParam(), 0});
+    const Eigen::MatrixXd dense = denseSums(camera, T_CF, view, GetParam());
+    const double scale = 1e-10 * dense.cwiseAbs().maxCoeff();
+    EXPECT_LT((g.H - dense.topLeftCorner<6, 6>()).norm(), scale);
+    EXPECT_LT((g.H_k - dense.block<8, 8>(6, 6)).norm(), scale);
+    EXPECT_LT((g.H_pose_k - dense.block<6, 8>(0, 6)).norm(), scale);
+    EXPECT_LT((g.H_pose_f - dense.block<6, kFieldColumns>(0, 14)).norm(), scale);
+    EXPECT_LT((g.H_k_f - dense.block<8, kFieldColumns>(6, 14)).norm(), scale);
+    EXPECT_LT((g.b_f - dense.block<kFieldColumns, 1>(14, 14 + kFieldColumns)).norm(), 1e-8);
+    EXPECT_LT((g.b - dense.block<6, 1>(0, 14 + kFieldColumns)).norm(), scale);
+    const auto H_u = dense.block<kFieldFunctions, kFieldFunctions>(14, 14);
+    const auto H_v = dense.block<kFieldFunctions, kFieldFunctions>(35, 35);
+    EXPECT_LT((g.H_f - H_u).norm(), 1e-9);
+    EXPECT_LT((g.H_f - H_v).norm(), 1e-9);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Losses, FieldGramOf, ::testing::Values(0.0, 1.0));
+
+TEST(FieldGram, ThePoseAndIntrinsicsAreThoseOfTheView) {
+  const Intrinsics camera = testing::radtanCamera();
+  const AprilGrid target;
+  const Transform T_CF = testing::examplePose();
+  const PackedCorners packed(target, {testing::noisyView(target, camera, T_CF, 144, 0.3, 5)});
+  for (const double cauchy_px : {0.0, 1.5}) {
+    const FieldGram g =
+        fieldGram(camera, T_CF, packed.view(0), kBox, FieldSquares::kDrop, {cauchy_px, 0});
+    const ViewGram view = viewGram(camera, T_CF, packed.view(0), {cauchy_px, 0});
+    EXPECT_LT((g.H_k - view.H_k).norm(), 1e-10 * view.H_k.norm());
+    EXPECT_LT((g.H_pose_k - view.H_pose_k).norm(), 1e-10 * view.H_k.norm());
+    EXPECT_NEAR(g.squared_error, view.squared_error, 1e-9);
+    EXPECT_EQ(g.H_f.norm(), 0);
+  }
+}
+
+TEST(FieldFunctions, AreOrthonormalOverTheBox) {
+  constexpr int kSide = 120;
+  Eigen::Matrix<double, kFieldFunctions, kFieldFunctions> mean;
+  mean.setZero();
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const Eigen::Vector2d uv(752 * (i + 0.5) / kSide, 480 * (j + 0.5) / kSide);
+      const auto f = fieldFunctions(kBox, uv);
+      mean += f * f.transpose() / (kSide * kSide);
+    }
+  }
+  // The midpoint rule is off by the square of its step.
+  EXPECT_LT((mean - mean.Identity()).cwiseAbs().maxCoeff(), 2e-2);
+}
+
+TEST(FieldFunctions, KeepTheirEdgeValuesBeyondTheBox) {
+  const FieldBox small{{300, 200}, {100, 80}};
+  EXPECT_EQ(fieldFunctions(small, {700, 200}), fieldFunctions(small, {400, 200}));
+  EXPECT_EQ(fieldFunctions(small, {-50, 500}), fieldFunctions(small, {200, 280}));
+  // P_1 = x, times sqrt(3): the second function by y, the seventh by x.
+  EXPECT_NEAR(fieldFunctions(small, {350, 200})[6], 0.5 * std::sqrt(3), 1e-12);
+  EXPECT_NEAR(fieldFunctions(small, {300, 240})[1], 0.5 * std::sqrt(3), 1e-12);
+}
+
+}  // namespace
+}  // namespace plumbline
