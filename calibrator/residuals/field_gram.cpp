@@ -65,7 +65,7 @@ struct FieldSums {
   gram::Sums<W, S> view;
   /// Per row: (shared, e, m, 1) x functions.
   Lanes<W> fields[2][S + 3][kFieldFunctions] = {};
-  Lanes<W> squares[kFieldFunctions][kFieldFunctions] = {};
+  Lanes<W> squares[kFieldFunctions][kFieldFunctions];  // only where they are kept
 };
 
 /// Rows kRow .. kEnd - 1 of the left factor against all functions.
@@ -107,6 +107,9 @@ template <int W, class Model, bool kRobust>
   alignas(64) double left[(S + 3) * kStride];
   alignas(64) double functions[kFieldFunctions * kStride];
   FieldSums<W, S> sums;
+  if (f.squares) {
+    for (auto& row : sums.squares) std::fill(std::begin(row), std::end(row), Lanes<W>{});
+  }
   Lanes<W> invalid = {};
   for (int first = 0; first < in.view.padded; first += kChunk) {
     const int n = std::min(in.view.padded - first, kChunk);
@@ -146,6 +149,10 @@ template <int W, int kShape, int S>
       out.H_k_f(2 + row, column) = gram::sumOf<W>(sums.fields[row][S + gram::kOne][f]);
     }
   }
+}
+
+template <int W, int S>
+[[gnu::always_inline]] inline void writeSquares(const FieldSums<W, S>& sums, FieldGram& out) {
   for (int i = 0; i < kFieldFunctions; ++i) {
     for (int j = 0; j < kFieldFunctions; ++j) {
       out.H_f(i, j) = gram::sumOf<W>(sums.squares[i][j]);
@@ -160,6 +167,11 @@ template <int W, class Model, bool kRobust>
   gram::writePose<W>(sums.view, out);
   gram::writeIntrinsics<W, Model::kShape>(sums.view, out);
   writeFields<W, Model::kShape>(sums, out);
+  if (f.squares) {
+    writeSquares<W>(sums, out);
+  } else {
+    out.H_f.setZero();
+  }
 }
 
 // Only these functions carry the instruction set.

@@ -45,6 +45,14 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
       s.full_batch->entropy_nats, bitsFromNats(s.full_batch->entropy_nats));
 }
 
+void addExcess(Text& text, const StopAudit& audit) {
+  if (!audit.predicted_excess || !audit.measured_excess) return;
+  add(text,
+      "  the views kept add {:.1f} % to the error of a corner as predicted, {:.1f} % as "
+      "measured\n",
+      100 * *audit.predicted_excess, 100 * *audit.measured_excess);
+}
+
 void addCounterfactuals(Text& text, const Counterfactuals& c) {
   if (!c.problem.empty()) add(text, "other choices of views: {}\n", c.problem);
   if (c.bands.empty()) return;
@@ -62,7 +70,13 @@ void addCounterfactuals(Text& text, const Counterfactuals& c) {
 
 std::string replaySummary(const ReplayRecord& record) {
   Text text;
-  for (const ReplayStageSummary& stage : record.stages) addStage(text, record, stage);
+  if (!record.target.shape.isFlat()) add(text, "board: its own shape is known and used\n");
+  for (const ReplayStageSummary& stage : record.stages) {
+    addStage(text, record, stage);
+    for (const StopAudit& audit : record.stop_audits) {
+      if (audit.stage == stage.stage) addExcess(text, audit);
+    }
+  }
   if (record.counterfactuals) addCounterfactuals(text, *record.counterfactuals);
   if (record.compliance) {
     add(text, "operator: reached {} of {} suggestions, median {:.1f} s\n",

@@ -113,7 +113,10 @@ class ViewTermsMaker::Sum {
     const MisfitField& field = maker_.field_;
     if (field.columns.size() > 0) {
       const auto R = field.ofCamera(c);
-      place(c, g, A, e, 0, g.H_pose_f * R, g.H_k_f * R);
+      Eigen::MatrixXd rows(6 + g.H_k_f.rows(), kFieldColumns);
+      rows << g.H_pose_f, g.H_k_f;
+      const Eigen::MatrixXd combined = rows * R;
+      place(c, g, A, e, 0, combined.topRows<6>(), combined.bottomRows(g.H_k_f.rows()));
       if (squares_) addSquares(g, R);
       return;
     }

@@ -27,7 +27,7 @@
 
   const errorText = (f) => {
     const {error, excess} = data.table;
-    return known(error[f]) ? `${error[f].toFixed(4)} px, raises a corner's by ${(100 * excess[f]).toFixed(1)} %` : NONE;
+    return known(error[f]) ? `${error[f].toFixed(4)} px (+${(100 * excess[f]).toFixed(1)} %)` : NONE;
   };
 
   /** Why a frame was kept or not, in a sentence. */

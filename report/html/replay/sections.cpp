@@ -181,6 +181,10 @@ Section replayStagesSection(const ReplayRecord& record) {
       "that the rest of the recording would have added.",
       {},
       {}};
+  if (!record.target.shape.isFlat()) {
+    section.remarks.push_back(
+        "The board's own shape is known and used: what it would do to the error is no misfit.");
+  }
   for (const ReplayStageSummary& s : record.stages) {
     if (!s.problem.empty()) section.remarks.push_back(titleOf(s.stage) + ": " + s.problem);
   }

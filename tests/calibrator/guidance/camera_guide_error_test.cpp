@@ -112,7 +112,7 @@ TEST(CameraGuideByError, AFrameOfSeveralPixelsDoesNotEnter) {
 TEST(CameraGuideByError, SuggestsTheCandidateThatLeavesLeast) {
   const LiveRig rig("euroc", 8, kSigma);
   GuideOptions options = byError(LaterUseKind::kImage);
-  options.views.stop_views = 30;
+  options.views.stop_excess = 1e-6;
   CameraGuide guide(rig.guideRig(), options);
   int rounds = 0;
   for (const Decision& d : testing::playGuided(guide, rig, 300)) {

@@ -69,9 +69,10 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   Decision d = decided();
   d.event = SuggestionEvent::kOpened;
   d.suggestion = 3;
-  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, 0.5};
+  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, 0.5, 0.25};
   d.opened->T_FC0.t = {1, 2, 3};
-  d.round = CandidateRound{d.t, d.t + 40'000'000, {"a", "b"}, {{}, {}}, {0.5, std::nan("")}, 0};
+  d.round = CandidateRound{
+      d.t, d.t + 40'000'000, {"a", "b"}, {{}, {}}, {0.5, std::nan("")}, {0.25, std::nan("")}, 0};
   const json read = json::parse(decisionLine(d));
   EXPECT_EQ(read["event"], "opened");
   EXPECT_EQ(read["opened"]["T_FC0"][0], json({1.0, 0.0, 0.0, 1.0}));
@@ -79,6 +80,10 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   EXPECT_EQ(read["round"]["answered_ns"].get<TimeNs>() - read["round"]["asked_ns"].get<TimeNs>(),
             40'000'000);
   EXPECT_TRUE(read["round"]["mi_bits"][1].is_null());
+  EXPECT_EQ(read["round"]["error_px"][0], 0.25);
+  EXPECT_TRUE(read["round"]["error_px"][1].is_null());
+  EXPECT_EQ(read["opened"]["error_px"], 0.25);
+  EXPECT_TRUE(read["error_px"].is_null());
 }
 
 }  // namespace
