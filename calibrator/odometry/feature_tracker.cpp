@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/odometry/feature_tracker.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "calibrator/base/option_check.h"
+#include "calibrator/camera/camera.h"
+
+namespace plumbline {
+
+void FeatureTrackerOptions::check() const {
+  requireOption(levels >= 1 && levels <= 8, "levels", levels, "1 to 8");
+  requirePositive("epipolar_px", epipolar_px);
+  requireOption(ransac_rounds >= 1, "ransac_rounds", ransac_rounds, "1 or more");
+  requirePositive("nearest_m", nearest_m);
+  corners.check();
+  patch.check();
+}
+
+FeatureTracker::FeatureTracker(RigModel rig, FeatureTrackerOptions options)
+    : rig_(std::move(rig)), options_(options) {
+  options_.check();
+}
+
+FrameTracks FeatureTracker::track(TimeNs t, std::span<const GrayImageView> images,
+                                  const Eigen::Matrix3d& R_before_now) {
+  now_.clear();
+  for (const GrayImageView& image : images) {
+    now_.push_back(image.empty() ? ImagePyramid() : ImagePyramid(image, options_.levels));
+  }
+  if (!before_.empty()) follow(R_before_now);
+  addCorners();
+  FrameTracks out;
+  out.t = t;
+  for (const Feature& f : features_) out.points.push_back({f.id, 0, f.at.cast<double>()});
+  for (std::size_t c = 1; c < now_.size(); ++c) {
+    if (!now_[c].empty()) matchInto(c, out);
+  }
+  before_ = std::move(now_);
+  return out;
+}
+
+void FeatureTracker::follow(const Eigen::Matrix3d& R_before_now) {
+  const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
+  const Eigen::Matrix3d R_now_before = (R_SC.transpose() * R_before_now * R_SC).transpose();
+  std::vector<Feature> moved;
+  std::vector<Eigen::Vector3d> before;
+  for (const Feature& f : features_) {
+    const auto guess = project(rig_.cameras[0], R_now_before * f.ray);
+    if (!guess) continue;
+    const auto place = trackThereAndBack(before_[0], now_[0], f.at, guess->cast<float>(),
+                                         options_.levels, options_.patch);
+    const auto ray = place ? unproject(rig_.cameras[0], place->cast<double>()) : std::nullopt;
+    if (!ray) continue;
+    moved.push_back({f.id, *place, *ray, f.inverse_depth});
+    before.push_back(f.ray);
+  }
+  keepOneMotion(moved, before, R_now_before);
+  features_ = std::move(moved);
+}
+
+/// A point moves in the plane of its turned ray and the camera's translation: its normal
+/// n = f_now x R f_before is normal to the translation, which two tracks give.
+void FeatureTracker::keepOneMotion(std::vector<Feature>& moved,
+                                   const std::vector<Eigen::Vector3d>& before,
+                                   const Eigen::Matrix3d& R_now_before) const {
+  const std::size_t n = moved.size();
+  if (n < 8) return;
+  const double focal = rig_.cameras[0].projection.tail(4)[0];
+  const double limit = options_.epipolar_px / focal;
+  std::vector<Eigen::Vector3d> normals(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    normals[i] = moved[i].ray.cross(R_now_before * before[i]);
+  }
+  std::mt19937_64 random(n);
+  std::vector<char> best(n, 0);
+  std::size_t most = 0;
+  for (int round = 0; round < options_.ransac_rounds; ++round) {
+    const Eigen::Vector3d axis = normals[random() % n].cross(normals[random() % n]);
+    if (axis.norm() < 1e-12) continue;
+    const Eigen::Vector3d direction = axis.normalized();
+    std::vector<char> fits(n, 0);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      // n is the ray's displacement turned by 90 degrees: along the direction it is what leaves the
+      // epipolar plane, [rad] for rays across the direction.
+      const double across = direction.cross(moved[i].ray).norm();
+      fits[i] = std::abs(normals[i].dot(direction)) < limit * std::max(across, 0.05);
+      count += fits[i] != 0;
+    }
+    if (count > most) most = count, best = std::move(fits);
+  }
+  if (most < 6) return;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (best[i] != 0) moved[kept++] = moved[i];
+  }
+  moved.resize(kept);
+}
+
+void FeatureTracker::addCorners() {
+  std::vector<Eigen::Vector2f> taken;
+  for (const Feature& f : features_) taken.push_back(f.at);
+  for (const Eigen::Vector2f& at : pickCorners(now_[0].level(0), taken, options_.corners)) {
+    const auto ray = unproject(rig_.cameras[0], at.cast<double>());
+    if (ray) features_.push_back({next_id_++, at, *ray, 0});
+  }
+}
+
+void FeatureTracker::matchInto(std::size_t camera, FrameTracks& out) {
+  const Transform T_C0 = rig_.T_SC[camera].inverse() * rig_.T_SC[0];  // camera 0 in this one
+  const double focal = rig_.cameras[camera].projection.tail(4)[0];
+  for (Feature& f : features_) {
+    const auto guess = project(rig_.cameras[camera],
+                               T_C0.R * f.ray + f.inverse_depth * T_C0.t);
+    if (!guess) continue;
+    const auto place = trackThereAndBack(now_[0], now_[camera], f.at, guess->cast<float>(),
+                                         options_.levels, options_.patch);
+    const auto ray =
+        place ? unproject(rig_.cameras[camera], place->cast<double>()) : std::nullopt;
+    if (!ray) continue;
+    const Eigen::Vector3d turned = T_C0.R * f.ray;
+    const Eigen::Vector3d normal = turned.cross(T_C0.t).normalized();
+    if (!(std::abs(ray->dot(normal)) < options_.epipolar_px / focal)) continue;
+    // turned + rho t is along ray:  rho = (turned x ray) . (ray x t) / |ray x t|^2.
+    const Eigen::Vector3d across = ray->cross(T_C0.t);
+    const double rho = turned.cross(*ray).dot(across) / across.squaredNorm();
+    const double noise = options_.epipolar_px / focal / T_C0.t.norm();
+    if (!(rho > -noise && rho < 1 / options_.nearest_m)) continue;
+    f.inverse_depth = std::max(rho, 0.0);
+    out.points.push_back({f.id, static_cast<int>(camera), place->cast<double>()});
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <utility>
+
+#include "calibrator/linear/dense.h"
+#include "calibrator/odometry/window_problem.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kState = 15;
+
+/// The part of the window that leaves: all its frames, the links beside `leaving`, the landmarks
+/// that go, the prior.
+Window leavingPart(const Window& window, int leaving, const std::set<std::int64_t>& landmarks) {
+  Window part;
+  part.frames = window.frames;
+  part.prior = window.prior;
+  for (int i = 0; i < static_cast<int>(part.frames.size()); ++i) {
+    WindowFrame& frame = part.frames[static_cast<std::size_t>(i)];
+    if (i != leaving && i != leaving - 1) frame.link.reset();
+    if (i != leaving) frame.still = false;
+  }
+  for (const std::int64_t id : landmarks) {
+    const auto landmark = window.landmarks.find(id);
+    if (landmark != window.landmarks.end()) part.landmarks.insert(*landmark);
+  }
+  return part;
+}
+
+/// Which frames have terms in `part`.
+std::vector<int> framesOf(const Window& part, int leaving) {
+  std::set<int> frames{leaving};
+  for (const std::int64_t serial : part.prior.frames) frames.insert(part.indexOf(serial));
+  for (std::size_t i = 0; i + 1 < part.frames.size(); ++i) {
+    if (!part.frames[i].link) continue;
+    frames.insert(static_cast<int>(i));
+    frames.insert(static_cast<int>(i) + 1);
+  }
+  for (const auto& [id, landmark] : part.landmarks) {
+    if (!isUsed(landmark)) continue;
+    for (const LandmarkSighting& s : landmark.sightings) frames.insert(part.indexOf(s.frame));
+  }
+  return {frames.begin(), frames.end()};
+}
+
+void dropFrame(Window& window, int leaving) {
+  const std::int64_t serial = window.frames[static_cast<std::size_t>(leaving)].serial;
+  window.frames.erase(window.frames.begin() + leaving);
+  if (leaving > 0) window.frames[static_cast<std::size_t>(leaving) - 1].link.reset();
+  for (auto& [id, landmark] : window.landmarks) {
+    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) { return s.frame == serial; });
+  }
+  std::erase_if(window.landmarks, [](const auto& l) { return l.second.sightings.empty(); });
+}
+
+}  // namespace
+
+void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::int64_t>& landmarks,
+                      const RigModel& rig, const WindowModel& model) {
+  const int leaving = window.indexOf(serial);
+  Window part = leavingPart(window, leaving, landmarks);
+  const std::vector<int> frames = framesOf(part, leaving);
+  const QuadraticCost all = WindowProblem(part, rig, model).reduced();
+
+  std::vector<int> used, keep;
+  WindowPrior prior;
+  for (const int frame : frames) {
+    for (int k = 0; k < kState; ++k) {
+      if (frame != leaving) keep.push_back(static_cast<int>(used.size()));
+      used.push_back(kState * frame + k);
+    }
+    if (frame == leaving) continue;
+    WindowFrame& kept = window.frames[static_cast<std::size_t>(frame)];
+    if (!kept.first_estimate) kept.first_estimate = kept.state;
+    prior.frames.push_back(kept.serial);
+    prior.points.push_back(*kept.first_estimate);
+  }
+  QuadraticCost cost{all.H(used, used), all.b(used), 0};
+  // What the states alone cannot tell (a velocity without a link) must not stop the elimination.
+  cost.H.diagonal().array() += 1e-6;
+  const auto remaining = marginalised(cost, keep);
+  for (const std::int64_t id : landmarks) window.landmarks.erase(id);
+  dropFrame(window, leaving);
+  if (!remaining) {
+    window.prior = {};
+    return;
+  }
+  prior.cost = *remaining;
+  // The gradient belongs to where the states are; the prior's point is their first estimate.
+  Eigen::VectorXd d(static_cast<Eigen::Index>(keep.size()));
+  for (std::size_t i = 0; i < prior.frames.size(); ++i) {
+    const int frame = window.indexOf(prior.frames[i]);
+    d.segment<kState>(kState * static_cast<Eigen::Index>(i)) =
+        boxminus(window.frames[static_cast<std::size_t>(frame)].state, prior.points[i]);
+  }
+  prior.cost.b -= prior.cost.H * d;
+  window.prior = std::move(prior);
+}
+
+}  // namespace plumbline

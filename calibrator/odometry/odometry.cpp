@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/odometry/odometry.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kState = 15;
+constexpr std::size_t kFewTracks = 6;  // fewer do not carry a pose
+constexpr double kFastest = 50;        // [m/s]
+constexpr double kLargestGyroBias = 1, kLargestAccelBias = 5;  // [rad/s], [m/s^2]
+constexpr double kRelinkGyro = 2e-3, kRelinkAccel = 0.05;  // change of bias after which a link is
+                                                           // integrated anew
+constexpr double kGaugeSigma = 1e-4;  // [m], [rad] of the first frame's position and yaw
+constexpr double kMostWaitingSpans = 2;  // frames kept for a start, in start_span_s
+
+ImuBias biasOf(const ImuState& state) { return {state.gyro_bias, state.accel_bias}; }
+
+}  // namespace
+
+void OdometryOptions::check() const {
+  requirePositive("pixel_sigma", pixel_sigma);
+  requireOption(keyframes >= 2, "keyframes", keyframes, "2 or more");
+  requireOption(recent_frames >= 2, "recent_frames", recent_frames, "2 or more");
+  requirePositive("keyframe_parallax_px", keyframe_parallax_px);
+  requireWithin(0, 1, "keyframe_share", keyframe_share);
+  requirePositive("keyframe_interval_s", keyframe_interval_s);
+  requirePositive("start_span_s", start_span_s);
+  requireOption(iterations >= 1, "iterations", iterations, "1 or more");
+  requirePositive("gate", gate);
+  requirePositive("still_px", still_px);
+  requirePositive("still_span_s", still_span_s);
+  requirePositive("max_imu_gap_s", max_imu_gap_s);
+  requirePositive("max_blind_s", max_blind_s);
+  start.check();
+}
+
+Odometry::Odometry(RigModel rig, std::span<const ImuSample> samples, OdometryOptions options)
+    : rig_(std::move(rig)), samples_(samples), options_(std::move(options)) {
+  options_.check();
+}
+
+Eigen::Matrix3d Odometry::expectedRotation(TimeNs from, TimeNs to) const {
+  const auto motion = preintegrate(samples_, {from, to, rig_.time_offset_s}, last_bias_);
+  return motion ? motion->R : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+}
+
+void Odometry::step(const FrameTracks& frame) {
+  ++result_.frames;
+  latest_.push_back(frame);
+  const auto isOld = [&](const FrameTracks& f) {
+    return secondsBetween(f.t, frame.t) > options_.still_span_s;
+  };
+  while (latest_.size() > 2 && isOld(latest_[1])) latest_.pop_front();
+  if (!isRunning()) return begin(frame);
+  if (!append(frame)) return begin(frame);
+  placeLandmarks();
+  optimise(options_.iterations);
+  gate();
+  if (hasDiverged()) {
+    result_.poses.pop_back();
+    lose(frame.t, OdometryLoss::kDiverged);
+    return begin(frame);
+  }
+  remember();
+  shrink();
+}
+
+void Odometry::lose(TimeNs t, OdometryLoss cause) {
+  result_.losses.push_back({t, cause});
+  if (!result_.poses.empty()) resume_ = result_.poses.back().state.T_FS;
+  window_ = {};
+  pose_of_.clear();
+  keyframe_rays_.clear();
+  waiting_.clear();
+}
+
+void Odometry::begin(const FrameTracks& frame) {
+  waiting_.push_back(frame);
+  const double span = secondsBetween(waiting_.front().t, frame.t);
+  if (span < options_.start_span_s) return;
+  std::vector<StartFrame> frames;
+  for (const FrameTracks& f : waiting_) {
+    StartFrame s{f.t, {}};
+    for (const TrackPoint& p : f.points) {
+      const auto seen = rig_.sighting(p.camera, p.uv, options_.pixel_sigma);
+      if (seen) s.seen.emplace_back(p.id, *seen);
+    }
+    frames.push_back(std::move(s));
+  }
+  StartOptions options = options_.start;
+  if (stands()) options.velocity_sigma = options_.model.still_sigma_m_s;
+  const auto start = startEstimate(frames, samples_, rig_, options);
+  if (start) return fillFrom(*start);
+  const auto excess = [&] {
+    return secondsBetween(waiting_.front().t, frame.t) > kMostWaitingSpans * options_.start_span_s;
+  };
+  while (excess()) waiting_.erase(waiting_.begin());
+}
+
+/// The window's first frames: evenly chosen among those that waited, the newest ones whole.
+void Odometry::fillFrom(const StartEstimate& start) {
+  const Transform T_resume(
+      Eigen::Matrix3d(Eigen::AngleAxisd(std::atan2(resume_.R(1, 0), resume_.R(0, 0)),
+                                        Eigen::Vector3d::UnitZ())
+                          .toRotationMatrix()),
+      resume_.t);
+  const std::size_t n = waiting_.size();
+  const auto keep = static_cast<std::size_t>(options_.keyframes);
+  const std::size_t stride = std::max<std::size_t>(1, (n + keep - 1) / keep);
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = n; k-- > 0;) {
+    if ((n - 1 - k) % stride == 0) chosen.insert(chosen.begin(), k);
+  }
+  for (const std::size_t k : chosen) {
+    WindowFrame frame;
+    frame.serial = next_serial_++;
+    frame.t = waiting_[k].t;
+    frame.keyframe = true;
+    frame.state = start.states[k];
+    frame.state.T_FS = T_resume * frame.state.T_FS;
+    frame.state.v_F = T_resume.R * frame.state.v_F;
+    window_.frames.push_back(frame);
+    addSightings(waiting_[k], frame.serial);
+    pose_of_[frame.serial] = result_.poses.size();
+    result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), true});
+  }
+  for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
+    window_.frames[i].link =
+        imuLink(samples_, rig_, window_.frames[i].t, window_.frames[i + 1].t,
+                biasOf(window_.frames[i].state), options_.max_imu_gap_s);
+  }
+  // Position and yaw of the first frame, which nothing observes, and what is known of the biases.
+  WindowPrior& prior = window_.prior;
+  prior.frames = {window_.frames.front().serial};
+  prior.points = {window_.frames.front().state};
+  const double gauge = 1 / (kGaugeSigma * kGaugeSigma);
+  const StartOptions& s = options_.start;
+  prior.cost = {Eigen::MatrixXd::Zero(kState, kState), Eigen::VectorXd::Zero(kState), 0};
+  prior.cost.H.diagonal().head<3>().setConstant(gauge);
+  prior.cost.H(5, 5) = gauge;
+  prior.cost.H.diagonal().segment<3>(9).setConstant(1 / (s.gyro_bias_sigma * s.gyro_bias_sigma));
+  prior.cost.H.diagonal().tail<3>().setConstant(1 / (s.accel_bias_sigma * s.accel_bias_sigma));
+  prior.cost.b.segment<3>(9) = prior.cost.H(9, 9) * prior.points[0].gyro_bias;
+  prior.cost.b.tail<3>() = prior.cost.H(12, 12) * prior.points[0].accel_bias;
+  last_seen_ = waiting_.back().t;
+  waiting_.clear();
+  for (int round = 0; round < 3; ++round) {
+    placeLandmarks();
+    optimise(10);
+    gate();
+  }
+  remember();
+}
+
+/// Adds a frame at the IMU's prediction. False where there is none.
+bool Odometry::append(const FrameTracks& tracks) {
+  WindowFrame& last = window_.frames.back();
+  last.link = imuLink(samples_, rig_, last.t, tracks.t, biasOf(last.state), options_.max_imu_gap_s);
+  if (!last.link) {
+    lose(tracks.t, OdometryLoss::kImuGap);
+    return false;
+  }
+  WindowFrame frame;
+  frame.serial = next_serial_++;
+  frame.t = tracks.t;
+  frame.state = predicted(last.state, *last.link, rig_.gravity_m_s2);
+  frame.keyframe = isKeyframe(tracks);
+  frame.still = stands();
+  window_.frames.push_back(frame);
+  addSightings(tracks, frame.serial);
+  pose_of_[frame.serial] = result_.poses.size();
+  result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), frame.keyframe});
+  if (tracks.points.size() >= kFewTracks) last_seen_ = tracks.t;
+  if (secondsBetween(last_seen_, tracks.t) <= options_.max_blind_s) return true;
+  result_.poses.pop_back();
+  lose(tracks.t, OdometryLoss::kBlind);
+  return false;
+}
+
+void Odometry::addSightings(const FrameTracks& tracks, std::int64_t serial) {
+  const bool keyframe = window_.frames.back().keyframe;
+  if (keyframe) {
+    keyframe_rays_.clear();
+    last_keyframe_ = serial;
+  }
+  track_sum_ += static_cast<double>(tracks.points.size());
+  for (const TrackPoint& p : tracks.points) {
+    const auto seen = rig_.sighting(p.camera, p.uv, options_.pixel_sigma);
+    if (!seen) continue;
+    Landmark& landmark = window_.landmarks[p.id];
+    landmark.sightings.push_back({serial, *seen});
+    landmark.last_frame = serial;
+    if (keyframe && p.camera == 0) keyframe_rays_[p.id] = seen->f;
+  }
+}
+
+void Odometry::placeLandmarks() {
+  for (auto& [id, landmark] : window_.landmarks) {
+    if (landmark.p_W || landmark.sightings.size() < 2) continue;
+    landmark.p_W = triangulated(window_, rig_, landmark.sightings, options_.triangulation);
+  }
+}
+
+void Odometry::optimise(int iterations) {
+  for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
+    WindowFrame& frame = window_.frames[i];
+    if (!frame.link) continue;
+    const bool far = (frame.state.gyro_bias - frame.link->at.gyro).norm() > kRelinkGyro ||
+                     (frame.state.accel_bias - frame.link->at.accel).norm() > kRelinkAccel;
+    if (!far) continue;
+    auto link = imuLink(samples_, rig_, frame.link->from, frame.link->to, biasOf(frame.state),
+                        options_.max_imu_gap_s);
+    if (link) frame.link = std::move(link);
+  }
+  WindowProblem problem(window_, rig_, options_.model);
+  MinimiserOptions minimiser;
+  minimiser.max_iterations = iterations;
+  minimiser.tolerance = 0.05;  // of a standard deviation of everything: far below what is reported
+  minimise(problem, minimiser);
+}
+
+/// Drops the sightings that do not fit, and the landmarks that are left with one.
+void Odometry::gate() {
+  for (auto& entry : window_.landmarks) {
+    Landmark& landmark = entry.second;
+    if (!landmark.p_W) continue;
+    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) {
+      const auto frame = static_cast<std::size_t>(window_.indexOf(s.frame));
+      const auto e = sightingError(s.seen, rig_, window_.frames[frame].state.T_FS, *landmark.p_W);
+      return !e || !(e->norm() < options_.gate);
+    });
+    if (landmark.sightings.size() < 2) landmark.p_W.reset();
+  }
+  std::erase_if(window_.landmarks, [](const auto& l) { return l.second.sightings.empty(); });
+}
+
+bool Odometry::isKeyframe(const FrameTracks& frame) const {
+  const int last = window_.indexOf(last_keyframe_);
+  if (last < 0 || keyframe_rays_.empty()) return true;
+  const WindowFrame& keyframe = window_.frames[static_cast<std::size_t>(last)];
+  if (secondsBetween(keyframe.t, frame.t) > options_.keyframe_interval_s) return true;
+  const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
+  const Eigen::Matrix3d R_kf_now =
+      (keyframe.state.T_FS.R * R_SC).transpose() *
+      (window_.frames.back().state.T_FS.R * expectedRotation(window_.frames.back().t, frame.t) *
+       R_SC);
+  double parallax = 0;
+  int common = 0;
+  for (const TrackPoint& p : frame.points) {
+    const auto ray = keyframe_rays_.find(p.id);
+    if (p.camera != 0 || ray == keyframe_rays_.end()) continue;
+    const auto seen = rig_.sighting(0, p.uv, 1);
+    if (!seen) continue;
+    ++common;
+    parallax += (R_kf_now * seen->f - ray->second).norm() * rig_.cameras[0].projection.tail(4)[0];
+  }
+  if (common < options_.keyframe_share * static_cast<double>(keyframe_rays_.size())) return true;
+  return parallax > options_.keyframe_parallax_px * common;
+}
+
+/// Whether the tracks have not moved for still_span_s.
+bool Odometry::stands() const {
+  if (latest_.size() < 3) return false;
+  const FrameTracks& then = latest_.front();
+  const FrameTracks& now = latest_.back();
+  if (secondsBetween(then.t, now.t) < 0.7 * options_.still_span_s) return false;
+  std::map<std::int64_t, Eigen::Vector2d> places;
+  for (const TrackPoint& p : then.points) {
+    if (p.camera == 0) places[p.id] = p.uv;
+  }
+  std::vector<double> moved;
+  for (const TrackPoint& p : now.points) {
+    const auto place = places.find(p.id);
+    if (p.camera == 0 && place != places.end()) moved.push_back((p.uv - place->second).norm());
+  }
+  return moved.size() >= 2 * kFewTracks && median(std::move(moved)) < options_.still_px;
+}
+
+bool Odometry::hasDiverged() const {
+  const ImuState& s = window_.frames.back().state;
+  return !(s.v_F.norm() < kFastest && s.gyro_bias.norm() < kLargestGyroBias &&
+           s.accel_bias.norm() < kLargestAccelBias);
+}
+
+/// Poses of the frames that may still move are written again.
+void Odometry::remember() {
+  const std::size_t n = window_.frames.size();
+  const auto recent = static_cast<std::size_t>(options_.recent_frames);
+  for (std::size_t i = 0; i < n; ++i) {
+    const WindowFrame& frame = window_.frames[i];
+    const auto pose = pose_of_.find(frame.serial);
+    if (pose == pose_of_.end()) continue;
+    result_.poses[pose->second].state = frame.state;
+    if (i + recent < n && window_.prior.frames.size() > 1) pose_of_.erase(pose);
+  }
+  last_bias_ = biasOf(window_.frames.back().state);
+  for (const auto& [id, landmark] : window_.landmarks) landmark_sum_ += landmark.p_W ? 1 : 0;
+}
+
+void Odometry::shrink() {
+  const auto recent = static_cast<std::size_t>(options_.recent_frames);
+  for (std::size_t i = 1; i + recent < window_.frames.size();) {
+    const WindowFrame& frame = window_.frames[i];
+    if (frame.keyframe || frame.first_estimate) {
+      ++i;
+    } else {
+      dropFrame(static_cast<int>(i));
+    }
+  }
+  while (window_.frames.size() > static_cast<std::size_t>(options_.keyframes) + recent) {
+    marginaliseOldest();
+  }
+}
+
+/// A frame that is no keyframe: the IMU is integrated over it, its sightings are given up.
+void Odometry::dropFrame(int index) {
+  const auto i = static_cast<std::size_t>(index);
+  const WindowFrame& before = window_.frames[i - 1];
+  auto link = imuLink(samples_, rig_, before.t, window_.frames[i + 1].t, biasOf(before.state),
+                      options_.max_imu_gap_s);
+  const std::int64_t serial = window_.frames[i].serial;
+  window_.frames[i - 1].link = std::move(link);
+  window_.frames.erase(window_.frames.begin() + index);
+  for (auto& [id, landmark] : window_.landmarks) {
+    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) { return s.frame == serial; });
+    if (landmark.sightings.size() < 2) landmark.p_W.reset();
+  }
+  std::erase_if(window_.landmarks, [](const auto& l) { return l.second.sightings.empty(); });
+}
+
+/// With it go the landmarks that it saw and that are no longer tracked: nothing will be added to
+/// what they say. Those that are tracked lose its sighting.
+void Odometry::marginaliseOldest() {
+  const std::int64_t oldest = window_.frames.front().serial;
+  const std::int64_t newest = window_.frames.back().serial;
+  std::set<std::int64_t> leaving;
+  for (const auto& [id, landmark] : window_.landmarks) {
+    const bool sees = std::any_of(landmark.sightings.begin(), landmark.sightings.end(),
+                                  [&](const LandmarkSighting& s) { return s.frame == oldest; });
+    if (sees && landmark.last_frame < newest) leaving.insert(id);
+  }
+  marginaliseFrame(window_, oldest, leaving, rig_, options_.model);
+  for (auto& [id, landmark] : window_.landmarks) {
+    if (landmark.sightings.size() < 2) landmark.p_W.reset();
+  }
+}
+
+OdometryResult Odometry::result() const {
+  OdometryResult out = result_;
+  const double n = std::max<std::size_t>(1, out.poses.size());
+  out.mean_landmarks = landmark_sum_ / n;
+  out.mean_tracks = track_sum_ / n;
+  return out;
+}
+
+}  // namespace plumbline

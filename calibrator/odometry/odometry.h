@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/enum_words.h"
+#include "calibrator/odometry/start.h"
+#include "calibrator/odometry/tracks.h"
+#include "calibrator/odometry/window_problem.h"
+
+namespace plumbline {
+
+struct OdometryOptions {
+  double pixel_sigma = 0.7;   ///< standard deviation of a track's coordinate [px]
+  int keyframes = 10;         ///< kept in the window
+  int recent_frames = 4;      ///< of the newest frames, kept whether keyframes or not
+  double keyframe_parallax_px = 12;  ///< mean, without rotation, since the last keyframe
+  double keyframe_share = 0.6;       ///< of the last keyframe's tracks; fewer: a new keyframe
+  double keyframe_interval_s = 2;    ///< at the latest
+  double start_span_s = 0.75;        ///< of the frames that the start uses
+  int iterations = 4;                ///< of the window, a frame
+  double gate = 3;                   ///< a sighting farther off is dropped [sigma]
+  double still_px = 0.3;             ///< median movement in still_span_s of a rig that stands
+  double still_span_s = 0.25;
+  double max_imu_gap_s = 0.1;  ///< between samples; longer: the motion is lost
+  double max_blind_s = 2;      ///< on the IMU alone; longer: the motion is lost
+  WindowModel model;
+  StartOptions start;
+  TriangulationLimits triangulation;
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
+};
+
+/// Why the estimate was begun anew.
+enum class OdometryLoss {
+  kImuGap,    ///< no samples between two frames
+  kBlind,     ///< too few tracks for too long
+  kDiverged,  ///< a velocity or bias beyond what the sensors can have
+};
+constexpr std::array<const char*, 3> enumWords(OdometryLoss /*of*/) {
+  return {"imu-gap", "blind", "diverged"};
+}
+
+/// The pose of a frame, and what is known of it.
+struct OdometryPose {
+  TimeNs t = 0;    ///< camera clock
+  ImuState state;  ///< in W
+  /// Of (dt, da), from the window; of the frame when it was the newest.
+  Matrix6d covariance = Matrix6d::Zero();
+  bool keyframe = false;
+};
+
+struct OdometryLossEvent {
+  TimeNs t = 0;  ///< first frame that could not be placed
+  OdometryLoss cause = OdometryLoss::kImuGap;
+};
+
+/// What an odometry made of its frames.
+struct OdometryResult {
+  std::vector<OdometryPose> poses;       ///< ascending; none before the start
+  std::vector<OdometryLossEvent> losses;  ///< after each the poses continue elsewhere: a jump
+  int frames = 0;                         ///< offered
+  double mean_landmarks = 0;              ///< placed, a frame
+  double mean_tracks = 0;                 ///< sightings, a frame
+};
+
+/// Visual-inertial odometry with a fixed lag: tracks and IMU samples to a trajectory, with the
+/// calibration taken as it is. A window of keyframes and of the newest frames, 15 states each, and
+/// the landmarks they see; minimised at every frame (WindowProblem), what leaves it is kept as a
+/// linear prior (marginaliseFrame). A frame that is no keyframe leaves without its sightings, and
+/// the IMU is integrated anew over it. Starts by itself, at rest or in motion (startEstimate).
+/// Deterministic: one thread, no clock, no random numbers.
+class Odometry {
+ public:
+  /// `samples` (IMU clock, strictly ascending) outlive it.
+  Odometry(RigModel rig, std::span<const ImuSample> samples, OdometryOptions options = {});
+
+  /// Takes the next frame; stamps ascend strictly.
+  void step(const FrameTracks& frame);
+
+  /// R_SaSb of the gyro between two stamps of the camera's clock, with the bias known by now:
+  /// what a tracker can expect. Identity where samples are missing.
+  Eigen::Matrix3d expectedRotation(TimeNs from, TimeNs to) const;
+
+  bool isRunning() const { return !window_.frames.empty(); }
+  const Window& window() const { return window_; }
+  OdometryResult result() const;
+
+ private:
+  void begin(const FrameTracks& frame);
+  void fillFrom(const StartEstimate& start);
+  void lose(TimeNs t, OdometryLoss cause);
+  bool append(const FrameTracks& frame);
+  void addSightings(const FrameTracks& frame, std::int64_t serial);
+  void placeLandmarks();
+  void optimise(int iterations);
+  void gate();
+  bool isKeyframe(const FrameTracks& frame) const;
+  bool stands() const;
+  void shrink();
+  void dropFrame(int index);
+  void marginaliseOldest();
+  void remember();
+  bool hasDiverged() const;
+
+  RigModel rig_;
+  std::span<const ImuSample> samples_;
+  OdometryOptions options_;
+  Window window_;
+  std::vector<FrameTracks> waiting_;   // before the start
+  std::deque<FrameTracks> latest_;     // the last still_span_s
+  std::int64_t next_serial_ = 0;
+  std::int64_t last_keyframe_ = -1;
+  std::map<std::int64_t, Eigen::Vector3d> keyframe_rays_;  // of camera 0, by track
+  Transform resume_;                                       // where the next start begins
+  ImuBias last_bias_;
+  TimeNs last_seen_ = 0;  // last frame with enough tracks
+  std::map<std::int64_t, std::size_t> pose_of_;  // by serial, of the frames in the window
+  OdometryResult result_;
+  double landmark_sum_ = 0, track_sum_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/odometry/patch_tracker.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "calibrator/base/option_check.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kRadius = 7;
+constexpr int kSide = 2 * kRadius + 1;
+constexpr int kPixels = kSide * kSide;
+constexpr int kWide = kSide + 2;  // with a border, for the gradients
+
+/// Samples a square of `side` pixels whose first one is at (x, y), bilinearly; false where it does
+/// not lie within the image.
+template <int side>
+bool sample(const GrayImageView& image, float x, float y, float* out) {
+  const float fx = std::floor(x), fy = std::floor(y);
+  // Written so that NaN is refused.
+  if (!(fx >= 0 && fy >= 0 && fx + side < static_cast<float>(image.width) &&
+        fy + side < static_cast<float>(image.height))) {
+    return false;
+  }
+  const float ax = x - fx, ay = y - fy;
+  const float w00 = (1 - ax) * (1 - ay), w01 = ax * (1 - ay), w10 = (1 - ax) * ay, w11 = ax * ay;
+  const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
+  for (int row = 0; row < side; ++row) {
+    const std::uint8_t* a = image.row(y0 + row) + x0;
+    const std::uint8_t* b = image.row(y0 + row + 1) + x0;
+    float* o = out + row * side;
+    for (int column = 0; column < side; ++column) {
+      o[column] = w00 * static_cast<float>(a[column]) + w01 * static_cast<float>(a[column + 1]) +
+                  w10 * static_cast<float>(b[column]) + w11 * static_cast<float>(b[column + 1]);
+    }
+  }
+  return true;
+}
+
+/// What is to be found: grey levels and their gradient, all without their mean.
+struct Template {
+  std::array<float, kPixels> level, dx, dy;
+  float xx = 0, xy = 0, yy = 0;
+  Eigen::Matrix2f inverse;
+};
+
+void removeMean(std::array<float, kPixels>& values) {
+  float sum = 0;
+  for (const float v : values) sum += v;
+  const float mean = sum / kPixels;
+  for (float& v : values) v -= mean;
+}
+
+std::optional<Template> templateAt(const GrayImageView& image, const Eigen::Vector2f& at,
+                                   float min_eigenvalue) {
+  std::array<float, kWide * kWide> wide;
+  const float reach = kRadius + 1;
+  if (!sample<kWide>(image, at.x() - reach, at.y() - reach, wide.data())) return std::nullopt;
+  Template t;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const int w = (y + 1) * kWide + x + 1, i = y * kSide + x;
+      t.level[i] = wide[w];
+      t.dx[i] = 0.5F * (wide[w + 1] - wide[w - 1]);
+      t.dy[i] = 0.5F * (wide[w + kWide] - wide[w - kWide]);
+    }
+  }
+  removeMean(t.level);
+  removeMean(t.dx);
+  removeMean(t.dy);
+  for (int i = 0; i < kPixels; ++i) {
+    t.xx += t.dx[i] * t.dx[i];
+    t.xy += t.dx[i] * t.dy[i];
+    t.yy += t.dy[i] * t.dy[i];
+  }
+  const float half = 0.5F * (t.xx + t.yy);
+  const float least = half - std::hypot(0.5F * (t.xx - t.yy), t.xy);
+  if (!(least > min_eigenvalue * kPixels)) return std::nullopt;
+  Eigen::Matrix2f H;
+  H << t.xx, t.xy, t.xy, t.yy;
+  t.inverse = H.inverse();
+  return t;
+}
+
+/// Sums of the difference to the template, with the image's mean removed, against its gradient.
+struct Comparison {
+  Eigen::Vector2f gradient;
+  float squared = 0;
+};
+
+Comparison compare(const Template& t, std::array<float, kPixels>& seen) {
+  removeMean(seen);
+  float x = 0, y = 0, squared = 0;
+  for (int i = 0; i < kPixels; ++i) {
+    const float e = seen[i] - t.level[i];
+    x += e * t.dx[i];
+    y += e * t.dy[i];
+    squared += e * e;
+  }
+  return {{x, y}, squared};
+}
+
+struct LevelResult {
+  Eigen::Vector2f place;
+  float rms = 0;
+};
+
+std::optional<LevelResult> refine(const Template& t, const GrayImageView& image,
+                                  Eigen::Vector2f place, const PatchTrackerOptions& options) {
+  std::array<float, kPixels> seen;
+  float rms = 0;
+  for (int i = 0; i < options.iterations; ++i) {
+    if (!sample<kSide>(image, place.x() - kRadius, place.y() - kRadius, seen.data())) {
+      return std::nullopt;
+    }
+    const Comparison c = compare(t, seen);
+    rms = std::sqrt(c.squared / kPixels);
+    const Eigen::Vector2f step = -(t.inverse * c.gradient);
+    place += step;
+    if (step.squaredNorm() < options.step_px * options.step_px) break;
+  }
+  return LevelResult{place, rms};
+}
+
+}  // namespace
+
+void PatchTrackerOptions::check() const {
+  requireOption(iterations >= 1, "iterations", iterations, "1 or more");
+  requirePositive("step_px", step_px);
+  requirePositive("min_eigenvalue", min_eigenvalue);
+  requirePositive("max_difference", max_difference);
+  requirePositive("round_trip_px", round_trip_px);
+  requireOption(round_trip_levels >= 1, "round_trip_levels", round_trip_levels, "1 or more");
+}
+
+std::optional<Eigen::Vector2f> trackPatch(const ImagePyramid& from, const ImagePyramid& to,
+                                          const Eigen::Vector2f& at, const Eigen::Vector2f& guess,
+                                          int levels, const PatchTrackerOptions& options) {
+  Eigen::Vector2f place = guess;
+  float rms = 0;
+  for (int k = std::min({levels, from.levels(), to.levels()}) - 1; k >= 0; --k) {
+    const float scale = 1.0F / static_cast<float>(1 << k);
+    // Coarse levels only bring it near: a patch that leaves them, or is smooth there, skips them.
+    const auto t = templateAt(from.level(k), at * scale, k > 0 ? 0.1F : options.min_eigenvalue);
+    const auto found = t ? refine(*t, to.level(k), place * scale, options) : std::nullopt;
+    if (found) place = found->place / scale;
+    if (found) rms = found->rms;
+    if (k == 0 && !found) return std::nullopt;
+  }
+  if (!(rms < options.max_difference) || !place.allFinite()) return std::nullopt;
+  return place;
+}
+
+std::optional<Eigen::Vector2f> trackThereAndBack(const ImagePyramid& from, const ImagePyramid& to,
+                                                 const Eigen::Vector2f& at,
+                                                 const Eigen::Vector2f& guess, int levels,
+                                                 const PatchTrackerOptions& options) {
+  const auto there = trackPatch(from, to, at, guess, levels, options);
+  if (!there) return std::nullopt;
+  const auto back = trackPatch(to, from, *there, at, options.round_trip_levels, options);
+  if (!back || !((*back - at).norm() < options.round_trip_px)) return std::nullopt;
+  return there;
+}
+
+}  // namespace plumbline
