@@ -103,7 +103,7 @@ std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
                                          const std::vector<Eigen::Vector2f>& taken,
                                          const CornerPickerOptions& options) {
   std::vector<Eigen::Vector2f> all = taken;
-  std::vector<Eigen::Vector2f> picked;
+  std::vector<Candidate> found;
   const auto least2 = static_cast<float>(options.min_distance_px * options.min_distance_px);
   for (int y0 = kBorder; y0 < image.height - kBorder; y0 += options.cell_px) {
     const int y1 = std::min(y0 + options.cell_px, image.height - kBorder);
@@ -121,10 +121,14 @@ std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
         });
       });
       if (!(best.score > options.min_eigenvalue)) continue;
-      picked.push_back(best.at);
+      found.push_back(best);
       all.push_back(best.at);
     }
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  std::vector<Eigen::Vector2f> picked;
+  for (const Candidate& c : found) picked.push_back(c.at);
   return picked;
 }
 

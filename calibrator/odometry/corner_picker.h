@@ -19,7 +19,7 @@ struct CornerPickerOptions {
 
 /// New points to track: in each cell of the image without one of `taken`, the pixel with the
 /// greatest smaller eigenvalue of the gradient's second moments over 7 x 7 pixels, if that is large
-/// enough. At least 12 pixels from the border. Row by row.
+/// enough. At least 12 pixels from the border. Those with the greatest eigenvalue first.
 /// Source: Shi and Tomasi, "Good features to track", CVPR 1994.
 std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
                                          const std::vector<Eigen::Vector2f>& taken,

@@ -11,10 +11,18 @@
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {
+namespace {
+
+constexpr float kCrowdedPx = 8;
+constexpr int kSearchLevel = 2;  // of the pyramids, at which an epipolar line is searched
+constexpr int kKnownLevels = 2;  // for a match whose distance is known
+
+}  // namespace
 
 void FeatureTrackerOptions::check() const {
   requireOption(levels >= 1 && levels <= 8, "levels", levels, "1 to 8");
   requirePositive("epipolar_px", epipolar_px);
+  requireOption(max_tracks >= 8, "max_tracks", max_tracks, "8 or more");
   requireOption(ransac_rounds >= 1, "ransac_rounds", ransac_rounds, "1 or more");
   requirePositive("nearest_m", nearest_m);
   corners.check();
@@ -56,6 +64,11 @@ void FeatureTracker::follow(const Eigen::Matrix3d& R_before_now) {
                                          options_.levels, options_.patch);
     const auto ray = place ? unproject(rig_.cameras[0], place->cast<double>()) : std::nullopt;
     if (!ray) continue;
+    // Older tracks come first: of two that have run together the younger one goes.
+    const bool crowded = std::any_of(moved.begin(), moved.end(), [&](const Feature& other) {
+      return (other.at - *place).squaredNorm() < kCrowdedPx * kCrowdedPx;
+    });
+    if (crowded) continue;
     moved.push_back({f.id, *place, *ray, f.inverse_depth});
     before.push_back(f.ray);
   }
@@ -107,19 +120,41 @@ void FeatureTracker::addCorners() {
   for (const Feature& f : features_) taken.push_back(f.at);
   for (const Eigen::Vector2f& at : pickCorners(now_[0].level(0), taken, options_.corners)) {
     const auto ray = unproject(rig_.cameras[0], at.cast<double>());
-    if (ray) features_.push_back({next_id_++, at, *ray, 0});
+    if (static_cast<int>(features_.size()) >= options_.max_tracks) return;
+    if (ray) features_.push_back({next_id_++, at, *ray, std::nullopt});
   }
+}
+
+/// The inverse depth at which the feature looks most alike along its epipolar line, about a pixel
+/// of the search's level apart.
+std::optional<double> FeatureTracker::searched(const Feature& f, std::size_t camera,
+                                               const Transform& T_C0) const {
+  const Intrinsics& lens = rig_.cameras[camera];
+  const double pixel = (1 << kSearchLevel) / lens.projection.tail(4)[0] / T_C0.t.norm();  // [1/m]
+  std::optional<double> best;
+  float most = options_.patch.min_correlation;
+  for (double rho = 0; rho < 1 / options_.nearest_m; rho += pixel) {
+    const auto place = project(lens, T_C0.R * f.ray + rho * T_C0.t);
+    if (!place) continue;
+    const float alike =
+        patchCorrelation(now_[0], now_[camera], f.at, place->cast<float>(), kSearchLevel);
+    if (alike > most) most = alike, best = rho;
+  }
+  return best;
 }
 
 void FeatureTracker::matchInto(std::size_t camera, FrameTracks& out) {
   const Transform T_C0 = rig_.T_SC[camera].inverse() * rig_.T_SC[0];  // camera 0 in this one
   const double focal = rig_.cameras[camera].projection.tail(4)[0];
   for (Feature& f : features_) {
-    const auto guess = project(rig_.cameras[camera],
-                               T_C0.R * f.ray + f.inverse_depth * T_C0.t);
+    const bool known = f.inverse_depth.has_value();
+    const auto depth = known ? f.inverse_depth : searched(f, camera, T_C0);
+    f.inverse_depth.reset();
+    if (!depth) continue;
+    const auto guess = project(rig_.cameras[camera], T_C0.R * f.ray + *depth * T_C0.t);
     if (!guess) continue;
     const auto place = trackThereAndBack(now_[0], now_[camera], f.at, guess->cast<float>(),
-                                         options_.levels, options_.patch);
+                                         known ? kKnownLevels : kSearchLevel + 1, options_.patch);
     const auto ray =
         place ? unproject(rig_.cameras[camera], place->cast<double>()) : std::nullopt;
     if (!ray) continue;

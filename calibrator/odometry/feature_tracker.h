@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,12 +16,13 @@
 namespace plumbline {
 
 struct FeatureTrackerOptions {
-  int levels = 4;  ///< of the image pyramids
+  int levels = 4;        ///< of the image pyramids
+  int max_tracks = 180;  ///< of camera 0
   CornerPickerOptions corners;
   PatchTrackerOptions patch;
   double epipolar_px = 2;      ///< largest distance of a track from its epipolar plane
   int ransac_rounds = 60;      ///< of the direction of motion between two frames
-  double nearest_m = 0.5;      ///< of the scene, where a stereo match is looked for
+  double nearest_m = 0.3;      ///< of the scene, where a stereo match is looked for
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;
@@ -28,7 +30,8 @@ struct FeatureTrackerOptions {
 
 /// Images to tracks: the front end of the odometry. Corners of camera 0 are followed from frame to
 /// frame (trackThereAndBack, from where the gyro's rotation moves them) and into the other cameras
-/// (from where they would be at the distance they had); what does not fit one motion with the
+/// (from where they would be at the distance they had; the first time from the best place along
+/// their epipolar line); what does not fit one motion with the
 /// gyro's rotation (RANSAC over its direction from two tracks), or the rig's epipolar planes, is
 /// dropped; cells that fall empty get new corners. Deterministic.
 class FeatureTracker {
@@ -45,7 +48,7 @@ class FeatureTracker {
     std::int64_t id = 0;
     Eigen::Vector2f at;          // in camera 0
     Eigen::Vector3d ray;         // likewise
-    double inverse_depth = 0.2;  // [1/m] along the ray, as stereo had it last
+    std::optional<double> inverse_depth;  // [1/m] along the ray, as stereo had it last
   };
 
   void follow(const Eigen::Matrix3d& R_before_now);
@@ -53,6 +56,8 @@ class FeatureTracker {
                      const Eigen::Matrix3d& R_now_before) const;
   void addCorners();
   void matchInto(std::size_t camera, FrameTracks& out);
+  std::optional<double> searched(const Feature& feature, std::size_t camera,
+                                 const Transform& T_C0) const;
 
   RigModel rig_;
   FeatureTrackerOptions options_;

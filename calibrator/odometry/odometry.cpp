@@ -349,6 +349,12 @@ void Odometry::marginaliseOldest() {
                                   [&](const LandmarkSighting& s) { return s.frame == oldest; });
     if (sees && landmark.last_frame < newest) leaving.insert(id);
   }
+  // Not in frames that will be dropped: the prior would hold them in the window.
+  const auto passes = [&](const LandmarkSighting& s) {
+    const WindowFrame& frame = window_.frames[static_cast<std::size_t>(window_.indexOf(s.frame))];
+    return !frame.keyframe && !frame.first_estimate;
+  };
+  for (const std::int64_t id : leaving) std::erase_if(window_.landmarks[id].sightings, passes);
   marginaliseFrame(window_, oldest, leaving, rig_, options_.model);
   for (auto& [id, landmark] : window_.landmarks) {
     if (landmark.sightings.size() < 2) landmark.p_W.reset();

@@ -14,6 +14,7 @@ namespace {
 constexpr int kRadius = 7;
 constexpr int kSide = 2 * kRadius + 1;
 constexpr int kPixels = kSide * kSide;
+constexpr float kContrast = 2;  // of two images of the same, at most
 constexpr int kWide = kSide + 2;  // with a border, for the gradients
 
 /// Samples a square of `side` pixels whose first one is at (x, y), bilinearly; false where it does
@@ -44,14 +45,29 @@ bool sample(const GrayImageView& image, float x, float y, float* out) {
 /// What is to be found: grey levels and their gradient, all without their mean.
 struct Template {
   std::array<float, kPixels> level, dx, dy;
+  float norm = 0;  // of level
   float xx = 0, xy = 0, yy = 0;
   Eigen::Matrix2f inverse;
 };
 
-void removeMean(std::array<float, kPixels>& values) {
+using Patch = std::array<float, kPixels>;
+
+/// Sum in eight strands, so that it is vectorised without reordering.
+template <class Term>
+float sumOf(const Term& term) {
+  std::array<float, 8> strands{};
+  int i = 0;
+  for (; i + 8 <= kPixels; i += 8) {
+    for (int k = 0; k < 8; ++k) strands[static_cast<std::size_t>(k)] += term(i + k);
+  }
   float sum = 0;
-  for (const float v : values) sum += v;
-  const float mean = sum / kPixels;
+  for (; i < kPixels; ++i) sum += term(i);
+  for (const float s : strands) sum += s;
+  return sum;
+}
+
+void removeMean(Patch& values) {
+  const float mean = sumOf([&](int i) { return values[i]; }) / kPixels;
   for (float& v : values) v -= mean;
 }
 
@@ -72,11 +88,10 @@ std::optional<Template> templateAt(const GrayImageView& image, const Eigen::Vect
   removeMean(t.level);
   removeMean(t.dx);
   removeMean(t.dy);
-  for (int i = 0; i < kPixels; ++i) {
-    t.xx += t.dx[i] * t.dx[i];
-    t.xy += t.dx[i] * t.dy[i];
-    t.yy += t.dy[i] * t.dy[i];
-  }
+  t.norm = std::sqrt(sumOf([&](int i) { return t.level[i] * t.level[i]; }));
+  t.xx = sumOf([&](int i) { return t.dx[i] * t.dx[i]; });
+  t.xy = sumOf([&](int i) { return t.dx[i] * t.dy[i]; });
+  t.yy = sumOf([&](int i) { return t.dy[i] * t.dy[i]; });
   const float half = 0.5F * (t.xx + t.yy);
   const float least = half - std::hypot(0.5F * (t.xx - t.yy), t.xy);
   if (!(least > min_eigenvalue * kPixels)) return std::nullopt;
@@ -86,44 +101,44 @@ std::optional<Template> templateAt(const GrayImageView& image, const Eigen::Vect
   return t;
 }
 
-/// Sums of the difference to the template, with the image's mean removed, against its gradient.
+/// The difference to the template against its gradient, with the image's mean and contrast made
+/// those of the template.
 struct Comparison {
   Eigen::Vector2f gradient;
-  float squared = 0;
+  float correlation = 0;
 };
 
-Comparison compare(const Template& t, std::array<float, kPixels>& seen) {
+Comparison compare(const Template& t, Patch& seen) {
   removeMean(seen);
-  float x = 0, y = 0, squared = 0;
-  for (int i = 0; i < kPixels; ++i) {
-    const float e = seen[i] - t.level[i];
-    x += e * t.dx[i];
-    y += e * t.dy[i];
-    squared += e * e;
-  }
-  return {{x, y}, squared};
+  const float norm = std::sqrt(sumOf([&](int i) { return seen[i] * seen[i]; })) + 1e-6F;
+  const float inner = sumOf([&](int i) { return seen[i] * t.level[i]; });
+  const float gain = std::clamp(t.norm / norm, 1 / kContrast, kContrast);
+  for (int i = 0; i < kPixels; ++i) seen[i] = gain * seen[i] - t.level[i];
+  return {{sumOf([&](int i) { return seen[i] * t.dx[i]; }),
+           sumOf([&](int i) { return seen[i] * t.dy[i]; })},
+          inner / (norm * (t.norm + 1e-6F))};
 }
 
 struct LevelResult {
   Eigen::Vector2f place;
-  float rms = 0;
+  float correlation = 0;
 };
 
 std::optional<LevelResult> refine(const Template& t, const GrayImageView& image,
                                   Eigen::Vector2f place, const PatchTrackerOptions& options) {
-  std::array<float, kPixels> seen;
-  float rms = 0;
+  Patch seen;
+  float correlation = 0;
   for (int i = 0; i < options.iterations; ++i) {
     if (!sample<kSide>(image, place.x() - kRadius, place.y() - kRadius, seen.data())) {
       return std::nullopt;
     }
     const Comparison c = compare(t, seen);
-    rms = std::sqrt(c.squared / kPixels);
+    correlation = c.correlation;
     const Eigen::Vector2f step = -(t.inverse * c.gradient);
     place += step;
     if (step.squaredNorm() < options.step_px * options.step_px) break;
   }
-  return LevelResult{place, rms};
+  return LevelResult{place, correlation};
 }
 
 }  // namespace
@@ -132,7 +147,7 @@ void PatchTrackerOptions::check() const {
   requireOption(iterations >= 1, "iterations", iterations, "1 or more");
   requirePositive("step_px", step_px);
   requirePositive("min_eigenvalue", min_eigenvalue);
-  requirePositive("max_difference", max_difference);
+  requireWithin(0, 1, "min_correlation", min_correlation);
   requirePositive("round_trip_px", round_trip_px);
   requireOption(round_trip_levels >= 1, "round_trip_levels", round_trip_levels, "1 or more");
 }
@@ -141,18 +156,37 @@ std::optional<Eigen::Vector2f> trackPatch(const ImagePyramid& from, const ImageP
                                           const Eigen::Vector2f& at, const Eigen::Vector2f& guess,
                                           int levels, const PatchTrackerOptions& options) {
   Eigen::Vector2f place = guess;
-  float rms = 0;
+  float correlation = 0;
   for (int k = std::min({levels, from.levels(), to.levels()}) - 1; k >= 0; --k) {
     const float scale = 1.0F / static_cast<float>(1 << k);
     // Coarse levels only bring it near: a patch that leaves them, or is smooth there, skips them.
     const auto t = templateAt(from.level(k), at * scale, k > 0 ? 0.1F : options.min_eigenvalue);
     const auto found = t ? refine(*t, to.level(k), place * scale, options) : std::nullopt;
     if (found) place = found->place / scale;
-    if (found) rms = found->rms;
+    if (found) correlation = found->correlation;
     if (k == 0 && !found) return std::nullopt;
   }
-  if (!(rms < options.max_difference) || !place.allFinite()) return std::nullopt;
+  if (!(correlation > options.min_correlation) || !place.allFinite()) return std::nullopt;
   return place;
+}
+
+float patchCorrelation(const ImagePyramid& from, const ImagePyramid& to, const Eigen::Vector2f& at,
+                       const Eigen::Vector2f& place, int level) {
+  if (level >= std::min(from.levels(), to.levels())) return -1;
+  const Eigen::Vector2f corner = Eigen::Vector2f::Constant(kRadius);
+  const float scale = 1.0F / static_cast<float>(1 << level);
+  const Eigen::Vector2f a = at * scale - corner, b = place * scale - corner;
+  Patch first, second;
+  if (!sample<kSide>(from.level(level), a.x(), a.y(), first.data()) ||
+      !sample<kSide>(to.level(level), b.x(), b.y(), second.data())) {
+    return -1;
+  }
+  removeMean(first);
+  removeMean(second);
+  const float aa = sumOf([&](int i) { return first[i] * first[i]; });
+  const float bb = sumOf([&](int i) { return second[i] * second[i]; });
+  const float ab = sumOf([&](int i) { return first[i] * second[i]; });
+  return ab / (std::sqrt(aa * bb) + 1e-6F);
 }
 
 std::optional<Eigen::Vector2f> trackThereAndBack(const ImagePyramid& from, const ImagePyramid& to,
