@@ -9,9 +9,9 @@
 namespace plumbline {
 
 struct CornerPickerOptions {
-  int cell_px = 40;           ///< one corner a cell
+  int cell_px = 40;             ///< one corner a cell
   double min_distance_px = 20;  ///< from what is tracked already
-  float min_eigenvalue = 20;  ///< of the mean squared gradient about it [grey levels^2/px^2]
+  float min_eigenvalue = 20;    ///< of the mean squared gradient about it [grey levels^2/px^2]
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;

@@ -155,8 +155,7 @@ void FeatureTracker::matchInto(std::size_t camera, FrameTracks& out) {
     if (!guess) continue;
     const auto place = trackThereAndBack(now_[0], now_[camera], f.at, guess->cast<float>(),
                                          known ? kKnownLevels : kSearchLevel + 1, options_.patch);
-    const auto ray =
-        place ? unproject(rig_.cameras[camera], place->cast<double>()) : std::nullopt;
+    const auto ray = place ? unproject(rig_.cameras[camera], place->cast<double>()) : std::nullopt;
     if (!ray) continue;
     const Eigen::Vector3d turned = T_C0.R * f.ray;
     const Eigen::Vector3d normal = turned.cross(T_C0.t).normalized();

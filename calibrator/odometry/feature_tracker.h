@@ -20,9 +20,9 @@ struct FeatureTrackerOptions {
   int max_tracks = 180;  ///< of camera 0
   CornerPickerOptions corners;
   PatchTrackerOptions patch;
-  double epipolar_px = 2;      ///< largest distance of a track from its epipolar plane
-  int ransac_rounds = 60;      ///< of the direction of motion between two frames
-  double nearest_m = 0.3;      ///< of the scene, where a stereo match is looked for
+  double epipolar_px = 2;  ///< largest distance of a track from its epipolar plane
+  int ransac_rounds = 60;  ///< of the direction of motion between two frames
+  double nearest_m = 0.3;  ///< of the scene, where a stereo match is looked for
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;
@@ -46,8 +46,8 @@ class FeatureTracker {
  private:
   struct Feature {
     std::int64_t id = 0;
-    Eigen::Vector2f at;          // in camera 0
-    Eigen::Vector3d ray;         // likewise
+    Eigen::Vector2f at;                   // in camera 0
+    Eigen::Vector3d ray;                  // likewise
     std::optional<double> inverse_depth;  // [1/m] along the ray, as stereo had it last
   };
 

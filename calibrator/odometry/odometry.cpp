@@ -15,13 +15,14 @@ namespace plumbline {
 namespace {
 
 constexpr int kState = 15;
-constexpr std::size_t kFewTracks = 6;  // fewer do not carry a pose
-constexpr double kFastest = 50;        // [m/s]
+constexpr std::size_t kFewTracks = 6;   // fewer do not carry a pose
+constexpr double kFittingShare = 0.15;  // of a frame's sightings, landmarks that fit
+constexpr double kFastest = 50;         // [m/s]
 constexpr double kLargestGyroBias = 1, kLargestAccelBias = 5;  // [rad/s], [m/s^2]
 constexpr double kRelinkGyro = 2e-3, kRelinkAccel = 0.05;  // change of bias after which a link is
                                                            // integrated anew
-constexpr double kGaugeSigma = 1e-4;  // [m], [rad] of the first frame's position and yaw
-constexpr double kMostWaitingSpans = 2;  // frames kept for a start, in start_span_s
+constexpr double kGaugeSigma = 1e-4;     // [m], [rad] of the first frame's position and yaw
+constexpr double kMostWaitingSpans = 2;  // frames kept for a start, in its spans
 
 ImuBias biasOf(const ImuState& state) { return {state.gyro_bias, state.accel_bias}; }
 
@@ -35,6 +36,7 @@ void OdometryOptions::check() const {
   requireWithin(0, 1, "keyframe_share", keyframe_share);
   requirePositive("keyframe_interval_s", keyframe_interval_s);
   requirePositive("start_span_s", start_span_s);
+  requirePositive("mono_start_span_s", mono_start_span_s);
   requireOption(iterations >= 1, "iterations", iterations, "1 or more");
   requirePositive("gate", gate);
   requirePositive("still_px", still_px);
@@ -66,9 +68,9 @@ void Odometry::step(const FrameTracks& frame) {
   placeLandmarks();
   optimise(options_.iterations);
   gate();
-  if (hasDiverged()) {
+  if (const auto cause = isLost(frame)) {
     result_.poses.pop_back();
-    lose(frame.t, OdometryLoss::kDiverged);
+    lose(frame.t, *cause);
     return begin(frame);
   }
   remember();
@@ -87,7 +89,7 @@ void Odometry::lose(TimeNs t, OdometryLoss cause) {
 void Odometry::begin(const FrameTracks& frame) {
   waiting_.push_back(frame);
   const double span = secondsBetween(waiting_.front().t, frame.t);
-  if (span < options_.start_span_s) return;
+  if (span < startSpan()) return;
   std::vector<StartFrame> frames;
   for (const FrameTracks& f : waiting_) {
     StartFrame s{f.t, {}};
@@ -100,9 +102,10 @@ void Odometry::begin(const FrameTracks& frame) {
   StartOptions options = options_.start;
   if (stands()) options.velocity_sigma = options_.model.still_sigma_m_s;
   const auto start = startEstimate(frames, samples_, rig_, options);
-  if (start) return fillFrom(*start);
+  if (start) fillFrom(*start);
+  if (isRunning()) return;
   const auto excess = [&] {
-    return secondsBetween(waiting_.front().t, frame.t) > kMostWaitingSpans * options_.start_span_s;
+    return secondsBetween(waiting_.front().t, frame.t) > kMostWaitingSpans * startSpan();
   };
   while (excess()) waiting_.erase(waiting_.begin());
 }
@@ -110,9 +113,9 @@ void Odometry::begin(const FrameTracks& frame) {
 /// The window's first frames: evenly chosen among those that waited, the newest ones whole.
 void Odometry::fillFrom(const StartEstimate& start) {
   const Transform T_resume(
-      Eigen::Matrix3d(Eigen::AngleAxisd(std::atan2(resume_.R(1, 0), resume_.R(0, 0)),
-                                        Eigen::Vector3d::UnitZ())
-                          .toRotationMatrix()),
+      Eigen::Matrix3d(
+          Eigen::AngleAxisd(std::atan2(resume_.R(1, 0), resume_.R(0, 0)), Eigen::Vector3d::UnitZ())
+              .toRotationMatrix()),
       resume_.t);
   const std::size_t n = waiting_.size();
   const auto keep = static_cast<std::size_t>(options_.keyframes);
@@ -135,9 +138,8 @@ void Odometry::fillFrom(const StartEstimate& start) {
     result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), true});
   }
   for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
-    window_.frames[i].link =
-        imuLink(samples_, rig_, window_.frames[i].t, window_.frames[i + 1].t,
-                biasOf(window_.frames[i].state), options_.max_imu_gap_s);
+    window_.frames[i].link = imuLink(samples_, rig_, window_.frames[i].t, window_.frames[i + 1].t,
+                                     biasOf(window_.frames[i].state), options_.max_imu_gap_s);
   }
   // Position and yaw of the first frame, which nothing observes, and what is known of the biases.
   WindowPrior& prior = window_.prior;
@@ -152,14 +154,34 @@ void Odometry::fillFrom(const StartEstimate& start) {
   prior.cost.H.diagonal().tail<3>().setConstant(1 / (s.accel_bias_sigma * s.accel_bias_sigma));
   prior.cost.b.segment<3>(9) = prior.cost.H(9, 9) * prior.points[0].gyro_bias;
   prior.cost.b.tail<3>() = prior.cost.H(12, 12) * prior.points[0].accel_bias;
-  last_seen_ = waiting_.back().t;
-  waiting_.clear();
+  last_fit_ = waiting_.back().t;
   for (int round = 0; round < 3; ++round) {
     placeLandmarks();
     optimise(10);
     gate();
   }
+  if (!startHolds()) {
+    result_.poses.resize(result_.poses.size() - window_.frames.size());
+    window_ = {};
+    pose_of_.clear();
+    keyframe_rays_.clear();
+    return;
+  }
+  waiting_.clear();
   remember();
+}
+
+/// Whether most of what the newest frame saw has its place, and the sensors can be so.
+bool Odometry::startHolds() const {
+  if (!isSane()) return false;
+  const std::int64_t newest = window_.frames.back().serial;
+  int seen = 0, placed = 0;
+  for (const auto& [id, landmark] : window_.landmarks) {
+    if (landmark.last_frame != newest) continue;
+    ++seen;
+    placed += landmark.p_W.has_value() ? 1 : 0;
+  }
+  return placed >= options_.start.min_landmarks && 2 * placed > seen;
 }
 
 /// Adds a frame at the IMU's prediction. False where there is none.
@@ -180,11 +202,7 @@ bool Odometry::append(const FrameTracks& tracks) {
   addSightings(tracks, frame.serial);
   pose_of_[frame.serial] = result_.poses.size();
   result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), frame.keyframe});
-  if (tracks.points.size() >= kFewTracks) last_seen_ = tracks.t;
-  if (secondsBetween(last_seen_, tracks.t) <= options_.max_blind_s) return true;
-  result_.poses.pop_back();
-  lose(tracks.t, OdometryLoss::kBlind);
-  return false;
+  return true;
 }
 
 void Odometry::addSightings(const FrameTracks& tracks, std::int64_t serial) {
@@ -250,10 +268,9 @@ bool Odometry::isKeyframe(const FrameTracks& frame) const {
   const WindowFrame& keyframe = window_.frames[static_cast<std::size_t>(last)];
   if (secondsBetween(keyframe.t, frame.t) > options_.keyframe_interval_s) return true;
   const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
-  const Eigen::Matrix3d R_kf_now =
-      (keyframe.state.T_FS.R * R_SC).transpose() *
-      (window_.frames.back().state.T_FS.R * expectedRotation(window_.frames.back().t, frame.t) *
-       R_SC);
+  const Eigen::Matrix3d R_kf_now = (keyframe.state.T_FS.R * R_SC).transpose() *
+                                   (window_.frames.back().state.T_FS.R *
+                                    expectedRotation(window_.frames.back().t, frame.t) * R_SC);
   double parallax = 0;
   int common = 0;
   for (const TrackPoint& p : frame.points) {
@@ -286,10 +303,30 @@ bool Odometry::stands() const {
   return moved.size() >= 2 * kFewTracks && median(std::move(moved)) < options_.still_px;
 }
 
-bool Odometry::hasDiverged() const {
+bool Odometry::isSane() const {
   const ImuState& s = window_.frames.back().state;
-  return !(s.v_F.norm() < kFastest && s.gyro_bias.norm() < kLargestGyroBias &&
-           s.accel_bias.norm() < kLargestAccelBias);
+  return s.v_F.norm() < kFastest && s.gyro_bias.norm() < kLargestGyroBias &&
+         s.accel_bias.norm() < kLargestAccelBias;
+}
+
+/// Lost where nothing, or next to nothing of what is seen, has fitted for max_blind_s.
+std::optional<OdometryLoss> Odometry::isLost(const FrameTracks& frame) {
+  if (!isSane()) return OdometryLoss::kDiverged;
+  const std::int64_t newest = window_.frames.back().serial;
+  std::size_t fitting = 0;
+  for (const auto& [id, landmark] : window_.landmarks) {
+    fitting += landmark.p_W && landmark.sightings.back().frame == newest ? 1 : 0;
+  }
+  const std::size_t seen = frame.points.size();
+  if (fitting >= kFewTracks && fitting >= kFittingShare * static_cast<double>(seen)) {
+    last_fit_ = frame.t;
+  }
+  if (secondsBetween(last_fit_, frame.t) <= options_.max_blind_s) return std::nullopt;
+  return seen < 2 * kFewTracks ? OdometryLoss::kBlind : OdometryLoss::kDiverged;
+}
+
+double Odometry::startSpan() const {
+  return rig_.cameras.size() > 1 ? options_.start_span_s : options_.mono_start_span_s;
 }
 
 /// Poses of the frames that may still move are written again.

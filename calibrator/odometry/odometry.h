@@ -17,19 +17,20 @@
 namespace plumbline {
 
 struct OdometryOptions {
-  double pixel_sigma = 0.7;   ///< standard deviation of a track's coordinate [px]
-  int keyframes = 10;         ///< kept in the window
-  int recent_frames = 4;      ///< of the newest frames, kept whether keyframes or not
+  double pixel_sigma = 0.7;          ///< standard deviation of a track's coordinate [px]
+  int keyframes = 10;                ///< kept in the window
+  int recent_frames = 4;             ///< of the newest frames, kept whether keyframes or not
   double keyframe_parallax_px = 12;  ///< mean, without rotation, since the last keyframe
   double keyframe_share = 0.6;       ///< of the last keyframe's tracks; fewer: a new keyframe
   double keyframe_interval_s = 2;    ///< at the latest
   double start_span_s = 0.75;        ///< of the frames that the start uses
+  double mono_start_span_s = 2;      ///< the same with one camera, whose scale the IMU alone knows
   int iterations = 4;                ///< of the window, a frame
   double gate = 3;                   ///< a sighting farther off is dropped [sigma]
   double still_px = 0.3;             ///< median movement in still_span_s of a rig that stands
   double still_span_s = 0.25;
   double max_imu_gap_s = 0.1;  ///< between samples; longer: the motion is lost
-  double max_blind_s = 2;      ///< on the IMU alone; longer: the motion is lost
+  double max_blind_s = 1;      ///< on the IMU alone; longer: the motion is lost
   WindowModel model;
   StartOptions start;
   TriangulationLimits triangulation;
@@ -42,7 +43,7 @@ struct OdometryOptions {
 enum class OdometryLoss {
   kImuGap,    ///< no samples between two frames
   kBlind,     ///< too few tracks for too long
-  kDiverged,  ///< a velocity or bias beyond what the sensors can have
+  kDiverged,  ///< tracks that no longer fit, a velocity or bias beyond what can be
 };
 constexpr std::array<const char*, 3> enumWords(OdometryLoss /*of*/) {
   return {"imu-gap", "blind", "diverged"};
@@ -64,7 +65,7 @@ struct OdometryLossEvent {
 
 /// What an odometry made of its frames.
 struct OdometryResult {
-  std::vector<OdometryPose> poses;       ///< ascending; none before the start
+  std::vector<OdometryPose> poses;        ///< ascending; none before the start
   std::vector<OdometryLossEvent> losses;  ///< after each the poses continue elsewhere: a jump
   int frames = 0;                         ///< offered
   double mean_landmarks = 0;              ///< placed, a frame
@@ -96,6 +97,7 @@ class Odometry {
  private:
   void begin(const FrameTracks& frame);
   void fillFrom(const StartEstimate& start);
+  bool startHolds() const;
   void lose(TimeNs t, OdometryLoss cause);
   bool append(const FrameTracks& frame);
   void addSightings(const FrameTracks& frame, std::int64_t serial);
@@ -108,20 +110,22 @@ class Odometry {
   void dropFrame(int index);
   void marginaliseOldest();
   void remember();
-  bool hasDiverged() const;
+  bool isSane() const;
+  std::optional<OdometryLoss> isLost(const FrameTracks& frame);
+  double startSpan() const;
 
   RigModel rig_;
   std::span<const ImuSample> samples_;
   OdometryOptions options_;
   Window window_;
-  std::vector<FrameTracks> waiting_;   // before the start
-  std::deque<FrameTracks> latest_;     // the last still_span_s
+  std::vector<FrameTracks> waiting_;  // before the start
+  std::deque<FrameTracks> latest_;    // the last still_span_s
   std::int64_t next_serial_ = 0;
   std::int64_t last_keyframe_ = -1;
   std::map<std::int64_t, Eigen::Vector3d> keyframe_rays_;  // of camera 0, by track
   Transform resume_;                                       // where the next start begins
   ImuBias last_bias_;
-  TimeNs last_seen_ = 0;  // last frame with enough tracks
+  TimeNs last_fit_ = 0;                          // last frame whose tracks fitted
   std::map<std::int64_t, std::size_t> pose_of_;  // by serial, of the frames in the window
   OdometryResult result_;
   double landmark_sum_ = 0, track_sum_ = 0;

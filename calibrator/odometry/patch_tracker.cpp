@@ -14,7 +14,7 @@ namespace {
 constexpr int kRadius = 7;
 constexpr int kSide = 2 * kRadius + 1;
 constexpr int kPixels = kSide * kSide;
-constexpr float kContrast = 2;  // of two images of the same, at most
+constexpr float kContrast = 2;    // of two images of the same, at most
 constexpr int kWide = kSide + 2;  // with a border, for the gradients
 
 /// Samples a square of `side` pixels whose first one is at (x, y), bilinearly; false where it does

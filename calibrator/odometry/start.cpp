@@ -69,8 +69,8 @@ class StartProblem {
   bool integrate() {
     motions_.assign(1, {});
     for (std::size_t k = 1; k < frames_.size(); ++k) {
-      const auto m = preintegrate(samples_, {frames_[0].t, frames_[k].t, rig_.time_offset_s},
-                                  globals_.bias);
+      const auto m =
+          preintegrate(samples_, {frames_[0].t, frames_[k].t, rig_.time_offset_s}, globals_.bias);
       if (!m) return false;
       motions_.push_back(*m);
     }

@@ -18,7 +18,7 @@ struct StartOptions {
   int min_landmarks = 15;         ///< seen from two frames or cameras at least
   /// Of v_0, where the rig is known to stand; empty: it may move [m/s].
   std::optional<double> velocity_sigma;
-  double max_rms = 3;             ///< of the whitened sightings at the solution [sigma]
+  double max_rms = 3;              ///< of the whitened sightings at the solution [sigma]
   double max_velocity_std = 0.25;  ///< of the solved velocity [m/s]
   double max_tilt_std = 0.12;      ///< of gravity's direction [rad]
 
@@ -42,11 +42,11 @@ struct StartEstimate {
 /// States from a standstill or in motion, without a first guess. Over a second the IMU knows the
 /// motion but for v_0, gravity and the biases, in the frame S_0 of the first IMU pose:
 ///   p_k = v_0 t_k + g t_k^2 / 2 + alpha_k(b),  R_k = R_k(b_gyro),
-/// so a sighting of a landmark l, w M R_CS (R_k^T (l - p_k)) + ..., is linear in l, v_0, g; with the
-/// biases by Gauss-Newton about zero, under their priors and that of |g|. Landmarks are eliminated
-/// one by one; weights 1/|p_C| and Cauchy's come from the step before.
-/// Sources: Dong-Si and Mourikis, "Estimator initialization in vision-aided inertial navigation with
-/// unknown camera-IMU calibration", IROS 2012; Kaiser et al., "Simultaneous state initialization and
+/// so a sighting of a landmark l, w M R_CS (R_k^T (l - p_k)) + ..., is linear in l, v_0, g; with
+/// the biases by Gauss-Newton about zero, under their priors and that of |g|. Landmarks are
+/// eliminated one by one; weights 1/|p_C| and Cauchy's come from the step before. Sources: Dong-Si
+/// and Mourikis, "Estimator initialization in vision-aided inertial navigation with unknown
+/// camera-IMU calibration", IROS 2012; Kaiser et al., "Simultaneous state initialization and
 /// gyroscope bias calibration in visual inertial aided navigation", RA-L 2017.
 ///
 /// Empty where the samples do not cover the frames, too few landmarks are seen, or the motion does

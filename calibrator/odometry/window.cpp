@@ -11,8 +11,9 @@
 namespace plumbline {
 
 int Window::indexOf(std::int64_t serial) const {
-  const auto at = std::lower_bound(frames.begin(), frames.end(), serial,
-                                   [](const WindowFrame& f, std::int64_t s) { return f.serial < s; });
+  const auto at =
+      std::lower_bound(frames.begin(), frames.end(), serial,
+                       [](const WindowFrame& f, std::int64_t s) { return f.serial < s; });
   return at != frames.end() && at->serial == serial ? static_cast<int>(at - frames.begin()) : -1;
 }
 
@@ -86,8 +87,8 @@ std::optional<SightingResidual> sightingResidual(const Sighting& seen, const Rig
   const Eigen::Vector3d u = p_C / range;
   SightingResidual out;
   out.e = *e;
-  // d(p/|p|) = (I - u u')/|p| dp;  p_C = R_CW (p_W - t): dt acts as -dp_W, a turn of the body on the
-  // left as arm x.
+  // d(p/|p|) = (I - u u')/|p| dp;  p_C = R_CW (p_W - t): dt acts as -dp_W, a turn of the body on
+  // the left as arm x.
   const Eigen::Matrix<double, 2, 3> G = (seen.M - (seen.M * u) * u.transpose()) / range;
   out.J_point.noalias() = G * R_CW;
   out.J_pose.leftCols<3>() = -out.J_point;

@@ -67,7 +67,7 @@ struct WindowPrior {
 
 /// A fixed-lag window: frames, the landmarks they see, the IMU between them and the prior.
 struct Window {
-  std::vector<WindowFrame> frames;        ///< ascending in time
+  std::vector<WindowFrame> frames;             ///< ascending in time
   std::map<std::int64_t, Landmark> landmarks;  ///< by track id
   WindowPrior prior;
 
@@ -77,7 +77,7 @@ struct Window {
 
 /// Weights of the window's terms.
 struct WindowModel {
-  double cauchy = 2;             ///< scale of the Cauchy loss on a whitened sighting [sigma]
+  double cauchy = 2;              ///< scale of the Cauchy loss on a whitened sighting [sigma]
   double still_sigma_m_s = 0.01;  ///< of a standing rig's velocity
 };
 

@@ -54,8 +54,7 @@ LinkTerm linkTerm(const ImuLink& link, const WindowFrame& i, const WindowFrame& 
                   const Gravity& gravity) {
   LinkTerm term;
   term.r = linkError(link, i.state, j.state, gravity);
-  const ImuResidual at =
-      imuResidual(motionAt(link, i.point()), i.point(), j.point(), gravity);
+  const ImuResidual at = imuResidual(motionAt(link, i.point()), i.point(), j.point(), gravity);
   term.J_i.setZero();
   term.J_j.setZero();
   term.J_i.topRows<9>() = link.weight.sqrt_information * at.J_i;
@@ -76,18 +75,18 @@ double WindowProblem::costOf(const Window& window) const {
   double sum = 0;
   if (!window.prior.frames.empty()) {
     const Eigen::VectorXd d = displacements(window);
-    sum += window.prior.cost.c + window.prior.cost.b.dot(d) +
-           0.5 * d.dot(window.prior.cost.H * d);
+    sum += window.prior.cost.c + window.prior.cost.b.dot(d) + 0.5 * d.dot(window.prior.cost.H * d);
   }
   const Gravity gravity = gravityOf(rig_);
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     const WindowFrame& frame = window.frames[i];
     if (frame.still) {
-      sum += 0.5 * frame.state.v_F.squaredNorm() / (model_.still_sigma_m_s * model_.still_sigma_m_s);
+      sum +=
+          0.5 * frame.state.v_F.squaredNorm() / (model_.still_sigma_m_s * model_.still_sigma_m_s);
     }
     if (!frame.link || i + 1 == window.frames.size()) continue;
-    sum += 0.5 * linkError(*frame.link, frame.state, window.frames[i + 1].state, gravity)
-                     .squaredNorm();
+    sum += 0.5 *
+           linkError(*frame.link, frame.state, window.frames[i + 1].state, gravity).squaredNorm();
   }
   for (const auto& [id, landmark] : window.landmarks) {
     if (!isUsed(landmark)) continue;
@@ -176,7 +175,8 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
   LandmarkTerm term;
   term.id = id;
   placeTerm(term, landmark);
-  for (const LandmarkSighting& s : landmark.sightings) term.frames.push_back(window_.indexOf(s.frame));
+  for (const LandmarkSighting& s : landmark.sightings)
+    term.frames.push_back(window_.indexOf(s.frame));
   std::sort(term.frames.begin(), term.frames.end());
   term.frames.erase(std::unique(term.frames.begin(), term.frames.end()), term.frames.end());
   term.W.setZero(static_cast<Eigen::Index>(6 * term.frames.size()), 3);
@@ -218,9 +218,8 @@ bool WindowProblem::eliminate(double damping, Eigen::MatrixXd& H, Eigen::VectorX
       const Eigen::Index row = kState * term.frames[i];
       b.segment<6>(row).noalias() -= term.W.middleRows<6>(slot) * Vb;
       for (std::size_t j = 0; j <= i; ++j) {
-        H.block<6, 6>(row, kState * term.frames[j]).noalias() -=
-            WV.middleRows<6>(slot).lazyProduct(
-                term.W.middleRows<6>(static_cast<Eigen::Index>(6 * j)).transpose());
+        H.block<6, 6>(row, kState * term.frames[j]).noalias() -= WV.middleRows<6>(slot).lazyProduct(
+            term.W.middleRows<6>(static_cast<Eigen::Index>(6 * j)).transpose());
       }
     }
   }

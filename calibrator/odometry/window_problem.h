@@ -39,8 +39,8 @@ class WindowProblem {
     Eigen::Vector3d p_W, centre, direction;  ///< where it is seen from, unit direction
     Eigen::Matrix3d D;                       ///< dp/dstep
     double inverse_range = 0;
-    std::vector<int> frames;                             ///< indices, ascending
-    Eigen::Matrix<double, Eigen::Dynamic, 3> W;          ///< 6 rows a frame
+    std::vector<int> frames;                     ///< indices, ascending
+    Eigen::Matrix<double, Eigen::Dynamic, 3> W;  ///< 6 rows a frame
     Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
     Eigen::Matrix3d V_inverse;
@@ -65,8 +65,8 @@ class WindowProblem {
   Eigen::VectorXd b_;
   std::vector<LandmarkTerm> terms_;
   Eigen::VectorXd step_;
-  std::vector<ImuState> states_;               // of the trial
-  std::vector<Eigen::Vector3d> points_;        // of the trial, parallel to terms_
+  std::vector<ImuState> states_;         // of the trial
+  std::vector<Eigen::Vector3d> points_;  // of the trial, parallel to terms_
   double trial_cost_ = 0;
 };
 

@@ -77,11 +77,14 @@ YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(pat
 }
 
 YamlMap YamlMap::load(const std::string& path, const std::string& what) {
-  const MappedFile file(path);
-  refuseText(path, file.text(), what);
+  return parse(MappedFile(path).text(), path, what);
+}
+
+YamlMap YamlMap::parse(std::string_view text, const std::string& path, const std::string& what) {
+  refuseText(path, text, what);
   YAML::Node top;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(file.text()));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
     if (!documents.empty()) top = documents.front();
     refuseFurther(path, documents);
   } catch (const YAML::Exception& error) {
@@ -90,10 +93,9 @@ YamlMap YamlMap::load(const std::string& path, const std::string& what) {
         {InputFault::kSyntax, "YAML syntax error (" + error.msg + ")", what, "correct the file"});
   }
   if (!top.IsMap()) {
-    throw badInput(
-        path, 0,
-        {InputFault::kUnknownFile, file.text().empty() ? "is empty" : "is not a YAML mapping", what,
-         "correct the file"});
+    throw badInput(path, 0,
+                   {InputFault::kUnknownFile, text.empty() ? "is empty" : "is not a YAML mapping",
+                    what, "correct the file"});
   }
   return {path, top};
 }

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -18,6 +19,9 @@ class YamlMap {
   /// a missing file, a syntax error (with its line), a key given twice, or another kind of content;
   /// `what` says what the file should hold.
   static YamlMap load(const std::string& path, const std::string& what);
+
+  /// The same of a text; `path` is what errors call it.
+  static YamlMap parse(std::string_view text, const std::string& path, const std::string& what);
 
   bool has(const std::string& key) const;
   const std::string& path() const { return path_; }

@@ -36,7 +36,8 @@ Command compareCommand();
 Command studyCommand();
 Command completionCommand();
 Command manCommand();
-Command targetCommand();    ///< with subcommands
+Command targetCommand();  ///< with subcommands
+Command odometryCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
 /// The subcommand of `simulate`.

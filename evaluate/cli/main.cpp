@@ -69,10 +69,10 @@ void waitIfEnding() {
 }
 
 std::vector<Command> commands() {
-  return {simulateCommand(), detectCommand(), calibrateCommand(), evaluateCommand(),
-          compareCommand(),  exportCommand(), targetCommand(),    perturbCommand(),
-          replayCommand(),   studyCommand(),  reportCommand(),    completionCommand(),
-          manCommand()};
+  return {simulateCommand(),   detectCommand(),   calibrateCommand(), evaluateCommand(),
+          compareCommand(),    odometryCommand(), exportCommand(),    targetCommand(),
+          perturbCommand(),    replayCommand(),   studyCommand(),     reportCommand(),
+          completionCommand(), manCommand()};
 }
 
 // " evaluate trajectory": the commands that were chosen, one within the other.

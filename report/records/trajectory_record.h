@@ -135,6 +135,30 @@ void fields(V& v, NeesRecord& r) {
   v("reading", r.reading, "`consistent`; `overconfident`: above the bounds; `cautious`: below");
 }
 
+/// How an odometry made an estimate.
+struct OdometryRunRecord {
+  std::string system;              ///< "builtin", or the runner's name
+  double seconds = 0;              ///< of wall time, images read included
+  double real_time_factor = 0;     ///< recorded time / seconds
+  std::size_t frames = 0;          ///< offered
+  std::size_t frames_skipped = 0;  ///< missing, or not to be decoded
+  std::size_t losses = 0;          ///< where the motion was lost and begun anew: a jump
+  double mean_landmarks = 0;       ///< placed, a frame; 0: not known
+  std::vector<std::string> log;    ///< last lines of a system that failed
+};
+
+template <class V>
+void fields(V& v, OdometryRunRecord& r) {
+  v("system", r.system, "`builtin`, or the runner's name");
+  v("seconds", r.seconds, "s", "of wall time, images read included");
+  v("real_time_factor", r.real_time_factor, "1", "recorded time / seconds");
+  v("frames", r.frames, "1", "offered");
+  v("frames_skipped", r.frames_skipped, "1", "missing, or not to be decoded");
+  v("losses", r.losses, "1", "where the motion was lost and begun anew: a jump");
+  v("mean_landmarks", r.mean_landmarks, "1", "placed, a frame; 0: not known");
+  v.ifSet("log", r.log, "last lines of a system that failed");
+}
+
 enum class RunStatus { kComplete, kPartial, kFailed };
 constexpr std::array<const char*, 3> enumWords(RunStatus /*of*/) {
   return {"complete", "partial", "failed"};
@@ -160,6 +184,7 @@ struct TrajectoryRun {
   std::optional<ClockOffsetRecord> clock_offset;
   std::optional<HandEyeRecord> hand_eye;
   std::vector<NeesRecord> nees;
+  std::optional<OdometryRunRecord> odometry;  ///< where `plumbline odometry` made the estimate
   /// Per pair, for plots; at most a few thousand (thinned evenly), empty for a failed run.
   std::vector<TimeNs> t;
   std::vector<Eigen::Vector3d> truth_m;     ///< positions of the truth
@@ -204,6 +229,7 @@ void fields(V& v, TrajectoryRun& r) {
   v("clock_offset", r.clock_offset, "from correlating angular rates");
   v("hand_eye", r.hand_eye, "joins marker body and IMU");
   v.ifSet("nees", r.nees, "where the estimate has covariances");
+  v("odometry", r.odometry, "how `plumbline odometry` made the estimate");
   v("remarks", r.remarks, "a sentence each, what a reader should know");
   v.array("t", r.t, "stamp of each pair (thinned to a few thousand)");
   v.array("truth_m", r.truth_m, "positions of the truth");

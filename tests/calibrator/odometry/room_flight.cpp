@@ -57,8 +57,8 @@ RoomFlight::RoomFlight(const SimulatedRig& rig, const RoomFlightOptions& options
     const double share[] = {0.65, 0.25, 0.1}, harmonic[] = {1, 2.1, 4.3};
     for (int i = 0; i < SumOfSinusoids::kTerms; ++i) {
       s.amplitude[i] = reach[c] * share[i] * random.uniform(0.9, 1.1);
-      s.omega[i] = 2 * std::numbers::pi * hertz[c] * harmonic[i] * options.pace *
-                   random.uniform(0.9, 1.1);
+      s.omega[i] =
+          2 * std::numbers::pi * hertz[c] * harmonic[i] * options.pace * random.uniform(0.9, 1.1);
       s.phase[i] = random.uniform(0, 2 * std::numbers::pi);
     }
     channels_.push_back(s);

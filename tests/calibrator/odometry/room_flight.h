@@ -14,12 +14,12 @@ namespace plumbline {
 struct RoomFlightOptions {
   std::uint64_t seed = 1;
   double duration_s = 30;
-  double rest_s = 0;        ///< stands still before it flies
-  double pace = 1;          ///< multiplies all frequencies
+  double rest_s = 0;         ///< stands still before it flies
+  double pace = 1;           ///< multiplies all frequencies
   double pixel_sigma = 0.5;  ///< of a track's coordinates [px]
   bool imu_noise = true;
-  int landmarks = 800;      ///< on the walls of a room of 8 x 6 x 3 m
-  int tracks = 120;         ///< seen by a camera at most
+  int landmarks = 800;       ///< on the walls of a room of 8 x 6 x 3 m
+  int tracks = 120;          ///< seen by a camera at most
   double outlier_share = 0;  ///< of sightings that lie anywhere
 };
 

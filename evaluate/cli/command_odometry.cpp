@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "calibrator/base/error.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/cli/trajectory_metric_options.h"
+#include "evaluate/odometry/run_odometry.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
+#include "evaluate/trajectory/summary.h"
+#include "report/html/trajectory/page.h"
+#include "report/records/documents.h"
+
+namespace plumbline {
+namespace {
+
+struct OdometryCommandOptions {
+  OdometryRequest request;
+  std::string with = "builtin";
+  TrajectoryMetricWords metrics;
+  double max_ate_m = 0;
+  double memory_mb = 0;
+  OutputOptions output;
+};
+
+void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
+  OdometryRequest& r = o.request;
+  app.add_option("sequence", r.sequences, "EuRoC or TUM-VI folders: images, IMU, ground truth")
+      ->required();
+  app.add_option("--calibration", r.calibrations, "Calibrations to compare, in any format")
+      ->required();
+  app.add_option("--with", o.with,
+                 "builtin, orbslam3, openvins, a runner's .yaml, or a command with {settings}, "
+                 "{sequence}, {output}")
+      ->capture_default_str();
+  app.add_option("--executable", r.executable, "Program of orbslam3, openvins or the runner");
+  app.add_option("--runs", r.runs, "Runs of each (0: what the system needs; builtin: 1)")
+      ->check(numberFrom(0))
+      ->capture_default_str();
+  app.add_option("--imu", r.imu, "IMU noise (Kalibr's imu.yaml) for all calibrations");
+  app.add_option("--truth", r.truth, "Ground truth, with {sequence} for several; default: found");
+  app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
+      ->check(numberFrom(0))
+      ->capture_default_str();
+  app.add_option("--time-limit", r.run_seconds, "Wall time of another system's run [s]")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--memory-limit", o.memory_mb, "Its address space [MB] (0: no limit)")
+      ->check(numberFrom(0))
+      ->capture_default_str();
+  app.add_option("--max-ate", o.max_ate_m,
+                 "ATE [m] above which a run has diverged (default: what never moving would reach)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--threads", r.threads, "Runs at once (0: all cores)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  o.output.declare(app)->required();
+  declareCoverage(app, o.metrics);
+  declareTrajectoryMetrics(app, o.metrics);
+}
+
+std::optional<Runner> runnerFrom(const std::string& with) {
+  if (with == "builtin") return std::nullopt;
+  if (auto known = knownRunner(with)) return known;
+  return with.ends_with(".yaml") ? readRunner(with) : runnerOf(with);
+}
+
+OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
+  OdometryRequest request = o.request;
+  request.runner = runnerFrom(o.with);
+  if (!request.runner && !request.executable.empty()) {
+    throw InputError("--executable: the built-in odometry has none; choose a system by --with");
+  }
+  request.memory_bytes = static_cast<std::size_t>(o.memory_mb * 1e6);
+  request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  request.how.truth_w_first = o.metrics.truth_w_first;
+  request.min_coverage = o.metrics.min_coverage;
+  if (o.max_ate_m > 0) request.max_ate_m = o.max_ate_m;
+  return request;
+}
+
+int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
+  const OdometryRequest request = odometryRequest(o);
+  std::vector<std::string> inputs = request.sequences;
+  inputs.insert(inputs.end(), request.calibrations.begin(), request.calibrations.end());
+  OutputFolder out(o.output.request("odometry", std::move(inputs)));
+  ProgressBar bar;
+  TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());
+  bar.clear();
+  record.name = std::filesystem::path(o.output.out).filename().string();
+  record.provenance = makeProvenance("odometry", givenOptions(app));
+  record.provenance.input = std::filesystem::path(request.sequences.front()).filename().string();
+  writeResults(out, record,
+               {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
+               renderTrajectoryPage(record));
+  say("{}{}\nReport: {}/report.html\n", runsSummary(record), odometrySummary(record), o.output.out);
+  return kDone;
+}
+
+}  // namespace
+
+Command odometryCommand() {
+  return {
+      "odometry", "Runs an odometry with each calibration and compares its trajectory errors",
+      "plumbline odometry MH_01 --calibration ours/calibration.json --calibration kalibr.yaml "
+      "--out loop",
+      [](CLI::App& app) {
+        auto options = std::make_shared<OdometryCommandOptions>();
+        declareOdometry(app, *options);
+        return std::function<int()>([options, &app] { return runOdometryCommand(*options, app); });
+      }};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/builtin_run.h"
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
+#include "datasets/images/image_io.h"
+#include "evaluate/results/text.h"
+
+namespace plumbline {
+namespace {
+
+/// Reads images, and counts those that it cannot.
+class FrameReader {
+ public:
+  FrameReader(const OdometrySequence& sequence, const RigModel& rig, double most_skipped)
+      : sequence_(sequence), rig_(rig) {
+    std::size_t images = 0;
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) images += sequence.images[c].size();
+    allowed_ = static_cast<std::size_t>(most_skipped * static_cast<double>(images));
+  }
+
+  /// Of all cameras at the stamp of an image of camera 0; empty ones where there is none.
+  std::vector<GrayImage> at(const ImageFile& first) {
+    std::vector<GrayImage> images{read(first, 0)};
+    for (std::size_t c = 1; c < rig_.cameras.size(); ++c) {
+      const ImageFile* image = imageAt(sequence_.images[c], first.t);
+      images.push_back(image != nullptr ? read(*image, c) : GrayImage());
+    }
+    return images;
+  }
+
+  std::size_t skipped() const { return skipped_; }
+
+ private:
+  GrayImage read(const ImageFile& file, std::size_t camera) {
+    GrayImage image;
+    try {
+      image = readGrayImage(file.path);
+    } catch (const InputError& error) {
+      if (++skipped_ > allowed_) {
+        throw InputError(file.path, 0,
+                         fmt::format("{} images are missing or damaged, more than {} may be; the "
+                                     "last one: {}",
+                                     skipped_, allowed_, error.what()));
+      }
+      return {};
+    }
+    const Resolution& stated = rig_.cameras[camera].resolution;
+    if (image.width() == stated.width && image.height() == stated.height) return image;
+    throw InputError(file.path, 0,
+                     fmt::format("is {}x{}, and the calibration states {}x{} for this camera: it "
+                                 "is one of another rig",
+                                 image.width(), image.height(), stated.width, stated.height));
+  }
+
+  const OdometrySequence& sequence_;
+  const RigModel& rig_;
+  std::size_t allowed_ = 0, skipped_ = 0;
+};
+
+}  // namespace
+
+void BuiltinOptions::check() const {
+  odometry.check();
+  tracker.check();
+  requireOption(cameras >= 0, "cameras", cameras, "0 or more");
+  requireWithin(0, 1, "most_skipped", most_skipped);
+}
+
+BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calibration,
+                      const BuiltinOptions& options) {
+  options.check();
+  const RigModel rig = RigModel::of(calibration, options.cameras);
+  if (rig.cameras.size() > sequence.images.size()) {
+    throw InputError(sequence.root.string(), 0,
+                     fmt::format("has {} cameras, the calibration {}: it is one of another rig",
+                                 sequence.images.size(), rig.cameras.size()));
+  }
+  const Stopwatch clock;
+  FrameReader reader(sequence, rig, options.most_skipped);
+  FeatureTracker tracker(rig, options.tracker);
+  Odometry odometry(rig, sequence.samples, options.odometry);
+  BuiltinRun run;
+  std::optional<TimeNs> last;
+  for (const ImageFile& first : sequence.images[0]) {
+    ++run.frames;
+    const std::vector<GrayImage> images = reader.at(first);
+    if (images[0].empty()) continue;
+    std::vector<GrayImageView> views;
+    for (const GrayImage& image : images) views.push_back(image.view());
+    const Eigen::Matrix3d turn = last ? odometry.expectedRotation(*last, first.t)
+                                      : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    odometry.step(tracker.track(first.t, views, turn));
+    last = first.t;
+  }
+  run.result = odometry.result();
+  run.skipped = reader.skipped();
+  run.seconds = clock.seconds();
+  return run;
+}
+
+std::vector<StampedPose> posesOf(const OdometryResult& result) {
+  std::vector<StampedPose> poses;
+  for (const OdometryPose& pose : result.poses) {
+    poses.push_back({pose.t, pose.state.T_FS.t, pose.state.T_FS.quaternion()});
+  }
+  return poses;
+}
+
+std::string tumText(const std::vector<StampedPose>& poses) {
+  Text text;
+  add(text, "# t [s] x y z [m] qx qy qz qw: IMU in the odometry's world, camera clock\n");
+  for (const StampedPose& pose : poses) {
+    add(text, "{}.{:09} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.t / 1'000'000'000,
+        pose.t % 1'000'000'000, pose.p.x(), pose.p.y(), pose.p.z(), pose.q.x(), pose.q.y(),
+        pose.q.z(), pose.q.w());
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

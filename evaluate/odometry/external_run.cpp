@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/external_run.h"
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/files/file_io.h"
+#include "datasets/trajectory/trajectory_reader.h"
+#include "evaluate/odometry/process.h"
+#include "evaluate/results/text.h"
+#include "generated/version.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kLogLines = 20;
+
+using Fields = std::map<std::string, std::string>;
+
+/// The sequence with one name for its images, <ns>.png, and IMU stamps less t_d: the folders that a
+/// system without a time offset reads.
+void linkSequence(const OdometrySequence& sequence, double time_offset_s, const fs::path& folder) {
+  for (std::size_t c = 0; c < sequence.images.size(); ++c) {
+    const fs::path camera = fs::path("mav0") / fmt::format("cam{}", c);
+    Text list;
+    add(list, "#timestamp [ns],filename\n");
+    fs::create_directories(folder / camera / "data");
+    for (const ImageFile& image : sequence.images[c]) {
+      if (!fs::is_regular_file(image.path)) continue;
+      add(list, "{0},{0}.png\n", image.t);
+      fs::create_symlink(fs::absolute(image.path),
+                         folder / camera / "data" / fmt::format("{}.png", image.t));
+    }
+    writeNewFile(folder, camera / "data.csv", fmt::to_string(list));
+  }
+  Text samples;
+  add(samples, "#timestamp [ns],w_x [rad s^-1],w_y,w_z,a_x [m s^-2],a_y,a_z\n");
+  const TimeNs shift = toNanoseconds(time_offset_s);
+  for (const ImuSample& s : sequence.samples) {
+    add(samples, "{},{},{},{},{},{},{}\n", s.t - shift, s.gyro.x(), s.gyro.y(), s.gyro.z(),
+        s.accel.x(), s.accel.y(), s.accel.z());
+  }
+  writeNewFile(folder, "mav0/imu0/data.csv", fmt::to_string(samples));
+}
+
+std::string stampsOf(const OdometrySequence& sequence) {
+  Text text;
+  for (const ImageFile& image : sequence.images[0]) {
+    if (fs::is_regular_file(image.path)) add(text, "{}\n", image.t);
+  }
+  return fmt::to_string(text);
+}
+
+/// Writes what the runner needs below `folder`; the values of its fields.
+Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
+               const Calibration& calibration, const fs::path& folder) {
+  const Runner& runner = request.runner;
+  fs::create_directories(folder / "settings");
+  if (runner.settings) {
+    const ExportOptions options{request.calibration.string(), kVersion, request.noise_known, {}};
+    for (const ExportFile& file : exportCalibration(calibration, *runner.settings, options).files) {
+      writeNewFile(folder, fs::path("settings") / file.name, file.text);
+    }
+  }
+  for (const auto& [name, text] : runner.files) {
+    writeNewFile(folder, fs::path("settings") / name, text);
+  }
+  writeNewFile(folder, "times.txt", stampsOf(sequence));
+  fs::path data = sequence.root.filename() == "mav0" ? sequence.root.parent_path() : sequence.root;
+  if (runner.needs_shifted_imu) {
+    data = folder / "sequence";
+    fs::create_directories(data);
+    linkSequence(sequence, calibration.imu->timeOffset(), data);
+  }
+  return {{"executable", request.executable.empty() ? runner.executable : request.executable},
+          {"settings", fs::absolute(folder / "settings").string()},
+          {"calibration", fs::absolute(request.calibration).string()},
+          {"sequence", fs::absolute(data).string()},
+          {"times", fs::absolute(folder / "times.txt").string()},
+          {"output", fs::absolute(folder).string()},
+          {"run", std::to_string(request.run)}};
+}
+
+std::string variable(const std::string& name) {
+  const char* value = std::getenv(name.c_str());
+  if (value != nullptr) return value;
+  throw InputError(fmt::format("{} is not set in the environment; the runner asks for it", name));
+}
+
+/// The IMU's pose at the camera's stamps.
+std::vector<StampedPose> converted(std::vector<StampedPose> poses, const Runner& runner,
+                                   const ImuCalibration& imu) {
+  const TimeNs offset = runner.imu_clock ? toNanoseconds(imu.timeOffset()) : 0;
+  const Transform T_C0S = imu.T_SC0.inverse();
+  for (StampedPose& pose : poses) {
+    pose.t -= offset;
+    if (!runner.camera_body) continue;
+    const Transform T_WS = pose.transform() * T_C0S;
+    pose.p = T_WS.t;
+    pose.q = T_WS.quaternion();
+  }
+  return poses;
+}
+
+}  // namespace
+
+ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& sequence,
+                        const Calibration& calibration, const fs::path& folder) {
+  if (!calibration.imu) {
+    throw InputError(request.calibration.string(), 0, "has no IMU; odometry needs T_SC0");
+  }
+  const Fields fields = prepare(request, sequence, calibration, folder);
+  ProcessRequest process;
+  process.words = {fields.at("executable")};
+  for (const std::string& word : request.runner.words) {
+    process.words.push_back(word.front() == '$' ? variable(word.substr(1))
+                                                : filledIn(word, fields));
+  }
+  for (const auto& [name, text] : request.runner.environment) {
+    process.environment[name] = filledIn(text, fields);
+  }
+  process.folder = folder;
+  process.log = folder / "log.txt";
+  process.seconds = request.seconds;
+  process.memory_bytes = request.memory_bytes;
+  const ProcessEnd end = runProcess(process);
+  ExternalRun run;
+  run.seconds = end.seconds;
+  const fs::path written = filledIn(request.runner.trajectory, fields);
+  if (!end.ok()) {
+    run.problem = fmt::format("{}: {}", process.words.front(), toString(end));
+  } else if (!fs::is_regular_file(written)) {
+    run.problem = fmt::format("{} ended with exit code 0 and wrote no {}", process.words.front(),
+                              written.filename().string());
+  } else {
+    try {
+      run.poses =
+          converted(readTrajectory(written).trajectory.poses, request.runner, *calibration.imu);
+      if (run.poses.empty()) run.problem = "its trajectory has no pose";
+    } catch (const InputError& error) {
+      run.problem = error.what();
+    }
+  }
+  if (!run.problem.empty()) run.log = lastLines(process.log, kLogLines);
+  return run;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/run_odometry.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "datasets/files/file_io.h"
+#include "datasets/session/imu.h"
+#include "evaluate/metrics/trajectory/run_comparison.h"
+#include "evaluate/odometry/external_run.h"
+#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/text.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NamedCalibration {
+  std::string name;
+  fs::path file;
+  Calibration calibration;
+  bool noise_known = true;
+};
+
+struct Plan {
+  const OdometrySequence* sequence = nullptr;
+  const NamedCalibration* calibration = nullptr;
+  int run = 1;
+};
+
+/// What a run left: its record, and the file that holds its poses.
+struct Outcome {
+  OdometryRunRecord record;
+  std::string problem;
+  std::vector<std::string> remarks;
+};
+
+// "run_3/calibration.json": "run_3".
+std::string nameOfCalibration(const fs::path& file) {
+  const fs::path whole = fs::absolute(file).lexically_normal();
+  return whole.filename() == "calibration.json" ? whole.parent_path().filename().string()
+                                                : whole.stem().string();
+}
+
+std::vector<NamedCalibration> readCalibrations(const OdometryRequest& request) {
+  std::vector<NamedCalibration> list;
+  std::set<std::string> names;
+  for (const std::string& file : request.calibrations) {
+    NamedCalibration c{nameOfCalibration(file), file, readCalibration(file), statesImuNoise(file)};
+    if (!c.calibration.imu) {
+      throw InputError(file, 0, "has no IMU; odometry needs T_SC0: calibrate with one");
+    }
+    if (!names.insert(c.name).second) {
+      throw InputError(file, 0,
+                       "is named '" + c.name + "' as another calibration is; rename one of them");
+    }
+    if (request.imu) c.calibration.imu->noise = readImuDescription(*request.imu).noise;
+    if (request.imu) c.noise_known = true;
+    list.push_back(std::move(c));
+  }
+  return list;
+}
+
+Calibration withNoise(const Plan& plan) {
+  Calibration calibration = plan.calibration->calibration;
+  const std::optional<ImuNoise>& noise = plan.sequence->noise;
+  if (!plan.calibration->noise_known && noise) calibration.imu->noise = *noise;
+  return calibration;
+}
+
+std::string pathOf(const Plan& plan) {
+  return fmt::format("runs/{}/{}_{}.txt", plan.calibration->name, plan.sequence->name, plan.run);
+}
+
+std::string lossText(const BuiltinRun& run, TimeNs start) {
+  std::string text;
+  for (const OdometryLossEvent& loss : run.result.losses) {
+    text += fmt::format("{}{:.2f} s ({})", text.empty() ? "" : ", ", secondsBetween(start, loss.t),
+                        toString(loss.cause));
+  }
+  return text;
+}
+
+Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
+  const BuiltinRun run = runBuiltin(*plan.sequence, withNoise(plan), request.builtin);
+  Outcome outcome;
+  OdometryRunRecord& r = outcome.record;
+  r.system = "builtin";
+  r.seconds = run.seconds;
+  r.frames = run.frames;
+  r.frames_skipped = run.skipped;
+  r.losses = run.result.losses.size();
+  r.mean_landmarks = run.result.mean_landmarks;
+  if (run.skipped > 0) {
+    outcome.remarks.push_back(
+        fmt::format("{} images are missing or damaged and were skipped", run.skipped));
+  }
+  if (run.result.poses.empty()) {
+    outcome.problem = "never started: the images and the IMU did not determine its motion";
+    return outcome;
+  }
+  writeNewFile(out, pathOf(plan), tumText(posesOf(run.result)));
+  if (r.losses > 0) {
+    outcome.problem = fmt::format("lost {} times, after which it goes on elsewhere: at {}",
+                                  r.losses, lossText(run, plan.sequence->images[0].front().t));
+  }
+  return outcome;
+}
+
+Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
+  const fs::path folder =
+      out / "work" / plan.calibration->name / fmt::format("{}_{}", plan.sequence->name, plan.run);
+  fs::create_directories(folder);
+  const ExternalRequest external{*request.runner,
+                                 request.executable,
+                                 plan.calibration->file,
+                                 plan.calibration->noise_known || plan.sequence->noise.has_value(),
+                                 plan.run,
+                                 request.run_seconds,
+                                 request.memory_bytes};
+  const ExternalRun run = runExternal(external, *plan.sequence, withNoise(plan), folder);
+  Outcome outcome;
+  outcome.record.system = request.runner->name;
+  outcome.record.seconds = run.seconds;
+  outcome.record.frames = plan.sequence->images[0].size();
+  outcome.record.log = run.log;
+  outcome.problem = run.problem;
+  if (run.problem.empty()) writeNewFile(out, pathOf(plan), tumText(run.poses));
+  return outcome;
+}
+
+std::vector<Plan> plansOf(const std::vector<OdometrySequence>& sequences,
+                          const std::vector<NamedCalibration>& calibrations, int runs) {
+  std::vector<Plan> plans;
+  for (const OdometrySequence& sequence : sequences) {
+    for (const NamedCalibration& calibration : calibrations) {
+      for (int run = 1; run <= runs; ++run) plans.push_back({&sequence, &calibration, run});
+    }
+  }
+  return plans;
+}
+
+int runsOf(const OdometryRequest& request) {
+  if (!request.runner) return 1;
+  return request.runs > 0 ? request.runs : request.runner->least_runs;
+}
+
+std::string truthOf(const OdometryRequest& request, const OdometrySequence& sequence) {
+  if (request.truth) return filledIn(*request.truth, {{"sequence", sequence.name}});
+  if (sequence.truth) return sequence.truth->string();
+  throw InputError(sequence.root.string(), 0,
+                   "has no ground truth (state_groundtruth_estimate0, vicon0, mocap0, leica0 or "
+                   "truth/trajectory.csv); name its file");
+}
+
+TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
+  run.status = RunStatus::kFailed;
+  run.problem = problem;
+  run.t.clear(), run.truth_m.clear(), run.estimate_m.clear();
+  run.error_m.clear(), run.error_deg.clear();
+  return run;
+}
+
+/// The run against its truth, by the rules of evaluateRuns(): it alone, for truths may lie
+/// anywhere.
+TrajectoryRun judged(const Plan& plan, const Outcome& outcome, const OdometryRequest& request,
+                     const fs::path& out) {
+  TrajectoryRun run;
+  const std::string truth = truthOf(request, *plan.sequence);
+  if (fs::is_regular_file(out / pathOf(plan))) {
+    RunsRequest runs;
+    runs.runs = (out / pathOf(plan)).string();
+    runs.truth = truth;
+    runs.how = request.how;
+    runs.min_coverage = request.min_coverage;
+    runs.max_ate_m = request.max_ate_m;
+    runs.threads = 1;
+    run = std::move(evaluateRuns(runs).runs.front());
+  }
+  run.sequence = plan.sequence->name;
+  run.calibration = plan.calibration->name;
+  run.run = std::to_string(plan.run);
+  run.estimate = pathOf(plan);
+  run.truth = truth;
+  run.odometry = outcome.record;
+  const double recorded = plan.sequence->duration_s();
+  run.odometry->real_time_factor =
+      outcome.record.seconds > 0 ? recorded / outcome.record.seconds : 0;
+  run.remarks.insert(run.remarks.end(), outcome.remarks.begin(), outcome.remarks.end());
+  return outcome.problem.empty() ? run : failedRun(std::move(run), outcome.problem);
+}
+
+}  // namespace
+
+void OdometryRequest::check() const {
+  if (sequences.empty()) throw InputError("expected a sequence folder");
+  if (calibrations.empty()) throw InputError("expected a calibration");
+  requireOption(runs >= 0, "runs", runs, "0 or more");
+  requirePositive("run_seconds", run_seconds);
+  requireOption(threads >= 0, "threads", threads, "0 or more");
+  builtin.check();
+  how.metrics.check();
+}
+
+TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out,
+                             const ProgressSink& progress) {
+  request.check();
+  std::vector<OdometrySequence> sequences;
+  for (const std::string& path : request.sequences) {
+    sequences.push_back(readOdometrySequence(path));
+    truthOf(request, sequences.back());  // before hours of work
+  }
+  const std::vector<NamedCalibration> calibrations = readCalibrations(request);
+  const std::vector<Plan> plans = plansOf(sequences, calibrations, runsOf(request));
+  std::vector<TrajectoryRun> runs(plans.size());
+  std::mutex telling;
+  std::size_t done = 0;
+  parallelFor(plans.size(), request.threads, [&](int, std::size_t i) {
+    const Outcome outcome = request.runner ? runExternalPlan(plans[i], request, out)
+                                           : runBuiltinPlan(plans[i], request, out);
+    runs[i] = judged(plans[i], outcome, request, out);
+    const std::lock_guard<std::mutex> lock(telling);
+    progress("odometry", static_cast<double>(++done) / static_cast<double>(plans.size()));
+  });
+  fs::remove_all(out / "work");
+  return {studyOf(std::move(runs)), "", {}, {}};
+}
+
+std::string odometrySummary(const TrajectoryRecord& record) {
+  Text text;
+  add(text, "\n{:<16} {:<20} {:>4} {:>9} {:>9} {:>8} {:>7}\n", "sequence", "calibration", "run",
+      "seconds", "x speed", "skipped", "losses");
+  for (const TrajectoryRun& run : record.runs) {
+    if (!run.odometry) continue;
+    const OdometryRunRecord& o = *run.odometry;
+    add(text, "{:<16} {:<20} {:>4} {:>9.1f} {:>9.1f} {:>8} {:>7}\n", run.sequence, run.calibration,
+        run.run, o.seconds, o.real_time_factor, o.frames_skipped, o.losses);
+  }
+  for (const TrajectoryRun& run : record.runs) {
+    if (!run.odometry || run.odometry->log.empty()) continue;
+    add(text, "\n{}, last lines:\n", partName(run));
+    for (const std::string& line : run.odometry->log) add(text, "  {}\n", line);
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/runner.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibrator/base/error.h"
+#include "datasets/files/yaml_map.h"
+#include "generated/evaluate/runners.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::array<const char*, 12> kKeys{"name",  "executable",  "arguments",  "settings",
+                                            "files", "environment", "trajectory", "clock",
+                                            "body",  "imu_stamps",  "least_runs", "notes"};
+
+constexpr const char* kWhat = "a runner: name, executable, arguments";
+
+void checkKeys(const YamlMap& file) {
+  for (const std::string& key : file.keys()) {
+    const bool known =
+        std::any_of(kKeys.begin(), kKeys.end(), [&](const char* k) { return key == k; });
+    if (known) continue;
+    throw file.fault(key, {InputFault::kUnknownWord, "the key '" + key + "' is not known",
+                           fmt::format("{}", fmt::join(kKeys, ", ")), "correct it"});
+  }
+}
+
+/// Whether the value is the second of two words; the first where the key is missing.
+bool isSecond(const YamlMap& file, const std::string& key, const char* first, const char* second) {
+  const std::string word = file.textOr(key, first);
+  if (word == first || word == second) return word == second;
+  throw file.fault(key, {InputFault::kUnknownWord, "'" + word + "' is not known",
+                         fmt::format("{} or {}", first, second), ""});
+}
+
+std::map<std::string, std::string> textsOf(const YamlMap& file, const std::string& key) {
+  std::map<std::string, std::string> texts;
+  if (!file.has(key)) return texts;
+  const YamlMap map = file.map(key, "names and texts");
+  for (const std::string& name : map.keys()) texts[name] = map.text(name, "a text");
+  return texts;
+}
+
+std::vector<std::string> wordsOf(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+Runner runnerFrom(const YamlMap& file) {
+  checkKeys(file);
+  Runner runner;
+  runner.name = file.text("name", "a word for the page");
+  runner.executable = file.text("executable", "a program");
+  runner.words = wordsOf(file.text("arguments", "the arguments in one line"));
+  runner.files = textsOf(file, "files");
+  runner.environment = textsOf(file, "environment");
+  runner.trajectory = file.textOr("trajectory", runner.trajectory);
+  runner.imu_clock = isSecond(file, "clock", "camera", "imu");
+  runner.camera_body = isSecond(file, "body", "imu", "camera0");
+  runner.needs_shifted_imu = isSecond(file, "imu_stamps", "recorded", "shifted");
+  if (file.has("least_runs")) runner.least_runs = file.integer("least_runs", "a number of runs");
+  if (!file.has("settings")) return runner;
+  const std::string tool = file.text("settings", "a tool of plumbline export");
+  runner.settings = exportToolFrom(tool);
+  if (runner.settings) return runner;
+  throw file.fault("settings", {InputFault::kUnknownWord, "'" + tool + "' is no tool of export",
+                                "kalibr, orbslam3, openvins, vins-fusion, okvis2 or basalt", ""});
+}
+
+}  // namespace
+
+Runner readRunner(const std::string& path) { return runnerFrom(YamlMap::load(path, kWhat)); }
+
+std::optional<Runner> knownRunner(const std::string& name) {
+  const auto shipped = [&](const std::string& text) {
+    return runnerFrom(YamlMap::parse(text, name + ".yaml", kWhat));
+  };
+  if (name == "orbslam3") return shipped(embedded::runner_orbslam3());
+  if (name == "openvins") return shipped(embedded::runner_openvins());
+  return std::nullopt;
+}
+
+Runner runnerOf(const std::string& command) {
+  Runner runner;
+  std::vector<std::string> words = wordsOf(command);
+  if (words.empty()) throw InputError("--with: expected builtin, orbslam3, openvins or a command");
+  runner.executable = words.front();
+  runner.words.assign(words.begin() + 1, words.end());
+  const std::size_t slash = runner.executable.rfind('/');
+  runner.name =
+      slash == std::string::npos ? runner.executable : runner.executable.substr(slash + 1);
+  return runner;
+}
+
+std::string filledIn(const std::string& text, const std::map<std::string, std::string>& fields) {
+  std::string out;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t open = std::min(text.find('{', at), text.size());
+    out += text.substr(at, open - at);
+    if (open == text.size()) break;
+    const std::size_t close = text.find('}', open);
+    const std::string name = close == std::string::npos ? text.substr(open + 1)
+                                                        : text.substr(open + 1, close - open - 1);
+    const auto field = fields.find(name);
+    if (field == fields.end()) {
+      std::vector<std::string> known;
+      for (const auto& [word, value] : fields) known.push_back("{" + word + "}");
+      throw InputError(fmt::format("{}: the field {{{}}} is not known; expected {}", text, name,
+                                   fmt::join(known, ", ")));
+    }
+    out += field->second;
+    at = close + 1;
+  }
+  return out;
+}
+
+}  // namespace plumbline
