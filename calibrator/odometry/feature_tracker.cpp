@@ -14,8 +14,9 @@ namespace plumbline {
 namespace {
 
 constexpr float kCrowdedPx = 8;
-constexpr int kSearchLevel = 2;  // of the pyramids, at which an epipolar line is searched
-constexpr int kKnownLevels = 2;  // for a match whose distance is known
+constexpr double kParallel = 1e-12;  // two normals that give no direction
+constexpr int kSearchLevel = 2;      // of the pyramids, at which an epipolar line is searched
+constexpr int kKnownLevels = 2;      // for a match whose distance is known
 
 }  // namespace
 
@@ -94,7 +95,7 @@ void FeatureTracker::keepOneMotion(std::vector<Feature>& moved,
   std::size_t most = 0;
   for (int round = 0; round < options_.ransac_rounds; ++round) {
     const Eigen::Vector3d axis = normals[random() % n].cross(normals[random() % n]);
-    if (axis.norm() < 1e-12) continue;
+    if (axis.norm() < kParallel) continue;
     const Eigen::Vector3d direction = axis.normalized();
     std::vector<char> fits(n, 0);
     std::size_t count = 0;

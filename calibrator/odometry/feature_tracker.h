@@ -20,7 +20,7 @@ struct FeatureTrackerOptions {
   int max_tracks = 180;  ///< of camera 0
   CornerPickerOptions corners;
   PatchTrackerOptions patch;
-  double epipolar_px = 2;  ///< largest distance of a track from its epipolar plane
+  double epipolar_px = 3;  ///< largest distance of a track from its epipolar plane
   int ransac_rounds = 60;  ///< of the direction of motion between two frames
   double nearest_m = 0.3;  ///< of the scene, where a stereo match is looked for
 

@@ -331,6 +331,7 @@ double Odometry::startSpan() const {
 
 /// Poses of the frames that may still move are written again.
 void Odometry::remember() {
+  if (options_.covariances) rememberCovariances();
   const std::size_t n = window_.frames.size();
   const auto recent = static_cast<std::size_t>(options_.recent_frames);
   for (std::size_t i = 0; i < n; ++i) {
@@ -342,6 +343,19 @@ void Odometry::remember() {
   }
   last_bias_ = biasOf(window_.frames.back().state);
   for (const auto& [id, landmark] : window_.landmarks) landmark_sum_ += landmark.p_W ? 1 : 0;
+}
+
+void Odometry::rememberCovariances() {
+  const QuadraticCost cost = WindowProblem(window_, rig_, options_.model).reduced();
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(cost.H);
+  for (std::size_t i = 0; i < window_.frames.size(); ++i) {
+    const auto pose = pose_of_.find(window_.frames[i].serial);
+    if (pose == pose_of_.end()) continue;
+    const auto row = static_cast<Eigen::Index>(kState * i);
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(cost.H.rows(), 6);
+    unit.middleRows<6>(row).setIdentity();
+    result_.poses[pose->second].covariance = ldlt.solve(unit).middleRows<6>(row);
+  }
 }
 
 void Odometry::shrink() {

@@ -26,6 +26,7 @@ struct OdometryOptions {
   double start_span_s = 0.75;        ///< of the frames that the start uses
   double mono_start_span_s = 2;      ///< the same with one camera, whose scale the IMU alone knows
   int iterations = 4;                ///< of the window, a frame
+  bool covariances = false;          ///< of the poses: a third more time
   double gate = 3;                   ///< a sighting farther off is dropped [sigma]
   double still_px = 0.3;             ///< median movement in still_span_s of a rig that stands
   double still_span_s = 0.25;
@@ -53,7 +54,8 @@ constexpr std::array<const char*, 3> enumWords(OdometryLoss /*of*/) {
 struct OdometryPose {
   TimeNs t = 0;    ///< camera clock
   ImuState state;  ///< in W
-  /// Of (dt, da), from the window; of the frame when it was the newest.
+  /// Of (dt, da) against the first frame's position and yaw, when it was last written; zero unless
+  /// asked for.
   Matrix6d covariance = Matrix6d::Zero();
   bool keyframe = false;
 };
@@ -110,6 +112,7 @@ class Odometry {
   void dropFrame(int index);
   void marginaliseOldest();
   void remember();
+  void rememberCovariances();
   bool isSane() const;
   std::optional<OdometryLoss> isLost(const FrameTracks& frame);
   double startSpan() const;

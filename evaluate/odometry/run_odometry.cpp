@@ -24,6 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr TimeNs kTruthMargin = 25'000'000;  // [ns]: half a frame
+
 struct NamedCalibration {
   std::string name;
   fs::path file;
@@ -170,27 +172,46 @@ TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   return run;
 }
 
-/// The run against its truth, by the rules of evaluateRuns(): it alone, for truths may lie
-/// anywhere.
+struct SequenceTruth {
+  fs::path path;
+  TrajectoryFile file;
+};
+
+/// The truth while there are images: what lies before and after is not the odometry's to cover.
+/// Whole where the offset of the clocks is yet to be found.
+SequenceTruth readTruthOf(const OdometryRequest& request, const OdometrySequence& sequence) {
+  TrajectoryRequest how = request.how;
+  how.truth = truthOf(request, sequence);
+  SequenceTruth truth{how.truth, readTruth(how)};
+  if (how.metrics.clock) return truth;
+  const TimeNs offset = toNanoseconds(how.metrics.association.time_offset_s);
+  const TimeNs from = sequence.images[0].front().t + offset - kTruthMargin;
+  const TimeNs to = sequence.images[0].back().t + offset + kTruthMargin;
+  const std::vector<StampedPose>& all = truth.file.trajectory.poses;
+  const auto meets = [&](const StampedPose& p) { return p.t >= from && p.t <= to; };
+  if (std::none_of(all.begin(), all.end(), meets)) return truth;  // who pairs them says why
+  std::erase_if(truth.file.trajectory.poses, [&](const StampedPose& p) { return !meets(p); });
+  truth.file.trajectory.covariances.clear();
+  return truth;
+}
+
+/// The run against its truth, by the rules of evaluateRuns().
 TrajectoryRun judged(const Plan& plan, const Outcome& outcome, const OdometryRequest& request,
-                     const fs::path& out) {
+                     const SequenceTruth& truth, const fs::path& out) {
   TrajectoryRun run;
-  const std::string truth = truthOf(request, *plan.sequence);
-  if (fs::is_regular_file(out / pathOf(plan))) {
-    RunsRequest runs;
-    runs.runs = (out / pathOf(plan)).string();
-    runs.truth = truth;
-    runs.how = request.how;
-    runs.min_coverage = request.min_coverage;
-    runs.max_ate_m = request.max_ate_m;
-    runs.threads = 1;
-    run = std::move(evaluateRuns(runs).runs.front());
-  }
   run.sequence = plan.sequence->name;
   run.calibration = plan.calibration->name;
   run.run = std::to_string(plan.run);
+  run.estimate = (out / pathOf(plan)).string();
+  if (fs::is_regular_file(run.estimate)) {
+    RunsRequest rules;
+    rules.how = request.how;
+    rules.min_coverage = request.min_coverage;
+    rules.max_ate_m = request.max_ate_m;
+    run = judgedRun(run, truth.path, truth.file, rules);
+  }
   run.estimate = pathOf(plan);
-  run.truth = truth;
+  run.truth = truth.path.string();
   run.odometry = outcome.record;
   const double recorded = plan.sequence->duration_s();
   run.odometry->real_time_factor =
@@ -215,9 +236,13 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
                              const ProgressSink& progress) {
   request.check();
   std::vector<OdometrySequence> sequences;
+  std::map<std::string, SequenceTruth> truths;
   for (const std::string& path : request.sequences) {
     sequences.push_back(readOdometrySequence(path));
-    truthOf(request, sequences.back());  // before hours of work
+    const OdometrySequence& sequence = sequences.back();
+    if (!truths.emplace(sequence.name, readTruthOf(request, sequence)).second) {
+      throw InputError(path, 0, "is named '" + sequence.name + "' as another sequence is");
+    }
   }
   const std::vector<NamedCalibration> calibrations = readCalibrations(request);
   const std::vector<Plan> plans = plansOf(sequences, calibrations, runsOf(request));
@@ -227,7 +252,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
   parallelFor(plans.size(), request.threads, [&](int, std::size_t i) {
     const Outcome outcome = request.runner ? runExternalPlan(plans[i], request, out)
                                            : runBuiltinPlan(plans[i], request, out);
-    runs[i] = judged(plans[i], outcome, request, out);
+    runs[i] = judged(plans[i], outcome, request, truths.at(plans[i].sequence->name), out);
     const std::lock_guard<std::mutex> lock(telling);
     progress("odometry", static_cast<double>(++done) / static_cast<double>(plans.size()));
   });

@@ -273,19 +273,7 @@ TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
   }
   const Truth* truth = truthOf(truths, expected.sequence);
   if (truth == nullptr) return failed(expected, "no truth for this sequence");
-  TrajectoryRequest how = withTruth(request.how, truth->path);
-  how.estimate = expected.estimate;
-  try {
-    auto result = evaluateFiles(readEstimate(how), truth->file, how);
-    if (!result) return failed(expected, problemOf(result.failure()));
-    TrajectoryRun run = std::move(result.value().run);
-    run.sequence = expected.sequence;
-    run.calibration = expected.calibration;
-    run.run = expected.run;
-    return withStatus(std::move(run), request);
-  } catch (const InputError& error) {
-    return failed(expected, error.what());
-  }
+  return judgedRun(expected, truth->path, truth->file, request);
 }
 
 std::vector<std::string> sequencesOf(const Truths& truths) {
@@ -297,6 +285,23 @@ std::vector<std::string> sequencesOf(const Truths& truths) {
 }
 
 }  // namespace
+
+TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::path& truth_path,
+                        const TrajectoryFile& truth, const RunsRequest& request) {
+  TrajectoryRequest how = withTruth(request.how, truth_path);
+  how.estimate = expected.estimate;
+  try {
+    auto result = evaluateFiles(readEstimate(how), truth, how);
+    if (!result) return failed(expected, problemOf(result.failure()));
+    TrajectoryRun run = std::move(result.value().run);
+    run.sequence = expected.sequence;
+    run.calibration = expected.calibration;
+    run.run = expected.run;
+    return withStatus(std::move(run), request);
+  } catch (const InputError& error) {
+    return failed(expected, error.what());
+  }
+}
 
 void RunsRequest::check() const {
   how.metrics.check();

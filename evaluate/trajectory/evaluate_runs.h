@@ -56,6 +56,11 @@ struct RunsRequest {
 /// are the caller's. Throws InputError where no estimate is found, or a truth cannot be read.
 TrajectoryRecord evaluateRuns(const RunsRequest& request);
 
+/// One of them: the file `expected.estimate` against a truth that is at hand, or a part of it. Its
+/// sequence, calibration and run are kept; `request` says how it is judged, not which files.
+TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::path& truth_path,
+                        const TrajectoryFile& truth, const RunsRequest& request);
+
 /// A study of one run, so that it can be kept and shown as many are: partial below `min_coverage`,
 /// never failed. `run` and `sequence` are named after the files of estimate and truth, or after the
 /// folder of the recording where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/odometry/odometry.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/camera/camera.h"
+#include "tests/calibrator/odometry/room_flight.h"
+
+namespace plumbline {
+namespace {
+
+RoomFlightOptions shortFlight(double pixel_sigma) {
+  RoomFlightOptions options;
+  options.duration_s = 10;
+  options.pixel_sigma = pixel_sigma;
+  options.imu_noise = pixel_sigma > 0;
+  return options;
+}
+
+OdometryResult run(const RoomFlight& flight, const Calibration& calibration, int cameras = 2) {
+  Odometry odometry(RigModel::of(calibration, cameras), flight.samples);
+  for (FrameTracks frame : flight.frames) {
+    std::erase_if(frame.points, [&](const TrackPoint& p) { return p.camera >= cameras; });
+    odometry.step(frame);
+  }
+  return odometry.result();
+}
+
+double ate(const OdometryResult& result, const RoomFlight& flight) {
+  std::vector<Eigen::Vector3d> estimate, truth;
+  std::size_t j = 0;
+  for (const OdometryPose& pose : result.poses) {
+    while (flight.frames[j].t < pose.t) ++j;
+    estimate.push_back(pose.state.T_FS.t);
+    truth.push_back(flight.truth[j].T_FB.t);
+  }
+  return alignedRmse(estimate, truth);
+}
+
+TEST(Odometry, ExactMeasurementsGiveTheFlight) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0));
+  const OdometryResult result = run(flight, rig.calibration);
+  EXPECT_TRUE(result.losses.empty());
+  EXPECT_GT(result.poses.size(), flight.frames.size() - 20);
+  EXPECT_LT(ate(result, flight), 1e-4);
+}
+
+TEST(Odometry, OneCameraFindsTheScaleFromTheImu) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  RoomFlightOptions options = shortFlight(0.3);
+  options.rest_s = 3;
+  const RoomFlight flight(rig, options);
+  const OdometryResult result = run(flight, rig.calibration, 1);
+  EXPECT_TRUE(result.losses.empty());
+  ASSERT_GT(result.poses.size(), 100U);
+  EXPECT_LT(ate(result, flight), 0.05);
+}
+
+TEST(Odometry, FisheyeRigToo) {
+  const SimulatedRig rig = simulatedRig("tumvi");
+  const RoomFlight flight(rig, shortFlight(0.3));
+  const OdometryResult result = run(flight, rig.calibration);
+  ASSERT_GT(result.poses.size(), 100U);
+  EXPECT_LT(ate(result, flight), 0.02);
+}
+
+TEST(Odometry, SameValuesTwice) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0.5));
+  const OdometryResult a = run(flight, rig.calibration), b = run(flight, rig.calibration);
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].state.T_FS.t, b.poses[i].state.T_FS.t);
+  }
+}
+
+TEST(Odometry, AGapOfTheImuIsALossThatIsTold) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  RoomFlight flight(rig, shortFlight(0.3));
+  const TimeNs from = flight.frames[100].t, to = flight.frames[112].t;
+  std::erase_if(flight.samples, [&](const ImuSample& s) { return s.t > from && s.t < to; });
+  const OdometryResult result = run(flight, rig.calibration);
+  ASSERT_EQ(result.losses.size(), 1U);
+  EXPECT_EQ(result.losses[0].cause, OdometryLoss::kImuGap);
+  EXPECT_GT(result.losses[0].t, from);
+  EXPECT_LE(result.losses[0].t, to);
+  EXPECT_GT(result.poses.back().t, to);  // and it began anew
+}
+
+TEST(Odometry, BlindFramesAreBridgedAndThenALoss) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  RoomFlight flight(rig, shortFlight(0.3));
+  for (int k = 90; k < 96; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
+  EXPECT_TRUE(run(flight, rig.calibration).losses.empty());
+  for (int k = 96; k < 130; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
+  const OdometryResult result = run(flight, rig.calibration);
+  ASSERT_EQ(result.losses.size(), 1U);
+  EXPECT_EQ(result.losses[0].cause, OdometryLoss::kBlind);
+}
+
+TEST(Odometry, OptionsOutOfRangeAreNamed) {
+  OdometryOptions options;
+  options.gate = -1;
+  EXPECT_THROW(options.check(), InputError);
+  Calibration without_imu = simulatedRig("euroc").calibration;
+  without_imu.imu.reset();
+  EXPECT_THROW(RigModel::of(without_imu), InputError);
+}
+
+struct SightingExample {
+  RigModel rig = RigModel::of(simulatedRig("euroc").calibration);
+  Transform T_WS{Eigen::Quaterniond(0.8, 0.1, -0.3, 0.2), {0.4, -0.2, 1.1}};
+  Eigen::Vector3d p_C{0.3, -0.2, 2.5};
+  Eigen::Vector3d p_W = T_WS * (rig.T_SC[1] * p_C);
+};
+
+TEST(Sighting, IsTheReprojectionErrorToFirstOrder) {
+  const SightingExample x;
+  const Eigen::Vector2d uv = *project(x.rig.cameras[1], x.p_C);
+  const Eigen::Vector2d off(0.4, -0.3);
+  const auto seen = x.rig.sighting(1, uv + off, 0.5);
+  ASSERT_TRUE(seen);
+  const auto e = sightingError(*seen, x.rig, x.T_WS, x.p_W);
+  ASSERT_TRUE(e);
+  EXPECT_NEAR((*e + off / 0.5).norm(), 0, 5e-3);  // second order: 0.5 px of 460
+}
+
+TEST(Sighting, DerivativesAgreeWithDifferences) {
+  const SightingExample x;
+  const auto seen = x.rig.sighting(1, *project(x.rig.cameras[1], x.p_C) + Eigen::Vector2d(3, 2), 1);
+  const auto r = sightingResidual(*seen, x.rig, x.T_WS, x.T_WS, x.p_W);
+  ASSERT_TRUE(r);
+  constexpr double h = 1e-6;
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d d = h * Vector6d::Unit(k);
+    const Eigen::Vector2d slope = (*sightingError(*seen, x.rig, boxplus(x.T_WS, d), x.p_W) -
+                                   *sightingError(*seen, x.rig, boxplus(x.T_WS, -d), x.p_W)) /
+                                  (2 * h);
+    EXPECT_LT((slope - r->J_pose.col(k)).norm(), 1e-5 * (1 + slope.norm())) << k;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d d = h * Eigen::Vector3d::Unit(k);
+    const Eigen::Vector2d slope = (*sightingError(*seen, x.rig, x.T_WS, x.p_W + d) -
+                                   *sightingError(*seen, x.rig, x.T_WS, x.p_W - d)) /
+                                  (2 * h);
+    EXPECT_LT((slope - r->J_point.col(k)).norm(), 1e-5 * (1 + slope.norm())) << k;
+  }
+}
+
+// What nothing observes stays so: moving and turning all frames about gravity costs the prior no
+// more than the gauge that the first frame was given, whatever has been marginalised since.
+TEST(Odometry, ThePriorKnowsNoPositionAndNoYaw) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0.5));
+  Odometry odometry(RigModel::of(rig.calibration), flight.samples);
+  std::size_t n = 0;
+  for (const FrameTracks& frame : flight.frames) {
+    odometry.step(frame);
+    if (++n == 150) break;
+  }
+  const WindowPrior& prior = odometry.window().prior;
+  const auto size = static_cast<Eigen::Index>(15 * prior.frames.size());
+  Eigen::VectorXd yaw = Eigen::VectorXd::Zero(size), rise = yaw, tilt = yaw;
+  for (std::size_t i = 0; i < prior.frames.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(15 * i);
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
+    const ImuState& state = prior.points[i];
+    yaw.segment<3>(row) = up.cross(state.T_FS.t);
+    yaw.segment<3>(row + 3) = up;
+    yaw.segment<3>(row + 6) = up.cross(state.v_F);
+    tilt.segment<3>(row) = side.cross(state.T_FS.t);
+    tilt.segment<3>(row + 3) = side;
+    tilt.segment<3>(row + 6) = side.cross(state.v_F);
+    rise.segment<3>(row) = up;
+  }
+  // The gauge is 1e-4 m and rad, so 1e8 of information; what the IMU knows of the tilt is more than
+  // rounding of that, and comes on top.
+  const double of_yaw = yaw.dot(prior.cost.H * yaw), of_rise = rise.dot(prior.cost.H * rise);
+  EXPECT_LT(of_yaw, 1.05e8);
+  EXPECT_LT(of_rise, 1.05e8);
+  EXPECT_GT(tilt.dot(prior.cost.H * tilt), 1e4);
+}
+
+}  // namespace
+}  // namespace plumbline

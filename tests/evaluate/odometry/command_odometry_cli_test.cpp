@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `plumbline odometry` as a user runs it: the built-in one on rendered images, and other systems by
+// a stand-in that leaves what real ones were seen to leave.
+#include <cmath>
+#include <csignal>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/cli/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const fs::path kCalibration =
+    fs::path(PLUMBLINE_SOURCE_DIR) / "third_party_configs/kalibr/camchain-imucam.yaml";
+
+class Scratch : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("plumbline_odometry_" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Outcome odometry(const std::string& arguments) const {
+    return plumbline("odometry " + arguments + " --force --out " + (folder_ / "out").string());
+  }
+  json document() const { return json::parse(read(folder_ / "out/odometry.json")); }
+  json runOf(const std::string& calibration) const {
+    for (const json& run : document()["runs"]) {
+      if (run["calibration"] == calibration) return run;
+    }
+    ADD_FAILURE() << calibration;
+    return {};
+  }
+
+  fs::path folder_;
+};
+
+// A sequence that no one opens the images of, and a stand-in that does as the calibration's name
+// says.
+class OtherOdometry : public Scratch {
+ protected:
+  void SetUp() override {
+    Scratch::SetUp();
+    const fs::path mav = folder_ / "seq/mav0";
+    for (const char* camera : {"cam0", "cam1"}) {
+      fs::create_directories(mav / camera / "data");
+      std::string list = "#timestamp [ns],filename\n";
+      for (int i = 0; i < 100; ++i) {
+        const std::string stamp = std::to_string(1'000'000'000'000LL + 50'000'000LL * i);
+        list += stamp + "," + stamp + ".png\n";
+        write(mav / camera / "data" / (stamp + ".png"), "x");
+      }
+      write(mav / camera / "data.csv", list);
+    }
+    fs::create_directories(mav / "imu0");
+    std::string samples = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n";
+    for (int i = 0; i < 1000; ++i) {
+      samples += std::to_string(1'000'000'000'000LL + 5'000'000LL * i) + ",0,0,0,0,0,9.81\n";
+    }
+    write(mav / "imu0/data.csv", samples);
+    fs::copy(fs::path(PLUMBLINE_SOURCE_DIR) / "third_party_configs/imu/imu_adis16448.yaml",
+             folder_ / "seq/imu.yaml");
+    write(folder_ / "truth.txt", circle());
+    write(folder_ / "stand_in.sh", kStandIn);
+  }
+
+  static std::string circle() {
+    std::string text;
+    for (int i = 0; i < 100; ++i) {
+      const double a = 0.05 * i;
+      char line[200];
+      std::snprintf(line, sizeof line, "%.9f %.9f %.9f 0 0 0 %.9f %.9f\n", 1000 + a, std::cos(a),
+                    std::sin(a), std::sin(a / 2), std::cos(a / 2));
+      text += line;
+    }
+    return text;
+  }
+
+  static constexpr const char* kStandIn = R"(echo "settings $1"
+truth=$3; out=$2
+case $(basename "$1" .yaml) in
+  good) cp "$truth" "$out" ;;
+  short) head -n 40 "$truth" > "$out" ;;
+  reset) awk 'NR > 50 { $2 = $3 = 0 } { print }' "$truth" > "$out" ;;
+  dies) kill -SEGV $$ ;;
+  fails) echo "cannot read the image"; exit 3 ;;
+  silent) exit 0 ;;
+  nan) sed '30s/ [^ ]*/ nan/' "$truth" > "$out" ;;
+  cut) head -c 2000 "$truth" > "$out" ;;
+  hangs) echo waiting; sleep 60 & echo $! > "$4"; wait ;;
+esac
+)";
+
+  Outcome standIn(const std::vector<std::string>& kinds, const std::string& options = "") {
+    std::string arguments = (folder_ / "seq").string();
+    for (const std::string& kind : kinds) {
+      const fs::path file = folder_ / (kind + ".yaml");
+      fs::copy_file(kCalibration, file, fs::copy_options::overwrite_existing);
+      arguments += " --calibration " + file.string();
+    }
+    const std::string with = "sh " + (folder_ / "stand_in.sh").string() +
+                             " {calibration} {output}/trajectory.txt " +
+                             (folder_ / "truth.txt").string() + " " + (folder_ / "pid").string();
+    return odometry(arguments + " --truth " + (folder_ / "truth.txt").string() + " --with '" +
+                    with + "' " + options);
+  }
+};
+
+TEST_F(OtherOdometry, KeepsEveryEndOfARun) {
+  const Outcome outcome =
+      standIn({"good", "short", "reset", "dies", "fails", "silent", "nan", "cut", "hangs"},
+              "--time-limit 2");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  ASSERT_EQ(document()["runs"].size(), 9U);
+  EXPECT_EQ(runOf("good")["status"], "complete");
+  EXPECT_LT(runOf("good")["ate"]["translation_m"]["rmse"], 1e-6);
+  EXPECT_EQ(runOf("short")["status"], "partial");
+  EXPECT_GT(runOf("reset")["ate"]["translation_m"]["rmse"], 0.1);  // a jump shows
+  const auto failedAs = [&](const std::string& kind, const std::string& words) {
+    const json run = runOf(kind);
+    EXPECT_EQ(run["status"], "failed") << kind;
+    EXPECT_THAT(run["problem"].get<std::string>(), HasSubstr(words)) << kind;
+    EXPECT_EQ(run["odometry"]["system"], "sh");
+  };
+  failedAs("dies", "signal 11");
+  failedAs("fails", "exit code 3");
+  EXPECT_THAT(runOf("fails")["odometry"]["log"].dump(), HasSubstr("cannot read the image"));
+  failedAs("silent", "wrote no trajectory.txt");
+  failedAs("nan", "nan");
+  failedAs("cut", "trajectory.txt");
+  failedAs("hangs", "no end within 2 s");
+  EXPECT_TRUE(fs::exists(folder_ / "out/runs/good/seq_1.txt"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/report.html"));
+  // Nothing that it started lives on.
+  const int child = std::stoi(read(folder_ / "pid"));
+  for (int i = 0; i < 50 && kill(child, 0) == 0; ++i) usleep(20'000);
+  EXPECT_NE(kill(child, 0), 0);
+}
+
+TEST_F(OtherOdometry, RunsAsOftenAsAskedAndSaysWhatItCannotStart) {
+  ASSERT_EQ(standIn({"good"}, "--runs 3").exit_code, 0);
+  EXPECT_EQ(document()["runs"].size(), 3U);
+  const Outcome outcome =
+      odometry((folder_ / "seq").string() + " --calibration " + kCalibration.string() +
+               " --truth " + (folder_ / "truth.txt").string() + " --with /no/such/vio");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(document()["runs"][0]["problem"].get<std::string>(),
+              HasSubstr("could not be started"));
+}
+
+TEST_F(OtherOdometry, ARunnerConvertsClockAndBody) {
+  // A body at camera 0 and the IMU's stamps: identical motion once both are converted, so that the
+  // errors are those of the conversion alone.
+  write(folder_ / "runner.yaml", "name: turned\nexecutable: cp\narguments: \"" +
+                                     (folder_ / "truth.txt").string() +
+                                     " {output}/trajectory.txt\"\nclock: imu\nbody: camera0\n");
+  const std::string common = (folder_ / "seq").string() + " --calibration " +
+                             kCalibration.string() + " --truth " +
+                             (folder_ / "truth.txt").string() + " --with ";
+  ASSERT_EQ(odometry(common + (folder_ / "runner.yaml").string()).exit_code, 0);
+  const std::string first = read(folder_ / "out/runs/camchain-imucam/seq_1.txt");
+  EXPECT_EQ(first.find("1000.000000000 1.0"), std::string::npos);
+  const json run = document()["runs"][0];
+  EXPECT_EQ(run["odometry"]["system"], "turned");
+  write(folder_ / "runner.yaml", "name: x\nexecutable: cp\narguments: a\nclok: imu\n");
+  const Outcome outcome = odometry(common + (folder_ / "runner.yaml").string());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("runner.yaml:4: the key 'clok' is not known"));
+}
+
+TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
+  const std::string sequence = (folder_ / "seq").string();
+  fs::copy_file(kCalibration, folder_ / "a.yaml");
+  const std::string calibration = " --calibration " + (folder_ / "a.yaml").string();
+  const Outcome twice = odometry(sequence + calibration + calibration + " --truth " +
+                                 (folder_ / "truth.txt").string());
+  EXPECT_EQ(twice.exit_code, 2) << twice.text;
+  EXPECT_THAT(twice.text, HasSubstr("named 'a'"));
+  const Outcome without_truth = odometry(sequence + calibration);
+  EXPECT_EQ(without_truth.exit_code, 2) << without_truth.text;
+  EXPECT_THAT(without_truth.text, HasSubstr("no ground truth"));
+  EXPECT_EQ(odometry(sequence + calibration + " --executable x").exit_code, 2);
+}
+
+// Nothing but damaged images: more than the two in a hundred that may be skipped.
+TEST_F(OtherOdometry, DamagedImagesEndTheBuiltInOne) {
+  const Outcome outcome =
+      odometry((folder_ / "seq").string() + " --calibration " + kCalibration.string() +
+               " --truth " + (folder_ / "truth.txt").string());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("images are missing or damaged"));
+}
+
+}  // namespace
+}  // namespace plumbline
