@@ -9,7 +9,6 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
 
 namespace plumbline {
 namespace {
@@ -21,10 +20,6 @@ constexpr double kFastest = 50;         // [m/s]
 constexpr double kLargestGyroBias = 1, kLargestAccelBias = 5;  // [rad/s], [m/s^2]
 constexpr double kRelinkGyro = 2e-3, kRelinkAccel = 0.05;  // change of bias after which a link is
                                                            // integrated anew
-constexpr double kGaugeSigma = 1e-4;     // [m], [rad] of the first frame's position and yaw
-constexpr double kMostWaitingSpans = 2;  // frames kept for a start, in its spans
-
-ImuBias biasOf(const ImuState& state) { return {state.gyro_bias, state.accel_bias}; }
 
 }  // namespace
 
@@ -84,104 +79,6 @@ void Odometry::lose(TimeNs t, OdometryLoss cause) {
   pose_of_.clear();
   keyframe_rays_.clear();
   waiting_.clear();
-}
-
-void Odometry::begin(const FrameTracks& frame) {
-  waiting_.push_back(frame);
-  const double span = secondsBetween(waiting_.front().t, frame.t);
-  if (span < startSpan()) return;
-  std::vector<StartFrame> frames;
-  for (const FrameTracks& f : waiting_) {
-    StartFrame s{f.t, {}};
-    for (const TrackPoint& p : f.points) {
-      const auto seen = rig_.sighting(p.camera, p.uv, options_.pixel_sigma);
-      if (seen) s.seen.emplace_back(p.id, *seen);
-    }
-    frames.push_back(std::move(s));
-  }
-  StartOptions options = options_.start;
-  if (stands()) options.velocity_sigma = options_.model.still_sigma_m_s;
-  const auto start = startEstimate(frames, samples_, rig_, options);
-  if (start) fillFrom(*start);
-  if (isRunning()) return;
-  const auto excess = [&] {
-    return secondsBetween(waiting_.front().t, frame.t) > kMostWaitingSpans * startSpan();
-  };
-  while (excess()) waiting_.erase(waiting_.begin());
-}
-
-/// The window's first frames: evenly chosen among those that waited, the newest ones whole.
-void Odometry::fillFrom(const StartEstimate& start) {
-  const Transform T_resume(
-      Eigen::Matrix3d(
-          Eigen::AngleAxisd(std::atan2(resume_.R(1, 0), resume_.R(0, 0)), Eigen::Vector3d::UnitZ())
-              .toRotationMatrix()),
-      resume_.t);
-  const std::size_t n = waiting_.size();
-  const auto keep = static_cast<std::size_t>(options_.keyframes);
-  const std::size_t stride = std::max<std::size_t>(1, (n + keep - 1) / keep);
-  std::vector<std::size_t> chosen;
-  for (std::size_t k = n; k-- > 0;) {
-    if ((n - 1 - k) % stride == 0) chosen.insert(chosen.begin(), k);
-  }
-  for (const std::size_t k : chosen) {
-    WindowFrame frame;
-    frame.serial = next_serial_++;
-    frame.t = waiting_[k].t;
-    frame.keyframe = true;
-    frame.state = start.states[k];
-    frame.state.T_FS = T_resume * frame.state.T_FS;
-    frame.state.v_F = T_resume.R * frame.state.v_F;
-    window_.frames.push_back(frame);
-    addSightings(waiting_[k], frame.serial);
-    pose_of_[frame.serial] = result_.poses.size();
-    result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), true});
-  }
-  for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
-    window_.frames[i].link = imuLink(samples_, rig_, window_.frames[i].t, window_.frames[i + 1].t,
-                                     biasOf(window_.frames[i].state), options_.max_imu_gap_s);
-  }
-  // Position and yaw of the first frame, which nothing observes, and what is known of the biases.
-  WindowPrior& prior = window_.prior;
-  prior.frames = {window_.frames.front().serial};
-  prior.points = {window_.frames.front().state};
-  const double gauge = 1 / (kGaugeSigma * kGaugeSigma);
-  const StartOptions& s = options_.start;
-  prior.cost = {Eigen::MatrixXd::Zero(kState, kState), Eigen::VectorXd::Zero(kState), 0};
-  prior.cost.H.diagonal().head<3>().setConstant(gauge);
-  prior.cost.H(5, 5) = gauge;
-  prior.cost.H.diagonal().segment<3>(9).setConstant(1 / (s.gyro_bias_sigma * s.gyro_bias_sigma));
-  prior.cost.H.diagonal().tail<3>().setConstant(1 / (s.accel_bias_sigma * s.accel_bias_sigma));
-  prior.cost.b.segment<3>(9) = prior.cost.H(9, 9) * prior.points[0].gyro_bias;
-  prior.cost.b.tail<3>() = prior.cost.H(12, 12) * prior.points[0].accel_bias;
-  last_fit_ = waiting_.back().t;
-  for (int round = 0; round < 3; ++round) {
-    placeLandmarks();
-    optimise(10);
-    gate();
-  }
-  if (!startHolds()) {
-    result_.poses.resize(result_.poses.size() - window_.frames.size());
-    window_ = {};
-    pose_of_.clear();
-    keyframe_rays_.clear();
-    return;
-  }
-  waiting_.clear();
-  remember();
-}
-
-/// Whether most of what the newest frame saw has its place, and the sensors can be so.
-bool Odometry::startHolds() const {
-  if (!isSane()) return false;
-  const std::int64_t newest = window_.frames.back().serial;
-  int seen = 0, placed = 0;
-  for (const auto& [id, landmark] : window_.landmarks) {
-    if (landmark.last_frame != newest) continue;
-    ++seen;
-    placed += landmark.p_W.has_value() ? 1 : 0;
-  }
-  return placed >= options_.start.min_landmarks && 2 * placed > seen;
 }
 
 /// Adds a frame at the IMU's prediction. False where there is none.
@@ -285,24 +182,6 @@ bool Odometry::isKeyframe(const FrameTracks& frame) const {
   return parallax > options_.keyframe_parallax_px * common;
 }
 
-/// Whether the tracks have not moved for still_span_s.
-bool Odometry::stands() const {
-  if (latest_.size() < 3) return false;
-  const FrameTracks& then = latest_.front();
-  const FrameTracks& now = latest_.back();
-  if (secondsBetween(then.t, now.t) < 0.7 * options_.still_span_s) return false;
-  std::map<std::int64_t, Eigen::Vector2d> places;
-  for (const TrackPoint& p : then.points) {
-    if (p.camera == 0) places[p.id] = p.uv;
-  }
-  std::vector<double> moved;
-  for (const TrackPoint& p : now.points) {
-    const auto place = places.find(p.id);
-    if (p.camera == 0 && place != places.end()) moved.push_back((p.uv - place->second).norm());
-  }
-  return moved.size() >= 2 * kFewTracks && median(std::move(moved)) < options_.still_px;
-}
-
 bool Odometry::isSane() const {
   const ImuState& s = window_.frames.back().state;
   return s.v_F.norm() < kFastest && s.gyro_bias.norm() < kLargestGyroBias &&
@@ -323,10 +202,6 @@ std::optional<OdometryLoss> Odometry::isLost(const FrameTracks& frame) {
   }
   if (secondsBetween(last_fit_, frame.t) <= options_.max_blind_s) return std::nullopt;
   return seen < 2 * kFewTracks ? OdometryLoss::kBlind : OdometryLoss::kDiverged;
-}
-
-double Odometry::startSpan() const {
-  return rig_.cameras.size() > 1 ? options_.start_span_s : options_.mono_start_span_s;
 }
 
 /// Poses of the frames that may still move are written again.

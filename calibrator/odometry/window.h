@@ -86,6 +86,8 @@ struct WindowModel {
 std::optional<ImuLink> imuLink(std::span<const ImuSample> samples, const RigModel& rig, TimeNs from,
                                TimeNs to, const ImuBias& bias, double max_gap_s);
 
+inline ImuBias biasOf(const ImuState& state) { return {state.gyro_bias, state.accel_bias}; }
+
 /// The link's motion at other biases, to first order in their change.
 Preintegration motionAt(const ImuLink& link, const ImuState& state);
 

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How an odometry begins: frames that wait, the window's first frames, what is known of them.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibrator/base/statistics.h"
+#include "calibrator/odometry/odometry.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kState = 15;
+constexpr double kGaugeSigma = 1e-4;       // [m], [rad] of the first frame's position and yaw
+constexpr double kMostWaitingSpans = 2;    // frames kept for a start, in its spans
+constexpr std::size_t kFewestTracks = 12;  // to tell that the rig stands
+
+/// The yaw and the position of a pose, upright.
+Transform levelled(const Transform& T) {
+  const Eigen::AngleAxisd yaw(std::atan2(T.R(1, 0), T.R(0, 0)), Eigen::Vector3d::UnitZ());
+  return {yaw.toRotationMatrix(), T.t};
+}
+
+/// About `most` of 0 .. count - 1, evenly, the last one among them.
+std::vector<std::size_t> chosenOf(std::size_t count, int most) {
+  const auto keep = static_cast<std::size_t>(most);
+  const std::size_t stride = std::max<std::size_t>(1, (count + keep - 1) / keep);
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = (count - 1) % stride; k < count; k += stride) chosen.push_back(k);
+  return chosen;
+}
+
+/// Position and yaw of the first frame, which nothing observes, and what is known of its biases.
+WindowPrior gaugePrior(const WindowFrame& first, const StartOptions& s) {
+  WindowPrior prior;
+  prior.frames = {first.serial};
+  prior.points = {first.state};
+  const double gauge = 1 / (kGaugeSigma * kGaugeSigma);
+  prior.cost = {Eigen::MatrixXd::Zero(kState, kState), Eigen::VectorXd::Zero(kState), 0};
+  prior.cost.H.diagonal().head<3>().setConstant(gauge);
+  prior.cost.H(5, 5) = gauge;
+  prior.cost.H.diagonal().segment<3>(9).setConstant(1 / (s.gyro_bias_sigma * s.gyro_bias_sigma));
+  prior.cost.H.diagonal().tail<3>().setConstant(1 / (s.accel_bias_sigma * s.accel_bias_sigma));
+  prior.cost.b.segment<3>(9) = prior.cost.H(9, 9) * first.state.gyro_bias;
+  prior.cost.b.tail<3>() = prior.cost.H(12, 12) * first.state.accel_bias;
+  return prior;
+}
+
+}  // namespace
+
+void Odometry::begin(const FrameTracks& frame) {
+  waiting_.push_back(frame);
+  const double span = secondsBetween(waiting_.front().t, frame.t);
+  if (span < startSpan()) return;
+  std::vector<StartFrame> frames;
+  for (const FrameTracks& f : waiting_) {
+    StartFrame s{f.t, {}};
+    for (const TrackPoint& p : f.points) {
+      const auto seen = rig_.sighting(p.camera, p.uv, options_.pixel_sigma);
+      if (seen) s.seen.emplace_back(p.id, *seen);
+    }
+    frames.push_back(std::move(s));
+  }
+  StartOptions options = options_.start;
+  if (stands()) options.velocity_sigma = options_.model.still_sigma_m_s;
+  const auto start = startEstimate(frames, samples_, rig_, options);
+  if (start) fillFrom(*start);
+  if (isRunning()) return;
+  const auto excess = [&] {
+    return secondsBetween(waiting_.front().t, frame.t) > kMostWaitingSpans * startSpan();
+  };
+  while (excess()) waiting_.erase(waiting_.begin());
+}
+
+/// The window's first frames: evenly chosen among those that waited, the newest ones whole.
+void Odometry::fillFrom(const StartEstimate& start) {
+  const Transform T_resume = levelled(resume_);
+  for (const std::size_t k : chosenOf(waiting_.size(), options_.keyframes)) {
+    WindowFrame frame;
+    frame.serial = next_serial_++;
+    frame.t = waiting_[k].t;
+    frame.keyframe = true;
+    frame.state = start.states[k];
+    frame.state.T_FS = T_resume * frame.state.T_FS;
+    frame.state.v_F = T_resume.R * frame.state.v_F;
+    window_.frames.push_back(frame);
+    addSightings(waiting_[k], frame.serial);
+    pose_of_[frame.serial] = result_.poses.size();
+    result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), true});
+  }
+  for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
+    window_.frames[i].link = imuLink(samples_, rig_, window_.frames[i].t, window_.frames[i + 1].t,
+                                     biasOf(window_.frames[i].state), options_.max_imu_gap_s);
+  }
+  window_.prior = gaugePrior(window_.frames.front(), options_.start);
+  last_fit_ = waiting_.back().t;
+  for (int round = 0; round < 3; ++round) {
+    placeLandmarks();
+    optimise(10);
+    gate();
+  }
+  if (!startHolds()) {
+    result_.poses.resize(result_.poses.size() - window_.frames.size());
+    window_ = {};
+    pose_of_.clear();
+    keyframe_rays_.clear();
+    return;
+  }
+  waiting_.clear();
+  remember();
+}
+
+/// Whether most of what the newest frame saw has its place, and the sensors can be so.
+bool Odometry::startHolds() const {
+  if (!isSane()) return false;
+  const std::int64_t newest = window_.frames.back().serial;
+  int seen = 0, placed = 0;
+  for (const auto& [id, landmark] : window_.landmarks) {
+    if (landmark.last_frame != newest) continue;
+    ++seen;
+    placed += landmark.p_W.has_value() ? 1 : 0;
+  }
+  return placed >= options_.start.min_landmarks && 2 * placed > seen;
+}
+
+/// Whether the tracks have not moved for still_span_s.
+bool Odometry::stands() const {
+  if (latest_.size() < 3) return false;
+  const FrameTracks& then = latest_.front();
+  const FrameTracks& now = latest_.back();
+  if (secondsBetween(then.t, now.t) < 0.7 * options_.still_span_s) return false;
+  std::map<std::int64_t, Eigen::Vector2d> places;
+  for (const TrackPoint& p : then.points) {
+    if (p.camera == 0) places[p.id] = p.uv;
+  }
+  std::vector<double> moved;
+  for (const TrackPoint& p : now.points) {
+    const auto place = places.find(p.id);
+    if (p.camera == 0 && place != places.end()) moved.push_back((p.uv - place->second).norm());
+  }
+  return moved.size() >= kFewestTracks && median(std::move(moved)) < options_.still_px;
+}
+
+double Odometry::startSpan() const {
+  return rig_.cameras.size() > 1 ? options_.start_span_s : options_.mono_start_span_s;
+}
+
+}  // namespace plumbline
