@@ -50,6 +50,10 @@ WindowPrior gaugePrior(const WindowFrame& first, const StartOptions& s) {
 }  // namespace
 
 void Odometry::begin(const FrameTracks& frame) {
+  // A start across a gap would be lost at once.
+  const bool linked = waiting_.empty() || imuLink(samples_, rig_, waiting_.back().t, frame.t,
+                                                  last_bias_, options_.max_imu_gap_s);
+  if (!linked) waiting_.clear();
   waiting_.push_back(frame);
   const double span = secondsBetween(waiting_.front().t, frame.t);
   if (span < startSpan()) return;

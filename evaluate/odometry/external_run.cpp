@@ -8,7 +8,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/files/file_io.h"
 #include "datasets/trajectory/trajectory_reader.h"
-#include "evaluate/odometry/process.h"
+#include "evaluate/odometry/program.h"
 #include "evaluate/results/text.h"
 #include "generated/version.h"
 
@@ -113,7 +113,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
     throw InputError(request.calibration.string(), 0, "has no IMU; odometry needs T_SC0");
   }
   const Fields fields = prepare(request, sequence, calibration, folder);
-  ProcessRequest process;
+  ProgramRequest process;
   process.words = {fields.at("executable")};
   for (const std::string& word : request.runner.words) {
     process.words.push_back(word.front() == '$' ? variable(word.substr(1))
@@ -126,7 +126,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   process.log = folder / "log.txt";
   process.seconds = request.seconds;
   process.memory_bytes = request.memory_bytes;
-  const ProcessEnd end = runProcess(process);
+  const ProgramEnd end = runProgram(process);
   ExternalRun run;
   run.seconds = end.seconds;
   const fs::path written = filledIn(request.runner.trajectory, fields);
@@ -144,7 +144,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
       run.problem = error.what();
     }
   }
-  if (!run.problem.empty()) run.log = lastLines(process.log, kLogLines);
+  if (!run.problem.empty()) run.log = lastLinesOf(process.log, kLogLines);
   return run;
 }
 

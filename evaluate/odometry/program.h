@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-struct ProcessRequest {
+struct ProgramRequest {
   std::vector<std::string> words;  ///< the program, found by PATH, and its arguments
   std::filesystem::path folder;    ///< where it runs
   std::map<std::string, std::string> environment;  ///< beside the caller's
@@ -19,7 +19,7 @@ struct ProcessRequest {
 };
 
 /// How a process ended.
-struct ProcessEnd {
+struct ProgramEnd {
   bool started = false;  ///< false: no such program
   bool timed_out = false;
   int exit_code = -1;  ///< -1 where a signal ended it
@@ -32,12 +32,12 @@ struct ProcessEnd {
 /// Runs a program in a process group of its own and waits for it; whatever is left of the group
 /// after that, or after the time limit, is killed. Throws InputError where the log cannot be
 /// written or no process can be made.
-ProcessEnd runProcess(const ProcessRequest& request);
+ProgramEnd runProgram(const ProgramRequest& request);
 
 /// "exit code 3", "killed by signal 11 (Segmentation fault)", "no end within 60 s".
-std::string toString(const ProcessEnd& end);
+std::string toString(const ProgramEnd& end);
 
 /// The last `count` lines of a file, each cut at 300 bytes; none where it cannot be read.
-std::vector<std::string> lastLines(const std::filesystem::path& file, std::size_t count);
+std::vector<std::string> lastLinesOf(const std::filesystem::path& file, std::size_t count);
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/process.h"
+#include "evaluate/odometry/program.h"
 
 #include <cerrno>
 #include <csignal>
@@ -25,7 +25,7 @@ namespace {
 constexpr int kNoProgram = 127;  // as a shell has it
 constexpr std::size_t kLongestLine = 300;
 
-std::vector<std::string> environmentOf(const ProcessRequest& request) {
+std::vector<std::string> environmentOf(const ProgramRequest& request) {
   std::vector<std::string> all;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string text = *entry;
@@ -64,7 +64,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
 
 }  // namespace
 
-ProcessEnd runProcess(const ProcessRequest& request) {
+ProgramEnd runProgram(const ProgramRequest& request) {
   std::vector<std::string> words = request.words, environment = environmentOf(request);
   const std::vector<char*> argv = pointersTo(words), envp = pointersTo(environment);
   const int log =
@@ -81,7 +81,7 @@ ProcessEnd runProcess(const ProcessRequest& request) {
   }
   close(log);
   setpgid(child, child);  // also here: it may not have come to it yet
-  ProcessEnd end;
+  ProgramEnd end;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
     if (!end.timed_out && clock.seconds() > request.seconds) {
@@ -98,7 +98,7 @@ ProcessEnd runProcess(const ProcessRequest& request) {
   return end;
 }
 
-std::string toString(const ProcessEnd& end) {
+std::string toString(const ProgramEnd& end) {
   if (end.timed_out) return fmt::format("no end within {:.0f} s", end.seconds);
   if (!end.started) return "could not be started (exit code 127)";
   if (end.signal != 0) {
@@ -107,7 +107,7 @@ std::string toString(const ProcessEnd& end) {
   return fmt::format("exit code {}", end.exit_code);
 }
 
-std::vector<std::string> lastLines(const std::filesystem::path& file, std::size_t count) {
+std::vector<std::string> lastLinesOf(const std::filesystem::path& file, std::size_t count) {
   std::ifstream stream(file);
   std::deque<std::string> lines;
   for (std::string line; std::getline(stream, line);) {
