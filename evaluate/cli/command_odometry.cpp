@@ -12,12 +12,12 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/result_options.h"
 #include "evaluate/cli/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/summary.h"
 #include "report/html/trajectory/page.h"
 #include "report/records/documents.h"
@@ -31,7 +31,7 @@ struct OdometryCommandOptions {
   TrajectoryMetricWords metrics;
   double max_ate_m = 0;
   double memory_mb = 0;
-  OutputOptions output;
+  ResultOptions output;
 };
 
 void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
@@ -65,7 +65,7 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_option("--threads", r.threads, "Runs at once (0: all cores)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  o.output.declare(app)->required();
+  o.output.declareResult(app, false);
   declareCoverage(app, o.metrics);
   declareTrajectoryMetrics(app, o.metrics);
 }
@@ -85,6 +85,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   request.memory_bytes = static_cast<std::size_t>(o.memory_mb * 1e6);
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.how.truth_w_first = o.metrics.truth_w_first;
+  request.how.truth_inverted = o.metrics.truth_inverted;
   request.min_coverage = o.metrics.min_coverage;
   if (o.max_ate_m > 0) request.max_ate_m = o.max_ate_m;
   return request;
@@ -94,18 +95,16 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   const OdometryRequest request = odometryRequest(o);
   std::vector<std::string> inputs = request.sequences;
   inputs.insert(inputs.end(), request.calibrations.begin(), request.calibrations.end());
-  OutputFolder out(o.output.request("odometry", std::move(inputs)));
+  ResultWriter out(o.output, o.output.request("odometry", std::move(inputs)));
   ProgressBar bar;
   TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());
   bar.clear();
   record.name = std::filesystem::path(o.output.out).filename().string();
   record.provenance = makeProvenance("odometry", givenOptions(app));
   record.provenance.input = std::filesystem::path(request.sequences.front()).filename().string();
-  writeResults(out, record,
-               {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-               renderTrajectoryPage(record));
-  say("{}{}\nReport: {}/report.html\n", runsSummary(record), odometrySummary(record), o.output.out);
-  return kDone;
+  return out.finish(record,
+                    {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
+                    renderTrajectoryPage, runsSummary(record) + odometrySummary(record));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,9 @@ struct ResultOptions : OutputOptions {
 class ResultWriter {
  public:
   ResultWriter(const ResultOptions& options, OutputRequest request);
+
+  /// Where files of the folder may be written before finish().
+  const std::filesystem::path& path() const { return folder_.path(); }
 
   /// Writes documents (the first is the JSON document), page and records, and says the summary and
   /// where to look, or with --json - the document alone. Returns the exit code.
