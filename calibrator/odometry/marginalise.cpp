@@ -17,7 +17,7 @@ Window leavingPart(const Window& window, int leaving, const std::set<std::int64_
   part.frames = window.frames;
   part.prior = window.prior;
   for (int i = 0; i < static_cast<int>(part.frames.size()); ++i) {
-    WindowFrame& frame = part.frames[static_cast<std::size_t>(i)];
+    OdometryFrame& frame = part.frames[static_cast<std::size_t>(i)];
     if (i != leaving && i != leaving - 1) frame.link.reset();
     if (i != leaving) frame.still = false;
   }
@@ -71,7 +71,7 @@ void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
       used.push_back(kState * frame + k);
     }
     if (frame == leaving) continue;
-    WindowFrame& kept = window.frames[static_cast<std::size_t>(frame)];
+    OdometryFrame& kept = window.frames[static_cast<std::size_t>(frame)];
     if (!kept.first_estimate) kept.first_estimate = kept.state;
     prior.frames.push_back(kept.serial);
     prior.points.push_back(*kept.first_estimate);

@@ -83,13 +83,13 @@ void Odometry::lose(TimeNs t, OdometryLoss cause) {
 
 /// Adds a frame at the IMU's prediction. False where there is none.
 bool Odometry::append(const FrameTracks& tracks) {
-  WindowFrame& last = window_.frames.back();
+  OdometryFrame& last = window_.frames.back();
   last.link = imuLink(samples_, rig_, last.t, tracks.t, biasOf(last.state), options_.max_imu_gap_s);
   if (!last.link) {
     lose(tracks.t, OdometryLoss::kImuGap);
     return false;
   }
-  WindowFrame frame;
+  OdometryFrame frame;
   frame.serial = next_serial_++;
   frame.t = tracks.t;
   frame.state = predicted(last.state, *last.link, rig_.gravity_m_s2);
@@ -128,7 +128,7 @@ void Odometry::placeLandmarks() {
 
 void Odometry::optimise(int iterations) {
   for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
-    WindowFrame& frame = window_.frames[i];
+    OdometryFrame& frame = window_.frames[i];
     if (!frame.link) continue;
     const bool far = (frame.state.gyro_bias - frame.link->at.gyro).norm() > kRelinkGyro ||
                      (frame.state.accel_bias - frame.link->at.accel).norm() > kRelinkAccel;
@@ -162,7 +162,7 @@ void Odometry::gate() {
 bool Odometry::isKeyframe(const FrameTracks& frame) const {
   const int last = window_.indexOf(last_keyframe_);
   if (last < 0 || keyframe_rays_.empty()) return true;
-  const WindowFrame& keyframe = window_.frames[static_cast<std::size_t>(last)];
+  const OdometryFrame& keyframe = window_.frames[static_cast<std::size_t>(last)];
   if (secondsBetween(keyframe.t, frame.t) > options_.keyframe_interval_s) return true;
   const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
   const Eigen::Matrix3d R_kf_now = (keyframe.state.T_FS.R * R_SC).transpose() *
@@ -210,7 +210,7 @@ void Odometry::remember() {
   const std::size_t n = window_.frames.size();
   const auto recent = static_cast<std::size_t>(options_.recent_frames);
   for (std::size_t i = 0; i < n; ++i) {
-    const WindowFrame& frame = window_.frames[i];
+    const OdometryFrame& frame = window_.frames[i];
     const auto pose = pose_of_.find(frame.serial);
     if (pose == pose_of_.end()) continue;
     result_.poses[pose->second].state = frame.state;
@@ -236,7 +236,7 @@ void Odometry::rememberCovariances() {
 void Odometry::shrink() {
   const auto recent = static_cast<std::size_t>(options_.recent_frames);
   for (std::size_t i = 1; i + recent < window_.frames.size();) {
-    const WindowFrame& frame = window_.frames[i];
+    const OdometryFrame& frame = window_.frames[i];
     if (frame.keyframe || frame.first_estimate) {
       ++i;
     } else {
@@ -251,7 +251,7 @@ void Odometry::shrink() {
 /// A frame that is no keyframe: the IMU is integrated over it, its sightings are given up.
 void Odometry::dropFrame(int index) {
   const auto i = static_cast<std::size_t>(index);
-  const WindowFrame& before = window_.frames[i - 1];
+  const OdometryFrame& before = window_.frames[i - 1];
   auto link = imuLink(samples_, rig_, before.t, window_.frames[i + 1].t, biasOf(before.state),
                       options_.max_imu_gap_s);
   const std::int64_t serial = window_.frames[i].serial;
@@ -277,7 +277,7 @@ void Odometry::marginaliseOldest() {
   }
   // Not in frames that will be dropped: the prior would hold them in the window.
   const auto passes = [&](const LandmarkSighting& s) {
-    const WindowFrame& frame = window_.frames[static_cast<std::size_t>(window_.indexOf(s.frame))];
+    const OdometryFrame& frame = window_.frames[static_cast<std::size_t>(window_.indexOf(s.frame))];
     return !frame.keyframe && !frame.first_estimate;
   };
   for (const std::int64_t id : leaving) std::erase_if(window_.landmarks[id].sightings, passes);

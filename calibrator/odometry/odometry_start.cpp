@@ -32,7 +32,7 @@ std::vector<std::size_t> chosenOf(std::size_t count, int most) {
 }
 
 /// Position and yaw of the first frame, which nothing observes, and what is known of its biases.
-WindowPrior gaugePrior(const WindowFrame& first, const StartOptions& s) {
+WindowPrior gaugePrior(const OdometryFrame& first, const StartOptions& s) {
   WindowPrior prior;
   prior.frames = {first.serial};
   prior.points = {first.state};
@@ -81,7 +81,7 @@ void Odometry::begin(const FrameTracks& frame) {
 void Odometry::fillFrom(const StartEstimate& start) {
   const Transform T_resume = levelled(resume_);
   for (const std::size_t k : chosenOf(waiting_.size(), options_.keyframes)) {
-    WindowFrame frame;
+    OdometryFrame frame;
     frame.serial = next_serial_++;
     frame.t = waiting_[k].t;
     frame.keyframe = true;

@@ -13,7 +13,7 @@ namespace plumbline {
 int Window::indexOf(std::int64_t serial) const {
   const auto at =
       std::lower_bound(frames.begin(), frames.end(), serial,
-                       [](const WindowFrame& f, std::int64_t s) { return f.serial < s; });
+                       [](const OdometryFrame& f, std::int64_t s) { return f.serial < s; });
   return at != frames.end() && at->serial == serial ? static_cast<int>(at - frames.begin()) : -1;
 }
 

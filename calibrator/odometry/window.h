@@ -24,7 +24,7 @@ struct ImuLink {
 };
 
 /// A frame of the window.
-struct WindowFrame {
+struct OdometryFrame {
   std::int64_t serial = 0;  ///< its number since the start
   TimeNs t = 0;             ///< camera clock
   ImuState state;           ///< T_FS with F the odometry's world W: gravity along -z
@@ -67,7 +67,7 @@ struct WindowPrior {
 
 /// A fixed-lag window: frames, the landmarks they see, the IMU between them and the prior.
 struct Window {
-  std::vector<WindowFrame> frames;             ///< ascending in time
+  std::vector<OdometryFrame> frames;           ///< ascending in time
   std::map<std::int64_t, Landmark> landmarks;  ///< by track id
   WindowPrior prior;
 

@@ -50,7 +50,7 @@ Eigen::Matrix<double, 15, 1> linkError(const ImuLink& link, const ImuState& i, c
   return r;
 }
 
-LinkTerm linkTerm(const ImuLink& link, const WindowFrame& i, const WindowFrame& j,
+LinkTerm linkTerm(const ImuLink& link, const OdometryFrame& i, const OdometryFrame& j,
                   const Gravity& gravity) {
   LinkTerm term;
   term.r = linkError(link, i.state, j.state, gravity);
@@ -79,7 +79,7 @@ double WindowProblem::costOf(const Window& window) const {
   }
   const Gravity gravity = gravityOf(rig_);
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
-    const WindowFrame& frame = window.frames[i];
+    const OdometryFrame& frame = window.frames[i];
     if (frame.still) {
       sum +=
           0.5 * frame.state.v_F.squaredNorm() / (model_.still_sigma_m_s * model_.still_sigma_m_s);
@@ -134,7 +134,7 @@ void WindowProblem::addPrior() {
 void WindowProblem::addImu() {
   const Gravity gravity = gravityOf(rig_);
   for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
-    const WindowFrame& frame = window_.frames[i];
+    const OdometryFrame& frame = window_.frames[i];
     if (!frame.link) continue;
     const LinkTerm term = linkTerm(*frame.link, frame, window_.frames[i + 1], gravity);
     const Eigen::Index row = kState * static_cast<Eigen::Index>(i);
@@ -182,7 +182,7 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
   term.W.setZero(static_cast<Eigen::Index>(6 * term.frames.size()), 3);
   for (const LandmarkSighting& s : landmark.sightings) {
     const int index = window_.indexOf(s.frame);
-    const WindowFrame& frame = window_.frames[static_cast<std::size_t>(index)];
+    const OdometryFrame& frame = window_.frames[static_cast<std::size_t>(index)];
     const auto r = sightingResidual(s.seen, rig_, frame.state.T_FS, frame.point().T_FS, term.p_W);
     if (!r) continue;
     const double w = weight(r->e.squaredNorm(), model_.cauchy);
