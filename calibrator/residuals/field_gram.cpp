@@ -6,6 +6,7 @@
 #include <cmath>
 #include <variant>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/gram_kernel.h"
 #include "calibrator/residuals/instruction_set.h"
@@ -200,7 +201,7 @@ gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const Packe
                     const GramOptions& options) {
   gram::Input in;
   in.T_CF = T_CF;
-  // Models that can be calibrated are pinholes: no coefficient stands before fu.
+  // Models of the kernel are pinholes: no coefficient stands before fu.
   in.fu = camera.projection[0];
   in.fv = camera.projection[1];
   in.pu = camera.projection[2];
@@ -209,6 +210,68 @@ gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const Packe
   in.view = view;
   if (options.cauchy_px > 0) in.inverse_c2 = 1 / (options.cauchy_px * options.cauchy_px);
   return in;
+}
+
+/// Corner by corner, for models that the kernel is not compiled for.
+class PlainSum {
+ public:
+  PlainSum(const Intrinsics& camera, FieldGram& out) : out_(out) {
+    const auto K = camera.projection.size() + camera.distortion.size();
+    out.H_pose_k.setZero(6, K);
+    out.H_k.setZero(K, K);
+    out.b_k.setZero(K);
+    out.H_pose_f.setZero();
+    out.H_k_f.setZero(K, kFieldColumns);
+    out.H_f.setZero();
+    out.b_f.setZero();
+  }
+
+  /// A corner at p in the camera's frame, with its weight, the loss included.
+  void add(const Projection& at, const Eigen::Vector3d& p, const Eigen::Vector2d& e, double weight,
+           const Eigen::Matrix<double, kFieldFunctions, 1>& f) {
+    Eigen::Matrix<double, 2, 6> J;
+    J << at.J_point, -at.J_point * skew(p);
+    const Eigen::MatrixXd J_k = at.J_intrinsics;
+    out_.H += weight * J.transpose() * J;
+    out_.b += weight * J.transpose() * e;
+    out_.H_pose_k += weight * J.transpose() * J_k;
+    out_.H_k += weight * J_k.transpose() * J_k;
+    out_.b_k += weight * J_k.transpose() * e;
+    for (int row = 0; row < 2; ++row) {
+      const int first = row * kFieldFunctions;
+      out_.H_pose_f.middleCols<kFieldFunctions>(first) +=
+          weight * J.row(row).transpose() * f.transpose();
+      out_.H_k_f.middleCols<kFieldFunctions>(first) +=
+          weight * J_k.row(row).transpose() * f.transpose();
+      out_.b_f.segment<kFieldFunctions>(first) += weight * e[row] * f;
+    }
+  }
+
+ private:
+  FieldGram& out_;
+};
+
+FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                         const FieldInput& input, const GramOptions& options) {
+  FieldGram out;
+  PlainSum sum(camera, out);
+  for (int i = 0; i < view.count; ++i) {
+    const double w2 = view.w[i] * view.w[i];
+    if (!(w2 > 0)) continue;
+    const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
+    const Eigen::Vector2d uv(view.u[i], view.v[i]);
+    const auto at = projectWithJacobians(camera, p);
+    const double squared = at ? (at->uv - uv).squaredNorm() : kInvalidSquaredError;
+    out.squared_error += squared < kInvalidSquaredError ? w2 * squared : kInvalidSquaredError;
+    if (!(squared < kInvalidSquaredError)) continue;
+    const double c2 = options.cauchy_px * options.cauchy_px;
+    const double weight = c2 > 0 ? w2 / (1 + squared / c2) : w2;
+    const auto f = fieldFunctions(input.box, uv);
+    sum.add(*at, p, at->uv - uv, weight, f);
+    if (input.squares) out.H_f += weight * f * f.transpose();
+  }
+  out.cost = out.squared_error;
+  return out;
 }
 
 }  // namespace
@@ -229,12 +292,12 @@ FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const Packe
   const FieldInput f{box, squares == FieldSquares::kKeep};
   std::visit(
       [&]<class Model>(Model) {
-        if constexpr (kIsCalibrated<Model>) {
+        if constexpr (kIsVectorised<Model>) {
           const InstructionSet set = bestInstructionSet();
           options.cauchy_px > 0 ? computeWith<Model, true>(set, in, f, out)
                                 : computeWith<Model, false>(set, in, f, out);
         } else {
-          assert(!"fields of a model that cannot be calibrated");
+          out = plainFieldGram(camera, T_CF, view, f, options);
         }
       },
       cameraModelOf(camera));

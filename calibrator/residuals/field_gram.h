@@ -43,8 +43,7 @@ enum class FieldSquares { kKeep, kDrop };
 
 /// Corners weigh w^2 of the view (any weight here, 0 or more: its root is the column's factor),
 /// times 1 / (1 + |e|^2 / c^2) where there is a loss; triggs_clamp does not matter. Without
-/// FieldSquares::kKeep H_f is zero. Only for models that can be calibrated (canBeCalibrated()):
-/// another one is a bug.
+/// FieldSquares::kKeep H_f is zero. Vectorised as viewGram() is.
 FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                     const FieldBox& box, FieldSquares squares, const GramOptions& options = {});
 

@@ -51,7 +51,7 @@ struct RigView {
 /// Computes ViewTerms (information/predicted_error.h) of frames at one estimate: parameters as in
 /// CameraLayout, without the board's; I in 1 / px^2, whatever pixel_sigma is; the pose eliminated
 /// jointly for all cameras of the frame. A frame whose pose is not determined says nothing
-/// (corners 0). Only models that can be calibrated.
+/// (corners 0).
 class ViewTermsMaker {
  public:
   /// `cameras`: intrinsics and T_C0Ci (poses are not read).

@@ -38,6 +38,33 @@ Eigen::MatrixXd denseSums(const Intrinsics& camera, const Transform& T_CF, const
   return sums;
 }
 
+/// A lens of the kernel and one of the plain way, of one formula: without distortion.
+TEST(FieldGram, ThePlainWayIsTheKernels) {
+  Intrinsics vectorised = testing::radtanCamera();
+  vectorised.distortion.setZero();
+  Intrinsics plain = vectorised;
+  plain.distortion_model = DistortionModel::kNone;
+  plain.distortion.resize(0);
+  const AprilGrid target;
+  const Transform T_CF = testing::examplePose();
+  const PackedCorners packed(target, {testing::noisyView(target, plain, T_CF, 144, 0.5, 4)});
+  for (const double cauchy_px : {0.0, 1.0}) {
+    const FieldGram a =
+        fieldGram(vectorised, T_CF, packed.view(0), kBox, FieldSquares::kKeep, {cauchy_px, 0});
+    const FieldGram b =
+        fieldGram(plain, T_CF, packed.view(0), kBox, FieldSquares::kKeep, {cauchy_px, 0});
+    const double scale = 1e-10 * a.H.norm();
+    EXPECT_LT((a.H - b.H).norm(), scale);
+    EXPECT_LT((a.H_pose_f - b.H_pose_f).norm(), scale);
+    EXPECT_LT((a.H_k_f.topRows<4>() - b.H_k_f).norm(), scale);
+    EXPECT_LT((a.H_k.topLeftCorner<4, 4>() - b.H_k).norm(), scale);
+    EXPECT_LT((a.H_f - b.H_f).norm(), 1e-9);
+    EXPECT_LT((a.b_f - b.b_f).norm(), 1e-9);
+    EXPECT_LT((a.b_k.head<4>() - b.b_k).norm(), scale);
+    EXPECT_NEAR(a.squared_error, b.squared_error, 1e-9);
+  }
+}
+
 class FieldGramOf : public ::testing::TestWithParam<double> {};
 
 TEST_P(FieldGramOf, IsTheSumOverCorners) {
