@@ -137,6 +137,7 @@ struct CameraTrial {
   CameraPart mono;
   std::vector<Trialled> open;  ///< not ruled out
   std::vector<ModelCandidate> ruled_out;
+  bool settled = false;  ///< no more frames are needed
 };
 
 ModelCandidate candidateOf(const Trialled& trial, const Trialled& best) {
@@ -190,11 +191,24 @@ void ruleOut(CameraTrial& trial) {
   trial.open = std::move(open);
 }
 
+/// Whether the stated model is as good as any already on few frames: what another could still gain
+/// on more of them would not be worth leaving it.
+bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& stated) {
+  if (!stated || !trial.open.front().error) return false;
+  const Trialled& best = trial.open.front();
+  for (const Trialled& t : trial.open) {
+    if (!isSame(t.model, *stated) || !t.error) continue;
+    const MeanGain over = excess(t, best);
+    return over.mean <= over.std && over.mean <= kAlike * best.cost();
+  }
+  return false;
+}
+
 /// Scores the open models of all cameras, shared out over the threads.
 void scoreAll(const AprilGrid& board, int frames, int threads, std::vector<CameraTrial>& trials) {
   std::vector<std::pair<CameraTrial*, Trialled*>> jobs;
   for (CameraTrial& camera : trials) {
-    if (camera.open.size() < 2) continue;
+    if (camera.open.size() < 2 || camera.settled) continue;
     for (Trialled& trial : camera.open) jobs.emplace_back(&camera, &trial);
   }
   forChunks(static_cast<int>(jobs.size()), 1, threads, [&](const Chunk& chunk) {
@@ -206,7 +220,7 @@ void scoreAll(const AprilGrid& board, int frames, int threads, std::vector<Camer
 }
 
 CameraTrial trialOf(CameraPart mono, int most_parameters) {
-  CameraTrial trial{std::move(mono), {}, {}};
+  CameraTrial trial{std::move(mono), {}, {}, false};
   const Intrinsics& solved = trial.mono.estimate.intrinsics.front();
   const std::vector<SeenPoint> points = seenPoints(trial.mono);
   for (const CameraModelPair& model : candidateModels()) {
@@ -326,6 +340,7 @@ ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
   for (CameraTrial& trial : trials) {
     stated.push_back(statedModel(session.cameras[stated.size()]));
     ruleOut(trial);
+    trial.settled = isSettled(trial, stated.back());
     more = more || trial.mono.problem.frameCount() >= 2 * kScreenFrames;
   }
   if (more) scoreAll(session.target, kTestFrames, problem.threads, trials);

@@ -33,6 +33,7 @@ struct ChosenModels {
 /// - first on 80 frames, of which no model is tried further that exceeds the best one's squares by
 ///   three standard deviations and 10 %, or gains less than 1 % by more than the usual eight
 ///   parameters; then the others on 200;
+///   a stated model that is within one standard error and 1 % of the best is settled before;
 /// - of the models within one standard error of the best (of the mean difference over blocks of
 ///   time), the one that the session states; otherwise the one with fewest parameters, and among
 ///   these the best (Breiman et al., "Classification and regression trees", 1984: the one-standard-

@@ -204,8 +204,8 @@ TEST_F(CommandLine, AResolutionThatTheCornersContradictIsSaid) {
       AllOf(HasSubstr("corners.csv:"), HasSubstr("outside the image"), HasSubstr("sensor.yaml")));
 }
 
-// A fisheye whose model nobody states is taken for pinhole-radtan.
-TEST_F(CommandLine, AFisheyeOfUnknownModelIsToldItsCure) {
+// A fisheye whose model nobody states is given one that holds it.
+TEST_F(CommandLine, AFisheyeOfUnknownModelGetsOneThatHoldsIt) {
   const fs::path folder = scratch() / "fisheye";
   fs::create_directories(scratch());
   ASSERT_EQ(
@@ -215,11 +215,14 @@ TEST_F(CommandLine, AFisheyeOfUnknownModelIsToldItsCure) {
     fs::remove(folder / "mav0" / camera / "sensor.yaml");
   }
   const Outcome outcome = calibrate(folder, "--resolution 512x512 --no-report");
-  EXPECT_THAT(outcome.text, HasSubstr("--models pinhole-equidistant"));
-  EXPECT_THAT(outcome.text, Not(HasSubstr("Verdict: GOOD")));
-  const Outcome cured =
-      calibrate(folder, "--resolution 512x512 --no-report --models pinhole-equidistant");
-  EXPECT_EQ(cured.exit_code, 0) << cured.text;
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("Lens model of cam0: "));
+  EXPECT_THAT(outcome.text, Not(HasSubstr("pinhole-radtan")));
+  fs::remove_all(scratch() / "out");
+  const Outcome misfit =
+      calibrate(folder, "--resolution 512x512 --no-report --models pinhole-radtan");
+  EXPECT_THAT(misfit.text, Not(HasSubstr("Lens model of cam0: ")));
+  EXPECT_THAT(misfit.text, Not(HasSubstr("Verdict: GOOD")));
 }
 
 // ---- motion that leaves parameters free

@@ -42,6 +42,15 @@ class CommandExport : public testing::Test {
   fs::path root_;
 };
 
+TEST_F(CommandExport, GivesTheCamerasInAnotherModelAndSaysWhatThatCosts) {
+  const Outcome outcome = exportedSource("--to basalt --model ds-none");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("as ds-none: 0."), HasSubstr("by region [px]")));
+  EXPECT_THAT(contents(out()).at("basalt_calib.json"), HasSubstr("\"camera_type\": \"ds\""));
+  fs::remove_all(out());
+  expectRefusal(exportedSource("--to basalt --model omni-fov"), HasSubstr("omni-fov"));
+}
+
 TEST_F(CommandExport, WritesEveryToolsFilesAndNamesThem) {
   for (const char* tool :
        {"kalibr", "orbslam3", "openvins", "vins-fusion", "okvis2", "basalt", "camera_info"}) {
