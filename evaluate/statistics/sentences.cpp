@@ -25,8 +25,11 @@ std::string numberText(double size, bool ratio) {
   return size < 9.95 && size > 0 ? fmt::format("{:.2g}", size) : fmt::format("{:.0f}", size);
 }
 
-const char* direction(bool lower, const std::string& unit) {
-  if (unit == "s") return lower ? "shorter" : "longer";
+/// Durations are shorter or longer; what else is in seconds, such as a deviation, is not.
+const char* direction(bool lower, const std::string& endpoint) {
+  const bool duration =
+      endpoint == "capture_s" || endpoint == "calibration_s" || endpoint.starts_with("stages");
+  if (duration) return lower ? "shorter" : "longer";
   return lower ? "lower" : "higher";
 }
 
@@ -48,8 +51,8 @@ std::string intervalText(const StudyEffect& e) {
                        numberText(most, ratio), unit);
   }
   return fmt::format("95 % interval {}{} {} to {}{} {}", numberText(low.size, ratio), unit,
-                     direction(low.lower, e.unit), numberText(high.size, ratio), unit,
-                     direction(high.lower, e.unit));
+                     direction(low.lower, e.endpoint), numberText(high.size, ratio), unit,
+                     direction(high.lower, e.endpoint));
 }
 
 std::string pText(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }
@@ -69,7 +72,7 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
   const std::string unit = unitText(e);
   std::string text =
       fmt::format("{} has {}{} {} {} than {}, {}", e.method, numberText(change.size, e.ratio), unit,
-                  direction(change.lower, e.unit), words, e.baseline, intervalText(e));
+                  direction(change.lower, e.endpoint), words, e.baseline, intervalText(e));
   if (e.design == StudyDesign::kOneOrder) {
     const std::string& first = e.first_method > 0 ? e.method : e.baseline;
     return text + fmt::format(" ({}); all began with {}, so method and order cannot be told apart",

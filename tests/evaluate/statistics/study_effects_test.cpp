@@ -101,6 +101,15 @@ TEST(StudyStatistics, SpeakFirstOfTheDeclaredEndpoints) {
                               "participants\\)"));
 }
 
+TEST(StudyStatistics, CallDurationsAloneLonger) {
+  StudyRecord record = study(12);
+  for (StudySession& s : record.sessions) s.time_offset_std_s = s.method == "guided" ? 2e-4 : 1e-4;
+  addStatistics(record);
+  EXPECT_THAT(effectOn(record, "capture_s").sentence, HasSubstr("20 % longer capture time"));
+  EXPECT_THAT(effectOn(record, "time_offset_std_s").sentence,
+              HasSubstr("100 % higher standard deviation of the time offset"));
+}
+
 TEST(StudyStatistics, CorrectOverTheDeclaredEndpointsAlone) {
   StudyRecord record = study(12);
   record.endpoints = {"held_out_rmse_px", "capture_s"};
