@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/result_options.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/result_options.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/detect_corners.h"

@@ -16,9 +16,9 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/option_values.h"
-#include "evaluate/cli/result_options.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {

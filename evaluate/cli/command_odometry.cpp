@@ -12,10 +12,10 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/result_options.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/result_options.h"
+#include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
-#include "evaluate/cli/trajectory_metric_options.h"
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/trajectory/summary.h"

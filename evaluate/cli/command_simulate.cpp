@@ -13,10 +13,10 @@
 #include "calibrator/simulate/simulate_session.h"
 #include "datasets/session/session_writer.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/fault_words.h"
-#include "evaluate/cli/option_values.h"
-#include "evaluate/cli/session_options.h"
-#include "evaluate/cli/target_shape_words.h"
+#include "evaluate/cli/options/fault_words.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/target_shape_words.h"
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/option_values.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/simulation/simulate_study.h"
 

@@ -16,8 +16,8 @@
 #include "datasets/sheet/target_sheet.h"
 #include "evaluate/calibration/fit_target.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/option_values.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/parallel_for.h"
 

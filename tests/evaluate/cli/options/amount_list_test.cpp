@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/options/option_values.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include <CLI/App.hpp>
 
 #include "datasets/files/output.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/result_folder.h"
 #include "report/records/calibration_record.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Words for the shape of a simulated board, against the places of its corners.
-#include "evaluate/cli/target_shape_words.h"
+#include "evaluate/cli/options/target_shape_words.h"
 
 #include <string>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/target_shape_words.h"
+#include "evaluate/cli/options/target_shape_words.h"
 
 #include <array>
 #include <charconv>

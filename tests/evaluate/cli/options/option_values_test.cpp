@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/options/option_values.h"
 
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/fault_words.h"
+#include "evaluate/cli/options/fault_words.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/session_options.h"
 
 #include <charconv>
 #include <cmath>
@@ -15,7 +15,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/cli/option_values.h"
+#include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/trajectory/evaluate_runs.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults as words of the command line, and that the documents list the same ones.
-#include "evaluate/cli/fault_words.h"
+#include "evaluate/cli/options/fault_words.h"
 
 #include <fstream>
 #include <iterator>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/result_options.h"
+#include "evaluate/cli/options/result_options.h"
 
 #include <utility>
 

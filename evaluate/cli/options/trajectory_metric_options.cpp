@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/trajectory_metric_options.h"
+#include "evaluate/cli/options/trajectory_metric_options.h"
 
 #include <charconv>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/cli/option_values.h"
-#include "evaluate/cli/session_options.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/session_options.h"
 
 namespace plumbline {
 namespace {
