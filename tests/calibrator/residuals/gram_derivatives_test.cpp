@@ -51,7 +51,7 @@ std::vector<Jet> errorsAsJets(const Scene& scene) {
     const Jet Z = p.z() + twist[2] + twist[3] * p.y() - twist[4] * p.x();
     std::visit(
         [&]<class Model>(Model) {
-          if constexpr (kIsCalibrated<Model>) {
+          if constexpr (kIsVectorised<Model>) {
             const auto m = Model::image(parameter + 4, X, Y, Z);
             errors.push_back(parameter[0] * m.x + parameter[2] - view.u[i]);
             errors.push_back(parameter[1] * m.y + parameter[3] - view.v[i]);
