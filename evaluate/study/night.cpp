@@ -11,6 +11,7 @@
 #include "calibrator/base/statistics.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
@@ -145,6 +146,14 @@ void addFurtherFindings(StudyRecord& record) {
   findings.push_back(std::move(finding));
   if (!record.endpoints.empty()) findings.push_back(endpointFinding(record));
   record.verdict = makeVerdict(std::move(findings));
+  const auto& sentences = record.statistics.sentences;
+  const std::string known = sentences.empty() ? "" : sentences.front() + "; ";
+  record.verdict.headline =
+      headlineOf(record.verdict,
+                 known + fmt::format("{} of {} sessions are calibrated and no "
+                                     "figure is worse than on the nights before",
+                                     record.nights.back().sessions - record.nights.back().failed,
+                                     record.nights.back().sessions));
 }
 
 // The store is this night's alone: its history is in study.sqlite.

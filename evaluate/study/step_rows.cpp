@@ -16,20 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the verdict's level stands on; "" where everything is good.
-std::string sentenceOf(const Verdict& verdict) {
-  for (const Finding& finding : verdict.findings) {
-    if (finding.level == verdict.level && verdict.level != VerdictLevel::kGood) {
-      return finding.evidence;
-    }
-  }
-  return "";
-}
-
 StudySession sessionOf(const CalibrationRecord& record) {
   StudySession row;
   row.verdict = record.verdict.level;
-  row.verdict_sentence = sentenceOf(record.verdict);
+  if (row.verdict != VerdictLevel::kGood) row.verdict_sentence = record.verdict.headline;
   double seconds = 0;
   if (const auto& camera = record.camera) {
     row.camera_rmse_px = camera->summary.reprojection.rmse_px;
