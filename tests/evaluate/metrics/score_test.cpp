@@ -105,13 +105,16 @@ TEST(ScoreCalibration, FoldsScoreTheImuToo) {
 TEST(ScoreCalibration, ModelsThatAreOnlyScoredHaveNoFolds) {
   Case c;
   for (CameraCalibration& camera : c.scored.calibration.cameras) {
-    camera.intrinsics.distortion_model = DistortionModel::kNone;
-    camera.intrinsics.distortion.resize(0);
+    Intrinsics& k = camera.intrinsics;  // omni-fov, which projects but is not calibrated
+    k.projection_model = ProjectionModel::kOmni;
+    k.distortion_model = DistortionModel::kFov;
+    k.projection = (Eigen::VectorXd(5) << 0.5, k.projection).finished();
+    k.distortion = Eigen::VectorXd::Constant(1, 0.4);
   }
   c.options.folds = 3;
   const auto scores = c.run();
   ASSERT_EQ(scores.size(), 2u);
-  EXPECT_GT(scores[0].reprojection.rmse_px, 5 * kSigma);  // without distortion it is wrong
+  EXPECT_GT(scores[0].reprojection.rmse_px, 5 * kSigma);  // another lens
   EXPECT_THAT(scores[1].problem, HasSubstr("scored, but not calibrated"));
 }
 
