@@ -148,10 +148,12 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
   const auto& a = record.calibrations[0].calibration.cameras;
   const auto& b = record.calibrations[i].calibration.cameras;
   std::vector<std::string> parts;
+  bool comparable = a.size() == b.size();  // other models are: by what they project
   for (std::size_t c = 0; c < std::min(a.size(), b.size()); ++c) {
     const Intrinsics& k = a[c].intrinsics;
     const Intrinsics& l = b[c].intrinsics;
     if (!(k.resolution == l.resolution)) {
+      comparable = false;
       parts.push_back(fmt::format("{} has images of {}x{} and {}x{}: no difference map", a[c].name,
                                   l.resolution.width, l.resolution.height, k.resolution.width,
                                   k.resolution.height));
@@ -166,7 +168,7 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
   if (parts.empty()) return;
   Finding f;
   f.rule = "Models of " + pairName(record, i);
-  f.level = VerdictLevel::kCaution;
+  f.level = comparable ? VerdictLevel::kGood : VerdictLevel::kCaution;
   f.evidence = fmt::format("{}", fmt::join(parts, "; "));
   findings.push_back(std::move(f));
 }

@@ -23,7 +23,7 @@ const CalibrationScore* scoreOf(const ComparisonRecord& record, const std::strin
 
 /// The mean squared error of one calibration less that of the first, over all cameras' views.
 struct Prediction {
-  double difference_px2 = 0, std_px2 = 0;
+  double difference_px2 = 0, std_px2 = 0, first_px2 = 0;
   int views = 0;
 };
 
@@ -32,11 +32,13 @@ Prediction pooled(const ComparisonRecord& record, const std::string& label) {
   for (const PairedPrediction& each : record.paired) {
     if (each.label != label) continue;
     p.difference_px2 += each.views * each.difference_px2;
+    p.first_px2 += each.views * each.first_px2;
     p.std_px2 += each.views * each.views * each.std_px2 * each.std_px2;
     p.views += each.views;
   }
   if (p.views > 0) {
     p.difference_px2 /= p.views;
+    p.first_px2 /= p.views;
     p.std_px2 = std::sqrt(p.std_px2) / p.views;
   }
   return p;
@@ -49,7 +51,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   const CalibrationScore* score = scoreOf(record, first);
   const Prediction p = pooled(record, label);
   if (score == nullptr || p.views == 0 || !(p.std_px2 > 0)) return "";
-  const double rmse = score->reprojection.rmse_px;
+  const double rmse = std::sqrt(p.first_px2);
   const auto rmseChange = [&](double change_px2) {
     return std::sqrt(std::max(rmse * rmse + change_px2, 0.0)) - rmse;
   };
@@ -60,15 +62,15 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   if (low <= 0 && high >= 0) {
     return fmt::format(
         "{} and {} predict {} equally well within the 95 % interval of their difference, {:+.2g} "
-        "to {:+.2g} px RMSE",
+        "to {:+.2g} px RMSE over views",
         label, first, corners, low, high);
   }
   const bool other = high < 0;
   const double best = std::abs(rmseChange(p.difference_px2));
   if (other) low = -low, high = -high;
-  return fmt::format("{} predicts {} better by {:.2g} px RMSE (95 % interval {:.2g} to {:.2g})",
-                     other ? label : first, corners, best, std::min(low, high),
-                     std::max(low, high));
+  return fmt::format(
+      "{} predicts {} better by {:.2g} px RMSE over views (95 % interval {:.2g} to {:.2g})",
+      other ? label : first, corners, best, std::min(low, high), std::max(low, high));
 }
 
 std::string placeOf(const ImageMap& map, std::size_t index) {
@@ -84,8 +86,9 @@ std::string placeOf(const ImageMap& map, std::size_t index) {
 std::string projectionWords(const ComparisonRecord& record, const std::string& label) {
   double worst = 0;
   std::string place;
+  const std::string pair = label + " - " + record.calibrations.front().label;
   for (const ImageMap& map : record.differences) {
-    if (map.label != label) continue;
+    if (map.label != pair) continue;
     for (std::size_t i = 0; i < map.values.size(); ++i) {
       if (!std::isfinite(map.values[i]) || map.values[i] <= worst) continue;
       worst = map.values[i];

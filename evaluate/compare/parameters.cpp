@@ -234,10 +234,12 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
                                                 const std::string& label) {
   const ViewErrors before = viewErrors(first);
   std::map<int, std::vector<double>> differences;
+  std::map<int, double> first_sums;
   for (const auto& [view, errors] : viewErrors(other)) {
     const auto found = before.find(view);
     if (found == before.end()) continue;
     differences[view.first].push_back(errors.mean() - found->second.mean());
+    first_sums[view.first] += found->second.mean();
   }
   std::vector<PairedPrediction> out;
   for (const auto& [camera, values] : differences) {
@@ -248,6 +250,7 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
     p.camera = other.cameras[static_cast<std::size_t>(camera)].name;
     p.views = static_cast<int>(values.size());
     p.difference_px2 = meanOf(values);
+    p.first_px2 = first_sums[camera] / static_cast<double>(values.size());
     p.std_px2 = standardError(blocks.size() < kFewestBlocks ? values : blocks);
     out.push_back(std::move(p));
   }

@@ -121,6 +121,7 @@ struct PairedPrediction {
   int views = 0;  ///< seen under both
   double difference_px2 = 0;
   double std_px2 = 0;
+  double first_px2 = 0;  ///< mean over the same views under the first calibration
 };
 
 inline std::string partName(const PairedPrediction& p) { return p.label + "/" + p.camera; }
@@ -133,6 +134,8 @@ void fields(V& v, PairedPrediction& p) {
   v("difference_px2", p.difference_px2, "px^2",
     "mean over views of the squared error less that under the first; negative: better");
   v("std_px2", p.std_px2, "px^2", "standard error of the mean, from blocks of consecutive views");
+  v("first_px2", p.first_px2, "px^2",
+    "mean over the same views of the squared error under the first");
 }
 
 /// Everything that a comparison page shows.

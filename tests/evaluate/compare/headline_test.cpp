@@ -30,6 +30,7 @@ ComparisonRecord comparison(double difference_px2, double std_px2) {
     p.views = 50;
     p.difference_px2 = difference_px2;
     p.std_px2 = std_px2;
+    p.first_px2 = 0.25;
   }
   return record;
 }
@@ -37,13 +38,13 @@ ComparisonRecord comparison(double difference_px2, double std_px2) {
 TEST(ComparisonHeadline, SaysWhichPredictsBetterAndByHowMuch) {
   // sqrt(0.25 + 0.11) - 0.5 = 0.1 px, standard error 0.01 / sqrt(2) px^2 over both cameras
   const std::string text = comparisonHeadline(comparison(0.11, 0.01));
-  EXPECT_THAT(text, HasSubstr("ours predicts held-out corners better by 0.1 px RMSE"));
+  EXPECT_THAT(text, HasSubstr("ours predicts held-out corners better by 0.1 px RMSE over views"));
   EXPECT_THAT(text, HasSubstr("95 % interval 0.088 to 0.11"));
 }
 
 TEST(ComparisonHeadline, TheOtherCanBeBetter) {
   EXPECT_THAT(comparisonHeadline(comparison(-0.11, 0.01)),
-              HasSubstr("kalibr predicts held-out corners better by 0.13 px RMSE"));
+              HasSubstr("kalibr predicts held-out corners better by 0.13 px RMSE over views"));
 }
 
 TEST(ComparisonHeadline, AnIntervalWithZeroNamesNoWinner) {
@@ -55,7 +56,7 @@ TEST(ComparisonHeadline, AnIntervalWithZeroNamesNoWinner) {
 TEST(ComparisonHeadline, NamesWhereProjectionsDifferMost) {
   ComparisonRecord record = comparison(0.11, 0.01);
   ImageMap& map = record.differences.emplace_back();
-  map.label = "kalibr";
+  map.label = "kalibr - ours";
   map.camera = "cam1";
   map.columns = 3;
   map.rows = 3;

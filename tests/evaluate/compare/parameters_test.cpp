@@ -132,6 +132,7 @@ TEST(PairedPrediction, MeanAndStandardErrorOfTheDifferences) {
   EXPECT_EQ(paired[0].views, 3);
   // Squares 4-1, 4-4, 4-9: mean -2/3; deviation from (3, 0, -5).
   EXPECT_NEAR(paired[0].difference_px2, -2.0 / 3, 1e-9);
+  EXPECT_NEAR(paired[0].first_px2, (1.0 + 4 + 9) / 3, 1e-9);
   EXPECT_NEAR(paired[0].std_px2, std::sqrt((13.4444444 + 0.4444444 + 18.7777778) / 2 / 3), 1e-6);
 }
 
