@@ -18,10 +18,10 @@
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/study/commands_engine.h"
+#include "evaluate/study/engine/commands_engine.h"
+#include "evaluate/study/engine/slurm_engine.h"
 #include "evaluate/study/night.h"
 #include "evaluate/study/run_step.h"
-#include "evaluate/study/slurm_engine.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "evaluate/study/definition.h"
-#include "evaluate/study/local_engine.h"
+#include "evaluate/study/engine/local_engine.h"
 #include "evaluate/study/step.h"
 #include "report/records/study_record.h"
 #include "report/store/study_store.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "evaluate/study/definition.h"
-#include "evaluate/study/local_engine.h"
+#include "evaluate/study/engine/local_engine.h"
 #include "evaluate/study/night_folder.h"
 #include "evaluate/study/step.h"
 

@@ -13,8 +13,8 @@
 #include "datasets/files/shown_text.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/results/provenance.h"
+#include "evaluate/study/engine/process.h"
 #include "evaluate/study/input_hashes.h"
-#include "evaluate/study/process.h"
 #include "evaluate/study/step_rows.h"
 
 namespace plumbline {

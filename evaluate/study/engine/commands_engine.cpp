@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/commands_engine.h"
+#include "evaluate/study/engine/commands_engine.h"
 
 #include <algorithm>
 #include <map>
@@ -8,8 +8,8 @@
 
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/local_engine.h"
-#include "evaluate/study/process.h"
+#include "evaluate/study/engine/local_engine.h"
+#include "evaluate/study/engine/process.h"
 
 namespace plumbline {
 

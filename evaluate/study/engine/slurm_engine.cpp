@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/slurm_engine.h"
+#include "evaluate/study/engine/slurm_engine.h"
 
 #include <algorithm>
 #include <cctype>
@@ -18,8 +18,8 @@
 #include "datasets/files/file_io.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/commands_engine.h"
-#include "evaluate/study/process.h"
+#include "evaluate/study/engine/commands_engine.h"
+#include "evaluate/study/engine/process.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/local_engine.h"
+#include "evaluate/study/engine/local_engine.h"
 
 #include <algorithm>
 #include <memory>
@@ -11,7 +11,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics.h"
 #include "evaluate/results/parallel_for.h"
-#include "evaluate/study/process.h"
+#include "evaluate/study/engine/process.h"
 #include "evaluate/study/run_step.h"
 
 namespace plumbline {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/process.h"
+#include "evaluate/study/engine/process.h"
 
 #include <algorithm>
 #include <cerrno>
