@@ -10,5 +10,6 @@ cmake -S . -B build-sanitized -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAG
   -DPLUMBLINE_SANITIZE=ON -DPLUMBLINE_TESTS=ON >/dev/null
 cmake --build build-sanitized --target calibrator_test datasets_test fuzz_test
 # The leak checker is off where a debugger or container forbids ptrace; faults still abort.
-ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1} UBSAN_OPTIONS=print_stacktrace=1 \
+LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0 \
+  ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1} UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build-sanitized --output-on-failure -j "$(nproc)" -L unit "$@"

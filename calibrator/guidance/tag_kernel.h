@@ -16,7 +16,7 @@
 namespace plumbline {
 
 /// Where the four corners of a tag are seen [px].
-struct TagImage {
+struct PredictedTag {
   double u[4], v[4];
 };
 
@@ -27,7 +27,7 @@ class PredictedCorners {
   explicit PredictedCorners(int most);
   void clear() { count_ = 0; }
   /// The corners first, first + 1 ... of a tag, at (x, y, z) of F [m] (four of each).
-  void add(int first, const double* const (&xyz)[3], const TagImage& seen) {
+  void add(int first, const double* const (&xyz)[3], const PredictedTag& seen) {
     double* row = columns_.data() + count_;
 #pragma GCC unroll 3
     for (int axis = 0; axis < 3; ++axis) {
@@ -127,7 +127,7 @@ template <int W, class Model>
                 (pixel_v >= bounds.least_px) & (pixel_v <= bounds.bottom_px));
 }
 
-[[gnu::always_inline]] inline bool hasLongSides(const TagImage& tag, double least_squared) {
+[[gnu::always_inline]] inline bool hasLongSides(const PredictedTag& tag, double least_squared) {
   bool all_long = true;
 #pragma GCC unroll 4
   for (int i = 0; i < 4; ++i) {
@@ -152,7 +152,7 @@ template <int W, class Model>
                                            const Transform& T_CF, PredictedCorners& into) {
   for (int first = 0; first < target.count; first += 4) {
     const double* const xyz[3] = {target.x + first, target.y + first, target.z + first};
-    TagImage tag;
+    PredictedTag tag;
     bool seen = true;
     for (int i = 0; i < 4 && seen; i += W) {
       seen = projectInto<W, Model>(bounds, pointsOf<W>(T_CF, xyz, i), tag.u + i, tag.v + i);

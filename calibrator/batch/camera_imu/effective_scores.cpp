@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 /// Adds U' H U and U' b of a view, the first six rows of U being T and the others unit vectors of
 /// its own columns; only the first T.cols() columns of the border.
 template <class Top>
-void addGram(const ViewTerms& v, const Top& T, MatrixXd& information, VectorXd& gradient) {
+void addGram(const FaultViewTerms& v, const Top& T, MatrixXd& information, VectorXd& gradient) {
   const Index n = T.cols();
   information.noalias() += T.transpose() * (v.H.topLeftCorner<6, 6>() * T).eval();
   gradient.noalias() += T.transpose() * v.b.head<6>();
@@ -36,7 +36,7 @@ void addGram(const ViewTerms& v, const Top& T, MatrixXd& information, VectorXd& 
 }
 
 /// The first n columns of the border.
-void addView(const ViewTerms& v, Index n, BlockArrow& chain) {
+void addView(const FaultViewTerms& v, Index n, BlockArrow& chain) {
   const auto T = v.A_B.leftCols(n);
   const Eigen::Matrix<double, kChainBlock, 6> AxH = v.A_x.transpose() * v.H.topLeftCorner<6, 6>();
   chain.diagonal[v.frame] += AxH * v.A_x;
@@ -90,16 +90,16 @@ std::optional<std::vector<MatrixXd>> responses(BlockArrow chain, int threads) {
   return W;
 }
 
-void addTo(ScoreBlock& block, const ViewTerms& v, const MatrixXd& W) {
+void addTo(ScoreBlock& block, const FaultViewTerms& v, const MatrixXd& W) {
   const Eigen::Matrix<double, 6, Eigen::Dynamic> T = v.A_B + v.A_x * W;
   addGram(v, T, block.information, block.gradient);
 }
 
 std::optional<ChainCovariance> covarianceOf(const CameraImuProblem& problem,
-                                            const std::vector<ViewTerms>& views,
+                                            const std::vector<FaultViewTerms>& views,
                                             const std::vector<LinkTerms>& links, Index border) {
   BlockArrow chain(problem.frameCount(), static_cast<int>(border));
-  for (const ViewTerms& v : views) addView(v, border, chain);
+  for (const FaultViewTerms& v : views) addView(v, border, chain);
   for (const LinkTerms& t : links) addLink(t, border, chain);
   auto inverse = invertChain(chain, {0, problem.threads});
   if (!inverse) return std::nullopt;
@@ -133,7 +133,7 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   if (!S) return std::nullopt;
   out.jumps = placeJumps(problem, columns, *S, *links);
   BlockArrow chain(problem.frameCount(), columns.size);
-  for (const ViewTerms& v : views) addView(v, columns.size, chain);
+  for (const FaultViewTerms& v : views) addView(v, columns.size, chain);
   for (const LinkTerms& t : *links) addLink(t, columns.size, chain);
   const auto W = responses(std::move(chain), problem.threads);
   if (!W) return std::nullopt;
@@ -144,7 +144,7 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
                          [](TimeNs t, const ScoreBlock& block) { return t < block.begin; });
     return *(next - 1);
   };
-  for (const ViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame]);
+  for (const FaultViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame]);
   for (const LinkTerms& t : *links) {
     const MatrixXd U = t.J_B + t.J_i * (*W)[t.at] + t.J_j * (*W)[t.at + 1];
     ScoreBlock& block = blockOf(t.at);

@@ -29,13 +29,13 @@ class ViewRows {
     gram_.triggs_clamp = 0;
   }
 
-  ViewTerms view(std::size_t i, std::size_t c) const {
+  FaultViewTerms view(std::size_t i, std::size_t c) const {
     const CameraImuEstimate& e = solution_.estimate;
     const CameraCalibration& camera = e.cameras[c];
     const ExposurePose pose = exposurePose(problem_, e, i, exposureDelay(problem_, e, i, c));
     const CameraImuChain chain = cameraImuChain(pose.T_FS, e.T_SC0, camera.T_C0Ci);
     const Vector6d twist = chain.A_FS * pose.by_delay;
-    ViewTerms out;
+    FaultViewTerms out;
     out.frame = i;
     fillGram(camera.intrinsics, chain.T_CiF, problem_.corners[c].view(problem_.frames[i].view[c]),
              twist, out);
@@ -65,7 +65,7 @@ class ViewRows {
   /// Rows of a corner: u and v by all columns of the view. With h the row over the image's height,
   /// from -1/2 to 1/2, it is exposed at h times the readout time.
   void fillGram(const Intrinsics& lens, const Transform& T_CF, const PackedView& corners,
-                const Vector6d& twist, ViewTerms& out) const {
+                const Vector6d& twist, FaultViewTerms& out) const {
     const Index k = lens.stacked().size();
     const Index n = 6 + k + FaultColumns::kShape + 1;
     const double c2 = gram_.cauchy_px * gram_.cauchy_px;
@@ -222,8 +222,9 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
   size = at;
 }
 
-std::vector<ViewTerms> viewTerms(const CameraImuProblem& problem, const CameraImuSolution& solution,
-                                 const FaultColumns& columns) {
+std::vector<FaultViewTerms> viewTerms(const CameraImuProblem& problem,
+                                      const CameraImuSolution& solution,
+                                      const FaultColumns& columns) {
   const ViewRows rows(problem, solution, columns);
   std::vector<ViewIndex> list;
   for (std::size_t i = 0; i < problem.frames.size(); ++i) {
@@ -231,7 +232,7 @@ std::vector<ViewTerms> viewTerms(const CameraImuProblem& problem, const CameraIm
       if (problem.frames[i].view[c] >= 0) list.push_back({i, c});
     }
   }
-  std::vector<ViewTerms> out(list.size());
+  std::vector<FaultViewTerms> out(list.size());
   forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
     for (int k = chunk.begin; k < chunk.end; ++k) {
       const auto at = static_cast<std::size_t>(k);

@@ -47,7 +47,7 @@ struct LinkTerms {
 /// One view in columns of its own: the twist of the target's pose in the camera (6), which states
 /// and border move, and its intrinsics, the target's shape and the line delay, each of which is a
 /// column of the border.
-struct ViewTerms {
+struct FaultViewTerms {
   std::size_t frame = 0;
   Eigen::MatrixXd H;
   Eigen::VectorXd b;
@@ -57,8 +57,9 @@ struct ViewTerms {
 };
 
 /// Of all views at a solution.
-std::vector<ViewTerms> viewTerms(const CameraImuProblem& problem, const CameraImuSolution& solution,
-                                 const FaultColumns& columns);
+std::vector<FaultViewTerms> viewTerms(const CameraImuProblem& problem,
+                                      const CameraImuSolution& solution,
+                                      const FaultColumns& columns);
 
 /// Of every link that is not broken, a target that sways at `sway_hz` among the faults; empty where
 /// samples do not cover one. The columns of jumps are zero (placeJumps()).
