@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -74,10 +75,9 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
 }
 
 std::string placeOf(const ImageMap& map, std::size_t index) {
-  const double column = static_cast<double>(index % static_cast<std::size_t>(map.columns)) /
-                        std::max(map.columns - 1, 1);
-  const double row = static_cast<double>(index / static_cast<std::size_t>(map.columns)) /
-                     std::max(map.rows - 1, 1);
+  const std::lldiv_t cell = std::lldiv(static_cast<long long>(index), map.columns);
+  const double column = static_cast<double>(cell.rem) / std::max(map.columns - 1, 1);
+  const double row = static_cast<double>(cell.quot) / std::max(map.rows - 1, 1);
   const char* vertical = row < 1.0 / 3 ? "top" : row > 2.0 / 3 ? "bottom" : "middle";
   const char* horizontal = column < 1.0 / 3 ? "left" : column > 2.0 / 3 ? "right" : "centre";
   return fmt::format("{} {} of {}", vertical, horizontal, map.camera);
