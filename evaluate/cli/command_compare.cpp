@@ -23,6 +23,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/summary.h"
 #include "report/html/comparison/page.h"
 #include "report/records/documents.h"
 
@@ -155,6 +156,7 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   RunsRequest request = o.runs;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.min_coverage = o.metrics.min_coverage;
+  request.calibrations = comparedLabels(o.calibrations, o.labels);
   return evaluateRuns(request);
 }
 
@@ -174,10 +176,12 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   ComparisonRecord record = compareCalibrations(request, bar.sink());
   record.trajectories = std::move(trajectories);
   bar.clear();
+  const std::string runs =
+      record.trajectories ? runsSummary(*record.trajectories) + "\n" : std::string();
   return out.finish(
       record,
       {{"comparison.json", documentOf(record)}, {"comparison.csv", comparisonTable(record)}},
-      renderComparisonPage, comparisonSummary(record));
+      renderComparisonPage, runs + comparisonSummary(record));
 }
 
 }  // namespace

@@ -88,9 +88,14 @@ void readKalibr(ComparedFile& file) {
 
 }  // namespace
 
+std::vector<std::string> comparedLabels(const std::vector<std::string>& paths,
+                                        const std::vector<std::string>& labels) {
+  return labels.empty() ? uniqueNames(paths) : labels;
+}
+
 std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
                                        const std::vector<std::string>& labels) {
-  const std::vector<std::string> names = labels.empty() ? uniqueNames(paths) : labels;
+  const std::vector<std::string> names = comparedLabels(paths, labels);
   std::vector<ComparedFile> files;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     ComparedFile file;

@@ -25,9 +25,13 @@ struct ComparedFile {
   std::vector<Finding> remarks;  ///< what Kalibr's text beside its YAML says of itself
 };
 
+/// The label of each calibration: as given, else the file's name without ending, with as many
+/// folders in front as make all unique.
+std::vector<std::string> comparedLabels(const std::vector<std::string>& paths,
+                                        const std::vector<std::string>& labels);
+
 /// Reads the files. Kalibr's come with the texts and imu.yaml of their run, where these stand
-/// beside them. Labels: as given, else the file's name without ending, with as many folders in
-/// front as make all unique.
+/// beside them. Labels are comparedLabels().
 std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
                                        const std::vector<std::string>& labels);
 

@@ -2,8 +2,13 @@
 #include "evaluate/compare/summary.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -127,8 +132,46 @@ void addMaps(Text& text, const char* title, const std::vector<ImageMap>& maps) {
   for (const ImageMap& map : maps) addMap(text, map);
 }
 
-void addCells(Text& text, const std::vector<std::optional<double>>& values) {
-  for (const auto& value : values) add(text, ",{}", value ? fmt::format("{}", *value) : "");
+using Cells = std::vector<std::optional<double>>;
+
+void addRow(Text& text, const std::string& name, const std::string& unit,
+            const std::array<Cells, 4>& cells) {
+  add(text, "{},{}", name, unit);
+  for (const Cells& values : cells) {
+    for (const auto& value : values) add(text, ",{}", value ? fmt::format("{}", *value) : "");
+  }
+  add(text, "\n");
+}
+
+/// Mean paired difference of the ATE to the first calibration, whichever way round it was taken.
+std::optional<double> ateDifference(const TrajectoryStudy& study, const std::string& label,
+                                    const std::string& first) {
+  for (const PairedDifference& d : study.paired) {
+    if (d.pairs == 0) continue;
+    if (d.b == label && d.a == first) return d.mean_m;
+    if (d.a == label && d.b == first) return -d.mean_m;
+  }
+  return {};
+}
+
+void addTrajectories(Text& text, const ComparisonRecord& record) {
+  std::map<std::string, Cells> medians;  // by sequence, "" for all
+  Cells difference(record.calibrations.size()), none(record.calibrations.size());
+  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    const std::string& label = record.calibrations[i].label;
+    for (const RunsSummary& s : record.trajectories->summary) {
+      if (s.calibration != label) continue;
+      medians.try_emplace(s.sequence, none).first->second[i] = s.ate_median_m;
+    }
+    if (i > 0) {
+      difference[i] = ateDifference(*record.trajectories, label, record.calibrations[0].label);
+    }
+  }
+  for (const auto& [sequence, values] : medians) {
+    const bool all = sequence.empty() || medians.size() == 1;
+    addRow(text, csvCell("ate." + (sequence.empty() ? "all" : sequence)), "m",
+           {values, none, all ? difference : none, none});
+  }
 }
 
 }  // namespace
@@ -152,13 +195,9 @@ std::string comparisonTable(const ComparisonRecord& record) {
   }
   add(text, "\n");
   for (const ComparedParameter& p : record.parameters) {
-    add(text, "{},{}", p.name, p.unit);
-    addCells(text, p.values);
-    addCells(text, p.std);
-    addCells(text, p.difference);
-    addCells(text, p.significance);
-    add(text, "\n");
+    addRow(text, p.name, p.unit, {p.values, p.std, p.difference, p.significance});
   }
+  if (record.trajectories) addTrajectories(text, record);
   return fmt::to_string(text);
 }
 

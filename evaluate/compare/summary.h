@@ -7,8 +7,10 @@
 
 namespace plumbline {
 
-/// comparison.csv: one row per parameter; value, std, difference and significance of each
-/// calibration in columns, empty where unknown.
+/// comparison.csv: one row per parameter, and per sequence of the trajectories their median ATE;
+/// value, std, difference and significance of each calibration in columns, empty where unknown.
+/// The difference of ATEs is the mean over pairs of runs, in the row of all sequences
+/// ("ate.all", or the only one).
 std::string comparisonTable(const ComparisonRecord& record);
 
 /// What a person reads on the terminal: parameters side by side, scores, maps in brief, verdict.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
 #include "datasets/files/shown_text.h"
@@ -182,9 +183,26 @@ const Truth* truthOf(const Truths& truths, const std::string& sequence) {
   return found == truths.end() ? nullptr : &found->second;
 }
 
+void refuseUnknown(const std::vector<RunFile>& files, const RunsRequest& request) {
+  const std::vector<std::string>& known = request.calibrations;
+  if (known.empty()) return;
+  if (!hasField(request.runs, "calibration")) {
+    throw InputError(request.runs, 0,
+                     "does not say which calibration a run belongs to; expected {calibration}");
+  }
+  for (const RunFile& file : files) {
+    if (std::find(known.begin(), known.end(), file.calibration) != known.end()) continue;
+    throw InputError(file.path.string(), 0,
+                     fmt::format("'{}' is none of the calibrations, which are labelled {}; name "
+                                 "them as the files do, with --labels",
+                                 file.calibration, fmt::join(known, ", ")));
+  }
+}
+
 // Every calibration with every (sequence, run) that one of them has.
-std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files) {
-  std::set<std::string> calibrations;
+std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
+                                        const std::vector<std::string>& known) {
+  std::set<std::string> calibrations(known.begin(), known.end());
   std::set<std::pair<std::string, std::string>> repetitions;
   std::map<std::tuple<std::string, std::string, std::string>, std::string> paths;
   for (const RunFile& file : files) {
@@ -319,7 +337,8 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request) {
                      "matches no file; expected estimates, e.g. "
                      "'results/{calibration}/{sequence}_{run}.txt'");
   }
-  std::vector<TrajectoryRun> runs = expectedRuns(files);
+  refuseUnknown(files, request);
+  std::vector<TrajectoryRun> runs = expectedRuns(files, request.calibrations);
   parallelFor(runs.size(), request.threads,
               [&](int, std::size_t i) { runs[i] = judged(runs[i], truths, request); });
   return {studyOf(std::move(runs)), "", {}, {}};

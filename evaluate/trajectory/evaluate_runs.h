@@ -43,6 +43,8 @@ struct RunsRequest {
   /// ATE (RMSE of positions [m]) above which a run has diverged. Unset: the RMS distance of the
   /// truth's positions from their mean, which an estimate that never moves would reach.
   std::optional<double> max_ate_m;
+  /// The only words that {calibration} may stand for, each with runs or without; empty: any.
+  std::vector<std::string> calibrations;
   int threads = 0;  ///< 0: all cores
 
   /// Throws InputError for values out of range.
@@ -53,7 +55,8 @@ struct RunsRequest {
 /// sequence, calibration, run. What is missing, cannot be read, has no truth, cannot be paired or
 /// aligned, or has diverged, is failed; what covers too little is partial; each says why. Nothing
 /// is left out. The result does not depend on threads or on the order of files. name and provenance
-/// are the caller's. Throws InputError where no estimate is found, or a truth cannot be read.
+/// are the caller's. Throws InputError where no estimate is found, a truth cannot be read, or a
+/// calibration is none of `calibrations`.
 TrajectoryRecord evaluateRuns(const RunsRequest& request);
 
 /// One of them: the file `expected.estimate` against a truth that is at hand, or a part of it. Its

@@ -64,10 +64,10 @@ std::string nameOr(const std::string& name, const char* otherwise) {
   return name.empty() ? otherwise : name;
 }
 
-std::string summaryTable(const TrajectoryRecord& record) {
+std::string summaryTable(const TrajectoryStudy& study) {
   std::string text = fmt::format("{:<16}{:<24}{:>10}{:>9}{:>8}{:>18}\n", "sequence", "calibration",
                                  "complete", "partial", "failed", "median ATE [m]");
-  for (const RunsSummary& s : record.summary) {
+  for (const RunsSummary& s : study.summary) {
     const std::string ate = s.ate_median_m ? fmt::format("{:.4f}", *s.ate_median_m) : "-";
     text += fmt::format("{:<16}{:<24}{:>10}{:>9}{:>8}{:>18}\n", nameOr(s.sequence, "all"),
                         nameOr(s.calibration, "-"), fmt::format("{}/{}", s.complete, s.expected),
@@ -76,9 +76,9 @@ std::string summaryTable(const TrajectoryRecord& record) {
   return text;
 }
 
-std::string differenceLines(const TrajectoryRecord& record) {
+std::string differenceLines(const TrajectoryStudy& study) {
   std::string text;
-  for (const PairedDifference& d : record.paired) {
+  for (const PairedDifference& d : study.paired) {
     if (d.pairs == 0) {
       text += fmt::format("{} - {}: no sequence and run that both completed\n", d.b, d.a);
       continue;
@@ -91,9 +91,9 @@ std::string differenceLines(const TrajectoryRecord& record) {
   return text;
 }
 
-std::string problemLines(const TrajectoryRecord& record) {
+std::string problemLines(const TrajectoryStudy& study) {
   std::string text;
-  for (const TrajectoryRun& run : record.runs) {
+  for (const TrajectoryRun& run : study.runs) {
     if (run.status == RunStatus::kComplete) continue;
     text += fmt::format("{}: {} {} run {}: {}\n", toString(run.status), nameOr(run.sequence, "-"),
                         nameOr(run.calibration, "-"), nameOr(run.run, "-"), run.problem);
@@ -126,9 +126,9 @@ std::string trajectorySummary(const TrajectoryEvaluation& evaluation) {
   return text;
 }
 
-std::string runsSummary(const TrajectoryRecord& record) {
-  const std::string paired = differenceLines(record), problems = problemLines(record);
-  std::string text = summaryTable(record);
+std::string runsSummary(const TrajectoryStudy& study) {
+  const std::string paired = differenceLines(study), problems = problemLines(study);
+  std::string text = summaryTable(study);
   if (!paired.empty()) text += "\n" + paired;
   if (!problems.empty()) text += "\n" + problems;
   return text;

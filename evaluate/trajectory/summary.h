@@ -14,7 +14,7 @@ std::string trajectorySummary(const TrajectoryEvaluation& evaluation);
 
 /// What `evaluate trajectories` prints for a person: completion and median ATE by sequence and
 /// calibration, paired differences, and why each run that is not complete is so.
-std::string runsSummary(const TrajectoryRecord& record);
+std::string runsSummary(const TrajectoryStudy& study);
 
 /// trajectory.csv: one row for each run.
 std::string runsTable(const TrajectoryRecord& record);

@@ -2,6 +2,7 @@
 // plumbline compare as a user runs it: on a simulated recording whose calibration is written in our
 // format and in Kalibr's, and what it refuses.
 #include <cmath>
+#include <regex>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@ namespace plumbline {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 class CommandCompare : public CommandLine {
@@ -100,6 +102,31 @@ TEST_F(CommandCompare, TrajectoriesUnderTheCalibrationsJoinThePage) {
   const std::string page = read(scratch() / "out/report.html");
   EXPECT_THAT(page, HasSubstr("Paired differences"));
   EXPECT_THAT(page, HasSubstr("loop"));
+  EXPECT_THAT(outcome.text, HasSubstr("ours - kalibr: ATE -0.0200 m"));
+  const std::string table = read(scratch() / "out/comparison.csv");
+  std::smatch all;
+  ASSERT_TRUE(std::regex_search(table, all, std::regex("ate\\.loop,m,([^,]+),([^,]+),,,,([^,]+),,")))
+      << table;
+  EXPECT_NEAR(std::stod(all[1]), 0.01, 1e-4);
+  EXPECT_NEAR(std::stod(all[2]), 0.03, 1e-4);
+  EXPECT_NEAR(std::stod(all[3]), 0.02, 1e-4);  // kalibr - ours
+}
+
+TEST_F(CommandCompare, RunsOfACalibrationThatIsNotComparedAreRefusedWithTheLabels) {
+  fs::create_directories(scratch());
+  write(scratch() / "truth.txt", circle(0));
+  write(scratch() / "ours_loop_1.txt", circle(0.01));
+  write(scratch() / "other_loop_1.txt", circle(0.03));
+  const std::string truth = " --truth " + (scratch() / "truth.txt").string();
+  const std::string both = ours() + " " + kalibrs() + " --labels ours,kalibr";
+  const std::string pattern = (scratch() / "{calibration}_{sequence}_{run}.txt").string();
+  expectRefusal(compare(both + " --runs '" + pattern + "'" + truth), 2,
+                AllOf(HasSubstr("other_loop_1.txt"), HasSubstr("ours, kalibr")));
+  const std::string without = (scratch() / "ours_{sequence}_{run}.txt").string();
+  expectRefusal(compare(both + " --runs '" + without + "'" + truth), 2, HasSubstr("{calibration}"));
+}
+
+TEST_F(CommandCompare, RunsAndTruthBelongTogether) {
   const Outcome lone = compare(ours() + " " + kalibrs() + " --runs x");
   EXPECT_EQ(lone.exit_code, 2);
   EXPECT_THAT(lone.text, HasSubstr("--truth"));
