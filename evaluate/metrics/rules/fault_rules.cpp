@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,75 +22,99 @@ struct FaultWords {
   const char* what;  ///< of the faulty thing
   double scale;      ///< from the estimate's unit to the one shown
   const char* unit;
+  std::span<const char* const> names;  ///< of the components; empty: there is one
   const char* cure;
 };
 
 constexpr double kPercent = 100;
+constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr const char* kPairs[] = {"xy", "xz", "yx", "yz", "zx", "zy"};
+constexpr const char* kMatrix[] = {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
+constexpr const char* kPose[] = {"tx", "ty", "tz", "rx", "ry", "rz"};
+constexpr const char* kEighths[] = {"at 1/8", "at 2/8", "at 3/8", "at 4/8",
+                                    "at 5/8", "at 6/8", "at 7/8"};
+constexpr const char* kWaves[] = {"sine x", "sine y", "sine z", "cosine x", "cosine y", "cosine z"};
 
 const FaultWords kFaultWords[] = {
-    {UnmodelledFault::kAccelScale, "scale error of the accelerometer's axes x, y, z", kPercent, "%",
+    {UnmodelledFault::kAccelScale, "scale error of the accelerometer", kPercent, "%", kAxes,
      "calibrate the accelerometer's scale (at rest in six attitudes) and divide the "
      "columns of imu0/data.csv by 1 + error; check its range and unit"},
-    {UnmodelledFault::kAccelMisalignment,
-
-     "misalignment of the accelerometer's axes xy, xz, yx, yz, zx, zy", kDegrees, "deg",
+    {UnmodelledFault::kAccelMisalignment, "misalignment of the accelerometer's axes", kDegrees,
+     "deg", kPairs,
      "calibrate the accelerometer's axes; accelerometer and gyroscope must be given in one "
      "right-angled frame"},
-    {UnmodelledFault::kGyroScale,
-
-     "scale error of the gyroscope's axes x, y, z", kPercent, "%",
+    {UnmodelledFault::kGyroScale, "scale error of the gyroscope", kPercent, "%", kAxes,
      "calibrate the gyroscope's scale and divide the columns of imu0/data.csv by 1 + error"},
-    {UnmodelledFault::kGyroMisalignment,
-     "misalignment of the gyroscope's axes xy, xz, yx, yz, zx, zy", kDegrees, "deg",
+    {UnmodelledFault::kGyroMisalignment, "misalignment of the gyroscope's axes", kDegrees, "deg",
+     kPairs,
      "calibrate the gyroscope's axes; accelerometer and gyroscope must be given in one "
      "right-angled frame"},
-    {UnmodelledFault::kGSensitivity, "sensitivity of the gyroscope to acceleration, row by row",
-     1e3, "mrad/s per m/s^2",
+    {UnmodelledFault::kGSensitivity, "sensitivity of the gyroscope to acceleration", 1e3,
+     "mrad/s per m/s^2", kMatrix,
      "compensate it (rate - G x acceleration), or use an IMU that is less sensitive"},
     {UnmodelledFault::kImuDelay,
-
-     "delay of the accelerometer against the gyroscope", 1e3, "ms",
+     "delay of the accelerometer against the gyroscope",
+     1e3,
+     "ms",
+     {},
      "shift the accelerometer's stamps by it (check the filters of both: a low-pass delays)"},
-    {UnmodelledFault::kClockDrift, "drift of the IMU's clock against the cameras'", 1e6, "ppm",
+    {UnmodelledFault::kClockDrift,
+     "drift of the IMU's clock against the cameras'",
+     1e6,
+     "ppm",
+     {},
      "stamp both by one clock, or remove the drift from the stamps before calibrating"},
-    {UnmodelledFault::kLineDelay, "readout time of the image (rolling shutter)", 1e3, "ms",
+    {UnmodelledFault::kLineDelay,
+     "readout time of the image (rolling shutter)",
+     1e3,
+     "ms",
+     {},
      "use a global shutter, or record slow motion: rolling shutters are not modelled"},
-    {UnmodelledFault::kTargetSize, "size of the target, beyond what target.yaml states", kPercent,
+    {UnmodelledFault::kTargetSize,
+     "size of the target, beyond what target.yaml states",
+     kPercent,
      "%",
+     {},
      "measure a tag's black square and the gap between tags, and correct tagSize or "
      "tagSpacing"},
-    {UnmodelledFault::kCameraDelay, "exposure later than camera 0's under equal stamps", 1e3, "ms",
+    {UnmodelledFault::kCameraDelay,
+     "exposure later than camera 0's under equal stamps",
+     1e3,
+     "ms",
+     {},
      "trigger the cameras together, or correct the camera's stamps"},
-    {UnmodelledFault::kImuMoved, "change of T_SC0 (tx, ty, tz, rx, ry, rz)", 1e3, "mm, mrad",
+    {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm, mrad", kPose,
      "mount IMU and camera rigidly and record again; or calibrate the parts before and "
      "after apart"},
     {UnmodelledFault::kClockStep,
-
-     "step of the time offset", 1e3, "ms",
+     "step of the time offset",
+     1e3,
+     "ms",
+     {},
      "look for a clock that was set or a driver that restarted; calibrate the parts apart"},
-    {UnmodelledFault::kCameraMoved,
-     "change of the camera's pose in camera 0 (tx, ty, tz, rx, ry, rz)", 1e3, "mm, mrad",
+    {UnmodelledFault::kCameraMoved, "change of the camera's pose in camera 0", 1e3, "mm, mrad",
+     kPose,
      "mount the cameras rigidly and record again; or calibrate the parts before and after "
      "apart"},
     {UnmodelledFault::kTargetShape,
      "shape of the target (it is not flat, or not even): RMS displacement of its corners", 1e3,
-     "mm",
+     "mm", kTargetTermNames,
      "mount the target on a rigid flat plate (glass, aluminium), print it again without "
      "scaling one axis, and record again"},
-    {UnmodelledFault::kTargetMoved, "displacement of the target along x, y, z of itself", 1e3, "mm",
+    {UnmodelledFault::kTargetMoved, "displacement of the target along its own axes", 1e3, "mm",
+     kAxes,
      "fix the target and record again; or calibrate the parts before and after apart "
      "(--from, --to)"},
-    {UnmodelledFault::kTargetSways,
-     "swinging of the target (sine along x, y, z; cosine along x, y, z)", 1e3, "mm",
+    {UnmodelledFault::kTargetSways, "swinging of the target", 1e3, "mm", kWaves,
      "fix the target to something that does not move, and record again"},
-    {UnmodelledFault::kGyroBiasJump, "jump of the gyroscope's bias (x, y, z)", 1, "rad/s",
+    {UnmodelledFault::kGyroBiasJump, "jump of the gyroscope's bias", 1, "rad/s", kAxes,
      "look for a sensor that was reset, switched its range or was knocked; calibrate the "
      "parts before and after apart (--from, --to)"},
-    {UnmodelledFault::kAccelBiasJump, "jump of the accelerometer's bias (x, y, z)", 1, "m/s^2",
+    {UnmodelledFault::kAccelBiasJump, "jump of the accelerometer's bias", 1, "m/s^2", kAxes,
      "look for a sensor that was reset, switched its range or was knocked; calibrate the "
      "parts before and after apart (--from, --to)"},
     {UnmodelledFault::kStampsWander, "changes of the time offset every eighth of the recording",
-     1e3, "ms",
+     1e3, "ms", kEighths,
      "look for frames or samples that were lost while the others were stamped evenly, and "
      "for clocks that run at different rates; use the stamps that the sensors give"},
 };
@@ -99,31 +124,22 @@ const FaultWords& wordsOf(UnmodelledFault fault) {
                        [&](const FaultWords& words) { return words.fault == fault; });
 }
 
-/// "+2.00, -0.01, +0.03 % (+- 0.01, 0.02, 0.01)".
+/// "x +2.00, z +0.13 % (+- 0.01, 0.02)": the components that are known to differ from zero, or the
+/// one that is nearest to it. The others would bury them.
 std::string figures(const FaultTest& test, const FaultWords& words) {
-  const auto list = [&](const Eigen::VectorXd& values, const char* form) {
-    std::string out;
-    for (const double value : values) {
-      out += (out.empty() ? "" : ", ") + fmt::format(fmt::runtime(form), words.scale * value);
-    }
-    return out;
-  };
-  return fmt::format("{} {} (+- {})", list(test.estimate, "{:+.3g}"), words.unit,
-                     list(test.std, "{:.1g}"));
-}
-
-/// The terms that are known to differ from zero: "z_xx -0.96, z_yy -1.02 mm (+- 0.03, 0.04)".
-std::string shapeFigures(const FaultTest& test, const FaultWords& words) {
-  constexpr double kKnown = 3;
-  std::string terms, deviations;
+  constexpr double kKnown = 3;  // standard deviations
+  const Eigen::VectorXd ratio = test.estimate.cwiseAbs().cwiseQuotient(test.std);
+  const double least = std::min(kKnown, ratio.maxCoeff());
+  std::string values, deviations;
   for (Eigen::Index k = 0; k < test.estimate.size(); ++k) {
-    if (std::abs(test.estimate(k)) < kKnown * test.std(k)) continue;
-    const char* comma = terms.empty() ? "" : ", ";
-    terms += fmt::format("{}{} {:+.3g}", comma, kTargetTermNames.at(static_cast<std::size_t>(k)),
-                         words.scale * test.estimate(k));
+    if (!(ratio(k) >= least)) continue;
+    const char* comma = values.empty() ? "" : ", ";
+    const auto i = static_cast<std::size_t>(k);
+    const std::string name = i < words.names.size() ? words.names[i] + std::string(" ") : "";
+    values += fmt::format("{}{}{:+.3g}", comma, name, words.scale * test.estimate(k));
     deviations += fmt::format("{}{:.1g}", comma, words.scale * test.std(k));
   }
-  return fmt::format("{} {} (+- {})", terms, words.unit, deviations);
+  return fmt::format("{} {} (+- {})", values, words.unit, deviations);
 }
 
 std::string sentence(const FaultTest& test, TimeNs begin) {
@@ -132,7 +148,6 @@ std::string sentence(const FaultTest& test, TimeNs begin) {
   if (test.camera >= 0) text += fmt::format(" of cam{}", test.camera);
   if (test.since) text += fmt::format(" from {:.1f} s on", secondsBetween(begin, *test.since));
   if (test.frequency_hz) text += fmt::format(" at {:.2f} Hz", *test.frequency_hz);
-  if (test.fault == UnmodelledFault::kTargetShape) return text + ": " + shapeFigures(test, words);
   return fmt::format("{}: {}", text, figures(test, words));
 }
 
@@ -177,7 +192,11 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
   }
   return finding(
       rule, level, sigma,
-      fmt::format("{}; {} ({:.1f} of its standard deviations)", evidence, effect(cause), sigma));
+      fmt::format("{}; {} ({:.1f} of its standard deviations){}", evidence, effect(cause), sigma,
+                  &cause == &diagnosis.causes.front()
+                      ? fmt::format("; it explains the residuals best among {} faults tested",
+                                    diagnosis.tests.size())
+                      : ""));
 }
 
 }  // namespace
@@ -200,10 +219,6 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
   for (const FaultTest& cause : diagnosis.causes) {
     const bool first = &cause == &diagnosis.causes.front();
     std::string evidence = sentence(cause, begin);
-    if (first) {
-      evidence = fmt::format("best explanation of the residuals among {} faults tested: {}",
-                             diagnosis.tests.size(), evidence);
-    }
     std::string advice = wordsOf(cause.fault).cure;
     if (first && diagnosis.alternative) {
       evidence += "; or else " + sentence(*diagnosis.alternative, begin) +
