@@ -105,7 +105,8 @@ TEST_F(CommandCompare, TrajectoriesUnderTheCalibrationsJoinThePage) {
   EXPECT_THAT(outcome.text, HasSubstr("ours - kalibr: ATE -0.0200 m"));
   const std::string table = read(scratch() / "out/comparison.csv");
   std::smatch all;
-  ASSERT_TRUE(std::regex_search(table, all, std::regex("ate\\.loop,m,([^,]+),([^,]+),,,,([^,]+),,")))
+  ASSERT_TRUE(
+      std::regex_search(table, all, std::regex("ate\\.loop,m,([^,]+),([^,]+),,,,([^,]+),,")))
       << table;
   EXPECT_NEAR(std::stod(all[1]), 0.01, 1e-4);
   EXPECT_NEAR(std::stod(all[2]), 0.03, 1e-4);
