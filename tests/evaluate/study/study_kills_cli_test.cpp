@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Killed at any moment, a night loses nothing and does nothing twice.
+#include <random>
+#include <thread>
+
+#include "tests/evaluate/study/study_nights.h"
+
+namespace plumbline {
+namespace {
+
+class StudyKills : public StudyNights {};
+
+// PLUMBLINE_KILLS=50 in the environment for a longer run.
+int killsAskedFor() {
+  const char* asked = std::getenv("PLUMBLINE_KILLS");
+  return asked != nullptr ? std::atoi(asked) : 12;
+}
+
+// SIGKILL of the study, and of whatever process of a step is there, at random moments: the next
+// start takes up what is done, does none of it twice, and ends at the same values.
+TEST_F(StudyKills, ResumeAfterSigkillAtRandomMoments) {
+  std::mt19937 random(20261122);
+  std::uniform_int_distribution<int> pause_ms(10, 250);
+  const int asked = killsAskedFor();
+  ASSERT_GT(asked, 0);
+  int kills = 0, nights = 0;
+  while (kills < asked) {
+    const fs::path night = scratch_ / ("night" + std::to_string(++nights));
+    for (bool ended = false; !ended;) {
+      const auto before = times(night);
+      const pid_t pid = start(words(root_ / "data", night));
+      std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms(random)));
+      int status = 0;
+      ended = waitpid(pid, &status, WNOHANG) == pid;
+      if (!ended) {
+        const bool a_step = kills % 3 == 2;
+        if (a_step) {  // the latest process of a step; the study goes on
+          const std::string find = "pgrep -n -f '" + night.string() +
+                                   ".*partial-' >/dev/null && "
+                                   "kill -9 $(pgrep -n -f '" +
+                                   night.string() + ".*partial-')";
+          (void)std::system(find.c_str());
+          waitpid(pid, &status, 0);
+          ended = true;
+        } else {
+          kill(pid, SIGKILL);
+          waitpid(pid, &status, 0);
+        }
+        ++kills;
+      }
+      if (ended) EXPECT_EQ(WEXITSTATUS(status), 0);
+      const auto after = times(night);
+      for (const auto& [name, time] : before) EXPECT_EQ(after.at(name), time) << name << " again";
+    }
+    EXPECT_EQ(values(night), values(root_ / "undisturbed"));
+    EXPECT_EQ(plumbline(words(root_ / "data", night)).exit_code, 0);  // removes what was left
+    for (const auto& entry : fs::recursive_directory_iterator(night)) {
+      EXPECT_THAT(entry.path().string(), Not(HasSubstr(".partial"))) << "left behind";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steps beyond their limits of time and memory.
+#include "tests/evaluate/study/study_nights.h"
+
+namespace plumbline {
+namespace {
+
+class StudyLimits : public StudyNights {};
+
+TEST_F(StudyLimits, AStepBeyondItsTimeEndsWithAllThatItStarted) {
+  const fs::path data = ownData();
+  write(data / "STUDY.yaml",
+        read(data / "STUDY.yaml") +
+            "sequences: [{name: s, path: eval, truth: "
+            "eval/truth/trajectory.csv}]\n"
+            "trajectories: {command: 'sleep 54321 & sleep 54321; echo {out}'}\n"
+            "limits: {step_s: 5}\n");
+  const Outcome outcome = study(data, scratch_ / "night", "--jobs 8");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  const auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
+  ASSERT_EQ(summary.at("trajectories").size(), 4u);
+  EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
+              HasSubstr("not done after 5 s"));
+  EXPECT_NE(std::system("pgrep -f 'sleep 5432[1]' >/dev/null"), 0) << "left running";
+}
+
+TEST_F(StudyLimits, AStepBeyondItsMemoryFailsAlone) {
+  const fs::path data = ownData();
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") +
+                                 "sequences: [{name: s, path: eval, truth: "
+                                 "eval/truth/trajectory.csv}]\n"
+                                 "trajectories: {command: 'head -c 1G /dev/zero | tail'}\n"
+                                 "limits: {step_mb: 600}\n");
+  const Outcome outcome = study(data, scratch_ / "night");
+  EXPECT_THAT(outcome.text, HasSubstr("4 of 4 sessions have a calibration"));
+  const auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
+  EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
+              HasSubstr("memory exhausted"));
+}
+
+}  // namespace
+}  // namespace plumbline

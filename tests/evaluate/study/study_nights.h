@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <csignal>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include "report/store/study_store.h"
+#include "tests/evaluate/cli/command_line.h"
+
+namespace plumbline {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// Nights of a small study of four sessions, made once for the tests of a file with a night that
+/// nothing disturbed. The lens model is stated: to choose one takes ten times as long as the rest
+/// of a calibration.
+class StudyNights : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    root_ = fs::temp_directory_path() / ("plumbline_nights_" + std::to_string(getpid()));
+    fs::remove_all(root_);
+    int seed = 0;
+    for (const char* name : {"p1_free", "p1_guided", "p2_free", "p2_guided", "eval"}) {
+      const Outcome outcome = plumbline("simulate --out " + (root_ / "data" / name).string() +
+                                        " --duration 5 --camera-rate 10 --imu-rate 200 --seed " +
+                                        std::to_string(++seed));
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+    }
+    write(root_ / "data/STUDY.yaml",
+          "study: small\nmethods: [free, guided]\nsessions:\n"
+          "  - {name: p1_free, participant: p1, method: free, period: 1, path: p1_free}\n"
+          "  - {name: p1_guided, participant: p1, method: guided, period: 2, path: p1_guided}\n"
+          "  - {name: p2_free, participant: p2, method: free, period: 2, path: p2_free}\n"
+          "  - {name: p2_guided, participant: p2, method: guided, period: 1, path: p2_guided}\n"
+          "held_out: [{name: eval, path: eval}]\nperturbations: {offsets_ms: [10]}\n" +
+              std::string(kCalibrate));
+    const Outcome outcome = study(root_ / "data", root_ / "undisturbed");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  }
+  static void TearDownTestSuite() {
+    if (HasFailure()) return;
+    fs::remove_all(root_);
+  }
+
+  void SetUp() override {
+    scratch_ = root_ / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::create_directories(scratch_);
+  }
+  // A copy of the recordings that may be spoiled, and of the night that is done with them.
+  fs::path ownData() const {
+    fs::copy(root_ / "data", scratch_ / "data", fs::copy_options::recursive);
+    return scratch_ / "data";
+  }
+  fs::path doneNight() const {
+    fs::copy(root_ / "undisturbed", scratch_ / "night", fs::copy_options::recursive);
+    return scratch_ / "night";
+  }
+
+  static std::string words(const fs::path& data, const fs::path& night) {
+    return "study " + (data / "STUDY.yaml").string() + " --out " + night.string();
+  }
+  static Outcome study(const fs::path& data, const fs::path& night,
+                       const std::string& options = "") {
+    return plumbline(words(data, night) + " " + options);
+  }
+
+  /// Everything that the store says but seconds and dates.
+  static std::map<std::string, std::string> values(const fs::path& night) {
+    const StudyStore store(night / "study.sqlite");
+    std::map<std::string, std::string> all;
+    for (const FigureSpan& span : store.figures()) {
+      const StudyFigure& f = span.figure;
+      if (f.name == "calibration_s") continue;
+      all[f.session + " " + f.name] =
+          f.inputs_key + " " + f.version + " " + std::to_string(span.first_night) + " " +
+          std::string(reinterpret_cast<const char*>(&f.value), sizeof f.value);
+    }
+    for (const StudyStepRow& s : store.steps()) all[s.name] = s.key + s.status + s.message;
+    return all;
+  }
+
+  /// When each step that is settled was done.
+  static std::map<std::string, std::int64_t> times(const fs::path& night) {
+    std::map<std::string, std::int64_t> all;
+    if (!fs::exists(night)) return all;
+    for (const auto& entry : fs::recursive_directory_iterator(night)) {
+      if (entry.path().filename() != "step.json") continue;
+      if (entry.path().string().find(".partial-") != std::string::npos) continue;
+      struct stat status {};
+      stat(entry.path().c_str(), &status);
+      all[fs::relative(entry.path().parent_path(), night).string()] =
+          status.st_mtim.tv_sec * 1'000'000'000LL + status.st_mtim.tv_nsec;
+    }
+    return all;
+  }
+
+  static std::set<std::string> doneAgain(const std::map<std::string, std::int64_t>& before,
+                                         const fs::path& night) {
+    std::set<std::string> names;
+    for (const auto& [name, time] : times(night)) {
+      if (before.count(name) == 0 || before.at(name) != time) names.insert(name);
+    }
+    return names;
+  }
+
+  static Outcome shell(const std::string& command) {
+    Outcome outcome;
+    std::FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
+    char buffer[4096];
+    while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) outcome.text += buffer;
+    const int status = pclose(pipe);
+    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+    return outcome;
+  }
+
+  static pid_t start(const std::string& command) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      execl("/bin/sh", "sh", "-c",
+            ("exec " + std::string(PLUMBLINE_BINARY) + " " + command + " >/dev/null 2>&1").c_str(),
+            nullptr);
+      _exit(127);
+    }
+    return pid;
+  }
+
+  static constexpr const char* kCalibrate = "calibrate: {models: pinhole-radtan}\n";
+  static inline fs::path root_;
+  fs::path scratch_;
+};
+
+}  // namespace plumbline
