@@ -35,13 +35,19 @@ Colour between(const std::array<Colour, N>& stops, double u) {
 
 }  // namespace
 
+// Cividis: even steps of lightness for colour-blind readers too (Nunez, Anderton, Renslow, PLoS ONE
+// 13(7), 2018), at ten of its places.
 Colour sequentialColour(double u) {
-  static constexpr std::array<Colour, 6> kStops = {{{240, 246, 226, 255},
-                                                    {190, 224, 190, 255},
-                                                    {112, 192, 184, 255},
-                                                    {48, 144, 178, 255},
-                                                    {34, 88, 150, 255},
-                                                    {24, 34, 92, 255}}};
+  static constexpr std::array<Colour, 10> kStops = {{{0, 34, 78, 255},
+                                                     {18, 53, 112, 255},
+                                                     {59, 73, 108, 255},
+                                                     {87, 93, 109, 255},
+                                                     {112, 113, 115, 255},
+                                                     {138, 134, 120, 255},
+                                                     {165, 156, 116, 255},
+                                                     {195, 179, 105, 255},
+                                                     {225, 204, 85, 255},
+                                                     {254, 232, 56, 255}}};
   return between(kStops, u);
 }
 

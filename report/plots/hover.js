@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shows series and values of the nearest drawn point of every <svg data-ax>, the same moment in all plots over
+// Shows series and values of the nearest drawn point of every <svg data-ax>, or the value of a map's cell, the same moment in all plots over
 // the same axis, and hides a series whose legend is clicked.
 (() => {
   const numbers = (text) => (text.match(/-?[\d.]+(e-?\d+)?/g) || []).map(Number);
@@ -60,6 +60,27 @@
     text.setAttribute('x', right ? -8 : 8);
     mark.setAttribute('transform', `translate(${best[0]} ${best[1]})`);
   };
+  // The cell of a map under the pointer, by the names of its column and row where it has some.
+  const showCell = (plot, event) => {
+    const {svg, mark, cells} = plot;
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const [x0, x1, y0, y1, px0, px1, py0, py1] = plot.axes;
+    const across = (at.x - px0) / (px1 - px0), down = (at.y - py1) / (py0 - py1);
+    const inside = across >= 0 && across < 1 && down >= 0 && down < 1;
+    const column = Math.floor(across * cells.columns), row = Math.floor(down * cells.rows);
+    const value = inside ? cells.values[row * cells.columns + column] : null;
+    mark.style.display = value === null ? 'none' : '';
+    if (value === null) return;
+    const middle = (names, i, n, from, to) => names ? names[i] : rounded(from + (i + 0.5) / n * (to - from));
+    const place = `${middle(cells.x, column, cells.columns, x0, x1)}, ${middle(cells.y, row, cells.rows, y1, y0)}`;
+    const text = mark.lastChild;
+    text.textContent = `${place}: ${cells.label} ${value}`;
+    const right = at.x > (px0 + px1) / 2;
+    text.setAttribute('text-anchor', right ? 'end' : 'start');
+    text.setAttribute('x', right ? -8 : 8);
+    const middles = [px0 + (column + 0.5) / cells.columns * (px1 - px0), py1 + (row + 0.5) / cells.rows * (py0 - py1)];
+    mark.setAttribute('transform', `translate(${middles.join(' ')})`);
+  };
   const toggle = (plot, colour, text) => {
     const hide = text.style.textDecoration !== 'line-through';
     text.style.textDecoration = hide ? 'line-through' : '';
@@ -74,9 +95,10 @@
     const cursor = node('line', {stroke: '#5a6472', 'stroke-width': 1, 'stroke-dasharray': '3 3'});
     for (const part of [cursor, mark]) { part.style.display = 'none'; part.style.pointerEvents = 'none'; }
     svg.append(cursor, mark);
-    const plot = {svg, mark, cursor, legend: legendOf(svg), axis: axisOf(svg), axes: svg.dataset.ax.split(' ').map(Number), points: null};
+    const plot = {svg, mark, cursor, legend: legendOf(svg), axis: axisOf(svg), axes: svg.dataset.ax.split(' ').map(Number), points: null,
+      cells: svg.dataset.cells ? JSON.parse(svg.dataset.cells) : null};
     plots.push(plot);
-    svg.addEventListener('pointermove', (event) => show(plot, event));
+    svg.addEventListener('pointermove', (event) => (plot.cells ? showCell : show)(plot, event));
     svg.addEventListener('pointerleave', () => { mark.style.display = 'none'; pointAll(plot, null); });
     for (const [colour, text] of plot.legend) {
       if (!drawn(svg).some((shape) => colourOf(shape) === colour)) continue;

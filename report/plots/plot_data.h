@@ -109,7 +109,7 @@ struct Histogram {
 };
 
 enum class ColourMap {
-  kSequential,  ///< pale to dark, for counts and magnitudes
+  kSequential,  ///< dark to bright (cividis), for counts and magnitudes
   kDiverging,   ///< blue, white, red; for signed values, symmetric about 0
 };
 
@@ -122,7 +122,8 @@ struct HeatMap {
   std::string value_label;  ///< of the colour bar, with unit
   std::optional<Range> value_range;
   ColourMap colours = ColourMap::kSequential;
-  std::vector<std::string> cell_labels;  ///< as `values`; empty: none
+  std::vector<std::string> cell_labels;  ///< as `values`, where they fit; empty: none
+  bool contours = false;                 ///< lines of equal value at the colour bar's ticks
 };
 
 struct FieldArrow {
@@ -135,6 +136,7 @@ struct VectorField {
   PlotFrame frame;
   std::vector<FieldArrow> arrows;
   double magnification = 1;     ///< length on the axes per unit of a vector
+  double longest = 0;           ///< an arrow is cut to this, and marked [vectors' unit]; 0: none is
   double reference = 0;         ///< length of the arrow in the key, in vectors' unit; 0: no key
   std::string reference_label;  ///< "0.5 px"
   Colour colour;

@@ -6,12 +6,14 @@
 
 #include <fmt/format.h>
 
+#include "report/html/compared_plots.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
 namespace {
 
 constexpr int kFieldColumns = 20;   // cells across the image for the vector field
+constexpr double kReach = 1.1;      // of a typical arrow, in its cells
 constexpr int kMapColumns = 24;     // and for the RMSE and coverage maps
 constexpr std::size_t kFewest = 8;  // corners that a cell needs before its mean is shown
 constexpr double kShown = 0.999;    // share of the errors inside the scatter's axes
@@ -57,6 +59,8 @@ ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners whi
 PlotFrame imageFrame(const std::string& title, const Resolution& size) {
   PlotFrame frame;
   frame.title = title;
+  frame.width = 470;
+  frame.height = 320;
   frame.x = {"u [px]", Range{-0.5, size.width - 0.5}, {}, false, false};
   frame.y = {"v [px]", Range{-0.5, size.height - 0.5}, {}, true, false};
   frame.equal_axes = true;
@@ -159,43 +163,32 @@ Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::st
       false};
 }
 
-double roundedDown(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * power <= value) return factor * power;
-  }
-  return power;
-}
-
-Figure fieldFigure(const StageView& stage, int camera, const std::string& name,
-                   const std::string& id) {
+VectorField errorField(const StageView& stage, int camera, const std::string& name) {
   const ImageGrid grid = binErrors(stage, camera, kFieldColumns, Corners::kUsed);
   VectorField plot;
   plot.frame = imageFrame(name + ": mean error over the image",
                           stage.cameras[static_cast<std::size_t>(camera)].intrinsics.resolution);
   plot.colour = seriesColour(0);
-  std::vector<double> lengths;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const auto cell = static_cast<std::size_t>(row * grid.columns + column);
       if (grid.count[cell] < kFewest) continue;
       const Eigen::Vector2d mean = grid.sum[cell] / static_cast<double>(grid.count[cell]);
-      lengths.push_back(mean.norm());
       plot.arrows.push_back(
           {(column + 0.5) * grid.cell_width - 0.5, (row + 0.5) * grid.cell_height - 0.5, mean.x(),
            mean.y(),
            fmt::format("({:.3f}, {:.3f}) px of {} corners", mean.x(), mean.y(), grid.count[cell])});
     }
   }
-  const double typical = lengths.empty() ? 1 : std::max(1e-9, quantile(lengths, 0.9));
-  plot.magnification = 1.1 * grid.cell_width / typical;
-  plot.reference = roundedDown(typical);
-  plot.reference_label = fmt::format("{:g} px", plot.reference);
+  return plot;
+}
+
+Figure fieldFigure(const VectorField& plot, const std::string& id) {
   return {toSvg(plot, id),
-          fmt::format("Mean error of the corners in each cell, magnified {:.0f} times. Arrows in "
-                      "all directions are noise; a pattern (radial, swirling, one-sided) is a "
-                      "distortion that the model does not describe.",
-                      plot.magnification),
+          fmt::format("Mean error of the corners in each cell, magnified {:.0f} times, alike for "
+                      "all cameras. Arrows in all directions are noise; a pattern (radial, "
+                      "swirling, one-sided) is a distortion that the model does not describe.{}",
+                      plot.magnification, cutText(plot)),
           false};
 }
 
@@ -209,22 +202,24 @@ HeatMap imageMap(const StageView& stage, int camera, const ImageGrid& grid,
   return map;
 }
 
-Figure regionFigure(const StageView& stage, int camera, const std::string& name,
-                    const std::string& id) {
+HeatMap errorMap(const StageView& stage, int camera, const std::string& name) {
   const ImageGrid grid = binErrors(stage, camera, kMapColumns, Corners::kUsed);
   HeatMap map = imageMap(stage, camera, grid, name + ": RMSE by region");
   map.value_label = "RMSE [px]";
-  std::vector<double> known;
   for (std::size_t i = 0; i < grid.count.size(); ++i) {
     const bool enough = grid.count[i] >= kFewest;
     map.values.push_back(enough ? std::sqrt(grid.squares[i] / static_cast<double>(grid.count[i]))
                                 : std::nan(""));
-    if (enough) known.push_back(map.values.back());
   }
-  if (!known.empty()) map.value_range = Range{0, std::max(1e-6, quantile(known, 0.98))};
+  return map;
+}
+
+Figure regionFigure(const HeatMap& map, const std::string& id) {
   return {toSvg(map, id),
-          "RMSE of the used corners by region; blank where fewer than eight fell. Even is good; "
-          "dark corners mean that the distortion model fails at the edge.",
+          "RMSE of the used corners by region, on one scale for all cameras; blank where fewer "
+          "than eight fell. Even is good; bright corners mean that the distortion model fails at "
+          "the edge." +
+              clampText(map),
           false};
 }
 
@@ -262,16 +257,27 @@ Figure frameFigure(const StageView& stage) {
 
 std::vector<FigureGroup> reprojectionFigures(const StageView& stage) {
   std::vector<FigureGroup> groups = {{"", {frameFigure(stage)}}};
+  std::vector<VectorField> fields;
+  std::vector<HeatMap> maps;
+  double reach = 0;
   for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
-    const int camera = static_cast<int>(i);
+    const std::string name = cameraName(stage, i);
+    fields.push_back(errorField(stage, static_cast<int>(i), name));
+    maps.push_back(errorMap(stage, static_cast<int>(i), name));
+    reach = std::max(reach,
+                     kReach * stage.cameras[i].intrinsics.resolution.width / double{kFieldColumns});
+  }
+  magnifyAlike(addressesOf(fields), reach);
+  scaleAlike(addressesOf(maps));
+  for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
     const std::string name = cameraName(stage, i);
     const std::string id = fmt::format("{}-cam{}-", stage.id, i);
-    const auto errors = usedErrors(stage, camera);
-    groups.push_back({name,
-                      {scatterFigure(errors, name, id + "scatter"),
-                       histogramFigure(errors, name, id + "histogram"),
-                       fieldFigure(stage, camera, name, id + "field"),
-                       regionFigure(stage, camera, name, id + "region")}});
+    const auto errors = usedErrors(stage, static_cast<int>(i));
+    groups.push_back(
+        {name,
+         {scatterFigure(errors, name, id + "scatter"),
+          histogramFigure(errors, name, id + "histogram"), fieldFigure(fields[i], id + "field"),
+          regionFigure(maps[i], id + "region")}});
   }
   return groups;
 }
@@ -300,6 +306,17 @@ FigureGroup coverageFigures(const StageView& stage) {
   return group;
 }
 
+namespace {
+
+/// "-.61": as short as a cell of many needs.
+std::string shortNumber(double rho) {
+  std::string text = fmt::format("{:.2f}", rho);
+  const std::size_t zero = text.find('0');
+  return zero < text.find('.') ? text.erase(zero, 1) : text;
+}
+
+}  // namespace
+
 FigureGroup correlationFigures(const StageView& stage) {
   const ParameterCovariance& covariance = stage.summary.covariance;
   const auto n = static_cast<int>(covariance.names.size());
@@ -322,7 +339,7 @@ FigureGroup correlationFigures(const StageView& stage) {
       const double rho = scale > 0 ? covariance.matrix(i, j) / scale : std::nan("");
       map.values.push_back(rho);
       const bool shown = std::isfinite(rho) && (n <= 8 || (i != j && std::abs(rho) >= 0.3));
-      map.cell_labels.push_back(shown ? fmt::format("{:.2f}", rho) : "");
+      map.cell_labels.push_back(shown ? shortNumber(rho) : "");
     }
   }
   map.frame.y.ticks = map.frame.x.ticks;

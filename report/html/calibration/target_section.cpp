@@ -67,7 +67,8 @@ PlotFrame boardFrame(const AprilGrid& grid, const std::string& title, double mar
   frame.x = {"x of the board [mm]", Range{-kMm * margin, kMm * (grid.width() + margin)}, {}};
   frame.y = {"y of the board [mm]", Range{-kMm * margin, kMm * (grid.height() + margin)}, {}};
   frame.equal_axes = true;
-  frame.height = 460;
+  frame.width = 470;
+  frame.height = 420;
   return frame;
 }
 

@@ -2,10 +2,13 @@
 // Projection differences and uncertainties over the image.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics.h"
+#include "report/html/compared_plots.h"
 #include "report/html/comparison/sections.h"
 #include "report/html/text.h"
 #include "report/plots/svg.h"
@@ -14,6 +17,7 @@ namespace plumbline::html_internal {
 namespace {
 
 constexpr int kArrowsAcross = 20;
+constexpr double kReach = 1.2;  // of a typical arrow, in its cells
 
 std::string rangeText(double range_m) {
   return std::isinf(range_m) ? "at infinity" : fmt::format("at {:g} m", range_m);
@@ -21,6 +25,8 @@ std::string rangeText(double range_m) {
 
 double stepX(const ImageMap& map) { return (map.width - 1.0) / std::max(1, map.columns - 1); }
 double stepY(const ImageMap& map) { return (map.height - 1.0) / std::max(1, map.rows - 1); }
+
+int strideOf(const ImageMap& map) { return std::max(1, map.columns / kArrowsAcross); }
 
 PlotFrame mapFrame(const ImageMap& map, const std::string& title, double margin) {
   PlotFrame frame;
@@ -56,8 +62,7 @@ Summary summaryOf(const std::vector<double>& values) {
           values.size() - known.size(), true};
 }
 
-Figure heatFigure(const ImageMap& map, const std::string& title, const std::string& label,
-                  const std::string& id) {
+HeatMap heatMap(const ImageMap& map, const std::string& title, const std::string& label) {
   HeatMap plot;
   plot.frame = mapFrame(map, title, 0.5);
   plot.columns = map.columns;
@@ -67,48 +72,80 @@ Figure heatFigure(const ImageMap& map, const std::string& title, const std::stri
     if (!std::isfinite(v)) v = std::nan("");
   }
   plot.value_label = label;
+  plot.contours = true;
+  return plot;
+}
+
+Figure heatFigure(const HeatMap& plot, const std::string& id) {
   const Summary s = summaryOf(plot.values);
-  plot.value_range = Range{0, s.any && s.most > 0 ? s.most : 1};
   std::string caption = s.any
                             ? fmt::format("Median {:.3g} px, largest {:.3g} px.", s.median, s.most)
                             : "Undefined over the whole image.";
+  if (s.any) caption += " Lines of equal value at the ticks of the scale." + clampText(plot);
   if (s.any && s.undefined > 0) {
     caption += fmt::format(
         " Blank at {:.0f} % of the grid, where a model does not project.",
-        100.0 * static_cast<double>(s.undefined) / static_cast<double>(map.values.size()));
+        100.0 * static_cast<double>(s.undefined) / static_cast<double>(plot.values.size()));
   }
   return {toSvg(plot, id), caption, false};
 }
 
-double roundedDown(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * power <= value) return factor * power;
-  }
-  return power;
-}
-
-Figure fieldFigure(const ImageMap& map, const std::string& title, const std::string& id) {
+VectorField fieldOf(const ImageMap& map, const std::string& title) {
   VectorField plot;
   plot.frame = mapFrame(map, title, 0.5);
   plot.colour = seriesColour(0);
-  const int stride = std::max(1, map.columns / kArrowsAcross);
-  std::vector<double> lengths;
+  if (map.vectors.size() != map.values.size()) return plot;
+  const int stride = strideOf(map);
   for (int row = 0; row < map.rows; row += stride) {
     for (int column = 0; column < map.columns; column += stride) {
       const Eigen::Vector2d& d = map.vectors[static_cast<std::size_t>(row * map.columns + column)];
       if (!d.allFinite()) continue;
-      lengths.push_back(d.norm());
       plot.arrows.push_back({column * stepX(map), row * stepY(map), d.x(), d.y(),
                              fmt::format("({:.3f}, {:.3f}) px", d.x(), d.y())});
     }
   }
-  const double typical = lengths.empty() ? 1 : std::max(1e-9, quantile(lengths, 0.9));
-  plot.magnification = 1.2 * stride * stepX(map) / typical;
-  plot.reference = roundedDown(typical);
-  plot.reference_label = fmt::format("{:g} px", plot.reference);
+  return plot;
+}
+
+Figure fieldFigure(const VectorField& plot, const std::string& id) {
   return {toSvg(plot, id),
-          fmt::format("The difference itself, magnified {:.3g} times.", plot.magnification), false};
+          fmt::format("The difference itself, magnified {:.3g} times.{}", plot.magnification,
+                      cutText(plot)),
+          false};
+}
+
+/// The maps of one kind as plots, those of points at one range on one scale.
+struct ScaledMaps {
+  std::vector<const ImageMap*> maps;
+  std::vector<HeatMap> heat;
+  std::vector<VectorField> fields;
+};
+
+ScaledMaps scaled(const std::vector<ImageMap>& all, const std::string& label, bool titled) {
+  ScaledMaps out;
+  for (const ImageMap& map : all) {
+    if (!sound(map)) continue;
+    out.maps.push_back(&map);
+    const std::string title =
+        titled ? fmt::format("{}, {}, {}", map.label, map.camera, rangeText(map.range_m)) : "|d|";
+    out.heat.push_back(heatMap(map, title, label));
+    out.fields.push_back(fieldOf(map, "d"));
+  }
+  std::map<double, std::vector<std::size_t>> by_range;
+  for (std::size_t i = 0; i < out.maps.size(); ++i) by_range[out.maps[i]->range_m].push_back(i);
+  for (const auto& [range, members] : by_range) {
+    std::vector<HeatMap*> heat;
+    std::vector<VectorField*> fields;
+    double reach = 0;
+    for (const std::size_t i : members) {
+      heat.push_back(&out.heat[i]);
+      fields.push_back(&out.fields[i]);
+      reach = std::max(reach, kReach * strideOf(*out.maps[i]) * stepX(*out.maps[i]));
+    }
+    scaleAlike(heat);
+    magnifyAlike(fields, reach);
+  }
+  return out;
 }
 
 std::string impliedText(const ImageMap& map) {
@@ -124,14 +161,15 @@ std::string methodText(const ImageMap& map) {
   return map.method.empty() ? "" : "Method: " + map.method + ". ";
 }
 
-Block differenceBlock(const ImageMap& map, std::size_t index) {
+Block differenceBlock(const ScaledMaps& scaled, std::size_t i) {
+  const ImageMap& map = *scaled.maps[i];
   Block block;
   block.heading = fmt::format("{}: {}, {}", map.camera, map.label, rangeText(map.range_m));
   block.text = methodText(map) + impliedText(map);
-  const std::string id = fmt::format("difference-{}", index);
-  block.figures.push_back(heatFigure(map, "|d|", "|d| [px]", id));
-  if (map.vectors.size() == map.values.size()) {
-    block.figures.push_back(fieldFigure(map, "d", id + "-field"));
+  const std::string id = fmt::format("difference-{}", i);
+  block.figures.push_back(heatFigure(scaled.heat[i], id));
+  if (!scaled.fields[i].arrows.empty()) {
+    block.figures.push_back(fieldFigure(scaled.fields[i], id + "-field"));
   }
   return block;
 }
@@ -146,10 +184,9 @@ Section differenceSection(const ComparisonRecord& record) {
                   "difference of the lens models, not of their conventions.",
                   {},
                   {}};
-  for (std::size_t i = 0; i < record.differences.size(); ++i) {
-    if (sound(record.differences[i])) {
-      section.blocks.push_back(differenceBlock(record.differences[i], i));
-    }
+  const ScaledMaps maps = scaled(record.differences, "|d| [px]", false);
+  for (std::size_t i = 0; i < maps.maps.size(); ++i) {
+    section.blocks.push_back(differenceBlock(maps, i));
   }
   return section;
 }
@@ -164,13 +201,10 @@ Section uncertaintySection(const ComparisonRecord& record) {
                   {},
                   {}};
   Block block;
-  for (std::size_t i = 0; i < record.uncertainties.size(); ++i) {
-    const ImageMap& map = record.uncertainties[i];
-    if (!sound(map)) continue;
-    Figure figure =
-        heatFigure(map, fmt::format("{}, {}, {}", map.label, map.camera, rangeText(map.range_m)),
-                   "std [px]", fmt::format("uncertainty-{}", i));
-    figure.caption = methodText(map) + figure.caption;
+  const ScaledMaps maps = scaled(record.uncertainties, "std [px]", true);
+  for (std::size_t i = 0; i < maps.maps.size(); ++i) {
+    Figure figure = heatFigure(maps.heat[i], fmt::format("uncertainty-{}", i));
+    figure.caption = methodText(*maps.maps[i]) + figure.caption;
     block.figures.push_back(std::move(figure));
   }
   if (!block.figures.empty()) section.blocks.push_back(std::move(block));

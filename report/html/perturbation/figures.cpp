@@ -128,8 +128,8 @@ std::string labelOf(const PerturbationCase& c) {
 
 Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   const BasinScale scale = scaleOf(record, shifts);
-  Series late = markers("error (offset overestimated)", seriesColour(0));
-  Series early = markers("error (offset underestimated)", seriesColour(2));
+  Series late = markers("overestimated", seriesColour(0));
+  Series early = markers("underestimated", seriesColour(2));
   Series failed = markers("failed", {179, 32, 44, 255});
   for (const PerturbationCase* c : shifts.cases) {
     const bool solved = c->problem.empty() && std::isfinite(c->offset_error_s);

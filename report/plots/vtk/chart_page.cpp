@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <vtkAxis.h>
 #include <vtkBrush.h>
 #include <vtkContextScene.h>
@@ -276,6 +277,10 @@ void ChartPage::addOutside(Drawing drawing) {
   outside_.push_back(item);
 }
 
+std::vector<AxisTick> ChartPage::colourBarTicks(const Range& range) const {
+  return roundTicks(range, std::max(2, static_cast<int>(plotHeight() / 50)));
+}
+
 void ChartPage::addColourBar(const Range& range, const std::string& label,
                              Colour (*colourAt)(double)) {
   addOutside([this, range, label, colourAt](vtkContext2D& painter, SvgDevice&) {
@@ -288,7 +293,7 @@ void ChartPage::addColourBar(const Range& range, const std::string& label,
       painter.DrawRect(static_cast<float>(x), static_cast<float>(bottom_ + i * step), 12,
                        static_cast<float>(step + 0.3));
     }
-    const auto ticks = roundTicks(range, std::max(2, static_cast<int>(plotHeight() / 50)));
+    const auto ticks = colourBarTicks(range);
     for (const AxisTick& tick : ticks) {
       const double unit = (tick.position - range.min) / (range.max - range.min);
       drawText(painter, x + 17, bottom_ + unit * plotHeight(), tick.label, {.across = -1});
@@ -296,6 +301,27 @@ void ChartPage::addColourBar(const Range& range, const std::string& label,
     drawText(painter, x + 26 + widestLabel(ticks), (bottom_ + top_) / 2, label,
              {.size = 12, .colour = kInk, .angle = 90});
   });
+}
+
+void ChartPage::setCells(const HeatMap& map) {
+  const auto names = [](const std::vector<AxisTick>& ticks) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const AxisTick& tick : ticks) list.push_back(tick.label);
+    return list;
+  };
+  nlohmann::json values = nlohmann::json::array();
+  for (const double v : map.values) {  // four digits; null where there is nothing
+    values.push_back(std::isfinite(v) ? nlohmann::json::parse(fmt::format("{:.4g}", v)) : nullptr);
+  }
+  nlohmann::json cells{
+      {"columns", map.columns}, {"rows", map.rows}, {"label", map.value_label}, {"values", values}};
+  if (map.frame.x.ticks.size() == static_cast<std::size_t>(map.columns)) {
+    cells["x"] = names(map.frame.x.ticks);
+  }
+  if (map.frame.y.ticks.size() == static_cast<std::size_t>(map.rows)) {
+    cells["y"] = names(map.frame.y.ticks);
+  }
+  cells_ = " data-cells=\"" + escapeXml(cells.dump()) + "\"";
 }
 
 void ChartPage::addReferenceArrow(double length, const Colour& colour) {
@@ -326,10 +352,10 @@ std::string ChartPage::root(const std::string& content) {
   const std::string& spoken = frame_.description.empty() ? frame_.title : frame_.description;
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" id=\"{}\" viewBox=\"0 0 {} {}\" "
-      "width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\" data-ax=\"{}\" "
+      "width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\" data-ax=\"{}\"{} "
       "font-family=\"Inter,'Helvetica Neue',Arial,'Liberation Sans',sans-serif\">{}</svg>",
       id_, frame_.width, frame_.height, frame_.width, frame_.height, escapeXml(spoken),
-      axisMapping(), content);
+      axisMapping(), cells_, content);
 }
 
 std::string ChartPage::svg() {

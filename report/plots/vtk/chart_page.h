@@ -49,6 +49,10 @@ class ChartPage {
   void addPlot(vtkPlot* plot) { chart_->AddPlot(plot); }
   void addDrawing(Drawing drawing);
   void addOutside(Drawing drawing);
+  /// The values of a map's cells go into the element, so that pointing at one can tell them.
+  void setCells(const HeatMap& map);
+  /// Round values beside the colour bar.
+  std::vector<AxisTick> colourBarTicks(const Range& range) const;
   /// Colour bar right of the axes for values of `range`, colours from `colourAt` (0 to 1).
   void addColourBar(const Range& range, const std::string& label, Colour (*colourAt)(double));
 
@@ -68,6 +72,7 @@ class ChartPage {
 
   PlotFrame frame_;
   std::string id_;
+  std::string cells_;  ///< JSON; empty: no map
   Range x_, y_;
   std::vector<AxisTick> x_ticks_, y_ticks_;
   double left_ = 0, right_ = 0, bottom_ = 0, top_ = 0;  // plot area [px], y up

@@ -2,9 +2,12 @@
 #include <cassert>
 #include <cmath>
 
+#include <vtkContourFilter.h>
+#include <vtkIdList.h>
 #include <vtkImageData.h>
 #include <vtkLookupTable.h>
 #include <vtkPlotHistogram2D.h>
+#include <vtkPolyData.h>
 
 #include "report/plots/colour_maps.h"
 #include "report/plots/svg.h"
@@ -18,6 +21,8 @@ using internal::ChartPage;
 using internal::SvgDevice;
 
 constexpr int kColours = 256;
+constexpr Colour kCut{192, 32, 40, 255};  // of arrows that are drawn shorter than they are
+constexpr int kCellLabel = 12;            // [px]
 
 Range valueRange(const HeatMap& map) {
   if (map.value_range) return *map.value_range;
@@ -28,6 +33,18 @@ Range valueRange(const HeatMap& map) {
   }
   if (range.min > 0) range.min = 0;
   return range;
+}
+
+/// The map's values into an image of the same size, whose rows go up.
+void fillScalars(const HeatMap& map, vtkImageData& image) {
+  image.AllocateScalars(VTK_DOUBLE, 1);
+  for (int row = 0; row < map.rows; ++row) {
+    for (int column = 0; column < map.columns; ++column) {
+      const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.columns) +
+                     static_cast<std::size_t>(column);
+      *static_cast<double*>(image.GetScalarPointer(column, map.rows - 1 - row, 0)) = map.values[i];
+    }
+  }
 }
 
 vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range,
@@ -44,33 +61,62 @@ vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range
   vtkNew<vtkImageData> image;
   image->SetDimensions(map.columns, map.rows, 1);
   image->SetSpacing(1.0 / map.columns, 1.0 / map.rows, 1);
-  image->AllocateScalars(VTK_DOUBLE, 1);
-  for (int row = 0; row < map.rows; ++row) {
-    for (int column = 0; column < map.columns; ++column) {
-      const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.columns) +
-                     static_cast<std::size_t>(column);
-      *static_cast<double*>(image->GetScalarPointer(column, map.rows - 1 - row, 0)) = map.values[i];
-    }
-  }
+  fillScalars(map, *image);
   auto plot = vtkSmartPointer<vtkPlotHistogram2D>::New();
   plot->SetInputData(image);
   plot->SetTransferFunction(colours);
   return plot;
 }
 
-void drawCellLabels(vtkContext2D& painter, const HeatMap& map, const Range& range) {
+/// What cannot be read is left out: pointing at the cell tells it.
+bool fits(const std::string& label, const ChartPage& page, const HeatMap& map) {
+  constexpr double kCharacter = 6.6;  // width of a digit [px]
+  return kCharacter * static_cast<double>(label.size()) < page.plotWidth() / map.columns &&
+         kCellLabel + 2 < page.plotHeight() / map.rows;
+}
+
+void drawCellLabels(vtkContext2D& painter, const ChartPage& page, const HeatMap& map,
+                    const Range& range) {
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {
       const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.columns) +
                      static_cast<std::size_t>(column);
-      if (map.cell_labels[i].empty()) continue;
+      if (map.cell_labels[i].empty() || !fits(map.cell_labels[i], page, map)) continue;
       const double unit = (map.values[i] - range.min) / (range.max - range.min);
       const bool dark =
-          map.colours == ColourMap::kDiverging ? std::abs(unit - 0.5) > 0.36 : unit > 0.55;
-      const Colour ink = dark ? Colour{255, 255, 255, 255} : Colour{50, 55, 62, 255};
+          map.colours == ColourMap::kDiverging ? std::abs(unit - 0.5) > 0.36 : unit < 0.5;
+      const Colour ink = dark ? Colour{255, 255, 255, 255} : Colour{24, 28, 34, 255};
       internal::drawText(painter, (column + 0.5) / map.columns, 1 - (row + 0.5) / map.rows,
-                         map.cell_labels[i], {.size = 9, .colour = ink});
+                         map.cell_labels[i], {.size = kCellLabel, .colour = ink});
     }
+  }
+}
+
+/// Lines through the centres of cells (in units of the axes) where the value is that of a tick.
+void drawContours(vtkContext2D& painter, const HeatMap& map, const std::vector<AxisTick>& levels) {
+  vtkNew<vtkImageData> centres;
+  centres->SetDimensions(map.columns, map.rows, 1);
+  centres->SetSpacing(1.0 / map.columns, 1.0 / map.rows, 1);
+  centres->SetOrigin(0.5 / map.columns, 0.5 / map.rows, 0);
+  fillScalars(map, *centres);
+  vtkNew<vtkContourFilter> filter;
+  filter->SetInputData(centres);
+  int level = 0;
+  for (const AxisTick& tick : levels) filter->SetValue(level++, tick.position);
+  filter->Update();
+  internal::setPen(painter, {255, 255, 255, 200}, 1);
+  vtkPolyData* lines = filter->GetOutput();
+  const vtkNew<vtkIdList> ids;
+  for (vtkIdType i = 0; i < lines->GetNumberOfCells(); ++i) {
+    lines->GetCellPoints(i, ids);
+    std::vector<float> points;
+    for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k) {
+      const double* p = lines->GetPoint(ids->GetId(k));
+      if (!std::isfinite(p[0]) || !std::isfinite(p[1])) continue;  // beside a blank cell
+      points.push_back(static_cast<float>(p[0]));
+      points.push_back(static_cast<float>(p[1]));
+    }
+    if (points.size() > 2) painter.DrawPoly(points.data(), static_cast<int>(points.size() / 2));
   }
 }
 
@@ -106,8 +152,14 @@ std::string toSvg(const HeatMap& map, const std::string& id) {
   page.addPlot(cells(map, range, colourAt));
   if (!map.cell_labels.empty()) {
     page.addDrawing(
-        [&map, range](vtkContext2D& painter, SvgDevice&) { drawCellLabels(painter, map, range); });
+        [&](vtkContext2D& painter, SvgDevice&) { drawCellLabels(painter, page, map, range); });
   }
+  if (map.contours) {
+    page.addDrawing([&](vtkContext2D& painter, SvgDevice&) {
+      drawContours(painter, map, page.colourBarTicks(range));
+    });
+  }
+  page.setCells(map);
   page.addColourBar(range, map.value_label, colourAt);
   return page.svg();
 }
@@ -124,11 +176,13 @@ std::string toSvg(const VectorField& plot, const std::string& id) {
   if (plot.reference > 0) layout.legend.push_back({plot.reference_label, {255, 255, 255, 0}});
   ChartPage page(plot.frame, layout, id);
   page.addDrawing([&page, &plot](vtkContext2D& painter, SvgDevice& device) {
-    internal::setPen(painter, plot.colour, 1.2);
     for (const FieldArrow& arrow : plot.arrows) {
       if (!std::isfinite(arrow.dx) || !std::isfinite(arrow.dy)) continue;
       device.setShapeTitle(arrow.note);
-      drawArrow(painter, page, arrow, plot.magnification);
+      const double length = std::hypot(arrow.dx, arrow.dy);
+      const bool cut = plot.longest > 0 && length > plot.longest;
+      internal::setPen(painter, cut ? kCut : plot.colour, 1.2);
+      drawArrow(painter, page, arrow, plot.magnification * (cut ? plot.longest / length : 1));
     }
   });
   if (plot.reference > 0) {

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/compared_plots.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr double kColoured = 0.98;  // share of the cells below the end of the colours
+constexpr double kTypical = 0.9;    // share of the arrows below the typical one
+constexpr double kLongest = 2;      // of a typical arrow
+
+double lengthOf(const FieldArrow& arrow) { return std::hypot(arrow.dx, arrow.dy); }
+
+double roundedDown(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * power <= value) return factor * power;
+  }
+  return power;
+}
+
+}  // namespace
+
+void scaleAlike(const std::vector<HeatMap*>& maps) {
+  std::vector<double> known;
+  for (const HeatMap* map : maps) {
+    std::copy_if(map->values.begin(), map->values.end(), std::back_inserter(known),
+                 [](double v) { return std::isfinite(v); });
+  }
+  const double end = known.empty() ? 1 : std::max(1e-9, quantile(std::move(known), kColoured));
+  for (HeatMap* map : maps) map->value_range = Range{0, end};
+}
+
+std::string clampText(const HeatMap& map) {
+  double largest = 0;
+  for (const double v : map.values) {
+    if (std::isfinite(v)) largest = std::max(largest, v);
+  }
+  if (!map.value_range || largest <= map.value_range->max) return "";
+  return fmt::format(" Colours end at {:.2g} px; the largest is {:.2g} px.", map.value_range->max,
+                     largest);
+}
+
+void magnifyAlike(const std::vector<VectorField*>& fields, double reach) {
+  std::vector<double> lengths;
+  for (const VectorField* field : fields) {
+    for (const FieldArrow& arrow : field->arrows) lengths.push_back(lengthOf(arrow));
+  }
+  const double typical =
+      lengths.empty() ? 1 : std::max(1e-9, quantile(std::move(lengths), kTypical));
+  for (VectorField* field : fields) {
+    field->magnification = reach / typical;
+    field->longest = kLongest * typical;
+    field->reference = roundedDown(typical);
+    field->reference_label = fmt::format("{:g} px", field->reference);
+  }
+}
+
+std::string cutText(const VectorField& field) {
+  const auto cut = std::count_if(field.arrows.begin(), field.arrows.end(),
+                                 [&](const auto& a) { return lengthOf(a) > field.longest; });
+  if (field.longest <= 0 || cut == 0) return "";
+  return fmt::format(" {} arrow{} above {:.2g} px {} cut there and red.", cut, cut == 1 ? "" : "s",
+                     field.longest, cut == 1 ? "is" : "are");
+}
+
+}  // namespace plumbline::html_internal
