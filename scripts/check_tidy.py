@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """clang-tidy and g++ over the sources of the libraries and the command line, warnings are errors.
 
-check_tidy.py BUILD [--all] [--minutes M]     BUILD is configured for g++; it need not be built
+check_tidy.py BUILD [--all] [--minutes M]     BUILD is configured for g++, with the target plumbline_commit built
 
 The scripts build with clang++ and precompiled headers; here each source stands alone, so that a missing
 include shows. What changed since the merge base with origin/main is checked, the newest change first.

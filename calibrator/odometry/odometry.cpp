@@ -42,7 +42,7 @@ void OdometryOptions::check() const {
 }
 
 Odometry::Odometry(RigModel rig, std::span<const ImuSample> samples, OdometryOptions options)
-    : rig_(std::move(rig)), samples_(samples), options_(std::move(options)) {
+    : rig_(std::move(rig)), samples_(samples), options_(options) {
   options_.check();
 }
 

@@ -90,7 +90,7 @@ complete -o default -F _plumbline plumbline
                      paths, cases);
 }
 
-std::string zshQuoted(std::string text) {
+std::string zshQuoted(const std::string& text) {
   std::string out;
   for (const char c : text) {
     if (c == '\'') out += "'\\'";

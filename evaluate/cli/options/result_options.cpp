@@ -41,7 +41,7 @@ int ResultOptions::exitCode(VerdictLevel level) const {
   return level >= least ? kVerdict : kDone;
 }
 
-ResultWriter::ResultWriter(const ResultOptions& options, OutputRequest request)
+ResultWriter::ResultWriter(const ResultOptions& options, const OutputRequest& request)
     : options_(options),
       folder_(request),
       json_(options.json.reserve(options, request.inputs, options.out, kDocumentMark)) {}

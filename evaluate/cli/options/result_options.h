@@ -47,7 +47,7 @@ struct ResultOptions : OutputOptions {
 /// A folder of results and the file of --json, both reserved before work starts.
 class ResultWriter {
  public:
-  ResultWriter(const ResultOptions& options, OutputRequest request);
+  ResultWriter(const ResultOptions& options, const OutputRequest& request);
 
   /// Where files of the folder may be written before finish().
   const std::filesystem::path& path() const { return folder_.path(); }
