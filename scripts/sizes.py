@@ -5,6 +5,7 @@
 Lines are those of the files as they stand, blank ones and the licence's among them. A comment's share is
 of the lines that are not blank. A folder counts where it holds sources itself.
 """
+import argparse
 import collections
 import io
 import statistics

@@ -101,9 +101,7 @@ Finding differenceFinding(const ImageMap& map, const ComparisonThresholds& bound
   const std::string range =
       std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : "infinity";
   f.rule = fmt::format("Projection of {} at {}, {}", map.camera, range, map.label);
-  f.level = worst > bounds.difference_bad_px ? VerdictLevel::kBad
-            : worst > bounds.difference_px   ? VerdictLevel::kCaution
-                                             : VerdictLevel::kGood;
+  f.level = levelAbove(worst, bounds.difference_px);
   f.evidence =
       fmt::format("{:.3f} px at the centre, {:.3f} px at the worst corner, {:.3f} px at most",
                   at(map.rows / 2, map.columns / 2), corner, worst);
@@ -111,16 +109,15 @@ Finding differenceFinding(const ImageMap& map, const ComparisonThresholds& bound
     f.advice = "compare the recordings: corners near the image's border decide there";
   }
   f.value = worst;
-  f.threshold = bounds.difference_px;
+  f.threshold = bounds.difference_px.caution;
   f.unit = "px";
   return f;
 }
 
-Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p,
-                          const ComparisonThresholds& bounds) {
+Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p) {
   const double sigmas = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
   const std::string& first = record.calibrations[0].label;
-  const bool clear = std::abs(sigmas) > bounds.prediction_sigmas;
+  const bool clear = std::abs(sigmas) > kPredictionSigmas;
   Finding f;
   f.rule = fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
   f.evidence = fmt::format(
@@ -128,7 +125,7 @@ Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction
       clear ? (sigmas < 0 ? p.label : first) + " is better" : std::string("no clear difference"),
       p.difference_px2, p.std_px2, p.views);
   f.value = std::abs(sigmas);
-  f.threshold = bounds.prediction_sigmas;
+  f.threshold = kPredictionSigmas;
   f.unit = "sigma";
   return f;
 }
@@ -187,7 +184,7 @@ std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
     findings.push_back(differenceFinding(map, thresholds));
   }
   for (const PairedPrediction& p : record.paired) {
-    findings.push_back(predictionFinding(record, p, thresholds));
+    findings.push_back(predictionFinding(record, p));
   }
   addUnscored(record, findings);
   for (const ComparedCalibration& c : record.calibrations) {

@@ -9,11 +9,10 @@
 #include <fmt/format.h>
 
 #include "evaluate/compare/findings.h"
+#include "evaluate/compare/parameters.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kQuantile95 = 1.959964;  // of the normal distribution, both sides
 
 const CalibrationScore* scoreOf(const ComparisonRecord& record, const std::string& label) {
   const auto found = std::find_if(
@@ -56,7 +55,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   const auto rmseChange = [&](double change_px2) {
     return std::sqrt(std::max(rmse * rmse + change_px2, 0.0)) - rmse;
   };
-  const double half = kQuantile95 * p.std_px2;
+  const double half = kPredictionSigmas * p.std_px2;
   double low = rmseChange(p.difference_px2 - half), high = rmseChange(p.difference_px2 + half);
   const std::string corners =
       score->held_out ? "held-out corners" : "the corners of " + record.name;

@@ -56,13 +56,4 @@ std::vector<Finding> lintCalibrations(std::span<const LintedCalibration> calibra
 std::vector<Finding> lintAgainstSession(std::span<const LintedCalibration> calibrations,
                                         const Session& session, const LintOptions& options = {});
 
-/// Holds a trajectory's quaternions against a gyroscope that moved with it. Angles between poses do
-/// not depend on the order of the components, but their axes do: w first read as w last (or the
-/// reverse) is the conjugate but for a constant turn of world and body. A finding where the
-/// rotations follow the gyroscope reversed and not as they stand; where the body has the IMU's
-/// axes, it says which mistake it is. An order and a conjugation together cannot be seen. `name` is
-/// its file.
-std::vector<Finding> lintQuaternionOrder(const Trajectory& trajectory, const std::string& name,
-                                         std::span<const ImuSample> samples);
-
 }  // namespace plumbline

@@ -6,17 +6,20 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/results.h"
+#include "evaluate/metrics/verdict.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {
 
+/// Half the 95 % interval of a paired prediction, in its standard errors: one that predicts corners
+/// better does so beyond it.
+inline constexpr double kPredictionSigmas = 1.959964;
+
 /// When a difference is worth a person's attention.
 struct ComparisonThresholds {
-  double notable = 2;        ///< of a parameter's difference, caution from [standard deviations]
-  double significance = 3;   ///< and bad from; above it the findings name the parameter
-  double difference_px = 1;  ///< worst projection difference, caution above
-  double difference_bad_px = 5;  ///< and bad above
-  double prediction_sigmas = 3;  ///< of a paired prediction
+  double notable = 2;         ///< of a parameter's difference, caution from [standard deviations]
+  double significance = 3;    ///< and bad from; above it the findings name the parameter
+  Bound difference_px{1, 5};  ///< worst projection difference
 
   /// Of a parameter's difference in standard deviations.
   VerdictLevel levelOf(double sigmas) const;

@@ -11,6 +11,9 @@ struct Bound {
   double bad = 0;
 };
 
+/// Where a value stands that should be small; NaN is bad.
+VerdictLevel levelAbove(double value, const Bound& bound);
+
 /// Thresholds of the verdict. The defaults are rules of thumb for rigs whose calibration feeds
 /// visual-inertial odometry; every one is an option of the command line.
 struct VerdictThresholds {

@@ -2,13 +2,16 @@
 #include "evaluate/odometry/external_run.h"
 
 #include <cstdlib>
+#include <deque>
+#include <fstream>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/shown_text.h"
 #include "datasets/trajectory/trajectory_reader.h"
-#include "evaluate/odometry/program.h"
+#include "evaluate/process/process.h"
 #include "evaluate/results/text.h"
 #include "generated/version.h"
 
@@ -17,8 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kLogLines = 20;
+constexpr std::size_t kLongestLine = 300;  // [bytes]
 
 using Fields = std::map<std::string, std::string>;
+
+/// The last lines of a file, each cut; none where it cannot be read.
+std::vector<std::string> lastLinesOf(const fs::path& file, std::size_t count) {
+  std::ifstream stream(file);
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(stream, line);) {
+    lines.push_back(shownLine(line.substr(0, kLongestLine)));
+    if (lines.size() > count) lines.pop_front();
+  }
+  return {lines.begin(), lines.end()};
+}
 
 /// The sequence with one name for its images, <ns>.png, and IMU stamps less t_d: the folders that a
 /// system without a time offset reads.
@@ -113,7 +128,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
     throw InputError(request.calibration.string(), 0, "has no IMU; odometry needs T_SC0");
   }
   const Fields fields = prepare(request, sequence, calibration, folder);
-  ProgramRequest process;
+  ProcessRequest process;
   process.words = {fields.at("executable")};
   for (const std::string& word : request.runner.words) {
     process.words.push_back(word.front() == '$' ? variable(word.substr(1))
@@ -124,9 +139,9 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   }
   process.folder = folder;
   process.log = folder / "log.txt";
-  process.seconds = request.seconds;
-  process.memory_bytes = request.memory_bytes;
-  const ProgramEnd end = runProgram(process);
+  process.limit_s = request.seconds;
+  process.limit_mb = static_cast<int>(request.memory_bytes >> 20);
+  const ProcessEnd end = runProcess(process);
   ExternalRun run;
   run.seconds = end.seconds;
   const fs::path written = filledIn(request.runner.trajectory, fields);

@@ -12,9 +12,9 @@ namespace {
 
 bool isShift(const PerturbationCase& c) { return c.kind == toString(PerturbationKind::kImuShift); }
 
-VerdictLevel levelAbove(double value, double caution, double bad) {
-  if (value > bad) return VerdictLevel::kBad;
-  return value > caution ? VerdictLevel::kCaution : VerdictLevel::kGood;
+/// Whether a is further off than b; what is not a number is further off than all.
+bool further(double a, double b) {
+  return !std::isnan(b) && (std::isnan(a) || std::abs(a) > std::abs(b));
 }
 
 std::vector<const PerturbationCase*> solvedShifts(const PerturbationRecord& record) {
@@ -31,13 +31,13 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
   if (shifts.empty()) return std::nullopt;
   const PerturbationCase& worst = **std::max_element(
       shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
-        return std::abs(a->offset_error_s) < std::abs(b->offset_error_s);
+        return further(b->offset_error_s, a->offset_error_s);
       });
   const double error = std::abs(worst.offset_error_s);
-  const ConvergenceBasin basin = convergenceBasin(record, bounds.offset_error_bad_s);
+  const ConvergenceBasin basin = convergenceBasin(record, bounds.offset_error_s.bad);
   Finding f;
   f.rule = "Injected time offsets recovered";
-  f.level = levelAbove(error, bounds.offset_error_caution_s, bounds.offset_error_bad_s);
+  f.level = levelAbove(error, bounds.offset_error_s);
   f.evidence = fmt::format(
       "{} injected offsets; the worst, {:+g} ms, is recovered to {:.3g} us (recovered - injected - "
       "base). Unbroken range around zero: {:+g} to {:+g} ms",
@@ -47,36 +47,34 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
         "the recording hardly ties the clocks together; record brisker rotation about all axes";
   }
   f.value = error;
-  f.threshold = bounds.offset_error_caution_s;
+  f.threshold = bounds.offset_error_s.caution;
   f.unit = "s";
   return f;
 }
 
 std::optional<Finding> othersFinding(const PerturbationRecord& record,
                                      const PerturbationThresholds& bounds) {
-  double largest = -1;
+  double largest = 0;
   std::string name;
   double amount = 0;
   for (const PerturbationCase* c : solvedShifts(record)) {
-    for (std::size_t i = 0; i < c->changes_sigma.size(); ++i) {
-      const double change = std::abs(c->changes_sigma[i]);
-      if (record.parameters[i] == "time_offset" || !(change > largest)) continue;
-      largest = change;
-      name = record.parameters[i];
-      amount = c->amount;
-    }
+    const auto i = largestOtherChange(record.parameters, *c);
+    if (!i || (!name.empty() && !further(c->changes_sigma[*i], largest))) continue;
+    largest = std::abs(c->changes_sigma[*i]);
+    name = record.parameters[*i];
+    amount = c->amount;
   }
-  if (largest < 0) return std::nullopt;
+  if (name.empty()) return std::nullopt;
   Finding f;
   f.rule = "Other parameters under moved IMU stamps";
-  f.level = levelAbove(largest, bounds.change_caution_sigma, bounds.change_bad_sigma);
+  f.level = levelAbove(largest, bounds.change_sigma);
   f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
                            name, largest, amount);
   if (f.level != VerdictLevel::kGood) {
     f.advice = "the offset leaks into other parameters; record motion that separates them";
   }
   f.value = largest;
-  f.threshold = bounds.change_caution_sigma;
+  f.threshold = bounds.change_sigma.caution;
   f.unit = "sigma";
   return f;
 }
@@ -109,8 +107,12 @@ LargestChange largestChange(const PerturbationRecord& record, const std::string&
     if (c.kind != kind || !c.problem.empty()) continue;
     const double bound = std::max(least_bound, 3 * predictedSigma(record, c));
     for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
+      const bool unknown_std = std::isnan(c.changes_sigma[i]) && std::isfinite(c.changes[i]);
+      if (unknown_std) continue;
       const double change = std::abs(c.changes_sigma[i]);
-      if (largest.of != nullptr && change * largest.bound <= largest.sigmas * bound) continue;
+      if (largest.of != nullptr && !further(change / bound, largest.sigmas / largest.bound)) {
+        continue;
+      }
       largest = {&c, record.parameters[i], change, bound};
     }
   }
@@ -134,11 +136,11 @@ std::string adviceFor(const std::string& kind) {
 
 std::optional<Finding> kindFinding(const PerturbationRecord& record, PerturbationKind kind,
                                    const PerturbationThresholds& bounds) {
-  const LargestChange largest = largestChange(record, toString(kind), bounds.change_caution_sigma);
+  const LargestChange largest = largestChange(record, toString(kind), bounds.change_sigma.caution);
   if (largest.of == nullptr) return std::nullopt;
   Finding f;
   f.rule = fmt::format("Parameters under {}", toString(kind));
-  f.level = largest.sigmas > largest.bound ? VerdictLevel::kCaution : VerdictLevel::kGood;
+  f.level = largest.sigmas <= largest.bound ? VerdictLevel::kGood : VerdictLevel::kCaution;
   f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} {}",
                            largest.parameter, largest.sigmas, largest.of->amount, largest.of->unit);
   if (f.level != VerdictLevel::kGood) f.advice = adviceFor(toString(kind));

@@ -205,7 +205,7 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
     const std::scoped_lock lock(telling);
     if (options.progress) options.progress(++done, perturbations.size());
   });
-  record.offset_bound_s = options.thresholds.offset_error_bad_s;
+  record.offset_bound_s = options.thresholds.offset_error_s.bad;
   record.verdict = makeVerdict(perturbationFindings(record, options.thresholds));
   record.verdict.headline =
       headlineOf(record.verdict, "Stable: " + record.verdict.findings.front().evidence);

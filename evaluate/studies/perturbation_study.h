@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "evaluate/metrics/verdict.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/studies/perturbation.h"
@@ -16,10 +17,8 @@ namespace plumbline {
 
 /// From where on a study's findings are caution and bad.
 struct PerturbationThresholds {
-  double offset_error_caution_s = 1e-6;  ///< |recovered - injected - base|
-  double offset_error_bad_s = 1e-3;
-  double change_caution_sigma = 0.1;  ///< of another parameter under moved IMU stamps
-  double change_bad_sigma = 1;
+  Bound offset_error_s{1e-6, 1e-3};  ///< |recovered - injected - base|
+  Bound change_sigma{0.1, 1};        ///< of another parameter under moved IMU stamps
 };
 
 struct PerturbationStudyOptions {

@@ -23,18 +23,10 @@ void addRow(Text& text, const PerturbationCase& c, std::size_t parameters) {
   add(text, "\n");
 }
 
-// The parameter, other than the offset, that moved by most of its standard deviations.
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
-  std::size_t worst = record.parameters.size();
-  for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
-    if (record.parameters[i] == "time_offset" || !std::isfinite(c.changes_sigma[i])) continue;
-    if (worst == record.parameters.size() ||
-        std::abs(c.changes_sigma[i]) > std::abs(c.changes_sigma[worst])) {
-      worst = i;
-    }
-  }
-  if (worst == record.parameters.size()) return "-";
-  return fmt::format("{} {:+.2g} sigma", record.parameters[worst], c.changes_sigma[worst]);
+  const auto worst = largestOtherChange(record.parameters, c);
+  if (!worst) return "-";
+  return fmt::format("{} {:+.2g} sigma", record.parameters[*worst], c.changes_sigma[*worst]);
 }
 
 void addLine(Text& text, const PerturbationRecord& record, const PerturbationCase& c) {

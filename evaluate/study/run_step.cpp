@@ -13,7 +13,7 @@
 #include "datasets/files/shown_text.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/study/engine/process.h"
+#include "evaluate/process/process.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step_rows.h"
 

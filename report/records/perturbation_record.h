@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <sstream>
@@ -60,6 +61,12 @@ void fields(V& v, PerturbationCase& c) {
   v.ifSet("changes", c.changes, "from the base's values, rotations as Log(R R_base^T) [rad]");
   v.ifSet("changes_sigma", c.changes_sigma, "the same, over the base's standard deviations");
 }
+
+/// Place, among `parameters`, of the one other than the time offset that moved by most of its
+/// standard deviations: one whose change is not finite before all others; one that has no
+/// standard deviation does not count. Empty: there is none.
+std::optional<std::size_t> largestOtherChange(const std::vector<std::string>& parameters,
+                                              const PerturbationCase& c);
 
 /// A parameter of a study.
 struct StudyParameter {

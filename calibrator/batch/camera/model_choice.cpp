@@ -18,7 +18,6 @@ namespace {
 constexpr int kScreenFrames = 80;
 constexpr int kTestFrames = 200;
 constexpr double kRuledOutSigmas = 3;  // of the mean excess
-constexpr int kUsualParameters = 8;    // of radtan and equidistant
 constexpr double kAlike = 0.01;        // of a camera's squares: what a model common to all may cost
 constexpr double kRuledOutShare = 0.1;     // of the best one's squares
 constexpr std::size_t kLeastBlocks = 4;    // fewer have no scatter

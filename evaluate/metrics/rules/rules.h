@@ -22,9 +22,6 @@ struct Rule {
   std::string advice;
 };
 
-/// Where a value stands that should be small; NaN is bad.
-VerdictLevel levelAbove(double value, const Bound& bound);
-
 /// The finding of a rule: the threshold beside it is the bound crossed, or the nearer one if none
 /// was; advice only where the level is not good.
 Finding finding(const Rule& rule, VerdictLevel level, double value, std::string evidence);

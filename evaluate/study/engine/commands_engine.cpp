@@ -9,7 +9,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/engine/local_engine.h"
-#include "evaluate/study/engine/process.h"
+#include "evaluate/process/process.h"
 
 namespace plumbline {
 

@@ -19,7 +19,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/engine/commands_engine.h"
-#include "evaluate/study/engine/process.h"
+#include "evaluate/process/process.h"
 
 namespace plumbline {
 namespace {

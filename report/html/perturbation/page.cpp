@@ -23,14 +23,8 @@ bool hasOffset(const PerturbationRecord& record) {
          record.parameters.end();
 }
 
-/// The parameter, other than the offset, that moved by most of its standard deviations.
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
-  std::optional<std::size_t> worst;
-  const std::size_t n = std::min(record.parameters.size(), c.changes_sigma.size());
-  for (std::size_t i = 0; i < n; ++i) {
-    if (record.parameters[i] == kOffset || !std::isfinite(c.changes_sigma[i])) continue;
-    if (!worst || std::abs(c.changes_sigma[i]) > std::abs(c.changes_sigma[*worst])) worst = i;
-  }
+  const auto worst = largestOtherChange(record.parameters, c);
   if (!worst) return kDash;
   const double sigma = c.changes_sigma[*worst];
   if (std::abs(sigma) < 0.01) return "below 0.01 \u03c3";

@@ -109,40 +109,5 @@ TEST(LintSession, TheImusColumnsAndUnits) {
   EXPECT_EQ(ruleWith([](ImuSample& s) { s.gyro.x() *= -1; }), "Gyroscope and cameras");
 }
 
-// ---- orders of quaternions
-
-Trajectory truthPoses() {
-  const SimulatedSession& simulated = recording("euroc");
-  Trajectory trajectory;
-  for (const TimeNs t : simulated.frame_stamps) {
-    const Transform T_FS = simulated.motionAtCameraTime(t).T_FB;
-    trajectory.poses.push_back({t, T_FS.t, T_FS.quaternion()});
-  }
-  return trajectory;
-}
-
-std::string orderFault(
-    const std::function<Eigen::Quaterniond(const Eigen::Quaterniond&)>& misread) {
-  Trajectory trajectory = truthPoses();
-  for (StampedPose& pose : trajectory.poses) pose.q = misread(pose.q);
-  const auto found =
-      lintQuaternionOrder(trajectory, "poses.txt", recording("euroc").session.imu->samples);
-  EXPECT_LE(found.size(), 1U);
-  return found.empty() ? "" : found[0].rule + " | " + found[0].evidence + " | " + found[0].advice;
-}
-
-TEST(LintQuaternions, TheGyroscopeTellsTheOrder) {
-  using Q = Eigen::Quaterniond;
-  EXPECT_EQ(orderFault([](const Q& q) { return q; }), "");
-  // Q's arguments are w, x, y, z: a file with w first read as one with w last, and the reverse.
-  EXPECT_THAT(orderFault([](const Q& q) { return Q(q.z(), q.w(), q.x(), q.y()); }),
-              AllOf(HasSubstr("Order of quaternions"), HasSubstr("with w first in place of last"),
-                    HasSubstr("poses.txt")));
-  EXPECT_THAT(orderFault([](const Q& q) { return Q(q.x(), q.y(), q.z(), q.w()); }),
-              HasSubstr("with w last in place of first"));
-  EXPECT_THAT(orderFault([](const Q& q) { return q.conjugate(); }),
-              HasSubstr("when read as conjugates"));
-}
-
 }  // namespace
 }  // namespace plumbline

@@ -157,7 +157,7 @@ TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
   ComparisonRecord record;
   record.calibrations = {{"a", "", "", a, {}}, {"b", "", "", b, {}}};
   record.parameters = comparedParameters({a, b});
-  record.paired = {{"b", "cam0", 100, -0.2, 0.01}, {"b", "cam1", 100, 0.02, 0.01}};
+  record.paired = {{"b", "cam0", 100, -0.2, 0.01}, {"b", "cam1", 100, 0.019, 0.01}};
   ImageMap map{"cam0", "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 0.1, 1, 1, 1, 6}, {}, {}};
   record.differences = {map};
   const auto findings = comparisonFindings(record);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,11 +13,16 @@ namespace plumbline {
 
 /// A program to run.
 struct ProcessRequest {
-  std::vector<std::string> words;  ///< the program's path, then its arguments
+  std::vector<std::string> words;  ///< the program, found by PATH where it has no slash; arguments
   std::filesystem::path log;       ///< standard output and error are appended to it
-  double limit_s = 0;              ///< wall time; 0: none
-  int limit_mb = 0;                ///< address space (RLIMIT_AS); 0: none
+  std::filesystem::path folder;    ///< where it runs; empty: here
+  std::map<std::string, std::string> environment;  ///< beside the caller's
+  double limit_s = 0;                              ///< wall time; 0: none
+  int limit_mb = 0;                                ///< address space (RLIMIT_AS); 0: none
 };
+
+/// What a shell says where there is no such program.
+inline constexpr int kNoProgram = 127;
 
 /// How it ended.
 struct ProcessEnd {
@@ -24,7 +30,12 @@ struct ProcessEnd {
   int signal = 0;
   bool beyond_time = false;
   double seconds = 0, cpu_s = 0, peak_mb = 0;
+
+  bool ok() const { return !beyond_time && exit_code == 0; }
 };
+
+/// "exit code 3", "killed by signal 11 (Segmentation fault)", "no end within 60 s".
+std::string toString(const ProcessEnd& end);
 
 /// A child in a process group of its own, that ends with this process, however that ends. Its
 /// signal mask is empty, and it leaves no core file.

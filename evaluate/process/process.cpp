@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/engine/process.h"
+#include "evaluate/process/process.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -37,8 +38,26 @@ void limitTo(int resource, rlim_t value) {
   (void)setrlimit(static_cast<__rlimit_resource>(resource), &limit);
 }
 
+std::vector<std::string> environmentOf(const ProcessRequest& request) {
+  std::vector<std::string> all;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string text = *entry;
+    if (request.environment.count(text.substr(0, text.find('='))) == 0) all.push_back(text);
+  }
+  for (const auto& [name, value] : request.environment) all.push_back(name + "=" + value);
+  return all;
+}
+
+std::vector<char*> pointersTo(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
 // Between fork and exec, where only what is safe in a signal handler may be called.
-[[noreturn]] void become(char* const* words, int log, pid_t parent, int limit_mb) {
+[[noreturn]] void become(char* const* words, char* const* environment, int log, pid_t parent,
+                         const ProcessRequest& request) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(126);  // it died before the line above
   setpgid(0, 0);
@@ -46,13 +65,15 @@ void limitTo(int resource, rlim_t value) {
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nothing = open("/dev/null", O_RDONLY);
-  dup2(nothing, STDIN_FILENO);
-  dup2(log, STDOUT_FILENO);
-  dup2(log, STDERR_FILENO);
+  if (dup2(nothing, STDIN_FILENO) < 0 || dup2(log, STDOUT_FILENO) < 0 ||
+      dup2(log, STDERR_FILENO) < 0) {
+    _exit(126);
+  }
+  if (!request.folder.empty() && chdir(request.folder.c_str()) != 0) _exit(126);
   limitTo(RLIMIT_CORE, 0);
-  if (limit_mb > 0) limitTo(RLIMIT_AS, static_cast<rlim_t>(limit_mb) << 20);
-  execv(words[0], words);
-  _exit(127);
+  if (request.limit_mb > 0) limitTo(RLIMIT_AS, static_cast<rlim_t>(request.limit_mb) << 20);
+  execvpe(words[0], words, environment);
+  _exit(kNoProgram);
 }
 
 }  // namespace
@@ -65,13 +86,11 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
         request.log.string(), 0,
         {InputFault::kUnwritable, std::strerror(errno), "a file that can be written", ""});
   }
-  std::vector<std::string> words = request.words;
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
+  std::vector<std::string> words = request.words, environment = environmentOf(request);
+  const std::vector<char*> argv = pointersTo(words), envp = pointersTo(environment);
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(pointers.data(), log, parent, request.limit_mb);
+  if (pid_ == 0) become(argv.data(), envp.data(), log, parent, request);
   const int error = errno;
   close(log);
   if (pid_ < 0) {
@@ -143,6 +162,15 @@ ProcessEnd runProcess(const ProcessRequest& request) {
   for (;;) {
     if (const auto end = child.waitFor(3600)) return *end;
   }
+}
+
+std::string toString(const ProcessEnd& end) {
+  if (end.beyond_time) return fmt::format("no end within {:.0f} s", end.seconds);
+  if (end.exit_code == kNoProgram) return "could not be started (exit code 127)";
+  if (end.signal != 0) {
+    return fmt::format("killed by signal {} ({})", end.signal, strsignal(end.signal));
+  }
+  return fmt::format("exit code {}", end.exit_code);
 }
 
 std::string thisProgram() { return std::filesystem::read_symlink(kRunningProgram).string(); }

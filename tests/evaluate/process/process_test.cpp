@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Other programs: how they end, their limits, what they are given, and that nothing of them stays.
+#include "evaluate/process/process.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "calibrator/base/error.h"
+
+namespace plumbline {
+namespace {
+
+class Process : public testing::Test {
+ protected:
+  ProcessEnd run(const std::string& script, ProcessRequest request = {}) {
+    request.words = {"sh", "-c", script};
+    request.log = log_;
+    return runProcess(request);
+  }
+  std::string log() const {
+    std::ifstream file(log_);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "plumbline_process_XXXXXX";
+    scratch_ = mkdtemp(pattern.data());
+    log_ = scratch_ / "log.txt";
+  }
+  void TearDown() override { std::filesystem::remove_all(scratch_); }
+
+  std::filesystem::path scratch_, log_;
+};
+
+TEST_F(Process, TellsExitCodeSignalAndWhatItPrinted) {
+  const ProcessEnd three = run("echo out; echo err >&2; exit 3");
+  EXPECT_EQ(three.exit_code, 3);
+  EXPECT_FALSE(three.ok());
+  EXPECT_EQ(toString(three), "exit code 3");
+  EXPECT_EQ(log(), "out\nerr\n");
+  const ProcessEnd killed = run("kill -SEGV $$");
+  EXPECT_EQ(killed.exit_code, -1);
+  EXPECT_EQ(killed.signal, SIGSEGV);
+  EXPECT_THAT(toString(killed), testing::HasSubstr("signal 11"));
+  EXPECT_TRUE(run("true").ok());
+}
+
+TEST_F(Process, AProgramThatIsNotThereDoesNotPassForOneThatSucceeded) {
+  ProcessRequest request;
+  request.words = {"no-such-program-of-plumbline"};
+  request.log = log_;
+  const ProcessEnd end = runProcess(request);
+  EXPECT_EQ(end.exit_code, kNoProgram);
+  EXPECT_FALSE(end.ok());
+  EXPECT_THAT(toString(end), testing::HasSubstr("could not be started"));
+}
+
+TEST_F(Process, HasTheFolderAndTheEnvironmentItIsGivenAndNoInput) {
+  ProcessRequest request;
+  request.folder = scratch_;
+  request.environment = {{"PLUMBLINE_TEST", "given"}};
+  ASSERT_TRUE(run("pwd; echo $PLUMBLINE_TEST; cat; test -n \"$PATH\"", request).ok());
+  EXPECT_EQ(log(), std::filesystem::canonical(scratch_).string() + "\ngiven\n");
+  request.folder = scratch_ / "missing";
+  EXPECT_FALSE(run("true", request).ok());
+}
+
+TEST_F(Process, BeyondItsTimeItIsKilledWithAllItStarted) {
+  ProcessRequest request;
+  request.limit_s = 0.3;
+  const ProcessEnd end = run("sleep 60 & echo $!; wait", request);
+  EXPECT_TRUE(end.beyond_time);
+  EXPECT_FALSE(end.ok());
+  const pid_t left = static_cast<pid_t>(std::stol(log()));
+  for (int i = 0; i < 200 && kill(left, 0) == 0; ++i) {  // init reaps it
+    std::ifstream state("/proc/" + std::to_string(left) + "/stat");
+    std::string pid, name, letter;
+    if (!(state >> pid >> name >> letter) || letter == "Z") break;
+    ASSERT_LT(i, 199) << "process " << left << " is still there";
+    usleep(10000);
+  }
+}
+
+TEST_F(Process, BeyondItsMemoryAnAllocationFails) {
+  ProcessRequest request;
+  request.limit_mb = 64;
+  const std::string big = "head -c 200000000 /dev/zero | tail -c 150000000 | wc -c";
+  EXPECT_TRUE(run(big).ok());
+  EXPECT_THAT(log(), testing::HasSubstr("150000000"));
+  std::filesystem::remove(log_);
+  (void)run(big, request);
+  EXPECT_THAT(log(), testing::Not(testing::HasSubstr("150000000")));
+}
+
+TEST_F(Process, ALogThatCannotBeWrittenIsRefused) {
+  ProcessRequest request;
+  request.words = {"true"};
+  request.log = scratch_ / "missing" / "log.txt";
+  EXPECT_THROW(runProcess(request), InputError);
+}
+
+}  // namespace
+}  // namespace plumbline
