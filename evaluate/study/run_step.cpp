@@ -12,8 +12,8 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/shown_text.h"
 #include "datasets/files/workplace.h"
-#include "evaluate/results/provenance.h"
 #include "evaluate/process/process.h"
+#include "evaluate/results/provenance.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step_rows.h"
 

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/engine/local_engine.h"
-#include "evaluate/process/process.h"
 
 namespace plumbline {
 

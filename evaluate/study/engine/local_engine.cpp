@@ -10,8 +10,8 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics.h"
-#include "evaluate/results/parallel_for.h"
 #include "evaluate/process/process.h"
+#include "evaluate/results/parallel_for.h"
 #include "evaluate/study/run_step.h"
 
 namespace plumbline {

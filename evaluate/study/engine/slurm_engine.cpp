@@ -16,10 +16,10 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/engine/commands_engine.h"
-#include "evaluate/process/process.h"
 
 namespace plumbline {
 namespace {
