@@ -2,6 +2,7 @@
 #include "datasets/session/suggestions_reader.h"
 
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
@@ -91,6 +92,14 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
     suggestions.push_back(std::move(s));
   }
   return suggestions;
+}
+
+std::optional<std::string> findSuggestions(const std::string& session) {
+  const std::filesystem::path folder(session);
+  for (const auto& path : {folder / "suggestions.csv", folder / "mav0" / "suggestions.csv"}) {
+    if (std::filesystem::exists(path)) return path.string();
+  }
+  return std::nullopt;
 }
 
 }  // namespace plumbline

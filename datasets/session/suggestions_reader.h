@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,8 @@ namespace plumbline {
 /// of order, an id given twice, a quaternion whose norm is off 1 by more than 1e-3, a rotation that
 /// is none.
 std::vector<Suggestion> readSuggestions(const std::string& path);
+
+/// suggestions.csv of a recording: in the session's folder or its mav0/; empty where there is none.
+std::optional<std::string> findSuggestions(const std::string& session);
 
 }  // namespace plumbline

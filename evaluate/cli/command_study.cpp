@@ -16,6 +16,7 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/study/engine/commands_engine.h"
@@ -74,6 +75,23 @@ void checkCalibrateOption(const std::string& option, const std::string& words) {
   checkWords(option, words);
 }
 
+/// One of how a trajectory's errors are measured, as `plumbline evaluate trajectory` takes it.
+void checkTrajectoryOption(const std::string& option, const std::string& words) {
+  CLI::App app;
+  TrajectoryMetricWords metrics;
+  declareTrajectoryMetrics(app, metrics);
+  app.set_help_flag();
+  std::vector<std::string> line{"--" + option};
+  if (!words.empty()) line.push_back(words);
+  std::reverse(line.begin(), line.end());
+  try {
+    app.parse(line);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("plumbline evaluate trajectory: {}", error.what()));
+  }
+  (void)trajectoryMetricsFrom(metrics);
+}
+
 std::string timeText(double seconds) {
   const int whole = static_cast<int>(std::lround(seconds));
   if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
@@ -121,7 +139,7 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   NightRequest request;
   request.study = o.study;
   request.out = o.out;
-  request.check = checkCalibrateOption;
+  request.checks = {checkCalibrateOption, checkTrajectoryOption};
   request.redo_failed = o.redo_failed;
   request.recheck = o.recheck;
   auto given = givenOptions(app);

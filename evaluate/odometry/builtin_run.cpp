@@ -60,6 +60,24 @@ class FrameReader {
   std::size_t allowed_ = 0, skipped_ = 0;
 };
 
+/// Without a front end: the sequence says what the cameras saw.
+BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
+                       const BuiltinOptions& options) {
+  OdometryOptions odometry_options = options.odometry;
+  odometry_options.pixel_sigma = options.corner_sigma_px;
+  Odometry odometry(rig, sequence.samples, odometry_options);
+  BuiltinRun run;
+  for (FrameTracks frame : sequence.tracks) {
+    std::erase_if(frame.points, [&](const TrackPoint& point) {
+      return static_cast<std::size_t>(point.camera) >= rig.cameras.size();
+    });
+    ++run.frames;
+    odometry.step(frame);
+  }
+  run.result = odometry.result();
+  return run;
+}
+
 }  // namespace
 
 void BuiltinOptions::check() const {
@@ -67,6 +85,7 @@ void BuiltinOptions::check() const {
   tracker.check();
   requireOption(cameras >= 0, "cameras", cameras, "0 or more");
   requireWithin(0, 1, "most_skipped", most_skipped);
+  requirePositive("corner_sigma_px", corner_sigma_px);
 }
 
 BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calibration,
@@ -79,6 +98,11 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
                                  sequence.images.size(), rig.cameras.size()));
   }
   const Stopwatch clock;
+  if (!sequence.tracks.empty()) {
+    BuiltinRun run = runOnTracks(sequence, rig, options);
+    run.seconds = clock.seconds();
+    return run;
+  }
   FrameReader reader(sequence, rig, options.most_skipped);
   FeatureTracker tracker(rig, options.tracker);
   Odometry odometry(rig, sequence.samples, options.odometry);

@@ -13,7 +13,9 @@ namespace plumbline {
 struct BuiltinOptions {
   OdometryOptions odometry;
   FeatureTrackerOptions tracker;
-  int cameras = 0;             ///< of the calibration, the first of them; 0: all
+  int cameras = 0;               ///< of the calibration, the first of them; 0: all
+  double corner_sigma_px = 0.3;  ///< standard deviation of a coordinate where the tracks are a
+                                 ///< board's corners, which are found better than others [px]
   double most_skipped = 0.02;  ///< share of the frames that may be missing or undecodable
 
   /// Throws InputError naming the field that is out of its range.
@@ -28,7 +30,8 @@ struct BuiltinRun {
   double seconds = 0;
 };
 
-/// Runs the built-in odometry on the images. Deterministic. A frame whose first image is missing or
+/// Runs the built-in odometry on the images, or on the tracks where the sequence has these in their
+/// place. Deterministic. A frame whose first image is missing or
 /// damaged is skipped; where it is another camera's, that camera is left out of the frame. Throws
 /// InputError for more than most_skipped of them, with the first one's fault, and for a calibration
 /// of another rig: more cameras than the sequence has, or images of another size.

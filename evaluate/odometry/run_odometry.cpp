@@ -240,6 +240,11 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
   for (const std::string& path : request.sequences) {
     sequences.push_back(readOdometrySequence(path));
     const OdometrySequence& sequence = sequences.back();
+    if (request.runner && !sequence.tracks.empty()) {
+      throw InputError(path, 0,
+                       "has corners in place of images, which " + request.runner->name +
+                           " cannot read; the built-in odometry can");
+    }
     if (!truths.emplace(sequence.name, readTruthOf(request, sequence)).second) {
       throw InputError(path, 0, "is named '" + sequence.name + "' as another sequence is");
     }

@@ -9,6 +9,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/session/imu.h"
 #include "datasets/session/session_folder.h"
+#include "evaluate/odometry/corner_tracks.h"
 
 namespace plumbline {
 namespace {
@@ -44,6 +45,29 @@ std::vector<ImageFile> imagesOf(const std::string& folder) {
                                                             : listImages(folder);
 }
 
+void readImages(const SessionFolder& folder, OdometrySequence& sequence) {
+  for (const std::string& camera : folder.cameras) {
+    sequence.images.push_back(imagesOf(camera));
+    if (sequence.images.back().empty() || sequence.images.back().front().path.empty()) {
+      throw InputError(camera, 0, "has no images; odometry needs them: camN/data/<ns>.png");
+    }
+  }
+}
+
+void readTracks(const SessionFolder& folder, OdometrySequence& sequence) {
+  sequence.tracks = readCornerTracks(folder);
+  sequence.images.resize(folder.cameras.size());
+  for (const FrameTracks& frame : sequence.tracks) {
+    std::vector<bool> seen(folder.cameras.size());
+    seen[0] = true;
+    for (const TrackPoint& point : frame.points)
+      seen[static_cast<std::size_t>(point.camera)] = true;
+    for (std::size_t c = 0; c < seen.size(); ++c) {
+      if (seen[c]) sequence.images[c].push_back({frame.t, ""});
+    }
+  }
+}
+
 void checkStep(const OdometrySequence& sequence, const std::vector<std::string>& folders) {
   for (std::size_t c = 1; c < sequence.images.size(); ++c) {
     std::size_t paired = 0;
@@ -70,11 +94,10 @@ OdometrySequence readOdometrySequence(const std::string& path) {
   OdometrySequence sequence;
   sequence.name = folder.name;
   sequence.root = folder.root;
-  for (const std::string& camera : folder.cameras) {
-    sequence.images.push_back(imagesOf(camera));
-    if (sequence.images.back().empty() || sequence.images.back().front().path.empty()) {
-      throw InputError(camera, 0, "has no images; odometry needs them: camN/data/<ns>.png");
-    }
+  if (hasCornersAlone(folder)) {
+    readTracks(folder, sequence);
+  } else {
+    readImages(folder, sequence);
   }
   if (!folder.imu) throw InputError(path, 0, "has no imu0; odometry needs its samples");
   sequence.samples = readImuSamples((fs::path(*folder.imu) / "data.csv").string());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/session.h"
+#include "calibrator/odometry/tracks.h"
 #include "datasets/session/camera_stream.h"
 
 namespace plumbline {
@@ -16,6 +17,9 @@ struct OdometrySequence {
   std::string name;
   std::filesystem::path root;                  ///< holds camN and imu0
   std::vector<std::vector<ImageFile>> images;  ///< of each camera, ascending; files may be missing
+  /// Where it comes with a board's corners in place of images: what all cameras saw of them; its
+  /// images then are stamps without a file.
+  std::vector<FrameTracks> tracks;
   std::vector<ImuSample> samples;
   std::optional<ImuNoise> noise;               ///< as its IMU's YAML states it
   std::optional<std::filesystem::path> truth;  ///< found beside the sensors
@@ -25,10 +29,11 @@ struct OdometrySequence {
 };
 
 /// Reads the lists and the IMU of a EuRoC ASL folder (TUM-VI's has the same layout), not the
-/// images. Its truth is the first of state_groundtruth_estimate0, vicon0, mocap0 and leica0, or
-/// truth/trajectory.csv of a simulated one. Throws InputError where a part is missing or malformed,
-/// where there are no images, and where fewer than half of camera 0's frames have a partner within
-/// 2 ms in another camera: cameras out of step.
+/// images; or corners in their place (corner_tracks.h). Its truth is the first of
+/// state_groundtruth_estimate0, vicon0, mocap0 and leica0, or truth/trajectory.csv of a simulated
+/// one. Throws InputError where a part is missing or malformed, where there are no images, and
+/// where fewer than half of camera 0's frames have a partner within 2 ms in another camera: cameras
+/// out of step.
 OdometrySequence readOdometrySequence(const std::string& path);
 
 /// The image of a camera at a stamp, within 2 ms; null where it has none.

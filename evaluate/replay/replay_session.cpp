@@ -117,14 +117,8 @@ std::string stopWords(const ReplayRecord& record) {
   return words;
 }
 
-/// suggestions.csv of the recording, in the session's folder or its mav0/.
 std::optional<std::string> suggestionsFile(const ReplayRequest& request) {
-  if (request.suggestions) return request.suggestions;
-  const std::filesystem::path folder(request.load.session);
-  for (const auto& path : {folder / "suggestions.csv", folder / "mav0" / "suggestions.csv"}) {
-    if (std::filesystem::exists(path)) return path.string();
-  }
-  return std::nullopt;
+  return request.suggestions ? request.suggestions : findSuggestions(request.load.session);
 }
 
 std::optional<std::vector<CameraCalibration>> givenCameras(const ReplayRequest& request,

@@ -160,4 +160,12 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
   return out;
 }
 
+OperatorCompliance operatorCompliance(const Session& session,
+                                      const std::vector<Suggestion>& suggestions,
+                                      const std::vector<CameraCalibration>& cameras) {
+  const std::vector<GuideFrame> frames = guideFrames(session);
+  const std::vector<Decision> none;
+  return operatorCompliance(ReplayRun{session, frames, none, {}, {}, {}}, suggestions, cameras);
+}
+
 }  // namespace plumbline

@@ -20,4 +20,9 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras);
 
+/// The same of a recording that is not replayed; its suggestions are those that it has beside it.
+OperatorCompliance operatorCompliance(const Session& session,
+                                      const std::vector<Suggestion>& suggestions,
+                                      const std::vector<CameraCalibration>& cameras);
+
 }  // namespace plumbline

@@ -176,6 +176,10 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
         "  - {{name: {0}, path: sequences/{0}, truth: sequences/{0}/mav0/mocap0/data.csv}}\n",
         numbered("seq", i));
   }
+  // Motion capture has a clock, a world and a marker body of its own.
+  if (o.sequences > 0) {
+    text += "trajectories: {odometry: builtin, metrics: {clock-offset: auto, hand-eye: auto}}\n";
+  }
   return text;
 }
 

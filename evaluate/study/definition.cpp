@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/yaml_map.h"
+#include "evaluate/study/definition_trajectories.h"
 #include "evaluate/study/definition_values.h"
 
 namespace plumbline {
@@ -189,58 +190,6 @@ void readTargetShape(const YamlMap& map, StudyDefinition& study) {
   }
 }
 
-// Values that name files are absolute from here on.
-void readCalibrate(const YamlMap& map, const CalibrateOptionCheck& check, StudyDefinition& study) {
-  if (!map.has("calibrate")) return;
-  const YamlMap options = map.map("calibrate", "options of plumbline calibrate, by name");
-  for (const std::string& key : options.keys()) {
-    std::string option = key;
-    std::replace(option.begin(), option.end(), '_', '-');
-    const bool is_file = option == "cameras" || option == "imu";
-    std::string words = is_file ? fileOf(options, key).string() : options.text(key, "a value");
-    if (words == "true") words = "";
-    try {
-      check(option, words);
-    } catch (const InputError& error) {
-      throw options.fault(key, {InputFault::kBadOption, error.what(), "", ""});
-    }
-    study.calibrate.emplace_back(std::move(option), std::move(words));
-  }
-}
-
-void refuseUnknownFields(const YamlMap& map, const std::string& key, const std::string& text,
-                         const std::set<std::string>& fields) {
-  for (std::size_t at = text.find('{'); at != std::string::npos; at = text.find('{', at + 1)) {
-    const std::string field = text.substr(at + 1, text.find('}', at) - at - 1);
-    const bool of_shell = at > 0 && text[at - 1] == '$';
-    if (fields.count(field) > 0 || of_shell) continue;
-    throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown field {{{}}}", field),
-                          fmt::format("{{{}}}", fmt::join(fields, "}, {")), ""});
-  }
-}
-
-void readTrajectories(const YamlMap& map, StudyDefinition& study) {
-  if (!map.has("trajectories")) return;
-  const YamlMap how = map.map("trajectories", "{pattern: FILES} or {command: COMMAND}");
-  refuseUnknownKeys(how, {"pattern", "command"});
-  if (how.has("pattern") == how.has("command") || study.sequences.empty()) {
-    throw map.fault("trajectories",
-                    {InputFault::kContradiction,
-                     study.sequences.empty() ? "there are no sequences to estimate trajectories on"
-                                             : "trajectories have a pattern or a command",
-                     "sequences, and one of pattern and command", ""});
-  }
-  if (how.has("pattern")) {
-    const std::string pattern = how.text("pattern", "files with {calibration} and {sequence}");
-    refuseUnknownFields(how, "pattern", pattern, {"calibration", "sequence", "run"});
-    study.trajectory_pattern = (study.file.parent_path() / pattern).lexically_normal().string();
-  } else {
-    study.trajectory_command = how.text("command", "a command with {calibration} and {out}");
-    refuseUnknownFields(how, "command", study.trajectory_command,
-                        {"calibration", "sequence", "out"});
-  }
-}
-
 void readPerturbations(const YamlMap& map, StudyDefinition& study) {
   if (!map.has("perturbations")) return;
   const YamlMap list = map.map("perturbations", "{offsets_ms: [100, 10, 1]}");
@@ -301,7 +250,7 @@ void RegressionThresholds::check() const {
   if (window < 1) throw InputError("the window must be of 1 night or more");
 }
 
-StudyDefinition readStudy(const std::string& path, const CalibrateOptionCheck& check) {
+StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& checks) {
   const YamlMap map = YamlMap::load(path, "a study's definition: study, methods, sessions, ...");
   refuseUnknownKeys(map, {"study", "target", "target_shape", "calibrate", "limit_s", "methods",
                           "sessions", "held_out", "sequences", "trajectories", "perturbations",
@@ -321,8 +270,9 @@ StudyDefinition readStudy(const std::string& path, const CalibrateOptionCheck& c
   study.held_out = recordingsOf(map, "held_out", false);
   study.sequences = recordingsOf(map, "sequences", true);
   readTargetShape(map, study);
-  readCalibrate(map, check, study);
-  readTrajectories(map, study);
+  study.calibrate =
+      optionsOf(map, "calibrate", "plumbline calibrate", checks.calibrate, {"cameras", "imu"});
+  readTrajectories(map, checks.trajectory, study);
   readPerturbations(map, study);
   if (map.has("endpoints")) {
     study.endpoints = wordsOf(map, "endpoints", "figures of a session, e.g. [held_out_rmse_px]");

@@ -51,6 +51,19 @@ struct RegressionThresholds {
   void check() const;
 };
 
+/// Where the trajectories of a study come from: of pattern, command and odometry one is set at
+/// most.
+struct StudyTrajectories {
+  std::string pattern;   ///< of files with {calibration}, {sequence}, {run}
+  std::string command;   ///< with {calibration}, {sequence}, {out}
+  std::string odometry;  ///< "builtin", "orbslam3", "openvins", or any other word where there is
+  std::filesystem::path runner;      ///< a description of another system
+  std::filesystem::path executable;  ///< of one that is not built in; empty: found by PATH
+  int runs = 0;                      ///< of it; 0: what it needs at least
+  /// Further options of `plumbline evaluate trajectory`, as in StudyDefinition::calibrate.
+  std::vector<std::pair<std::string, std::string>> metrics;
+};
+
 /// STUDY.yaml, checked: every file that it names is there. Paths in it are relative to its folder.
 struct StudyDefinition {
   std::filesystem::path file;
@@ -65,8 +78,7 @@ struct StudyDefinition {
   std::vector<SessionEntry> sessions;
   std::vector<RecordingEntry> held_out;
   std::vector<RecordingEntry> sequences;
-  std::string trajectory_pattern;  ///< of files with {calibration}, {sequence}, {run}; or
-  std::string trajectory_command;  ///< with {calibration}, {sequence}, {out}
+  StudyTrajectories trajectories;
   std::vector<double> offsets_ms;  ///< perturbations
   std::vector<std::string> endpoints;
   RegressionThresholds thresholds;
@@ -76,14 +88,17 @@ struct StudyDefinition {
   bool replay = false;         ///< the guide replayed on every session
 };
 
-/// Throws InputError where `plumbline calibrate` has no such option or it takes no such words. The
-/// command line has these options, and gives this.
-using CalibrateOptionCheck =
-    std::function<void(const std::string& option, const std::string& words)>;
+/// Throws InputError where a command has no such option or it takes no such words. The command line
+/// has these options, and gives this.
+using StudyOptionCheck = std::function<void(const std::string& option, const std::string& words)>;
+struct StudyOptionChecks {
+  StudyOptionCheck calibrate;   ///< of `plumbline calibrate`
+  StudyOptionCheck trajectory;  ///< of `plumbline evaluate trajectory`, how errors are measured
+};
 
 /// Reads and checks a study as a whole. Throws InputError with file and line for unknown keys and
 /// words, values out of range or in another unit, files that are not there, names that are given
 /// twice or cannot name a folder, participants without a session of every method.
-StudyDefinition readStudy(const std::string& path, const CalibrateOptionCheck& check);
+StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& checks);
 
 }  // namespace plumbline

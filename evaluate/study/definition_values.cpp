@@ -95,6 +95,10 @@ fs::path recordingOf(const YamlMap& map, const std::string& key) {
   return path;
 }
 
+bool isOneOf(const std::string& word, std::initializer_list<const char*> list) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
 void Names::add(const YamlMap& map, const std::string& name) {
   const auto [first, fresh] = lines_.emplace(name, map.lineOf("name"));
   if (fresh) return;

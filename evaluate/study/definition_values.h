@@ -34,6 +34,8 @@ std::filesystem::path fileOf(const YamlMap& map, const std::string& key);
 /// and of a recording's folder.
 std::filesystem::path recordingOf(const YamlMap& map, const std::string& key);
 
+bool isOneOf(const std::string& word, std::initializer_list<const char*> list);
+
 /// Names that are given once.
 class Names {
  public:

@@ -27,7 +27,7 @@ void fillSession(const StudySession& found, StudySession& row) {
   whole.capture_s = row.capture_s;
   whole.finished = row.finished;
   whole.stages = row.stages;
-  whole.compliance = row.compliance;
+  if (!whole.compliance) whole.compliance = row.compliance;
   row = whole;
 }
 
@@ -97,6 +97,9 @@ class Merger {
   }
 
   static bool isOfOther(const Step& step) { return step.part.find('/') != std::string::npos; }
+  static bool isBuiltinOdometry(const Step& step) {
+    return std::find(step.words.begin(), step.words.end(), "--with") == step.words.end();
+  }
   static std::string toolOf(const Step& step) { return step.part.substr(0, step.part.find('/')); }
 
   // What a failed step leaves without a figure.
@@ -122,6 +125,7 @@ class Merger {
         r.others.push_back({step.session, step.part, {}, {}, message});
         break;
       case StepKind::kEstimate:
+      case StepKind::kOdometry:
       case StepKind::kTrajectory: {
         const auto slash = step.part.find('/');
         const std::string run = slash == std::string::npos ? "" : step.part.substr(slash + 1);
@@ -214,6 +218,8 @@ class Merger {
       add(fmt::format("perturbation_error_ms/{:g}", p.offset_ms), "ms",
           std::abs(*p.recovered_ms - p.offset_ms));
     }
+    // Another odometry's runs differ from each other, so they are no regressions.
+    if (step.kind == StepKind::kOdometry && !isBuiltinOdometry(step)) return;
     for (const StudyTrajectory& t : rows.trajectories) add("ate_m/" + step.part, "m", t.ate_m);
   }
 

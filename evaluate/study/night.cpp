@@ -169,7 +169,7 @@ void writeRecords(const fs::path& folder, const StudyRecord& record) {
 
 PreparedNight prepareNight(const NightRequest& request) {
   PreparedNight night;
-  night.study = readStudy(request.study, request.check);
+  night.study = readStudy(request.study, request.checks);
   takeNightFolder(request.out, night.study);
   night.folder = fs::canonical(request.out);
   night.lock = std::make_unique<NightLock>(night.folder);

@@ -15,11 +15,11 @@ namespace plumbline {
 
 /// What `plumbline study` is asked to do.
 struct NightRequest {
-  std::string study;           ///< STUDY.yaml
-  std::filesystem::path out;   ///< the study's folder, the same every night
-  CalibrateOptionCheck check;  ///< of the definition
-  bool redo_failed = false;    ///< steps that failed are done again, though nothing changed
-  int recheck = 0;             ///< so many steps that are done are done again: is the result equal?
+  std::string study;          ///< STUDY.yaml
+  std::filesystem::path out;  ///< the study's folder, the same every night
+  StudyOptionChecks checks;   ///< of the definition
+  bool redo_failed = false;   ///< steps that failed are done again, though nothing changed
+  int recheck = 0;            ///< so many steps that are done are done again: is the result equal?
   Provenance provenance;
 };
 

@@ -44,6 +44,8 @@ bool isShared(StepKind kind, const std::string& option) {
       return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals);
     case StepKind::kReplay:
       return isOneOf(option, kOfIntervals) || option == "only" || option == "imu";
+    case StepKind::kOdometry:
+      return option == "imu";
     case StepKind::kEstimate:
     case StepKind::kTrajectory:
       return false;
@@ -76,7 +78,7 @@ class Planner {
     if (study_.target_shape == StudyTargetShape::kOne) addBoard();
     for (const SessionEntry& s : study_.sessions) addCalibration(s);
     for (const SessionEntry& s : study_.sessions) addJudgements(s);
-    if (!study_.trajectory_pattern.empty()) addTrajectoriesByPattern();
+    if (!study_.trajectories.pattern.empty()) addTrajectoriesByPattern();
     return std::move(steps_);
   }
 
@@ -190,7 +192,8 @@ class Planner {
       }
     }
     for (const auto& other : s.others) addOther(s, other);
-    if (!study_.trajectory_command.empty()) addTrajectoriesByCommand(s);
+    if (!study_.trajectories.command.empty()) addTrajectoriesByCommand(s);
+    if (!study_.trajectories.odometry.empty()) addOdometry(s);
     if (study_.replay) addReplay(s);
   }
 
@@ -242,6 +245,36 @@ class Planner {
     }
   }
 
+  void addMetrics(StepBuilder& step) const {
+    for (const auto& [option, words] : study_.trajectories.metrics) {
+      step.words({"--" + option});
+      if (!words.empty()) step.words({words});
+    }
+  }
+
+  void addOdometry(const SessionEntry& s) {
+    const Step& calibration = calibrations_.at(s.row.name);
+    const StudyTrajectories& how = study_.trajectories;
+    for (const RecordingEntry& sequence : study_.sequences) {
+      StepBuilder step(StepKind::kOdometry, folderOf(s) + "/odometry_" + sequence.name, hashes_);
+      step.words({"odometry"}).reads(sequence.path);
+      step.words({"--calibration"}).reads(calibration, "calibration.json");
+      step.words({"--truth"}).reads(sequence.truth);
+      if (!how.runner.empty()) {
+        step.words({"--with"}).reads(how.runner);
+      } else if (how.odometry != "builtin") {
+        step.words({"--with", how.odometry});
+      }
+      if (!how.executable.empty()) step.words({"--executable"}).reads(how.executable);
+      if (how.runs > 0) step.words({"--runs", std::to_string(how.runs)});
+      addMetrics(step);
+      addOptions(step, StepKind::kOdometry);
+      step.words({"--no-report"});
+      addOutput(step);
+      add(step, s.row.name, sequence.name);
+    }
+  }
+
   void addTrajectoriesByCommand(const SessionEntry& s) {
     const Step& calibration = calibrations_.at(s.row.name);
     for (const RecordingEntry& sequence : study_.sequences) {
@@ -251,7 +284,7 @@ class Planner {
           {"{sequence}", sequence.path.string()},
           {"{out}", "{out}/trajectory.txt"}};
       step.words({"/bin/sh", "-c"});
-      std::string command = study_.trajectory_command;
+      std::string command = study_.trajectories.command;
       for (const auto& [field, place] : fields) {
         for (auto at = command.find(field); at != std::string::npos;
              at = command.find(field, at + place.size())) {
@@ -264,6 +297,7 @@ class Planner {
                         hashes_);
       judge.words({"evaluate", "trajectory"}).reads(estimate, "trajectory.txt");
       judge.reads(sequence.truth).aside("--json").aside("{out}/trajectory.json");
+      addMetrics(judge);
       add(judge, s.row.name, sequence.name);
     }
   }
@@ -271,7 +305,7 @@ class Planner {
   void addTrajectoriesByPattern() {
     std::vector<std::string> names;
     for (const RecordingEntry& sequence : study_.sequences) names.push_back(sequence.name);
-    for (const RunFile& file : findRuns(study_.trajectory_pattern, names)) {
+    for (const RunFile& file : findRuns(study_.trajectories.pattern, names)) {
       const auto sequence =
           std::find_if(study_.sequences.begin(), study_.sequences.end(),
                        [&](const RecordingEntry& entry) { return entry.name == file.sequence; });
@@ -285,6 +319,7 @@ class Planner {
                        hashes_);
       step.words({"evaluate", "trajectory"}).reads(fs::absolute(file.path));
       step.reads(sequence->truth).aside("--json").aside("{out}/trajectory.json");
+      addMetrics(step);
       add(step, file.calibration, part);
     }
   }

@@ -23,11 +23,12 @@ enum class StepKind {
   kCompare,     ///< another tool's result beside ours
   kEstimate,    ///< the study's own command makes a trajectory
   kTrajectory,  ///< a trajectory against its truth
+  kOdometry,    ///< an odometry with a calibration, and its trajectories against their truth
   kReplay,
 };
-constexpr std::array<const char*, 9> enumWords(StepKind /*of*/) {
-  return {"detect",  "board",    "calibrate",  "perturb", "evaluate",
-          "compare", "estimate", "trajectory", "replay"};
+constexpr std::array<const char*, 10> enumWords(StepKind /*of*/) {
+  return {"detect",  "board",    "calibrate",  "perturb",  "evaluate",
+          "compare", "estimate", "trajectory", "odometry", "replay"};
 }
 
 /// What made a result, besides its inputs.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/study/step_rows.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -8,6 +9,9 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/suggestions_reader.h"
+#include "evaluate/replay/suggestion_outcomes.h"
 #include "evaluate/results/result_folder.h"
 #include "report/store/store.h"
 
@@ -89,10 +93,45 @@ StudyTrajectory trajectoryOf(const fs::path& folder) {
   }
 }
 
+std::optional<double> shareReached(const OperatorCompliance& compliance) {
+  if (compliance.suggestions.empty()) return std::nullopt;
+  return static_cast<double>(compliance.reached) /
+         static_cast<double>(compliance.suggestions.size());
+}
+
+// A recording of corners with suggestions.csv says how its operator followed them, without a
+// replay. Where a study calibrates some of the cameras only, a replay has to say it.
+std::optional<double> recordedCompliance(const Step& step, const CalibrationRecord& record) {
+  if (step.words.size() < 2 || step.words[1].front() == '{') return std::nullopt;
+  const std::string& recording = step.words[1];
+  const auto file = findSuggestions(recording);
+  if (!file) return std::nullopt;
+  SessionReadOptions options;
+  const auto target = std::find(step.words.begin(), step.words.end(), "--target");
+  if (target != step.words.end()) options.target_path = *(target + 1);
+  try {
+    const Session session = readSession(recording, options);
+    if (session.cameras.size() != record.cameras().size()) return std::nullopt;
+    return shareReached(operatorCompliance(session, readSuggestions(*file), record.cameras()));
+  } catch (const InputError&) {
+    return std::nullopt;  // a damaged suggestions.csv takes nothing from the calibration
+  }
+}
+
+// A run that covers a part only would be judged on the easier remainder.
+std::vector<StudyTrajectory> trajectoriesOf(const TrajectoryRecord& record, const Step& step) {
+  std::vector<StudyTrajectory> rows;
+  for (const TrajectoryRun& run : record.runs) {
+    StudyTrajectory row{step.session, step.part, "", std::nullopt, run.problem};
+    if (record.runs.size() > 1) row.run = run.run;
+    if (run.status == RunStatus::kComplete) row.ate_m = run.ate_translation_m.rmse;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 std::optional<double> complianceOf(const ReplayRecord& record) {
-  if (!record.compliance || record.compliance->suggestions.empty()) return std::nullopt;
-  return static_cast<double>(record.compliance->reached) /
-         static_cast<double>(record.compliance->suggestions.size());
+  return record.compliance ? shareReached(*record.compliance) : std::nullopt;
 }
 
 // "eval01_2" of "sequence/run" is split at the slash, which no name holds.
@@ -102,6 +141,13 @@ void nameTrajectory(const std::string& part, StudyTrajectory& row) {
   if (slash != std::string::npos) row.run = part.substr(slash + 1);
 }
 
+StudySession calibratedSession(const Step& step, const CalibrationRecord& record) {
+  StudySession row = sessionOf(record);
+  row.name = step.session;
+  row.compliance = recordedCompliance(step, record);
+  return row;
+}
+
 }  // namespace
 
 StudyRecord rowsOf(const Step& step, const fs::path& folder) {
@@ -109,8 +155,7 @@ StudyRecord rowsOf(const Step& step, const fs::path& folder) {
   const Store store(folder / kRecordsFile);
   switch (step.kind) {
     case StepKind::kCalibrate:
-      rows.sessions = {sessionOf(store.loadCalibration())};
-      rows.sessions[0].name = step.session;
+      rows.sessions = {calibratedSession(step, store.loadCalibration())};
       break;
     case StepKind::kEvaluate:
       rows.held_out = {heldOutOf(store.loadCalibration())};
@@ -129,6 +174,9 @@ StudyRecord rowsOf(const Step& step, const fs::path& folder) {
       rows.trajectories = {trajectoryOf(folder)};
       rows.trajectories[0].session = step.session;
       nameTrajectory(step.part, rows.trajectories[0]);
+      break;
+    case StepKind::kOdometry:
+      rows.trajectories = trajectoriesOf(store.loadTrajectory(), step);
       break;
     case StepKind::kReplay:
       rows.sessions.resize(1);

@@ -41,6 +41,8 @@ double guessed(StepKind kind) {
       return 60;
     case StepKind::kTrajectory:
       return 0.2;
+    case StepKind::kOdometry:
+      return 5;
     case StepKind::kReplay:
       return 120;
   }

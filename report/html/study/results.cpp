@@ -89,9 +89,12 @@ Table methodsTable(const StudyRecord& record) {
                {"Caution", kNumber},
                {"Bad", kNumber},
                {"Median time [s]", kNumber},
-               {"Median held-out RMSE [px]", kNumber},
-               {"Suggestions reached", kNumber}},
+               {"Median held-out RMSE [px]", kNumber}},
               {}};
+  const auto& methods = record.statistics.methods;
+  const bool guided = std::any_of(methods.begin(), methods.end(),
+                                  [](const StudyMethod& m) { return m.compliance.has_value(); });
+  if (guided) table.columns.push_back({"Suggestions reached", kNumber});
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<Cell> row{{m.method}};
     for (const int n : {m.sessions, m.calibrated, m.gave_up, m.good, m.caution, m.bad}) {
@@ -99,7 +102,7 @@ Table methodsTable(const StudyRecord& record) {
     }
     row.push_back(orDash(m.median_capture_s, 1, "{:.1f}"));
     row.push_back(orDash(m.median_held_out_px, 1, "{:.4f}"));
-    row.push_back(orDash(m.compliance, 100, "{:.0f} %"));
+    if (guided) row.push_back(orDash(m.compliance, 100, "{:.0f} %"));
     table.rows.push_back(std::move(row));
   }
   return table;

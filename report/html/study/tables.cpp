@@ -204,10 +204,12 @@ Section sessionsSection(const StudyRecord& record) {
                {"Time [s]", kNumber},
                {"Camera [px]", kNumber},
                {"Held out [px]", kNumber},
-               {"Offset [ms]", kNumber},
-               {"Reached", kNumber},
-               {"Verdict"}},
+               {"Offset [ms]", kNumber}},
               {}};
+  const bool guided = std::any_of(record.sessions.begin(), record.sessions.end(),
+                                  [](const StudySession& s) { return s.compliance.has_value(); });
+  if (guided) table.columns.push_back({"Suggestions reached", kNumber});
+  table.columns.push_back({"Verdict"});
   for (const StudySession& s : record.sessions) {
     Cell seconds = orDash(s.capture_s, 1, "{:.1f}");
     if (!s.finished) seconds.text += " (gave up)";
@@ -218,9 +220,9 @@ Section sessionsSection(const StudyRecord& record) {
                           std::move(seconds),
                           orDash(s.camera_rmse_px, 1, "{:.4f}"),
                           orDash(s.held_out_rmse_px, 1, "{:.4f}"),
-                          offsetCell(s),
-                          orDash(s.compliance, 100, "{:.0f} %"),
-                          verdictCell(s)});
+                          offsetCell(s)});
+    if (guided) table.rows.back().push_back(orDash(s.compliance, 100, "{:.0f} %"));
+    table.rows.back().push_back(verdictCell(s));
   }
   return withTable({"sessions",
                     "All sessions",

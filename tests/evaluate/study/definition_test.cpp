@@ -16,11 +16,13 @@ void refuseColour(const std::string& option, const std::string& /*words*/) {
   if (option == "colour") throw InputError("no option --colour");
 }
 
+const std::string kSequence = "sequences: [{name: s, path: eval, truth: target.yaml}]\n";
+
 class DefinitionTest : public StudyFiles {
  protected:
   std::string refusal(const std::string& path) const {
     try {
-      readStudy(path, refuseColour);
+      readStudy(path, {refuseColour, refuseColour});
       return "accepted";
     } catch (const InputError& error) {
       return error.what();
@@ -33,7 +35,7 @@ TEST_F(DefinitionTest, ReadsWhatItSays) {
       readStudy(this->study("target: target.yaml\ntarget_shape: one\nlimit_s: 300\n"
                             "calibrate: {pixel_sigma: 0.5}\nthresholds: {regression_sigma: 6}\n"
                             "perturbations: {offsets_ms: [100, -1]}\n"),
-                refuseColour);
+                {refuseColour, refuseColour});
   EXPECT_EQ(study.name, "trial");
   EXPECT_EQ(study.methods, (std::vector<std::string>{"free", "guided"}));
   ASSERT_EQ(study.sessions.size(), 4u);
@@ -52,7 +54,7 @@ TEST_F(DefinitionTest, ReadsWhatItSays) {
 
 TEST_F(DefinitionTest, RefusesWithFileAndLine) {
   struct Case {
-    const char* further;
+    std::string further;
     const char* line;
     const char* words;
   };
@@ -71,6 +73,13 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
       {"cross: perhaps\n", ":10:", "true or false"},
       {"sequences: [{name: s, path: eval, truth: t.csv}]\n", ":10:", "t.csv is no file"},
       {"trajectories: {pattern: 'x/{calibration}.txt'}\n", ":10:", "no sequences"},
+      {kSequence + "trajectories: {command: a, odometry: builtin}\n", ":11:", "one of pattern"},
+      {kSequence + "trajectories: {odometry: mine}\n", ":11:", "is no file"},
+      {kSequence + "trajectories: {odometry: builtin, runs: 3}\n", ":11:", "built-in odometry"},
+      {kSequence + "trajectories: {command: a, runs: 3}\n", ":11:", "is of an odometry"},
+      {kSequence + "trajectories: {odometry: openvins, runs: 0}\n", ":11:", "runs of each"},
+      {kSequence + "trajectories: {odometry: builtin, metrics: {colour: red}}\n",
+       ":11:", "no option"},
       {"study: again\n", ":10:", "given twice"},
       {"endpoints: [a, a]\n", ":10:", "'a' is given twice"},
   };
@@ -120,7 +129,7 @@ TEST_F(DefinitionTest, TakesTheChainWithTheImuOfAKalibrFolder) {
       study("",
             "  - {name: a, participant: p1, method: free, period: 1, path: p1_free, other: "
             "[{tool: kalibr, path: kalibr}]}\n"),
-      refuseColour);
+      {refuseColour, refuseColour});
   EXPECT_THAT(read.sessions[0].others.at(0).second, HasSubstr("run-camchain-imucam.yaml"));
 }
 

@@ -12,13 +12,15 @@
 namespace plumbline {
 namespace {
 
+const StudyOptionChecks kAnyOption{[](const std::string&, const std::string&) {},
+                                   [](const std::string&, const std::string&) {}};
+
 class PlanTest : public StudyFiles {
  protected:
   std::map<std::string, Step> plan(const std::string& further = "",
                                    const std::string& version = "1") const {
     const StudyDefinition definition =
-        readStudy(study("perturbations: {offsets_ms: [10]}\n" + further),
-                  [](const std::string&, const std::string&) {});
+        readStudy(study("perturbations: {offsets_ms: [10]}\n" + further), kAnyOption);
     InputHashes hashes(root_ / "hashes.txt");
     std::map<std::string, Step> steps;
     for (const Step& step : planStudy(definition, hashes, {version, "program"}))
@@ -54,8 +56,7 @@ TEST_F(PlanTest, KeysAreOfContentsAndNotOfPlaces) {
   const auto moved = root_.string() + "_moved";
   std::filesystem::remove_all(moved);
   std::filesystem::copy(root_, moved, std::filesystem::copy_options::recursive);
-  const StudyDefinition there =
-      readStudy(moved + "/STUDY.yaml", [](const std::string&, const std::string&) {});
+  const StudyDefinition there = readStudy(moved + "/STUDY.yaml", kAnyOption);
   InputHashes hashes(moved + "/hashes_there.txt");
   for (const Step& step : planStudy(there, hashes, {"1", "program"})) {
     EXPECT_EQ(step.key, before.at(step.name).key) << step.name;

@@ -1,11 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The steps that a study has only where its definition asks for them.
+#include <cmath>
+#include <sstream>
+
 #include "tests/evaluate/study/study_nights.h"
 
 namespace plumbline {
 namespace {
 
-class StudySteps : public StudyNights {};
+class StudySteps : public StudyNights {
+ protected:
+  using Json = nlohmann::json;
+
+  // The study with more in its definition, done; its summary.
+  Json night(const fs::path& data, const std::string& further) const {
+    write(data / "STUDY.yaml", read(root_ / "data/STUDY.yaml") + further);
+    const Outcome outcome = study(data, scratch_ / "night");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return Json::parse(read(scratch_ / "night/summary.json"));
+  }
+  std::string commandOf(const std::string& step) const {
+    return Json::parse(read(scratch_ / "night" / step / "step.json")).at("command");
+  }
+  Outcome simulate(const fs::path& folder, const std::string& options) const {
+    fs::remove_all(folder);
+    return plumbline("simulate --out " + folder.string() + " " + options);
+  }
+
+  static constexpr const char* kSequence =
+      "sequences: [{name: s, path: eval, truth: eval/truth/trajectory.csv}]\n";
+};
 
 TEST_F(StudySteps, TrajectoriesComeFromACommandOrAPattern) {
   const fs::path data = ownData();
@@ -30,6 +54,180 @@ TEST_F(StudySteps, TrajectoriesComeFromACommandOrAPattern) {
   EXPECT_EQ(summary.at("trajectories")[0].at("run"), "1");
   EXPECT_LT(summary.at("trajectories")[0].at("ate_m").get<double>(), 1e-9);
   EXPECT_THAT(summary.at("trajectories")[1].at("failure").get<std::string>(), HasSubstr("s_2.txt"));
+}
+
+TEST_F(StudySteps, TheBuiltInOdometryRunsWithEveryCalibration) {
+  const fs::path data = ownData();
+  const std::string odometry = std::string(kSequence) + "trajectories: {odometry: builtin";
+  const Json summary = night(data, odometry + "}\n");
+  ASSERT_EQ(summary.at("trajectories").size(), 4u);
+  for (const Json& row : summary.at("trajectories")) {
+    EXPECT_EQ(row.at("sequence"), "s");
+    EXPECT_LT(row.at("ate_m").get<double>(), 0.05) << row;
+    EXPECT_GT(row.at("ate_m").get<double>(), 1e-6) << row;
+  }
+  EXPECT_THAT(read(scratch_ / "night/index.html"), HasSubstr("Absolute trajectory errors"));
+  const auto before = times(scratch_ / "night");
+  EXPECT_EQ(before.size(), 16u);
+  night(data, odometry + "}\n");
+  EXPECT_TRUE(doneAgain(before, scratch_ / "night").empty());
+  const Json scaled = night(data, odometry + ", metrics: {align: sim3}}\n");
+  EXPECT_EQ(
+      doneAgain(before, scratch_ / "night"),
+      (std::set<std::string>{"sessions/p1_free/odometry_s", "sessions/p1_guided/odometry_s",
+                             "sessions/p2_free/odometry_s", "sessions/p2_guided/odometry_s"}));
+  for (std::size_t i = 0; i < 4; ++i) {  // a scale more to fit: no error is larger for it
+    EXPECT_LE(scaled.at("trajectories")[i].at("ate_m").get<double>(),
+              summary.at("trajectories")[i].at("ate_m").get<double>());
+  }
+}
+
+// A stand-in that copies the truth: its errors are zero, each of its runs is a row.
+TEST_F(StudySteps, AnotherOdometryRunsByItsDescription) {
+  const fs::path data = ownData();
+  for (const char* camera : {"cam0", "cam1"}) {
+    const fs::path folder = data / "eval/mav0" / camera;
+    fs::create_directories(folder / "data");
+    std::istringstream list(read(folder / "data.csv"));
+    for (std::string line; std::getline(list, line);) {
+      if (line[0] != '#') write(folder / "data" / line.substr(line.find(',') + 1), "x");
+    }
+  }
+  write(data / "copy.sh", "#!/bin/sh\nexec cp \"$1\" \"$2\"\n");
+  fs::permissions(data / "copy.sh", fs::perms::owner_all);
+  write(data / "copy.yaml",
+        "name: copy\nexecutable: nowhere\n"
+        "arguments: '{sequence}/truth/trajectory.csv {output}/trajectory.txt'\n");
+  const std::string how = "trajectories: {odometry: copy.yaml, executable: copy.sh, runs: 2}\n";
+  const Json summary = night(data, kSequence + how);
+  ASSERT_EQ(summary.at("trajectories").size(), 8u);
+  EXPECT_EQ(summary.at("trajectories")[1].at("run"), "2");
+  EXPECT_LT(summary.at("trajectories")[1].at("ate_m").get<double>(), 1e-6);
+  write(data / "copy.sh", "#!/bin/sh\nexit 3\n");
+  const Json failed = night(data, kSequence + how);
+  EXPECT_THAT(failed.at("trajectories")[0].at("failure").get<std::string>(),
+              HasSubstr("exit code 3"));
+}
+
+TEST_F(StudySteps, AnotherToolsFolderIsComparedAndHeldOut) {
+  const fs::path data = ownData();
+  fs::create_directories(data / "kalibr");
+  fs::copy(data / "p1_free/truth/camchain-imucam.yaml",
+           data / "kalibr/p1_free-camchain-imucam.yaml");
+  const std::string path = "path: p1_free}";
+  const std::string text = read(root_ / "data/STUDY.yaml");
+  write(data / "STUDY.yaml",
+        replaced(text, path, "path: p1_free, other: [{tool: kalibr, path: kalibr}]}"));
+  const Outcome outcome = study(data, scratch_ / "night");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const Json summary = Json::parse(read(scratch_ / "night/summary.json"));
+  ASSERT_EQ(summary.at("others").size(), 1u);
+  const Json& other = summary.at("others")[0];
+  EXPECT_EQ(other.at("session"), "p1_free");
+  EXPECT_EQ(other.at("tool"), "kalibr");
+  // It is the truth: on corners with 0.2 px of noise it leaves that, and ours is near to it.
+  EXPECT_NEAR(other.at("held_out_rmse_px").get<double>(), 0.2 * std::sqrt(2.0), 0.05);
+  EXPECT_GT(other.at("differences").size(), 10u);
+  bool focal = false;
+  for (const Json& d : other.at("differences")) {
+    if (d.at("parameter") != "cam0.fu") continue;
+    focal = true;
+    EXPECT_LT(std::abs(d.at("difference").get<double>()), 3) << d;
+    EXPECT_GT(std::abs(d.at("difference").get<double>()), 1e-6) << d;
+  }
+  EXPECT_TRUE(focal) << other;
+}
+
+TEST_F(StudySteps, EveryCalibrationOnEveryOtherSession) {
+  const Json summary = night(ownData(), "cross: true\n");
+  EXPECT_EQ(summary.at("held_out").size(), 4u * (1 + 3));
+  for (const Json& row : summary.at("held_out")) {
+    EXPECT_NE(row.at("session"), row.at("recording"));
+    EXPECT_LT(row.at("rmse_px").get<double>(), 2) << row;
+  }
+  // Sessions that a method saw are no part of what a session's own held-out error says.
+  const Json& first = summary.at("sessions")[0];
+  for (const Json& row : summary.at("held_out")) {
+    if (row.at("session") != first.at("name") || row.at("recording") != "eval") continue;
+    EXPECT_DOUBLE_EQ(row.at("rmse_px"), first.at("held_out_rmse_px"));
+  }
+}
+
+// One board for all, which bends: its shape comes from the held-out recording.
+TEST_F(StudySteps, OneShapeOfTheBoardForAll) {
+  const fs::path data = ownData();
+  const std::string bent = " --duration 6 --camera-rate 10 --imu-rate 200 --target-shape bow=9mm";
+  ASSERT_EQ(simulate(data / "eval", "--seed 11" + bent).exit_code, 0);
+  ASSERT_EQ(simulate(data / "p1_free", "--seed 12" + bent).exit_code, 0);
+  const Json summary = night(data, "target_shape: one\n");
+  EXPECT_TRUE(fs::exists(scratch_ / "night/recordings/eval/board/target_shape.yaml"));
+  EXPECT_THAT(commandOf("sessions/p1_free/calibrate"),
+              HasSubstr("--target-shape " +
+                        (scratch_ / "night/recordings/eval/board/target_shape.yaml").string()));
+  // The session that shows the same board fits it, the ones with a flat board do not.
+  EXPECT_LT(summary.at("sessions")[0].at("camera_rmse_px").get<double>(), 0.3);
+  EXPECT_GT(summary.at("sessions")[1].at("camera_rmse_px").get<double>(), 0.4);
+}
+
+// What the simulated operator reached is read from the recording; a replay says the same.
+TEST_F(StudySteps, GuidedSessionsSayHowTheirSuggestionsWereFollowed) {
+  const fs::path data = scratch_ / "data";
+  const Outcome made =
+      plumbline("simulate study --participants 1 --duration 8 --held-out 0 --sequences 1 --out " +
+                data.string());
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") + kCalibrate + "endpoints: [capture_s]\n");
+  write(data / "STUDY.yaml",
+        replaced(read(data / "STUDY.yaml"), "endpoints: [held_out_rmse_px, capture_s]\n", ""));
+  ASSERT_EQ(study(data, scratch_ / "night").exit_code, 0);
+  Json summary = Json::parse(read(scratch_ / "night/summary.json"));
+  const Json truth = Json::parse(read(data / "truth.json"));
+  std::map<std::string, double> read_off;
+  for (const Json& session : summary.at("sessions")) {
+    if (session.contains("compliance")) {
+      read_off[session.at("name")] = session.at("compliance").get<double>();
+    }
+  }
+  ASSERT_EQ(read_off.size(), 1u);
+  for (const Json& session : truth.at("sessions")) {
+    if (session.at("method") != "guided") continue;
+    const double all = session.at("suggestions").get<double>();
+    EXPECT_NEAR(read_off.at(session.at("name")), session.at("reached").get<double>() / all,
+                1.01 / all);
+  }
+  EXPECT_THAT(read(scratch_ / "night/index.html"), HasSubstr("Suggestions reached"));
+  ASSERT_EQ(summary.at("trajectories").size(), 2u);  // the sequence, against motion capture
+  for (const Json& row : summary.at("trajectories")) {
+    EXPECT_LT(row.at("ate_m").get<double>(), 0.05) << row;
+  }
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") + "replay: true\n");
+  ASSERT_EQ(study(data, scratch_ / "night").exit_code, 0);
+  summary = Json::parse(read(scratch_ / "night/summary.json"));
+  EXPECT_TRUE(fs::exists(scratch_ / "night/sessions/p01_guided/replay/report.html"));
+  for (const Json& session : summary.at("sessions")) {
+    if (session.at("name") != "p01_guided") continue;
+    EXPECT_NEAR(session.at("compliance").get<double>(), read_off.at("p01_guided"), 0.2);
+  }
+}
+
+TEST_F(StudySteps, ImagesAreDetectedOnce) {
+  const fs::path data = ownData();
+  ASSERT_EQ(simulate(data / "p1_free", "--seed 12 --images --duration 4 --camera-rate 8").exit_code,
+            0);
+  const Json summary = night(data, "");
+  EXPECT_EQ(summary.at("sessions")[0].at("status"), "ok") << summary.at("sessions")[0];
+  EXPECT_LT(summary.at("sessions")[0].at("camera_rmse_px").get<double>(), 0.5);
+  EXPECT_THAT(commandOf("sessions/p1_free/calibrate"), HasSubstr("sessions/p1_free/detect"));
+  EXPECT_THAT(commandOf("sessions/p1_free/perturb"), HasSubstr("sessions/p1_free/detect"));
+  const auto before = times(scratch_ / "night");
+  EXPECT_EQ(before.size(), 13u);
+  auto image = fs::directory_iterator(data / "p1_free/mav0/cam0/data");
+  const fs::path first = image->path();
+  fs::copy_file((++image)->path(), first, fs::copy_options::overwrite_existing);
+  night(data, "");
+  EXPECT_EQ(doneAgain(before, scratch_ / "night"),
+            (std::set<std::string>{"sessions/p1_free/calibrate", "sessions/p1_free/detect",
+                                   "sessions/p1_free/evaluate_eval", "sessions/p1_free/perturb"}));
 }
 
 }  // namespace

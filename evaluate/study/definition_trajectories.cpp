@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/definition_trajectories.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "evaluate/study/definition_values.h"
+
+namespace plumbline::study_internal {
+namespace {
+
+constexpr int kMostRuns = 1000;
+
+void refuseUnknownFields(const YamlMap& map, const std::string& key, const std::string& text,
+                         const std::set<std::string>& fields) {
+  for (std::size_t at = text.find('{'); at != std::string::npos; at = text.find('{', at + 1)) {
+    const std::string field = text.substr(at + 1, text.find('}', at) - at - 1);
+    const bool of_shell = at > 0 && text[at - 1] == '$';
+    if (fields.count(field) > 0 || of_shell) continue;
+    throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown field {{{}}}", field),
+                          fmt::format("{{{}}}", fmt::join(fields, "}, {")), ""});
+  }
+}
+
+// Which odometry, and what only one that is not ours has.
+void readOdometry(const YamlMap& how, StudyTrajectories& to) {
+  to.odometry = how.text("odometry", "builtin, orbslam3, openvins or a runner's .yaml");
+  const bool known = isOneOf(to.odometry, {"builtin", "orbslam3", "openvins"});
+  if (!known) to.runner = fileOf(how, "odometry");
+  for (const char* key : {"executable", "runs"}) {
+    if (to.odometry != "builtin" || !how.has(key)) continue;
+    throw how.fault(key, {InputFault::kContradiction,
+                          "the built-in odometry is this program, and its runs are equal",
+                          "another odometry, or none of this", ""});
+  }
+  if (how.has("executable")) to.executable = fileOf(how, "executable");
+  if (how.has("runs")) {
+    to.runs = static_cast<int>(numberWithin(how, "runs", 1, kMostRuns, "runs of each, 1 or more"));
+  }
+}
+
+void readSource(const YamlMap& how, const StudyDefinition& study, StudyTrajectories& to) {
+  if (how.has("pattern")) {
+    const std::string pattern = how.text("pattern", "files with {calibration} and {sequence}");
+    refuseUnknownFields(how, "pattern", pattern, {"calibration", "sequence", "run"});
+    to.pattern = (study.file.parent_path() / pattern).lexically_normal().string();
+  } else if (how.has("command")) {
+    to.command = how.text("command", "a command with {calibration} and {out}");
+    refuseUnknownFields(how, "command", to.command, {"calibration", "sequence", "out"});
+  } else {
+    readOdometry(how, to);
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> optionsOf(
+    const YamlMap& map, const std::string& options_key, const std::string& of_what,
+    const StudyOptionCheck& check, std::initializer_list<const char*> file_options) {
+  std::vector<std::pair<std::string, std::string>> list;
+  if (!map.has(options_key)) return list;
+  const YamlMap options = map.map(options_key, "options of " + of_what + ", by name");
+  for (const std::string& key : options.keys()) {
+    std::string option = key;
+    std::replace(option.begin(), option.end(), '_', '-');
+    const bool is_file = isOneOf(option, file_options);
+    std::string words = is_file ? fileOf(options, key).string() : options.text(key, "a value");
+    if (words == "true") words = "";
+    try {
+      check(option, words);
+    } catch (const InputError& error) {
+      throw options.fault(key, {InputFault::kBadOption, error.what(), "", ""});
+    }
+    list.emplace_back(std::move(option), std::move(words));
+  }
+  return list;
+}
+
+void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDefinition& study) {
+  if (!map.has("trajectories")) return;
+  const YamlMap how =
+      map.map("trajectories", "{odometry: builtin}, {pattern: FILES} or {command: COMMAND}");
+  refuseUnknownKeys(how, {"pattern", "command", "odometry", "executable", "runs", "metrics"});
+  const int sources =
+      (how.has("pattern") ? 1 : 0) + (how.has("command") ? 1 : 0) + (how.has("odometry") ? 1 : 0);
+  if (sources != 1 || study.sequences.empty()) {
+    throw map.fault("trajectories", {InputFault::kContradiction,
+                                     study.sequences.empty()
+                                         ? "there are no sequences to estimate trajectories on"
+                                         : "trajectories have a pattern, a command or an odometry",
+                                     "sequences, and one of pattern, command and odometry", ""});
+  }
+  for (const char* key : {"executable", "runs"}) {
+    if (!how.has(key) || how.has("odometry")) continue;
+    throw how.fault(key, {InputFault::kContradiction, "is of an odometry, and there is none",
+                          "odometry: orbslam3, openvins or a runner's .yaml", ""});
+  }
+  readSource(how, study, study.trajectories);
+  study.trajectories.metrics = optionsOf(how, "metrics", "plumbline evaluate trajectory", check);
+}
+
+}  // namespace plumbline::study_internal
