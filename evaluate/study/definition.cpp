@@ -254,7 +254,7 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
   const YamlMap map = YamlMap::load(path, "a study's definition: study, methods, sessions, ...");
   refuseUnknownKeys(map, {"study", "target", "target_shape", "calibrate", "limit_s", "methods",
                           "sessions", "held_out", "sequences", "trajectories", "perturbations",
-                          "endpoints", "thresholds", "limits", "cross", "replay"});
+                          "endpoints", "thresholds", "limits", "cross", "replay", "keep_records"});
   StudyDefinition study;
   study.file = fs::weakly_canonical(fs::absolute(path));
   study.name = map.text("study", "the study's name");
@@ -281,6 +281,7 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
   readThresholds(map, study);
   study.cross = flagOf(map, "cross", false);
   study.replay = flagOf(map, "replay", false);
+  study.keep_records = flagOf(map, "keep_records", false);
   return study;
 }
 

@@ -86,6 +86,7 @@ struct StudyDefinition {
   int step_limit_mb = 8192;    ///< address space of a step
   bool cross = false;          ///< every calibration also on every other session
   bool replay = false;         ///< the guide replayed on every session
+  bool keep_records = false;   ///< records.sqlite of every step, most of it single residuals
 };
 
 /// Throws InputError where a command has no such option or it takes no such words. The command line

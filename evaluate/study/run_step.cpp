@@ -14,6 +14,7 @@
 #include "datasets/files/workplace.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
+#include "evaluate/results/result_folder.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step_rows.h"
 
@@ -234,6 +235,7 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
   if (result.status == StepStatus::kDone) {
     try {
       rows = rowsOf(step, folder.path());
+      if (!step.keep_records) fs::remove(folder.path() / kRecordsFile);
     } catch (const InputError& error) {
       fail(result, StepStatus::kFailed, error.what());
     }

@@ -77,6 +77,7 @@ struct Step {
   std::string program;     ///< runningProgramHash() of who planned it
   double limit_s = 3600;
   int limit_mb = 8192;
+  bool keep_records = false;  ///< otherwise records.sqlite is removed when its rows are read
 };
 
 template <class V>
@@ -93,6 +94,7 @@ void fields(V& v, Step& s) {
   v("program", s.program, "hash of the program's file");
   v("limit_s", s.limit_s, "wall time");
   v("limit_mb", s.limit_mb, "address space");
+  v("keep_records", s.keep_records, "whether records.sqlite stays");
 }
 
 /// The plan's text: a line (JSON) for each step.

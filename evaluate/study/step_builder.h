@@ -70,8 +70,11 @@ class StepBuilder {
     step_.program = program.hash;
     step_.limit_s = study.step_limit_s;
     step_.limit_mb = study.step_limit_mb;
+    step_.keep_records = study.keep_records;
     step_.inputs_key = contentHash(key_);
-    step_.key = contentHash(step_.inputs_key + "\n" + program.version + " " + program.hash);
+    // Figures do not depend on what is kept, so the history goes on; the result does.
+    step_.key = contentHash(step_.inputs_key + "\n" + program.version + " " + program.hash +
+                            (study.keep_records ? " records" : ""));
     return step_;
   }
 

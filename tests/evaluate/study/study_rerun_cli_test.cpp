@@ -41,6 +41,25 @@ TEST_F(StudyRerun, AChangedSessionAloneIsDoneAgain) {
                                    "sessions/p1_free/perturb"}));
 }
 
+TEST_F(StudyRerun, RecordsOfStepsStayWhereTheStudySaysSo) {
+  const fs::path data = ownData(), night = doneNight();
+  const auto records = [&] {
+    int count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(night / "sessions")) {
+      count += entry.path().filename() == "records.sqlite" ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(records(), 0);
+  const auto before = times(night);
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") + "keep_records: true\n");
+  EXPECT_EQ(study(data, night).exit_code, 0);
+  EXPECT_EQ(doneAgain(before, night).size(), 12u);
+  EXPECT_EQ(records(), 12);
+  const auto summary = nlohmann::json::parse(read(night / "summary.json"));
+  EXPECT_FALSE(summary.contains("alarms"));
+}
+
 TEST_F(StudyRerun, ACorruptSessionCostsItselfAlone) {
   const fs::path data = ownData();
   write(data / "p1_free/mav0/cam0/corners.csv", "no corners\n1,2\n");
