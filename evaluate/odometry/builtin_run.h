@@ -16,7 +16,7 @@ struct BuiltinOptions {
   int cameras = 0;               ///< of the calibration, the first of them; 0: all
   double corner_sigma_px = 0.3;  ///< standard deviation of a coordinate where the tracks are a
                                  ///< board's corners, which are found better than others [px]
-  double most_skipped = 0.02;  ///< share of the frames that may be missing or undecodable
+  double most_skipped = 0.02;    ///< share of the frames that may be missing or undecodable
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;
