@@ -42,6 +42,7 @@ def board_session(session, stamps, out):
 
 def calibrate(plumbline, session, out):
     subprocess.run([plumbline, "calibrate", session, "--only", "cam0", "--no-imu", "--loss", "none",
+                    "--models", "pinhole-radtan", "--target-shape", "flat", "--no-halves",
                     "--min-corners", "8", "--no-report", "--no-cache", "--out", out],
                    check=True, capture_output=True)
     return os.path.join(out, "calibration.json")
