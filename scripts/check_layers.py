@@ -16,8 +16,11 @@ HEAVY = {
     "Ceres": r"ceres/",
     "VTK": r"vtk\w+\.h",
     "SQLite": r"SQLiteCpp/|sqlite3\.h",
-    "bag reader": r"rosbag|ros/",
     "OpenCV": r"opencv2/",
+    "apriltag": r"apriltag/",
+    "yaml-cpp": r"yaml-cpp/",
+    "libpng": r"png\.h",
+    "libjpeg": r"jpeglib\.h|jerror\.h",
     "CLI11": r"CLI/",
     "cairo": r"cairo",
 }
