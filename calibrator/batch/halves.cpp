@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <boost/math/distributions/chi_squared.hpp>
+
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
@@ -18,7 +20,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kDeviate99 = 2.3263478740408408;  // of the normal distribution
 constexpr double kMostWidening = 3;
 constexpr double kDiagnosisBlocks = 20;  // what a ratio of deviations is taken to stand on
 
@@ -103,8 +104,7 @@ std::array<FrameSegment, 2> halvesOf(std::size_t frames) {
 }  // namespace
 
 double chiSquare99(double degrees) {
-  const double v = 2 / (9 * degrees);
-  return degrees * std::pow(1 - v + kDeviate99 * std::sqrt(v), 3);
+  return boost::math::quantile(boost::math::chi_squared(degrees), 0.99);
 }
 
 HalvesBlock compareHalves(const HalvesDifference& block) {

@@ -33,8 +33,7 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
                                                 const CameraImuStageResult& whole,
                                                 const CameraImuOptions& options = {});
 
-/// What chi-square with so many degrees of freedom exceeds once in a hundred times (Wilson and
-/// Hilferty, 1931).
+/// What chi-square with so many degrees of freedom exceeds once in a hundred times.
 double chiSquare99(double degrees);
 
 /// A block of parameters to be compared.

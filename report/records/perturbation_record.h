@@ -14,10 +14,10 @@ namespace plumbline {
 
 /// One calibration of a perturbation study.
 struct PerturbationCase {
-  std::string kind;        ///< "imu-shift", "target-size", "noise-density", "initial-intrinsics",
+  std::string kind;        ///< "imu-shift", "target-size", "noise-densities", "initial-intrinsics",
                            ///< "dropped-frames", "dropped-imu", "corner-noise"
   double amount = 0;       ///< how much, in `unit`
-  std::string unit;        ///< "ms", "%", "px"
+  std::string unit;        ///< "ms", "%", "x" (a factor), "px"
   std::uint64_t seed = 0;  ///< of what was drawn; 0: nothing was
   std::string problem;     ///< why it failed; empty if it did not
   double rmse_px = 0;
@@ -43,10 +43,10 @@ inline std::string partName(const PerturbationCase& c) {
 template <class V>
 void fields(V& v, PerturbationCase& c) {
   v("kind", c.kind,
-    "`imu-shift`, `target-size`, `noise-density`, `initial-intrinsics`, `dropped-frames`, "
+    "`imu-shift`, `target-size`, `noise-densities`, `initial-intrinsics`, `dropped-frames`, "
     "`dropped-imu`, `corner-noise`; `base`: as recorded");
   v("amount", c.amount, "how much, in `unit`");
-  v("unit", c.unit, "`ms`, `%`, `px`");
+  v("unit", c.unit, "`ms`, `%`, `x` (a factor), `px`");
   v.ifSet("seed", c.seed, "of what was drawn; absent where nothing was");
   v.derived("solved", c.problem.empty(), "1", "whether there is a result");
   v.ifSet("problem", c.problem, "why it failed");

@@ -31,7 +31,7 @@ TEST(JointTarget, IsTheMeanWeightedByInformation) {
   EXPECT_NEAR(joint.members[0].chi2, 11 * 20, 1e-3);
   EXPECT_NEAR(joint.members[1].chi2, 11 * 20, 1e-3);
   EXPECT_FALSE(joint.members[0].agrees());
-  EXPECT_NEAR(joint.members[0].limit, 24.725, 0.1);
+  EXPECT_NEAR(joint.members[0].limit, 24.725, 1e-3);
 }
 
 TEST(JointTarget, LargerRobustDeviationsCount) {
