@@ -124,6 +124,10 @@ struct FaultDiagnosis {
   /// formal ones under the same assumptions.
   Eigen::Matrix<double, 7, 1> robust_std = Eigen::Matrix<double, 7, 1>::Zero();
   Eigen::Matrix<double, 7, 1> formal_std = Eigen::Matrix<double, 7, 1>::Zero();
+  /// How T_SC0 and the offset follow the cameras that the batch holds, to first order: 7 rows, and
+  /// columns for all intrinsics, all T_C0Ci and the board's terms but tag_edge, each as its stage's
+  /// covariance lists it. Empty where the cameras are free.
+  Eigen::MatrixXd by_cameras;
 };
 
 /// One corner's reprojection error at the solution: e = measured - projected [px] (paper, eq. for
@@ -178,7 +182,8 @@ struct StageSummary {
   ParameterCovariance covariance;
   /// Cluster-robust standard deviations in the order of `covariance`, which hold where corners err
   /// together or the model misfits (calibrator/batch/camera/robust_covariance.h); empty where too
-  /// few blocks of time tell.
+  /// few blocks of time tell. Of the camera-IMU stage T_SC0 and the time offset through both stages
+  /// (batch/two_stages.h).
   std::optional<Eigen::VectorXd> robust_std;
   /// Whether the recording's halves agree, where that was asked for and both have a solution.
   std::optional<HalvesCheck> halves;
@@ -193,6 +198,8 @@ enum class TargetFinding {
   kLensMisfits,   ///< another lens model predicts unseen frames better: board or lens, who knows
   kAsStated,      ///< its own terms predict unseen frames no better than the stated board
   kBent,          ///< they do
+  kKnown,         ///< given, and terms of its own predict unseen frames no better
+  kOther,         ///< given, but they do: another board, or one that has changed
 };
 
 /// The board's shape as a recording shows it, estimated together with the cameras.
@@ -203,7 +210,7 @@ struct TargetFit {
   TargetTerms std = TargetTerms::Zero();
   int blocks = 0;
   double held_out_px = 0;       ///< RMS of frames that cameras and board were not fitted to
-  double flat_held_out_px = 0;  ///< the same with the board as stated
+  double flat_held_out_px = 0;  ///< the same with the board as stated, or as it was given
   double gain_px2 = 0;          ///< mean over blocks of time: by how much the squares are smaller
   double gain_std_px2 = 0;      ///< standard deviation of that mean
 };
@@ -217,6 +224,16 @@ struct ModelCandidate {
   double held_out_px = 0;  ///< RMS of frames that it was not fitted to; NaN: no solution
   double excess_px2 = 0;   ///< mean over blocks of time: by how much its squares exceed the best's
   double excess_std_px2 = 0;  ///< standard deviation of that mean
+};
+
+/// How much of a camera's reprojection error is systematic: left by lens model and board, not noise
+/// of the detector (batch/bias_ratio.h).
+struct BiasRatio {
+  std::string camera;
+  double ratio = 0;     ///< share of the mean squared error that is systematic, 0 to 1
+  double noise_px = 0;  ///< standard deviation of a corner per axis, from patches of neighbours
+  double error_px = 0;  ///< the same of all residuals
+  int patches = 0;      ///< on which noise_px stands; 0: too few, the ratio says nothing
 };
 
 /// Why a model was chosen.
@@ -245,6 +262,10 @@ struct CameraStageResult {
   TargetShape target;
   std::optional<TargetFit> target_fit;  ///< where the shape was asked for
   std::vector<ModelChoice> models;      ///< one per camera, where they were to be chosen
+  std::vector<BiasRatio> bias;          ///< one per camera
+  /// Cluster-robust, of the parameters in the order of `summary.covariance`, then of the board's
+  /// terms where they were estimated; empty where too few blocks of time tell. Not stored.
+  Eigen::MatrixXd robust_covariance;
   StageSummary summary;
 };
 

@@ -14,6 +14,7 @@
 
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 
@@ -34,16 +35,12 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
                               const CameraStageOptions& options) {
   CameraProblem problem = problemOf(corners, {}, options);
   CameraEstimate start = estimateOf(whole.cameras);
-  // An estimated shape is free here too; one that was given stays in the corners.
-  if (!(whole.target.terms == session.target.shape.terms)) {
-    problem.target = std::make_shared<TargetModel>(session.target);
-    start.target = whole.target.terms;
-  }
   for (int i = half.first; i < half.first + half.count; ++i) {
     const auto f = static_cast<std::size_t>(i);
     problem.frames.push_back(whole.frames[f]);
     start.T_C0F.push_back(whole.T_FC0[f].inverse());
   }
+  freeTarget(session, whole, options, problem, start);
   const CameraSolution solution = solveCameraProblem(problem, start, solverOptions(options));
   if (!solution.converged) return std::nullopt;
   const auto formal = covarianceOf(reducedInformation(solution.normals));

@@ -97,8 +97,9 @@ void fields(V& v, StageSummary& s) {
   v("covariance", s.covariance, "of the calibration parameters");
 }
 
-constexpr std::array<const char*, 5> enumWords(TargetFinding /*of*/) {
-  return {"not tested", "not determined", "lens model misfits", "as stated", "bent"};
+constexpr std::array<const char*, 7> enumWords(TargetFinding /*of*/) {
+  return {"not tested", "not determined", "lens model misfits", "as stated",
+          "bent",       "known",          "another board"};
 }
 
 template <class V>
@@ -108,7 +109,7 @@ void fields(V& v, TargetFit& t) {
   v.group("std", [&](auto& g) { targetTermFields(g, t.std); });
   v("blocks", t.blocks, "1", "of time, over which `std` is cluster-robust; 0: formal");
   v("held_out_px", t.held_out_px, "px", "RMS of frames that cameras and board were not fitted to");
-  v("flat_held_out_px", t.flat_held_out_px, "px", "the same with the board as stated");
+  v("flat_held_out_px", t.flat_held_out_px, "px", "the same with the board as stated or given");
   v("gain_px2", t.gain_px2, "px^2",
     "mean over blocks of time: by how much the squares are smaller");
   v("gain_std_px2", t.gain_std_px2, "px^2", "standard deviation of that mean");
@@ -140,6 +141,15 @@ void fields(V& v, ModelChoice& m) {
 }
 
 template <class V>
+void fields(V& v, BiasRatio& b) {
+  v("camera", b.camera, "its name");
+  v("bias_ratio", b.ratio, "1", "share of the mean squared error that is systematic");
+  v("noise_px", b.noise_px, "px", "of a corner per axis, from patches of neighbouring corners");
+  v("error_px", b.error_px, "px", "the same of all residuals");
+  v("patches", b.patches, "1", "on which `noise_px` stands; 0: too few");
+}
+
+template <class V>
 void fields(V& v, CameraStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
@@ -147,6 +157,7 @@ void fields(V& v, CameraStageResult& s) {
   v("target", s.target, "the board that the solution stands on");
   v("target_fit", s.target_fit, "the board's shape as estimated, whether or not it was kept");
   v.ifSet("model_choice", s.models, "lens models tried for each camera, and the one chosen");
+  v.ifSet("bias", s.bias, "what lens and board leave, camera by camera");
   v.array("frames", s.frames, "frames of the solution");
   v.array("T_FC0", s.T_FC0, "camera 0 in the target's frame, one per frame");
   v.array("residuals", s.residuals, "corners' reprojection errors");

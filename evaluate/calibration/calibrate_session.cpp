@@ -9,6 +9,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/halves.h"
 #include "calibrator/batch/resample.h"
+#include "calibrator/batch/two_stages.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/session/check_session.h"
@@ -91,6 +92,10 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
                    {{"iterations", stage->summary.iterations}}};
   }
   record.camera_imu = std::move(stage).value();
+  if (record.camera) {
+    record.camera_imu->summary.robust_std =
+        robustStdOfBothStages(*record.camera, *record.camera_imu);
+  }
   if (request.halves) {
     record.camera_imu->summary.halves =
         checkCameraImuHalves(loaded.session, *record.camera_imu, request.camera_imu);

@@ -48,17 +48,26 @@ void addLeftOut(Text& text, const CameraImuStageResult& stage) {
       stage.frames.size(), stage.frames_without_imu, stage.frames_without_pose, stage.imu_gaps);
 }
 
-void addImu(Text& text, const ImuCalibration& imu) {
+// Of T_SC0 and the time offset: robust where it is known, the formal one beside it.
+void addImu(Text& text, const CameraImuStageResult& stage) {
+  const ImuCalibration& imu = stage.imu;
+  const auto deviations = [&](const Vector6d& s) {
+    const double degrees = 180 / std::numbers::pi;
+    return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
+                       1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
+  };
+  const auto& robust = stage.summary.robust_std;
   const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
   add(text, "  T_SC0 translation [{:.2f}, {:.2f}, {:.2f}] mm", mm.x(), mm.y(), mm.z());
+  if (robust) add(text, ", std {} (robust, through both stages)", deviations(robust->head<6>()));
   if (imu.T_SC0_std) {
-    const Vector6d& s = *imu.T_SC0_std;
-    const double degrees = 180 / std::numbers::pi;
-    add(text, ", std [{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
-        1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
+    add(text, "{}{}", robust ? "; formal " : ", std ", deviations(*imu.T_SC0_std));
   }
   add(text, "\n  time offset {:+.4f} ms", 1e3 * imu.timeOffset());
-  if (imu.time_offset_std_s) add(text, ", std {:.4f} ms", 1e3 * *imu.time_offset_std_s);
+  if (robust) add(text, ", std {:.4f} ms", 1e3 * (*robust)[6]);
+  if (imu.time_offset_std_s) {
+    add(text, "{}{:.4f} ms", robust ? "; formal " : ", std ", 1e3 * *imu.time_offset_std_s);
+  }
   add(text, " (t_imu = t_cam + offset)\n");
 }
 
@@ -81,6 +90,13 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
 
 // What was found of the board, where that was asked for.
 void addTarget(Text& text, const TargetFit& fit, bool kept) {
+  if (fit.finding == TargetFinding::kKnown || fit.finding == TargetFinding::kOther) {
+    add(text, "Target: {}; unseen frames {:.4f} px with the given shape, {:.4f} px with its own\n",
+        fit.finding == TargetFinding::kKnown ? "known from another session"
+                                             : "not the one of the given file",
+        fit.flat_held_out_px, fit.held_out_px);
+    return;
+  }
   if (fit.finding != TargetFinding::kBent) {
     add(text, "Target: taken as stated ({})\n", toString(fit.finding));
     return;
@@ -147,7 +163,7 @@ std::string calibrationSummary(const CalibrationRecord& record) {
   if (record.camera_imu) {
     addErrors(text, "Camera-IMU", record.camera_imu->summary);
     addLeftOut(text, *record.camera_imu);
-    addImu(text, record.camera_imu->imu);
+    addImu(text, *record.camera_imu);
   } else {
     add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or it is left out)\n");
   }

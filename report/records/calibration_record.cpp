@@ -70,13 +70,13 @@ std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
 }
 
 /// Of the i-th parameter of a stage's covariance. The camera-IMU stage has it for T_SC0 and the
-/// time offset, from its score tests.
+/// time offset: through both stages, or, where the cameras were given, from its score tests.
 std::optional<double> robustStd(const CalibrationRecord& record, Stage stage, std::size_t i) {
   const auto at = static_cast<Eigen::Index>(i);
-  if (stage == Stage::kCamera) {
-    const auto& all = record.camera->summary.robust_std;
-    return all && at < all->size() ? std::optional((*all)[at]) : std::nullopt;
-  }
+  const auto& all = stage == Stage::kCamera ? record.camera->summary.robust_std
+                                            : record.camera_imu->summary.robust_std;
+  if (all) return at < all->size() ? std::optional((*all)[at]) : std::nullopt;
+  if (stage == Stage::kCamera) return std::nullopt;
   const auto& faults = record.camera_imu->faults;
   return faults && at < faults->robust_std.size() ? std::optional(faults->robust_std[at])
                                                   : std::nullopt;

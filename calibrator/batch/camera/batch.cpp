@@ -297,6 +297,11 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
   const Stopwatch total;
   Stopwatch watch;
   std::vector<PackedCorners> corners = packCorners(session);
+  if (options.target == TargetMode::kKnown) {
+    CameraEstimate known;
+    known.target = startTerms(session.target, options.target);
+    placeCorners(session.target, known, corners);
+  }
   const std::vector<Frame> frames = pairFrames(session.cameras, options.frames);
   if (!options.start.empty()) checkCameras(session, options.start);
   for (const CameraCalibration& camera : options.start) {

@@ -45,6 +45,9 @@ enum class TargetMode {
   kTested,    ///< the same, but it is said whether its shape is another (TargetFit)
   kAuto,      ///< estimated, and kept where the recording determines it and it is significant
   kEstimate,  ///< estimated and kept
+  /// The session's is that of another recording: its terms hold within their covariance, but
+  /// tag_edge, of that recording and detector, is estimated anew.
+  kKnown,
 };
 
 /// Who says what the cameras are calibrated as.

@@ -10,6 +10,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera/held_out.h"
+#include "calibrator/batch/camera/target.h"
 #include "calibrator/initialise/lens_fit.h"
 
 namespace plumbline {
@@ -40,8 +41,8 @@ CameraPart aloneCamera(const AprilGrid& board, const CameraProblem& problem,
     mono.estimate.T_C0F.push_back(T_CiC0 * solved.T_C0F[f]);
   }
   if (options.target != TargetMode::kGiven) {
-    mono.problem.target = std::make_shared<TargetModel>(board);
-    mono.estimate.target = board.shape.terms;
+    mono.problem.target = targetModel(board, options.target, mono.problem, mono.estimate);
+    mono.estimate.target = startTerms(board, options.target);
   }
   return mono;
 }

@@ -237,10 +237,11 @@ void addCamera(const TargetViewGram& g, const CameraDerivatives& d, const Camera
 
 void addTargetPrior(const CameraProblem& problem, const CameraEstimate& estimate,
                     const CameraLayout& layout, CameraNormals& out) {
-  const double information = 1 / (problem.target->prior_std * problem.target->prior_std);
-  out.G.diagonal().segment<kTargetTerms>(layout.target).array() += information;
-  out.b.segment<kTargetTerms>(layout.target) += information * *estimate.target;
-  out.cost += 0.5 * information * estimate.target->squaredNorm();
+  const TargetModel& model = *problem.target;
+  const TargetTerms gradient = model.priorGradient(*estimate.target);
+  out.G.block<kTargetTerms, kTargetTerms>(layout.target, layout.target) += model.information;
+  out.b.segment<kTargetTerms>(layout.target) += gradient;
+  out.cost += 0.5 * gradient.dot(*estimate.target - model.mean);
 }
 
 CameraNormals emptyNormals(int frames, int size) {
@@ -345,8 +346,7 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
     at.T_C0F = {estimate.T_C0F[f]};
     shares[f] = reducedInformation(normalsAt(inner, at));
     if (!at.target) continue;
-    const double prior = 1 / (problem.target->prior_std * problem.target->prior_std);
-    shares[f].diagonal().tail<kTargetTerms>().array() -= prior;
+    shares[f].bottomRightCorner<kTargetTerms, kTargetTerms>() -= problem.target->information;
   }
   return shares;
 }

@@ -37,12 +37,21 @@ CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
 
 /// A board whose shape is estimated: about its grid, with what is known of the terms beforehand.
 struct TargetModel {
+  /// Nothing is known: every term is 0 +- prior_std.
   explicit TargetModel(const AprilGrid& board) : grid(board), basis(board) {}
   AprilGrid grid;
   TargetBasis basis;
-  /// Of each term, about 0 [m]: weak, so that a recording that says nothing of a term leaves the
-  /// system regular. 0.5 mm and more change no estimate of EuRoC's board.
-  double prior_std = 5e-3;
+  /// [m]; weak, so that a recording that says nothing of a term leaves the system regular. 0.5 mm
+  /// and more change no estimate of EuRoC's board.
+  static constexpr double prior_std = 5e-3;
+  /// The prior's part of the cost is 0.5 (terms - mean)' information (terms - mean).
+  TargetTerms mean = TargetTerms::Zero();
+  TargetCovariance information = TargetCovariance::Identity() / (prior_std * prior_std);
+  /// Covariance of the prior's gradient, its mean being in error: what the sandwich adds. The weak
+  /// prior's is negligible.
+  TargetCovariance scatter = TargetCovariance::Zero();
+
+  TargetTerms priorGradient(const TargetTerms& terms) const { return information * (terms - mean); }
 };
 
 /// All measurements of the camera batch. The corners are shared between problems (a first solution

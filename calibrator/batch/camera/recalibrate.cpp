@@ -4,6 +4,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"
 
 namespace plumbline {
@@ -73,10 +74,6 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
   std::vector<PackedCorners> corners = usedCorners(session, earlier.frames, earlier.residuals);
   CameraProblem problem = problemOf(corners, {}, options);
   CameraEstimate estimate = estimateOf(earlier.cameras);
-  if (earlier.target_fit && earlier.target_fit->finding == TargetFinding::kBent) {
-    problem.target = std::make_shared<TargetModel>(session.target);
-    estimate.target = earlier.target.terms;
-  }
   for (const FrameSegment& segment : segments) {
     for (int f = segment.first; f < segment.first + segment.count; ++f) {
       problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
@@ -84,6 +81,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
       estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
     }
   }
+  freeTarget(session, earlier, options, problem, estimate);
   const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
   placeCorners(session.target, solution.estimate, corners);
   return stageResult(session, problem, solution, ResidualList::kDrop);

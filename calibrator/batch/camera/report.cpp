@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <cassert>
+#include <utility>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/batch/bias_ratio.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
@@ -83,6 +85,13 @@ std::optional<TargetCovariance> targetCovariance(const Eigen::MatrixXd& informat
   const auto covariance = covarianceOf(information);
   if (!covariance) return std::nullopt;
   return TargetCovariance(covariance->bottomRightCorner<kTargetTerms, kTargetTerms>());
+}
+
+/// At the size of the larger deviations.
+TargetCovariance stretched(const TargetCovariance& formal, const TargetTerms& robust_variance) {
+  const TargetTerms ratio =
+      robust_variance.cwiseQuotient(formal.diagonal()).cwiseMax(1).cwiseSqrt();
+  return ratio.asDiagonal() * formal * ratio.asDiagonal();
 }
 
 }  // namespace
@@ -178,10 +187,17 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   result.summary.cost = solution.normals.cost;
   addResiduals(session, problem, solution.estimate, list, result);
   if (list == ResidualList::kDrop) return result;
-  if (const auto robust = robustCovariance(problem, solution)) {
+  if (auto robust = robustCovariance(problem, solution)) {
     const auto n = result.summary.covariance.matrix.rows();
-    result.summary.robust_std = robust->matrix.diagonal().head(n).cwiseSqrt();
+    const Eigen::VectorXd variance = robust->matrix.diagonal();
+    result.summary.robust_std = variance.head(n).cwiseSqrt();
+    if (result.target.covariance && solution.estimate.target) {
+      result.target.covariance =
+          stretched(*result.target.covariance, variance.tail<kTargetTerms>());
+    }
+    result.robust_covariance = std::move(robust->matrix);
   }
+  result.bias = biasRatios(session.target, result);
   return result;
 }
 

@@ -21,10 +21,7 @@ constexpr int kChunk = 16;             // frames
 Eigen::VectorXd frameScore(const CameraProblem& one, const CameraEstimate& at) {
   const CameraNormals n = normalsAt(one, at);
   Eigen::VectorXd score = n.b;
-  if (at.target) {
-    const double prior = 1 / (one.target->prior_std * one.target->prior_std);
-    score.tail<kTargetTerms>() -= prior * *at.target;
-  }
+  if (at.target) score.tail<kTargetTerms>() -= one.target->priorGradient(*at.target);
   const Eigen::LLT<Matrix6d> llt(n.H.front());
   if (llt.info() == Eigen::Success) score -= n.P.transpose() * llt.solve(n.b_pose);
   return score;
@@ -97,6 +94,10 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   const double share =
       shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);
   out.matrix = half * half.transpose() * (out.blocks / (out.blocks - 1.0) / share);
+  if (solution.estimate.target) {
+    const Eigen::MatrixXd gain = bread->rightCols<kTargetTerms>();
+    out.matrix += gain * problem.target->scatter * gain.transpose();
+  }
   return out;
 }
 

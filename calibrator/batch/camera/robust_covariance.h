@@ -12,6 +12,7 @@ namespace plumbline {
 /// the reduced information S and the scores s_f of the frames (gradient of frame f's cost, its pose
 /// eliminated) summed over M blocks of time,
 ///   S^-1 (sum_b s_b s_b^T) S^-1  M / (M - 1).
+/// and S^-1 scatter S^-1 of what a known board's terms may be off by (TargetModel::scatter).
 /// It holds where corners err together within a block, or the model misfits: then the formal S^-1
 /// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise.
 struct RobustCovariance {

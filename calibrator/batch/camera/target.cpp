@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera/target.h"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -14,6 +16,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kGainSigmas = 2;  // of the mean gain
+constexpr double kExact = 1e-6;    // deviation of terms that are given without one [m]
 
 /// The cameras with another lens model, without distortion yet: radtan where they are equidistant,
 /// otherwise equidistant.
@@ -49,27 +52,39 @@ bool otherLensIsBetter(const AprilGrid& board, const CameraProblem& problem,
   return gain.mean > kGainSigmas * gain.std;
 }
 
+/// A problem, and its solution.
+struct Solved {
+  const CameraProblem& problem;
+  const CameraSolution& solution;
+};
+
 TargetFinding findingOf(const TargetFit& fit, const CameraStageOptions& options) {
-  if (!(fit.std.maxCoeff() <= options.target_max_std)) return TargetFinding::kUndetermined;
-  return fit.gain_px2 > kGainSigmas * fit.gain_std_px2 ? TargetFinding::kBent
-                                                       : TargetFinding::kAsStated;
+  const bool better = fit.gain_px2 > kGainSigmas * fit.gain_std_px2;
+  const bool determined = fit.std.maxCoeff() <= options.target_max_std;
+  if (options.target == TargetMode::kKnown) {
+    return determined && better ? TargetFinding::kOther : TargetFinding::kKnown;
+  }
+  if (!determined) return TargetFinding::kUndetermined;
+  return better ? TargetFinding::kBent : TargetFinding::kAsStated;
 }
 
-TargetFit judge(const AprilGrid& board, const CameraProblem& problem, const CameraSolution& bent,
-                const CameraSolution& flat, const CameraStageOptions& options) {
+/// The board with terms of its own against the one without, or with those that are known.
+TargetFit judge(const AprilGrid& board, const Solved& own, const Solved& stated,
+                const CameraStageOptions& options) {
+  const CameraSolution& bent = own.solution;
   TargetFit fit;
   fit.shape.terms = *bent.estimate.target;
   const auto formal = covarianceOf(reducedInformation(bent.normals));
   if (!bent.converged || !formal) return fit;
   fit.shape.covariance = formal->bottomRightCorner<kTargetTerms, kTargetTerms>();
   fit.std = fit.shape.covariance->diagonal().cwiseSqrt();
-  if (const auto robust = robustCovariance(problem, bent)) {
+  if (const auto robust = robustCovariance(own.problem, bent)) {
     fit.blocks = robust->blocks;
     fit.std = fit.std.cwiseMax(robust->matrix.diagonal().tail<kTargetTerms>().cwiseSqrt());
   }
-  const HeldOut with = heldOut(board, problem, bent.estimate);
+  const HeldOut with = heldOut(board, own.problem, bent.estimate);
   if (with.cost.size() < 4) return fit;  // two blocks a side: fewer have no scatter
-  const HeldOut without = heldOut(board, problem, flat.estimate);
+  const HeldOut without = heldOut(board, stated.problem, stated.solution.estimate);
   fit.held_out_px = with.rms();
   fit.flat_held_out_px = without.rms();
   const MeanGain gain = meanGain(without.cost, with.cost);
@@ -78,23 +93,106 @@ TargetFit judge(const AprilGrid& board, const CameraProblem& problem, const Came
   fit.finding = findingOf(fit, options);
   // A model that was chosen by this error has no better beside it.
   if (fit.finding == TargetFinding::kBent && options.model_mode == ModelMode::kGiven &&
-      otherLensIsBetter(board, problem, bent.estimate, with)) {
+      otherLensIsBetter(board, own.problem, bent.estimate, with)) {
     fit.finding = TargetFinding::kLensMisfits;
   }
   return fit;
 }
 
+/// Mean square of the corners' errors per axis, after the loss, over pixel_sigma^2.
+double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) {
+  CameraProblem plain = problem;
+  plain.prior = nullptr;
+  double cost = normalsAt(plain, estimate).cost;
+  if (estimate.target) {
+    const TargetTerms gradient = problem.target->priorGradient(*estimate.target);
+    cost -= 0.5 * gradient.dot(*estimate.target - problem.target->mean);
+  }
+  double corners = 0;
+  for (int f = 0; f < problem.frameCount(); ++f) {
+    const std::vector<int>& views = problem.frames[static_cast<std::size_t>(f)].view;
+    for (std::size_t c = 0; c < views.size(); ++c) {
+      if (views[c] < 0) continue;
+      const PackedView view = problem.corners[c].view(views[c]);
+      for (int k = 0; k < view.count; ++k) corners += problem.weight(f) * view.w[k];
+    }
+  }
+  return cost / std::max(1.0, corners);
+}
+
+/// With the known board's terms under their prior, and beside it with terms of its own.
+TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, CameraSolution stated,
+                          const CameraStageOptions& options) {
+  CameraSolution known = std::move(stated);
+  // The first solution has the tags' edges wrong, which is no noise: again with what is left.
+  for (int round = 0; round < 2; ++round) {
+    auto model = targetModel(board, options.target, problem, known.estimate);
+    problem.target = std::move(model);
+    CameraEstimate start = known.estimate;
+    if (!start.target) start.target = problem.target->mean;
+    CameraSolution next = solveCameraProblem(problem, start, solverOptions(options));
+    next.iterations += known.iterations;
+    known = std::move(next);
+  }
+  CameraProblem free = problem;
+  free.target = std::make_shared<TargetModel>(board);
+  const CameraSolution own = solveCameraProblem(free, known.estimate, solverOptions(options));
+  TargetFit fit = judge(board, {free, own}, {problem, known}, options);
+  if (fit.finding != TargetFinding::kOther) fit.finding = TargetFinding::kKnown;
+  return {std::move(known), std::move(fit)};
+}
+
 }  // namespace
+
+std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMode mode,
+                                               const CameraProblem& problem,
+                                               const CameraEstimate& estimate) {
+  auto model = std::make_shared<TargetModel>(board);
+  if (mode != TargetMode::kKnown) return model;
+  model->mean = startTerms(board, mode);
+  using Board = Eigen::Matrix<double, kTargetTerms - 1, kTargetTerms - 1>;
+  Board covariance = kExact * kExact * Board::Identity();
+  if (board.shape.covariance) {
+    covariance += board.shape.covariance->topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>();
+  }
+  const double noise = noiseRatio(problem, estimate);
+  const Board information = noise * covariance.llt().solve(Board::Identity());
+  model->information.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() = information;
+  model->scatter.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() =
+      information * covariance * information;
+  return model;
+}
+
+TargetTerms startTerms(const AprilGrid& board, TargetMode mode) {
+  TargetTerms terms = board.shape.terms;
+  if (mode == TargetMode::kKnown) terms[kTargetTerms - 1] = 0;
+  return terms;
+}
+
+void freeTarget(const Session& session, const CameraStageResult& earlier,
+                const CameraStageOptions& options, CameraProblem& problem,
+                CameraEstimate& estimate) {
+  if (earlier.target.terms == session.target.shape.terms) return;
+  CameraEstimate placed = estimate;
+  placed.target = earlier.target.terms;
+  CameraProblem plain = problem;
+  plain.target = std::make_shared<TargetModel>(session.target);
+  problem.target = targetModel(session.target, options.target, plain, placed);
+  estimate.target = earlier.target.terms;
+}
 
 TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, CameraSolution flat,
                               const CameraStageOptions& options) {
   if (options.target == TargetMode::kGiven || !flat.converged) return {std::move(flat), {}};
+  if (options.target == TargetMode::kKnown) {
+    return solveKnown(board, problem, std::move(flat), options);
+  }
   problem.target = std::make_shared<TargetModel>(board);
   CameraEstimate start = flat.estimate;
   start.target = board.shape.terms;
   CameraSolution bent = solveCameraProblem(problem, start, solverOptions(options));
   bent.iterations += flat.iterations;
-  TargetFit fit = judge(board, problem, bent, flat, options);
+  TargetFit fit = judge(board, {problem, bent}, {problem, flat}, options);
   const bool keep =
       options.target == TargetMode::kEstimate
           ? bent.converged

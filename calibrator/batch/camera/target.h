@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/results.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
+
+/// What is known of the board's terms before a recording speaks. With TargetMode::kKnown the shape
+/// in `board`: its terms with their covariance (1 um where it has none), but for tag_edge, which
+/// belongs to recording and detector and is free. As the cost counts corners in units of
+/// pixel_sigma, not of their noise, the prior is weakened (or strengthened) by as much: information
+///   C^-1 noise^2 / pixel_sigma^2,   noise^2 = sum rho(|e|^2) / (2 corners) at `estimate`.
+/// Otherwise nothing.
+std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMode mode,
+                                               const CameraProblem& problem,
+                                               const CameraEstimate& estimate);
+
+/// The terms to start from: the board's, but for a known board tag_edge, 0.
+TargetTerms startTerms(const AprilGrid& board, TargetMode mode);
+
+/// Frees the terms again that an earlier result estimated, from where it has them; a shape that it
+/// took as given stays in the corners. Once frames and poses stand.
+void freeTarget(const Session& session, const CameraStageResult& earlier,
+                const CameraStageOptions& options, CameraProblem& problem,
+                CameraEstimate& estimate);
 
 /// A solution, and what it says of the board where that was asked for.
 struct TargetSolution {
@@ -23,6 +45,9 @@ struct TargetSolution {
 ///   poses moving, once with the terms and once without; the mean gain of a block in squared error
 ///   must exceed twice its standard deviation over the blocks. A board as stated gains nothing: its
 ///   terms add noise, so that the gain is below zero.
+///
+/// A known board (TargetMode::kKnown) is kept whatever comes out; the same test says whether terms
+/// of its own do better.
 TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, CameraSolution flat,
                               const CameraStageOptions& options);
 

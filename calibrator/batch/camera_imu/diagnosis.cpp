@@ -133,6 +133,14 @@ class ScoreTests {
   Eigen::Matrix<double, 7, 1> robustStd() const { return listed(robust_variance_.cwiseSqrt()); }
   Eigen::Matrix<double, 7, 1> formalStd() const { return listed(S_.diagonal().cwiseSqrt()); }
 
+  /// How T_SC0 and the time offset follow parameters that are held.
+  MatrixXd response(const Terms& held) const {
+    const MatrixXd P = -(S_ * scores_.information(model_, held));
+    MatrixXd out(7, P.cols());
+    out << P.topRows<6>(), P.row(BorderLayout::kOffset);
+    return out;
+  }
+
   FaultTest test(const Terms& fault) const {
     const MatrixXd I = scores_.information(fault, model_);
     const MatrixXd P = S_ * I.transpose();  // minus the model's response to the fault
@@ -285,6 +293,20 @@ std::vector<Candidate> candidates(const FaultColumns& columns, const CameraImuEs
   return out;
 }
 
+/// The cameras' parameters in the order of their own stage, then the board's terms.
+Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
+  Terms out;
+  const auto add = [&](int first, int count) {
+    for (const Term& term : range(first, count)) out.push_back(term);
+  };
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    add(columns.intrinsics[c], static_cast<int>(estimate.cameras[c].intrinsics.stacked().size()));
+  }
+  for (std::size_t c = 1; c < estimate.cameras.size(); ++c) add(columns.T_C0Ci[c], 6);
+  add(columns.shape, FaultColumns::kShape);
+  return out;
+}
+
 /// A test with the terms that take the fault into the model.
 struct Tested {
   FaultTest test;
@@ -431,6 +453,9 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
   const ScoreTests tests(scores, model);
   out.robust_std = tests.robustStd();
   out.formal_std = tests.formalStd();
+  if (!problem.free_cameras) {
+    out.by_cameras = tests.response(heldCameras(columns, solution.estimate));
+  }
   findCauses(scores, candidates(columns, solution.estimate, *found), model, options, out);
   return out;
 }

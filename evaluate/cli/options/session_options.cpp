@@ -93,7 +93,7 @@ void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--target-shape", target_shape,
                  target_shape == kAuto
                      ? "The board's own shape: auto (estimated where the recording determines it), "
-                       "flat, or a target_shape.yaml"
+                       "flat, or another session's target_shape.yaml"
                      : "The board's own shape: flat, or a target_shape.yaml")
       ->capture_default_str();
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
@@ -127,7 +127,9 @@ LoadRequest SessionOptions::request() const {
   request.read.target_path = target;
   request.read.imu_path = imu;
   if (estimating_) {
-    request.target = target_shape == kAuto ? TargetMode::kAuto : TargetMode::kTested;
+    request.target = target_shape == kAuto      ? TargetMode::kAuto
+                     : namesAFile(target_shape) ? TargetMode::kKnown
+                                                : TargetMode::kTested;
   }
   if (namesAFile(target_shape)) request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);

@@ -165,6 +165,23 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                         rms_mm, found)};
       }
       return {above(rule, rms_mm, found + "; estimated with the cameras")};
+    case TargetFinding::kKnown:
+      return {finding(rule, VerdictLevel::kGood, 0,
+                      fmt::format("known from another session; frames that the fit did not see are "
+                                  "predicted to {:.4f} px with it, and no better with a shape of "
+                                  "this session's own ({:.4f} px)",
+                                  fit.flat_held_out_px, fit.held_out_px))};
+    case TargetFinding::kOther: {
+      Rule other = rule;
+      other.advice =
+          "The file is of another board, or the board has changed since: run again with "
+          "--target-shape auto, or estimate the shape from a session of the same day.";
+      return {finding(other, VerdictLevel::kCaution, rms_mm,
+                      fmt::format("not the one of the file that was given: frames that the fit did "
+                                  "not see are predicted to {:.4f} px with a shape of this "
+                                  "session's own and to {:.4f} px with the file's",
+                                  fit.held_out_px, fit.flat_held_out_px))};
+    }
     case TargetFinding::kAsStated:
       return {
           finding(rule, VerdictLevel::kGood, 0,

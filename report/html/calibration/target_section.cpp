@@ -29,6 +29,18 @@ std::string foundText(const TargetFit& fit, bool kept) {
           fit.held_out_px, fit.flat_held_out_px,
           kept ? "The calibration stands on the estimated shape."
                : "The calibration stands on the stated one, as it was asked to.");
+    case TargetFinding::kKnown:
+      return fmt::format(
+          "The board is known from another session; what that left open was estimated with the "
+          "cameras. With it, frames that the fit did not see are predicted to {:.4f} px; a shape "
+          "of this session's own does no better ({:.4f} px).",
+          fit.flat_held_out_px, fit.held_out_px);
+    case TargetFinding::kOther:
+      return fmt::format(
+          "The board is not the one of the file that was given. Frames that the fit did not see "
+          "are predicted to {:.4f} px with a shape of this session's own, which is shown here, and "
+          "to {:.4f} px with the file's, on which the calibration stands.",
+          fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kAsStated:
       return fmt::format(
           "The board is as target.yaml says: with a shape of its own, frames that the fit did not "
@@ -121,7 +133,9 @@ Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
   Section section{
       "target", "Target", foundText(fit, stage.target.terms == fit.shape.terms), {}, {}};
   if (!fit.shape.covariance) return section;
-  if (fit.finding != TargetFinding::kBent) {  // a picture of noise says nothing
+  const bool has_picture =
+      fit.finding == TargetFinding::kBent || fit.finding == TargetFinding::kOther;
+  if (!has_picture) {  // a picture of noise says nothing
     section.blocks.push_back({"", kTermsText, termTable(fit), {}, {}});
     return section;
   }
