@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <optional>
@@ -10,6 +11,13 @@
 namespace plumbline {
 
 struct AprilGrid;
+
+/// Length of a tag's edges in the image [px] at which tag_edge is stated, and its factor elsewhere;
+/// edges below a tenth of that, which false corners make, count as a tenth.
+inline constexpr double kTagEdgePx = 40;
+inline double tagEdgeScale(double edge_px) {
+  return kTagEdgePx / std::max(edge_px, 0.1 * kTagEdgePx);
+}
 
 /// Parameters by which a board departs from the flat and even grid of target.yaml.
 inline constexpr int kTargetTerms = 12;
@@ -26,7 +34,8 @@ inline constexpr std::array<const char*, kTargetTerms> kTargetTermNames = {
 ///   p = p_grid + sum_j B_j(p_grid) terms_j,   B_j of TargetBasis.
 /// All zero: flat and even, as target.yaml says. It holds no similarity (translation, rotation,
 /// scale stay those of the grid). The last term is one of recording and detector rather than of
-/// the board: how much wider the tags look [m].
+/// the board: how much wider the tags look [m], where their edges span kTagEdgePx pixels. A
+/// detector errs by pixels, so that it is more on tags that look smaller, by tagEdgeScale().
 struct TargetShape {
   TargetTerms terms = TargetTerms::Zero();     ///< [m]
   std::optional<TargetCovariance> covariance;  ///< of terms [m^2]; none: taken as exact
@@ -42,7 +51,7 @@ struct TargetShape {
 /// RMS displacement [m] that it makes:
 ///   stretch (a X, -b Y) and shear (c Y, d X), without scale and rotation;
 ///   q_1 ~ X^2 - mean, q_2 ~ X Y - mean, q_3 ~ Y^2 - mean, along x, along y, and along z;
-///   tag_edge: (+-1/2, +-1/2), the tag's edges by the term itself.
+///   tag_edge: (+-1/2, +-1/2), the tag's edges by the term itself (where tagEdgeScale() is 1).
 /// What a small grid cannot tell (no extent, as q_1 on a single tag) is zero.
 class TargetBasis {
  public:
@@ -83,7 +92,7 @@ class TargetBasis {
 /// small similarity besides (translation, rotation, scale) being free.
 TargetTerms fitTargetTerms(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement);
 
-/// All corners of a board in F [m], by corner_id.
+/// All corners of a board in F [m], by corner_id, tag_edge at tagEdgeScale() 1.
 std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board);
 
 /// Geometry of Kalibr's AprilGrid in its own frame F: z = 0 plane, x right along a row of tags, y

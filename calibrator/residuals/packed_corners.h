@@ -20,8 +20,9 @@ struct PackedView {
   const double* z = nullptr;
   const double* u = nullptr;  ///< measured pixels
   const double* v = nullptr;
-  const double* w = nullptr;  ///< weight: 1 used, 0 rejected or padding
-  const int* id = nullptr;    ///< corner_id
+  const double* edge = nullptr;  ///< tagEdgeScale() of the corner's tag, as measured
+  const double* w = nullptr;     ///< weight: 1 used, 0 rejected or padding
+  const int* id = nullptr;       ///< corner_id
 };
 
 /// All views of one camera in one block of memory, 64-byte aligned at every view.
@@ -32,8 +33,8 @@ class PackedCorners {
 
   int viewCount() const { return static_cast<int>(count_.size()); }
   PackedView view(int index) const;
-  /// Moves the corners of all views onto a board (cornerPoints()).
-  void place(const std::vector<Eigen::Vector3d>& points);
+  /// Moves the corners of all views onto a board of the same grid, its shape included.
+  void place(const AprilGrid& board);
   /// Sets the weight of one corner (position within its view): 0 rejects it, 1 uses it; nothing
   /// between.
   void setWeight(int view, int position, double weight);
@@ -43,7 +44,7 @@ class PackedCorners {
   struct alignas(64) Line {
     double lane[kLanes] = {};
   };
-  // Per view the columns x y z u v w, each padded to whole lines; offsets count lines of one
+  // Per view the columns x y z u v w edge, each padded to whole lines; offsets count lines of one
   // column.
   std::vector<Line> storage_;
   std::vector<int> ids_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/random_stream.h"
@@ -50,13 +51,40 @@ std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerPro
   return corners;
 }
 
+namespace {
+
+/// tagEdgeScale() of the tag whose corners begin with id `first`; 1 where it is not seen whole.
+template <class Projection>
+double edgeScaleOf(const Projection& project, int first) {
+  double sum = 0;
+  for (int k = 0; k < 4; ++k) {
+    const auto a = project(first + k);
+    const auto b = project(first + (k + 1) % 4);
+    if (!a || !b) return 1;
+    sum += (*a - *b).norm();
+  }
+  return tagEdgeScale(sum / 4);
+}
+
+}  // namespace
+
 std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
                                    const SimulationOptions& o) {
   if (T_FC.t.z() <= 0) return {};
   const Transform T_CF = T_FC.inverse();
-  const std::vector<Eigen::Vector3d> points = cornerPoints(o.target);
-  const auto projection = [&](int corner_id) {
+  AprilGrid board = o.target;
+  const double tag_edge = std::exchange(board.shape.terms[kTargetTerms - 1], 0);
+  const std::vector<Eigen::Vector3d> points = cornerPoints(board);
+  const auto exact = [&](int corner_id) {
     return project(camera, T_CF * points[static_cast<std::size_t>(corner_id)]);
+  };
+  const auto projection = [&](int corner_id) {
+    if (tag_edge == 0) return exact(corner_id);
+    const int k = corner_id % 4;
+    const Eigen::Vector3d outward(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5, 0);
+    const double wider = tag_edge * edgeScaleOf(exact, corner_id - k);
+    const Eigen::Vector3d& p = points[static_cast<std::size_t>(corner_id)];
+    return project(camera, T_CF * (p + wider * outward));
   };
   return visibleCorners(camera.resolution, projection, o);
 }

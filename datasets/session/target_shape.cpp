@@ -84,7 +84,7 @@ TargetCovariance readCovariance(const YamlMap& file) {
 std::string targetShapeText(const AprilGrid& board) {
   std::string text =
       "# The shape of an AprilGrid board: terms of displacement from the even grid, RMS over the\n"
-      "# corners [mm]; tag_edge is by how much the tags look larger [mm].\n";
+      "# corners [mm]; tag_edge is by how much the tags look larger where they span 40 px [mm].\n";
   text +=
       fmt::format("tagRows: {}\ntagCols: {}\ntagSize: {}\ntagSpacing: {}\nterms_mm:\n", board.rows,
                   board.cols, yamlNumber(board.tag_size), yamlNumber(board.spacing));

@@ -84,9 +84,11 @@ std::vector<CameraSums> emptySums(const CameraLayout& layout) {
 /// then the functions of the basis.
 class PlacedTarget {
  public:
-  PlacedTarget(const TargetModel& model, const TargetTerms& terms) {
+  PlacedTarget(const TargetModel& model, const TargetTerms& terms)
+      : tag_edge_(terms[kTargetTerms - 1]) {
     AprilGrid board = model.grid;
     board.shape = {terms, std::nullopt};
+    board.shape.terms[kTargetTerms - 1] = 0;  // the tags' edges depend on the view
     const std::vector<Eigen::Vector3d> points = cornerPoints(board);
     for (std::size_t id = 0; id < points.size(); ++id) {
       std::array<double, kColumns> row{};
@@ -104,6 +106,11 @@ class PlacedTarget {
     for (std::size_t j = 0; j < n; ++j) {
       const auto& row = rows_[static_cast<std::size_t>(view.id[j])];
       for (std::size_t i = 0; i < kColumns; ++i) columns[i * n + j] = row[i];
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        double& edge = columns[(3 + TargetBasis::kEdgeX + axis) * n + j];
+        edge *= view.edge[j];
+        columns[axis * n + j] += tag_edge_ * edge;
+      }
     }
     view.x = columns.data();
     view.y = view.x + n;
@@ -117,6 +124,7 @@ class PlacedTarget {
  private:
   static constexpr std::size_t kColumns = 3 + TargetBasis::kFunctions;
   std::vector<std::array<double, kColumns>> rows_;
+  double tag_edge_;
 };
 
 /// Everything that the evaluation of a frame reads.

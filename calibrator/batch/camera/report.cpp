@@ -127,8 +127,7 @@ void placeCorners(AprilGrid board, const CameraEstimate& estimate,
                   std::vector<PackedCorners>& corners) {
   if (!estimate.target) return;
   board.shape.terms = *estimate.target;
-  const std::vector<Eigen::Vector3d> points = cornerPoints(board);
-  for (PackedCorners& camera : corners) camera.place(points);
+  for (PackedCorners& camera : corners) camera.place(board);
 }
 
 CameraStageResult resultFrom(const Session& session, const CameraProblem& problem,

@@ -17,8 +17,8 @@ constexpr int kLabelledTags = 8;  // along a side: heights are written into the 
 
 constexpr const char* kTermsText =
     "Each term is the RMS displacement over the corners that it makes; tag_edge is by how much "
-    "the tags look larger at unchanged pitch, which says more of light and detector than of the "
-    "board. The shape holds no scale: that stays target.yaml's.";
+    "the tags look larger at unchanged pitch where their edges span 40 pixels, which says more of "
+    "light and detector than of the board. The shape holds no scale: that stays target.yaml's.";
 
 std::string foundText(const TargetFit& fit, bool kept) {
   switch (fit.finding) {
