@@ -53,9 +53,10 @@ std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerPro
 
 namespace {
 
-/// tagEdgeScale() of the tag whose corners begin with id `first`; 1 where it is not seen whole.
+/// tagEdgeScale() of the tag whose corners begin with id `first`, by its edges as the detector has
+/// them, wider by `relative` where they span kTagEdgePx; 1 where it is not seen whole.
 template <class Projection>
-double edgeScaleOf(const Projection& project, int first) {
+double edgeScaleOf(const Projection& project, int first, double relative) {
   double sum = 0;
   for (int k = 0; k < 4; ++k) {
     const auto a = project(first + k);
@@ -63,7 +64,10 @@ double edgeScaleOf(const Projection& project, int first) {
     if (!a || !b) return 1;
     sum += (*a - *b).norm();
   }
-  return tagEdgeScale(sum / 4);
+  // L = edge (1 + relative kTagEdgePx / L)
+  const double edge = sum / 4;
+  const double square = edge * (edge + 4 * relative * kTagEdgePx);
+  return tagEdgeScale(0.5 * (edge + std::sqrt(std::max(0.0, square))));
 }
 
 }  // namespace
@@ -82,7 +86,7 @@ std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_
     if (tag_edge == 0) return exact(corner_id);
     const int k = corner_id % 4;
     const Eigen::Vector3d outward(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5, 0);
-    const double wider = tag_edge * edgeScaleOf(exact, corner_id - k);
+    const double wider = tag_edge * edgeScaleOf(exact, corner_id - k, tag_edge / board.tag_size);
     const Eigen::Vector3d& p = points[static_cast<std::size_t>(corner_id)];
     return project(camera, T_CF * (p + wider * outward));
   };

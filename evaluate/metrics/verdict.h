@@ -17,8 +17,10 @@ VerdictLevel levelAbove(double value, const Bound& bound);
 /// Thresholds of the verdict. The defaults are rules of thumb for rigs whose calibration feeds
 /// visual-inertial odometry; every one is an option of the command line.
 struct VerdictThresholds {
-  Bound rmse_px{1.0, 2.0};              ///< reprojection RMSE of a camera, above
-  Bound regional_error_px{0.9, 5.0};    ///< largest median error of an image region, above
+  Bound rmse_px{1.0, 2.0};            ///< reprojection RMSE of a camera, above
+  Bound regional_error_px{0.9, 5.0};  ///< largest median error of an image region, above
+  /// Part of a camera's error that neighbouring corners share, RMS per axis [px], above.
+  Bound systematic_px{0.3, 3};
   Bound coverage{0.75, 0.5};            ///< share of image regions with corners, below
   Bound views{20, 8};                   ///< views used of a camera, below
   Bound tilt_deg{25, 10};               ///< 90 % quantile of the views' tilt to the target, below

@@ -60,6 +60,7 @@ const ThresholdMembers& thresholdMembers() {
   static const ThresholdMembers kMembers{
       {"rmse_px", &VerdictThresholds::rmse_px},
       {"regional_error_px", &VerdictThresholds::regional_error_px},
+      {"systematic_px", &VerdictThresholds::systematic_px},
       {"coverage", &VerdictThresholds::coverage},
       {"views", &VerdictThresholds::views},
       {"tilt_deg", &VerdictThresholds::tilt_deg},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/core.h>
 
@@ -86,6 +87,25 @@ Findings judgeConvergence(const StageSummary& summary, const std::string& stage)
   }
   f.value = summary.iterations;  // no unit: nothing is compared with a threshold
   findings.push_back(f);
+  return findings;
+}
+
+Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {
+  Findings findings;
+  for (const BiasRatio& b : stage.bias) {
+    if (b.patches == 0) continue;
+    const double systematic = std::sqrt(b.ratio) * b.error_px;
+    findings.push_back(above(
+        {fmt::format("Bias of {}", b.camera), "px", t.systematic_px,
+         "This error is not the detector's noise, and more views do not lower it. See the maps of "
+         "mean errors in the report; leave --models and --target-shape to auto where they were "
+         "given, and record more slowly, in more light."},
+        systematic,
+        fmt::format(
+            "{:.0f} % of the squared error is shared by neighbouring corners: {:.3f} px per "
+            "axis, beside {:.3f} px of noise",
+            100 * b.ratio, systematic, b.noise_px)));
+  }
   return findings;
 }
 

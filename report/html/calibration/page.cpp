@@ -28,6 +28,22 @@ std::vector<Block> blocksOf(std::vector<FigureGroup> groups) {
   return blocks;
 }
 
+/// What lens and board leave beside the detector's noise, a sentence a camera.
+std::vector<std::string> biasRemarks(const CameraStageResult& stage) {
+  std::vector<std::string> remarks;
+  for (const BiasRatio& b : stage.bias) {
+    if (b.patches == 0) continue;
+    remarks.push_back(
+        fmt::format("{}: bias ratio {:.2f}. Of the squared error {:.0f} % is systematic, shared by "
+                    "neighbouring "
+                    "corners; the detector's noise is {:.3f} px per axis, the whole error {:.3f} "
+                    "px ({} patches "
+                    "of 2 x 2 tags).",
+                    b.camera, b.ratio, 100 * b.ratio, b.noise_px, b.error_px, b.patches));
+  }
+  return remarks;
+}
+
 Section reprojectionSection(const StageView& stage, const std::string& id) {
   return {id,
           "Reprojection, " + (id == "reprojection-camera" ? std::string("cameras") : "camera-IMU"),
@@ -97,6 +113,7 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   }
   if (record.camera) {
     sections.push_back(reprojectionSection(viewOf(*record.camera), "reprojection-camera"));
+    sections.back().remarks = biasRemarks(*record.camera);
   }
   if (record.camera_imu) {
     sections.push_back(reprojectionSection(viewOf(*record.camera_imu), "reprojection-camera-imu"));

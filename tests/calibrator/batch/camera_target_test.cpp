@@ -55,6 +55,56 @@ TEST(CameraTarget, RecoversABentBoardWithoutNoise) {
   }
 }
 
+// The tags of EuRoC's imu_april look 0.3 px smaller on either side, near and far.
+TEST(CameraTarget, RecoversTagsThatLookSmallerByPixels) {
+  TargetTerms terms = bentTerms();
+  terms[kTargetTerms - 1] = -5e-4;
+  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(terms, 0));
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kEstimate));
+  ASSERT_TRUE(result.ok()) << result.failure();
+  EXPECT_NEAR(result->target.terms[kTargetTerms - 1], -5e-4, 5e-6);
+  EXPECT_LT((result->target.terms - terms).head<kTargetTerms - 1>().norm(), 3e-6);
+  EXPECT_LT(result->summary.reprojection.rmse_px, 0.01);
+}
+
+/// Error of a result's board, without tag_edge [m].
+double boardError(const CameraStageResult& result, const TargetTerms& truth) {
+  return (result.target.terms - truth).head<kTargetTerms - 1>().norm();
+}
+
+// A board measured on another day, with tags that looked wider there: what it knows is used within
+// its deviations, the tags' edges are found anew.
+TEST(CameraTarget, AKnownBoardHoldsWithTheTagsEdgeOfTheRecording) {
+  SimulationOptions recording = recordingOf(bentTerms(), 0.2);
+  recording.duration_s = 3;
+  SimulatedSession s = simulateSession(simulatedRig("euroc"), recording);
+  const auto flat = calibrateCameras(s.session, estimating(TargetMode::kGiven, 0.2));
+  s.session.target.shape.terms = bentTerms();
+  s.session.target.shape.terms[kTargetTerms - 1] = 1e-3;
+  s.session.target.shape.covariance = TargetCovariance::Identity() * 1e-10;  // 10 um
+  const auto exact = calibrateCameras(s.session, estimating(TargetMode::kGiven, 0.2));
+  const auto known = calibrateCameras(s.session, estimating(TargetMode::kKnown, 0.2));
+  ASSERT_TRUE(known.ok() && exact.ok() && flat.ok());
+  EXPECT_LT(boardError(*known, bentTerms()), 3e-5);
+  EXPECT_NEAR(known->target.terms[kTargetTerms - 1], 0, 5e-5);
+  EXPECT_LT(largestError(*known, s.truth), 4);
+  EXPECT_GT(largestError(*flat, s.truth), 6);
+  EXPECT_LT(known->summary.reprojection.rmse_px, 0.3);  // sqrt(2) 0.2
+  EXPECT_GT(exact->summary.reprojection.rmse_px, 0.4);
+  ASSERT_TRUE(known->target_fit);
+  EXPECT_EQ(known->target_fit->finding, TargetFinding::kKnown);
+}
+
+TEST(CameraTarget, AnotherBoardsShapeIsSaidToBeAnothers) {
+  SimulatedSession s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  s.session.target.shape.terms = -bentTerms();
+  s.session.target.shape.covariance = TargetCovariance::Identity() * 1e-10;
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kKnown, 0.2));
+  ASSERT_TRUE(result.ok() && result->target_fit);
+  EXPECT_EQ(result->target_fit->finding, TargetFinding::kOther);
+  EXPECT_LT((result->target_fit->shape.terms - bentTerms()).norm(), 5e-5);  // what it is
+}
+
 TEST(CameraTarget, FindsABentBoardBentAndAFlatOneFlat) {
   const auto bent = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
   const auto found = calibrateCameras(bent.session, estimating(TargetMode::kAuto, 0.2));

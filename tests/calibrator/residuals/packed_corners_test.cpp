@@ -72,6 +72,31 @@ TEST(PackedCorners, AWeightBelongsToOneCornerOfOneView) {
   EXPECT_EQ(corners.view(1).w[9], 1);
 }
 
+// A detector errs by pixels: half as large tags look wider by twice as much of the board.
+TEST(PackedCorners, TheTagsEdgesDependOnTheirSizeInTheImage) {
+  AprilGrid board;
+  board.shape.terms[kTargetTerms - 1] = 1e-3;
+  const auto square = [](double edge_px, int count) {
+    ImageView view;
+    const Eigen::Vector2d corner[] = {{0, edge_px}, {edge_px, edge_px}, {edge_px, 0}, {0, 0}};
+    for (int k = 0; k < count; ++k) view.corners.push_back({k, corner[k]});
+    return view;
+  };
+  PackedCorners corners(board, {square(kTagEdgePx, 4), square(kTagEdgePx / 2, 4),
+                                square(2 * kTagEdgePx, 2), square(1, 4), square(1, 1)});
+  const double scale[] = {1, 2, 0.5, 10, 1};  // a tag of 1 px is none, a single corner says nothing
+  for (int pass = 0; pass < 2; ++pass, corners.place(board)) {
+    for (int i = 0; i < 5; ++i) {
+      const PackedView view = corners.view(i);
+      EXPECT_DOUBLE_EQ(view.edge[0], scale[i]);
+      EXPECT_NEAR(view.x[0], -0.5e-3 * scale[i], 1e-15);
+      EXPECT_NEAR(view.y[0], -0.5e-3 * scale[i], 1e-15);
+      if (view.count < 2) continue;
+      EXPECT_NEAR(view.x[1], board.tag_size + 0.5e-3 * scale[i], 1e-15);
+    }
+  }
+}
+
 TEST(PackedCorners, MayBeEmpty) {
   EXPECT_EQ(PackedCorners().viewCount(), 0);
   const PackedCorners none(kTarget, viewsOf({0}));

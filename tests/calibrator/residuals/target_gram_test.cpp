@@ -21,6 +21,7 @@ namespace {
 AprilGrid bentBoard() {
   AprilGrid board;
   for (int j = 0; j < kTargetTerms; ++j) board.shape.terms[j] = 2e-4 * (j % 5 - 2);
+  board.shape.terms[kTargetTerms - 1] = 0;  // it depends on the view (PackedCorners)
   return board;
 }
 

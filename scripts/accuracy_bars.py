@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures the bars of accuracy on EuRoC's two calibration recordings and prints them in one table:
+accuracy_bars.py PROGRAM DATA [--docs docs/target_shape.md]
+
+DATA holds euroc_imu_april and euroc_cam_april_images. With --docs the table replaces the one between the
+lines "<!-- bars -->" and "<!-- end of bars -->". Ends with 1 where a bar is missed.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+SPLIT_S = 36
+BEGIN, END = "<!-- bars -->\n", "<!-- end of bars -->"
+
+
+def run(program, *words):
+    done = subprocess.run([program, *map(str, words)], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
+
+
+class Results:
+    """Calibrations and scores of the two recordings, in a folder of their own."""
+
+    def __init__(self, program, data, folder):
+        self.program, self.folder = program, pathlib.Path(folder)
+        self.imu = data / "euroc_imu_april"
+        self.cam = data / "euroc_cam_april_images"
+
+    def calibrated(self, name, session, *options):
+        out = self.folder / name
+        run(self.program, "calibrate", session, "--out", out, "--no-report", "--no-halves", *options)
+        return json.loads((out / "calibration.json").read_text())
+
+    def scored(self, name, session, shape):
+        """RMSE of a calibration's cameras on a session, only poses moving [px]."""
+        out = self.folder / "score"
+        run(self.program, "evaluate", "calibration", self.folder / name / "calibration.json", session, "--loss", "none",
+            "--target-shape", shape, "--no-report", "--out", out, "--force")
+        return json.loads((out / "evaluation.json").read_text())["scores"][0]["reprojection"]["rmse_px"]
+
+
+def lens(document, camera):
+    """fu, fv, pu, pv [px]"""
+    return document["cameras"][camera]["intrinsics"][-4:]
+
+
+def differences(a, b):
+    """Largest over both cameras of |fu|, |fv|, |pu|, |pv| [px]"""
+    return [max(abs(x - y) for x, y in zip(column_a, column_b))
+            for column_a, column_b in zip(zip(lens(a, 0), lens(a, 1)), zip(lens(b, 0), lens(b, 1)))]
+
+
+def lever_arm_mm(document):
+    return [1e3 * row[3] for row in document["imu"]["T_SC0"][:3]]
+
+
+def rows_of(results):
+    whole = results.calibrated("whole", results.imu)
+    first = results.calibrated("first", results.imu, "--to", SPLIT_S)
+    rest = results.calibrated("rest", results.imu, "--from", SPLIT_S)
+    other = results.calibrated("other", results.cam)
+    shape = results.folder / "other" / "target_shape.yaml"
+    known = results.calibrated("known", results.cam, "--target-shape", results.folder / "whole" / "target_shape.yaml")
+    halves, sessions = differences(first, rest), differences(whole, other)
+    arm = max(abs(x - y) for x, y in zip(lever_arm_mm(first), lever_arm_mm(rest)))
+    camera = other["stages"]["camera"]
+    given = known["stages"]["camera"]["target_fit"]
+    return [
+        ("imu_april, first 36 s and the rest: fu, fv [px]", max(halves[:2]), 0.5),
+        ("the same: pu, pv [px]", max(halves[2:]), 0.3),
+        ("the same: T_SC0's translation, each axis [mm]", arm, 3),
+        ("imu_april and cam_april's images: fu, fv [px]", max(sessions[:2]), 0.6),
+        ("the same: pu, pv [px]", max(sessions[2:]), 0.5),
+        ("imu_april's cameras on cam_april, flat board [px RMS]", results.scored("whole", results.cam, "flat"), 0.24),
+        ("the same, cam_april's own board [px RMS]", results.scored("whole", results.cam, shape), 0.10),
+        ("cam_april, own board, itself [px RMS]", camera["rmse_px"], 0.070),
+        ("the same, unseen frames [px RMS]", camera["target_fit"]["held_out_px"], 0.074),
+        ("cam_april, imu_april's board, unseen frames [px RMS]", given["flat_held_out_px"], 0.080),
+    ]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("data", type=pathlib.Path)
+    parser.add_argument("--docs", type=pathlib.Path)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        rows = rows_of(Results(arguments.program, arguments.data, folder))
+    table = "| largest difference, or error | measured | bar |\n|---|---|---|\n"
+    for name, value, bar in rows:
+        table += f"| {name} | {value:.3g} | {bar:g}{'' if value <= bar else ' missed'} |\n"
+    print(table)
+    if arguments.docs:
+        before, rest = arguments.docs.read_text().split(BEGIN)
+        arguments.docs.write_text(before + BEGIN + table + END + rest.split(END, 1)[1])
+    sys.exit(any(value > bar for _, value, bar in rows))
+
+
+if __name__ == "__main__":
+    main()
