@@ -45,8 +45,11 @@ class Results:
 
 
 def lens(document, camera):
-    """fu, fv, pu, pv [px]"""
-    return document["cameras"][camera]["intrinsics"][-4:]
+    """fu, fv, pu, pv [px], the focal lengths as they are on the optical axis, whatever the model"""
+    stated = document["cameras"][camera]
+    *shape, fu, fv, pu, pv = stated["intrinsics"]
+    axis = 1 + shape[0] if stated["model"] in ("ds", "omni") else 1
+    return [fu / axis, fv / axis, pu, pv]
 
 
 def differences(a, b):
