@@ -27,6 +27,9 @@ struct ReadableUnit {
 };
 ReadableUnit readable(const std::string& unit);
 
+/// JSON as it may stand in a script element: nothing in it looks like the element's end.
+std::string scriptJson(const std::string& json);
+
 /// RFC 4648, section 4, with padding.
 std::string base64(std::string_view bytes);
 

@@ -81,6 +81,25 @@
     const middles = [px0 + (column + 0.5) / cells.columns * (px1 - px0), py1 + (row + 0.5) / cells.rows * (py0 - py1)];
     mark.setAttribute('transform', `translate(${middles.join(' ')})`);
   };
+  // A click on a plot over time picks the moment, and the series if one is near; all such plots keep it marked.
+  const pick = (plot, event) => {
+    const moment = plot.axis && document.querySelector('.views');
+    if (!moment || event.target.closest('text')) return;
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(plot.svg.getScreenCTM().inverse());
+    const [x0, x1, , , px0, px1] = plot.axes;
+    if (at.x < Math.min(px0, px1) || at.x > Math.max(px0, px1)) return;
+    const series = plot.mark.style.display === 'none' ? '' : plot.mark.lastChild.textContent.split(':')[0];
+    const seconds = x0 + (at.x - px0) * (x1 - x0) / (px1 - px0);
+    document.dispatchEvent(new CustomEvent('plumbline-moment', {detail: {seconds, series}}));
+  };
+  document.addEventListener('plumbline-picked', ({detail: {seconds}}) => {
+    for (const {axis, axes: [x0, x1, , , px0, px1, py0, py1], picked} of plots) {
+      const at = px0 + (seconds - x0) * (px1 - px0) / (x1 - x0);
+      const inside = axis.startsWith('time since the first frame') && at >= Math.min(px0, px1) && at <= Math.max(px0, px1);
+      picked.style.display = inside ? '' : 'none';
+      if (inside) for (const [key, value] of [['x1', at], ['x2', at], ['y1', py0], ['y2', py1]]) picked.setAttribute(key, value);
+    }
+  });
   const toggle = (plot, colour, text) => {
     const hide = text.style.textDecoration !== 'line-through';
     text.style.textDecoration = hide ? 'line-through' : '';
@@ -93,12 +112,14 @@
     mark.append(node('circle', {r: 4, fill: 'none', stroke: '#b00020', 'stroke-width': 1.5}),
       node('text', {y: -8, 'font-size': 12, 'font-weight': 600, fill: '#1d232b', stroke: '#fff', 'stroke-width': 3, 'paint-order': 'stroke'}));
     const cursor = node('line', {stroke: '#5a6472', 'stroke-width': 1, 'stroke-dasharray': '3 3'});
-    for (const part of [cursor, mark]) { part.style.display = 'none'; part.style.pointerEvents = 'none'; }
-    svg.append(cursor, mark);
-    const plot = {svg, mark, cursor, legend: legendOf(svg), axis: axisOf(svg), axes: svg.dataset.ax.split(' ').map(Number), points: null,
+    const picked = node('line', {stroke: '#c8500a', 'stroke-width': 1.6});
+    for (const part of [picked, cursor, mark]) { part.style.display = 'none'; part.style.pointerEvents = 'none'; }
+    svg.append(picked, cursor, mark);
+    const plot = {svg, mark, cursor, picked, legend: legendOf(svg), axis: axisOf(svg), axes: svg.dataset.ax.split(' ').map(Number), points: null,
       cells: svg.dataset.cells ? JSON.parse(svg.dataset.cells) : null};
     plots.push(plot);
     svg.addEventListener('pointermove', (event) => (plot.cells ? showCell : show)(plot, event));
+    svg.addEventListener('click', (event) => pick(plot, event));
     svg.addEventListener('pointerleave', () => { mark.style.display = 'none'; pointAll(plot, null); });
     for (const [colour, text] of plot.legend) {
       if (!drawn(svg).some((shape) => colourOf(shape) === colour)) continue;

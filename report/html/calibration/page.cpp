@@ -9,6 +9,7 @@
 #include "report/html/calibration/model_section.h"
 #include "report/html/calibration/reprojection_figures.h"
 #include "report/html/calibration/target_section.h"
+#include "report/html/calibration/views_section.h"
 #include "report/html/page.h"
 #include "report/html/page_data.h"
 #include "report/html/page_parts.h"
@@ -98,6 +99,12 @@ Section imuSection(const CameraImuStageResult& stage, const Verdict& verdict) {
           noiseRemarks(stage.imu_summary.noise, verdict), blocksOf(imuResidualFigures(stage))};
 }
 
+std::vector<Transform> cameraPoses(const CameraImuStageResult& stage) {
+  std::vector<Transform> T_FC0;
+  for (const ImuState& state : stage.states) T_FC0.push_back(state.T_FS * stage.imu.T_SC0);
+  return T_FC0;
+}
+
 std::vector<Section> figureSections(const CalibrationRecord& record) {
   std::vector<Section> sections;
   if (record.held) sections.push_back(heldScoresSection(*record.held));
@@ -117,6 +124,11 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   }
   if (record.camera_imu) {
     sections.push_back(reprojectionSection(viewOf(*record.camera_imu), "reprojection-camera-imu"));
+  }
+  if (record.camera) {
+    sections.push_back(viewsSection(viewOf(*record.camera), record.camera->T_FC0));
+  } else if (record.camera_imu) {
+    sections.push_back(viewsSection(viewOf(*record.camera_imu), cameraPoses(*record.camera_imu)));
   }
   if (record.camera || record.camera_imu) {
     const StageView stage = record.camera ? viewOf(*record.camera) : viewOf(*record.camera_imu);
@@ -280,7 +292,7 @@ std::string renderCalibrationPage(const CalibrationRecord& record) {
   if (record.held) page.verdict.reset();
   page.more_rows = calibrationRows(record);
   page.appendix = timings(record);
-  page.script = embedded::scene_viewer_bundle_js();
+  page.script = embedded::scene_viewer_bundle_js() + embedded::views_js();
   page.notice =
       " The 3D viewer contains vtk.js (BSD-3-Clause, Kitware); notices stand in the page's source.";
   return renderPage(page);

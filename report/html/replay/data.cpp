@@ -214,19 +214,6 @@ Json timesJson(const ReplayRecord& record, const ByFrame& decisions) {
   return {{"start", std::to_string(start)}, {"offsets", base64(offsets)}};
 }
 
-std::string escaped(const std::string& json) {  // nothing in a script element may look like its end
-  std::string text;
-  text.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
-  }
-  return text;
-}
-
 std::size_t textSize(std::size_t bytes) { return (bytes + 2) / 3 * 4 + 1; }
 
 std::vector<std::size_t> framesWithImages(const ReplayRecord& record) {
@@ -297,7 +284,7 @@ ReplayData replayData(const ReplayRecord& record, std::size_t image_bytes, std::
   ReplayData data;
   const std::size_t rest = json.dump().size();
   json["images"] = addImages(data, record, std::min(image_bytes, bytes - std::min(bytes, rest)));
-  data.json = escaped(json.dump());
+  data.json = scriptJson(json.dump());
   return data;
 }
 

@@ -51,11 +51,22 @@ const hover = () => {
   send(plot, 'pointerleave', at.x, at.y, 0);
   return text;
 };
+// A click on a moment of a plot shows the view of then, and every plot over time marks it.
+const pick = () => {
+  const plot = document.getElementById('camera-frames'), list = document.querySelector('.views dl');
+  const told = (name) => [...list.querySelectorAll('dt')].find((t) => t.textContent === name).nextSibling.textContent;
+  const before = told('time'), [x0, x1, , , px0, px1, py0, py1] = plot.dataset.ax.split(' ').map(Number);
+  const at = new DOMPoint(px0 + 0.75 * (px1 - px0), (py0 + py1) / 2).matrixTransform(plot.getScreenCTM());
+  plot.dispatchEvent(new MouseEvent('click', {clientX: at.x, clientY: at.y, bubbles: true}));
+  const marked = [...document.querySelectorAll('svg[data-ax] line[stroke="#c8500a"]')].filter((l) => l.style.display === '').length;
+  return {before, after: parseFloat(told('time')), asked: x0 + 0.75 * (x1 - x0), marked,
+    arrows: document.querySelectorAll('.views path').length, corners: Number(told('corners used')) + Number(told('rejected'))};
+};
 if (location.hash) moveUp(document.getElementById('scene-box').getBoundingClientRect().top - 20);
 setTimeout(() => {
   if (location.hash === '#drag') drag();
   const result = {errors: pageErrors, height: document.documentElement.scrollHeight,
-    live: document.getElementById('scene-box').classList.contains('live'), hover: hover(),
+    live: document.getElementById('scene-box').classList.contains('live'), hover: hover(), pick: pick(),
     scene: place(document.querySelector('#scene-box.live .scene-canvas') || document.querySelector('.scene-still')),
     figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)])};
   const out = document.createElement('script');
@@ -175,10 +186,19 @@ def check_scene(name, page, tool, folder):
     return rest[1], result["hover"]
 
 
+def check_pick(name, pick):
+    if abs(pick["after"] - pick["asked"]) > 0.5 or pick["marked"] < 1:
+        fail("%s: a click at %.1f s shows the view at %.1f s and marks %d plots"
+             % (name, pick["asked"], pick["after"], pick["marked"]))
+    if pick["arrows"] != pick["corners"] or pick["arrows"] < 4:
+        fail("%s: %d shapes for the %d corners of the view" % (name, pick["arrows"], pick["corners"]))
+
+
 def check_page(name, page, tool, folder):
     covered, hover = check_scene(name, page, tool, folder)
     if not re.match(r"^cam\d: -?[\d.e+-]+, -?[\d.e+-]+$", hover):
         fail("%s: hovering over a point says '%s'" % (name, hover))
+    check_pick(name, told(chromium("file://" + page, "--dump-dom", *FLAT))["pick"])
     result, (*figures, still) = photograph("file://" + page, tool, folder)
     if len(result["figures"]) < 8:
         fail("%s: only %d figures" % (name, len(result["figures"])))

@@ -133,6 +133,8 @@ const checkContrast = (all) => {
   }
 };
 const use = () => {
+  let saved = 0;  // a real download would leave the browser waiting
+  HTMLAnchorElement.prototype.click = function () { if (this.download && this.href.startsWith('blob:')) ++saved; };
   document.querySelectorAll('summary').forEach((s) => { s.click(); s.click(); });
   for (const e of document.querySelectorAll('button, input, select, th.sorts')) {
     if (!visible(e)) continue;
@@ -140,6 +142,8 @@ const use = () => {
     if (e.type === 'range') { e.value = e.max; e.dispatchEvent(new Event('input', {bubbles: true})); continue; }
     e.click();
   }
+  const buttons = [...document.querySelectorAll('.save-svg')].filter(visible).length;
+  if (saved < buttons) say('not saved', `${buttons - saved} of ${buttons} plots`);
 };
 const finish = () => {
   pageErrors.forEach((e) => say('console', e));
