@@ -95,9 +95,9 @@ TEST(CalibrationPage, GivesEveryPlotAnIdOfItsOwn) {
     at += svg.size();
     ++plots;
   }
-  // Scene; correlations, frames and four figures of two cameras for two stages; coverage; six of
-  // inertial residuals and two of biases.
-  EXPECT_EQ(plots, 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U);
+  // Scene; a single view; correlations, frames and four figures of two cameras for two stages;
+  // coverage; six of inertial residuals and two of biases.
+  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U);
 }
 
 TEST(CalibrationPage, IsTheSameWhenMadeFromTheStore) {
