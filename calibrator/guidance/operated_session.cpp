@@ -69,10 +69,10 @@ class Recording {
   OperatedSession result_;
 };
 
-GuideRig guideRigOf(const SimulatedRig& rig, const AprilGrid& target) {
+GuideRig guideRigOf(const SimulatedRig& rig, const OperatedOptions& options) {
   GuideRig guided;
-  guided.target = target;
-  guided.target.shape = {};
+  guided.target = options.simulation.target;
+  guided.target.shape = options.guide_shape;
   for (const CameraCalibration& c : rig.calibration.cameras) {
     guided.cameras.push_back({c.name,
                               c.intrinsics.resolution,
@@ -145,7 +145,7 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
 OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options) {
   options.check();
   Recording recording(rig, options);
-  Guide guide(guideRigOf(rig, options.simulation.target), options.guide);
+  Guide guide(guideRigOf(rig, options), options.guide);
   recording.result().finished = false;
   Attention attention(recording);
   int frame = 0;

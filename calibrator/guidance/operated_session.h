@@ -24,6 +24,7 @@ struct OperatedOptions {
       simulation;  ///< duration_s: of a free recording, or after which a guided one ends
   OperatorSkill skill;
   GuideOptions guide;
+  TargetShape guide_shape;  ///< the board's own shape as far as the guide knows it; default: flat
   int trajectories = 0;     ///< guided: done after so many, if the guide is not before; 0: no limit
   double arrival_s = 0.05;  ///< as GuideFramesOptions has it
   double camera_share = 0.5;  ///< of a free recording, before the motion for the IMU begins

@@ -15,6 +15,7 @@ namespace {
 
 struct SimulateStudyOptions {
   OutputOptions output;
+  std::string guide_board = toString(GuideBoard::kMeasured);
   StudySimulationOptions study;
 };
 
@@ -39,12 +40,20 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
   app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
       ->capture_default_str();
+  app.add_option("--board-bend-mm", s.board_bend_mm, "Bend of the board across, RMS [mm]")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  app.add_option("--guide-board", o.guide_board,
+                 "What the guide knows of the board's shape: measured (all), flat (nothing)")
+      ->check(CLI::IsMember({"measured", "flat"}))
+      ->capture_default_str();
   app.add_option("--threads", s.threads, "Threads (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
 
-int simulateStudyFolder(const SimulateStudyOptions& o) {
+int simulateStudyFolder(SimulateStudyOptions o) {
+  o.study.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   o.study.check();
   OutputFolder out(o.output.request("simulated study"));
   ProgressBar bar;

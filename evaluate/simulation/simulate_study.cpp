@@ -25,16 +25,15 @@ namespace fs = std::filesystem;
 constexpr double kLongestSequence_s = 30;
 constexpr double kOwnClock_s = 3600;  // sessions begin an hour apart
 
-/// Bent by 0.3 mm (RMS) across, less and the other way along, a little stretched by its printer.
-/// The guide takes the board for flat: from 1 mm on it hardly comes to an end.
-TargetShape boardShape() {
+/// Bent across (RMS), half as much the other way along, a little stretched by its printer.
+TargetShape boardShape(const StudySimulationOptions& o) {
   TargetShape shape;
   const auto set = [&](const std::string& name, double value) {
     const auto found = std::find(kTargetTermNames.begin(), kTargetTermNames.end(), name);
     shape.terms[found - kTargetTermNames.begin()] = value;
   };
-  set("z_xx", 0.3e-3);
-  set("z_yy", -0.15e-3);
+  set("z_xx", 1e-3 * o.board_bend_mm);
+  set("z_yy", -0.5e-3 * o.board_bend_mm);
   set("stretch", 0.1e-3);
   return shape;
 }
@@ -46,7 +45,7 @@ SimulationOptions simulationOf(const StudySimulationOptions& o, double duration_
   simulation.trajectory.seed = seed;
   simulation.duration_s = duration_s;
   simulation.corner_sigma_px = o.corner_sigma_px;
-  simulation.target.shape = boardShape();
+  simulation.target.shape = boardShape(o);
   return simulation;
 }
 
@@ -81,6 +80,7 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
   operated.skill = v.visit->skill;
   operated.operator_seed = v.visit->seed;
   operated.trajectories = o.trajectories();
+  if (o.guide_board == GuideBoard::kMeasured) operated.guide_shape = boardShape(o);
   const bool guided = v.visit->method == "guided";
   OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
   made.session.name = v.visit->name;
@@ -207,11 +207,12 @@ std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
                {"seed", o.seed},
                {"learning", o.learning},
                {"corner_sigma_px", o.corner_sigma_px},
+               {"guide_board", toString(o.guide_board)},
                {"limit_s", o.limitS()},
                {"trajectories", o.trajectories()}}},
              {"rig", rig.name}};
   truth.update(toJson(rig.calibration));
-  truth["board"] = toJson(boardShape());
+  truth["board"] = toJson(boardShape(o));
   Json sessions = Json::array();
   for (const Visit& v : visits) {
     Json session{{"name", v.visit->name},         {"participant", v.person->name},

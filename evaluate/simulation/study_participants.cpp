@@ -92,6 +92,7 @@ int StudySimulationOptions::trajectories() const {
 void StudySimulationOptions::check() const {
   requireWithin(1, 1000, "participants", participants);
   requireWithin(5, 600, "duration_s", duration_s);
+  requireWithin(0, 20, "board_bend_mm", board_bend_mm);
   requireWithin(0.1, 1, "learning", learning);
   requireWithin(0, 100, "corner_sigma_px", corner_sigma_px);
   requireWithin(0, 100, "held_out", held_out);

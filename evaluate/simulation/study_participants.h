@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/simulate/operator/simulated_operator.h"
 
 namespace plumbline {
+
+/// What the guide of a simulated study knows of the board's own shape.
+enum class GuideBoard {
+  kMeasured,  ///< all of it, as a lab knows it that has measured its one board before
+  kFlat,      ///< nothing
+};
+constexpr std::array<const char*, 2> enumWords(GuideBoard /*of*/) { return {"measured", "flat"}; }
 
 /// A simulated user study.
 struct StudySimulationOptions {
@@ -16,6 +25,8 @@ struct StudySimulationOptions {
   std::uint64_t seed = 1;
   double learning = 0.85;  ///< errors, reaction and time of the second session over the first's
   double corner_sigma_px = 0.2;
+  double board_bend_mm = 0.3;  ///< RMS across the board; half of it along, the other way
+  GuideBoard guide_board = GuideBoard::kMeasured;
   int held_out = 4;     ///< evaluation recordings
   int sequences = 10;   ///< with motion capture
   bool images = false;  ///< of the sequences, for odometry

@@ -48,14 +48,18 @@ def night(plumbline, root, out):
     return time.monotonic() - start, cpu
 
 
+def folder_size(path):
+    return sum(os.path.getsize(os.path.join(folder, name)) for folder, _, names in os.walk(path) for name in names)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--plumbline", required=True)
     parser.add_argument("--sessions", default="26,50,100", help="sizes, e.g. 26,50,100")
     parser.add_argument("--seconds", type=float, default=30)
     arguments = parser.parse_args()
-    print("| sessions | first night | CPU | unchanged | with a new participant | index.html |")
-    print("|---|---|---|---|---|---|")
+    print("| sessions | first night | CPU | unchanged | with a new participant | index.html | folder |")
+    print("|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as work:
         for sessions in map(int, arguments.sessions.split(",")):
             root, out = f"{work}/data", f"{work}/night{sessions}"
@@ -66,7 +70,7 @@ def main():
             further, _ = night(arguments.plumbline, root, out)
             index = os.path.getsize(f"{out}/index.html") / 1e6
             print(f"| {sessions} | {first:.1f} s | {cpu:.1f} s | {unchanged:.2f} s | {further:.1f} s | "
-                  f"{index:.2f} MB |", flush=True)
+                  f"{index:.2f} MB | {folder_size(out) / 1e6:.0f} MB |", flush=True)
 
 
 if __name__ == "__main__":

@@ -45,6 +45,19 @@ TEST(OperatedSession, FollowsWhatWasBegunToItsEnd) {
   EXPECT_LT(s.camera_imu_s, 60);
 }
 
+// A bent board that the guide takes for flat fits no camera: what it has measured is what it needs.
+TEST(OperatedSession, AGuideThatKnowsABentBoardEnds) {
+  OperatedOptions o = options(90);
+  o.simulation.target.shape.terms[8] = 2e-3;  // z_xx, RMS
+  ASSERT_STREQ(kTargetTermNames[8], "z_xx");
+  const SimulatedRig rig = simulatedRig("d435i");
+  const OperatedSession flat = recordGuided(rig, o);
+  o.guide_shape = o.simulation.target.shape;
+  const OperatedSession known = recordGuided(rig, o);
+  EXPECT_TRUE(known.finished);
+  EXPECT_GT(flat.camera_s, 1.5 * known.camera_s);
+}
+
 // Calibrated as a recording is, the truth is found within the noise: sensors and motion agree.
 TEST(OperatedSession, GivesTheRigsCalibrationBack) {
   const SimulatedRig rig = simulatedRig("d435i");
