@@ -138,4 +138,28 @@ class StudyNights : public testing::Test {
   fs::path scratch_;
 };
 
+/// Nights of the same study with more in its definition.
+class StudyStepNights : public StudyNights {
+ protected:
+  using Json = nlohmann::json;
+
+  // The study with more in its definition, done; its summary.
+  Json night(const fs::path& data, const std::string& further) const {
+    write(data / "STUDY.yaml", read(root_ / "data/STUDY.yaml") + further);
+    const Outcome outcome = study(data, scratch_ / "night");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return Json::parse(read(scratch_ / "night/summary.json"));
+  }
+  std::string commandOf(const std::string& step) const {
+    return Json::parse(read(scratch_ / "night" / step / "step.json")).at("command");
+  }
+  Outcome simulate(const fs::path& folder, const std::string& options) const {
+    fs::remove_all(folder);
+    return plumbline("simulate --out " + folder.string() + " " + options);
+  }
+
+  static constexpr const char* kSequence =
+      "sequences: [{name: s, path: eval, truth: eval/truth/trajectory.csv}]\n";
+};
+
 }  // namespace plumbline
