@@ -174,6 +174,13 @@ def cure(session, result, refusal):
     return "nothing", None
 
 
+def cured_truth(truth, done):
+    """After the accelerometer was shifted to a gyroscope that is late, the whole IMU is late by as much."""
+    late = sum(f["value"] for f in truth["faults"] if done == "imu-delay" and f["name"] == "gyro-delay")
+    truth["imu"]["time_offset_s"] += late
+    return truth
+
+
 def case(options, fault, rig, seed):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -198,7 +205,7 @@ def case(options, fault, rig, seed):
         result, refusal = calibrate(further)
         if result is None:
             return {"fault": fault, "rig": rig, "seed": seed, "before": before, "cure": done, "after": "refused"}
-        size, sigmas, beyond = errors(result, truth)
+        size, sigmas, beyond = errors(result, cured_truth(truth, done))
         return {"fault": fault, "rig": rig, "seed": seed, "before": before, "cure": done,
                 "after": result["verdict"]["level"], "mm": size["mm"], "sigmas": sigmas, "beyond": beyond}
 

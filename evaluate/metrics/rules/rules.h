@@ -95,7 +95,8 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
 
 // ---- the IMU (imu_rules.cpp)
 Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t);
-/// What the files state against what the data say: the IMU's rate, the target's size, gravity.
+/// What the files state against what the data say: the IMU's rate; scale and gravity by the linear
+/// fit ahead of the batch, where faults could not be tested (caution at most).
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t);
 Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// One density of imu.yaml against what the residuals say of it, if they say enough.

@@ -154,7 +154,7 @@ TEST_F(CommandLine, TargetsOfAnotherSizeAreNeverGood) {
   const fs::path copy = spoiled();
   write(copy / "target.yaml", replaced(target, "0.088", "0.090"));
   EXPECT_THAT(calibrate(copy, "--no-report").text,
-              AllOf(HasSubstr("CAUTION"), HasSubstr("Size of the target by the IMU")));
+              AllOf(HasSubstr("CAUTION"), HasSubstr("Unmodelled fault: size of the target")));
 }
 
 TEST_F(CommandLine, AWrongSpacingIsRefusedByItsOwnLine) {

@@ -167,6 +167,25 @@ const Finding& findingOf(const Verdict& verdict, const std::string& rule) {
   throw std::runtime_error("no finding " + rule);
 }
 
+TEST(Verdict, LinearFitIsJudgedOnlyWhereFaultsWereNotTestedAndNamesNoCause) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  CameraImuStageResult stage;
+  stage.frames.push_back({0, {0}});
+  stage.inertial_check = {1.08, 0.006, 9.5, 1.0};
+  record.camera_imu = stage;
+  const Verdict untested = judge(record);
+  for (const char* rule : {"Scale by the linear fit", "Gravity by the linear fit"}) {
+    EXPECT_EQ(levelOf(untested, rule), VerdictLevel::kCaution);
+  }
+  for (const Finding& finding : untested.findings) {
+    EXPECT_EQ(finding.advice.find("Measure the target again"), std::string::npos);
+  }
+  record.camera_imu->faults.emplace();
+  for (const Finding& finding : judge(record).findings) {
+    EXPECT_EQ(finding.rule.find("by the linear fit"), std::string::npos) << finding.evidence;
+  }
+}
+
 TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
   CalibrationRecord record = cameraRecord(0.3, 0.5);
   record.camera_imu = CameraImuStageResult();
