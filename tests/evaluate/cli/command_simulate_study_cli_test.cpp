@@ -11,7 +11,8 @@ namespace {
 using ::testing::HasSubstr;
 
 fs::path freshFolder(const char* name) {
-  fs::path out = fs::path(::testing::TempDir()) / name;
+  fs::path out =
+      fs::path(::testing::TempDir()) / (std::string(name) + "_" + std::to_string(getpid()));
   fs::remove_all(out);
   return out;
 }
