@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -155,6 +156,32 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
   return findings;
 }
 
+// The size by its score test, where no cause is named. Only the size is asked for here, which takes
+// less evidence than the largest of all tests does: where a rig moves gently, a size that is off by
+// 3 % stays below the bound of a cause, and moves T_SC0 by several deviations.
+std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
+                                       const VerdictThresholds& t) {
+  constexpr double kSigmas = 3;
+  if (!stage.faults || !stage.faults->causes.empty()) return std::nullopt;
+  const std::vector<FaultTest>& tests = stage.faults->tests;
+  const auto size = std::find_if(tests.begin(), tests.end(), [](const FaultTest& test) {
+    return test.fault == UnmodelledFault::kTargetSize;
+  });
+  if (size == tests.end()) return std::nullopt;
+  const double off = size->estimate(0);
+  const double std = size->std(0);
+  const double least = size->significance > kSigmas ? std::abs(off) - kSigmas * std : 0;
+  const Rule rule{"Size of the target by the batch", "-", t.target_scale,
+                  "Measure a tag's black square against tagSize in target.yaml. If it agrees, "
+                  "record again with brisker motion: this recording does not settle it."};
+  return finding(
+      rule, std::min(VerdictLevel::kCaution, levelAbove(std::max(0.0, least), rule.bound)),
+      std::max(0.0, least),
+      fmt::format("the residuals suggest {:+.2f} % (+- {:.2f}) of the stated size ({:.1f} standard "
+                  "deviations)",
+                  100 * off, 100 * std, std::max(0.0, size->significance)));
+}
+
 }  // namespace
 
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t) {
@@ -172,6 +199,7 @@ Findings judgeStatements(const CalibrationRecord& record, const VerdictThreshold
   for (Finding& finding : judgeLinearFit(stage, record.assumptions.gravity_m_s2, t)) {
     findings.push_back(std::move(finding));
   }
+  if (auto finding = judgeTargetSize(stage, t)) findings.push_back(std::move(*finding));
   return findings;
 }
 

@@ -186,6 +186,29 @@ TEST(Verdict, LinearFitIsJudgedOnlyWhereFaultsWereNotTestedAndNamesNoCause) {
   }
 }
 
+TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera_imu.emplace().frames.push_back({0, {0}});
+  FaultTest test;
+  test.fault = UnmodelledFault::kTargetSize;
+  const auto level = [&](double off, double std, double sigma) {
+    test.estimate = Eigen::VectorXd::Constant(1, off);
+    test.std = Eigen::VectorXd::Constant(1, std);
+    test.significance = sigma;
+    record.camera_imu->faults.emplace().tests = {test};
+    return levelOf(judge(record), "Size of the target by the batch");
+  };
+  EXPECT_EQ(level(-0.0305, 0.0052, 4.3), VerdictLevel::kCaution);  // stated 3 % too large
+  EXPECT_EQ(level(0.2, 0.02, 4.9), VerdictLevel::kCaution);        // never bad
+  EXPECT_EQ(level(0.015, 0.0066, 2.0), VerdictLevel::kGood);       // gentle motion, size as stated
+  EXPECT_EQ(level(-0.009, 0.0005, 4.9), VerdictLevel::kGood);      // too little to matter
+  // Where a cause is named, that says it.
+  record.camera_imu->faults->causes = {test};
+  for (const Finding& finding : judge(record).findings) {
+    EXPECT_NE(finding.rule, "Size of the target by the batch");
+  }
+}
+
 TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
   CalibrationRecord record = cameraRecord(0.3, 0.5);
   record.camera_imu = CameraImuStageResult();
