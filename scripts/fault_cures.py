@@ -90,10 +90,14 @@ def accelerometer_shifted(session, delay):
     samples.write()
 
 
+def first_frame(session):
+    """Stamp of camera 0's first frame, where the clocks of a recording that drifts agree."""
+    return int((session / "mav0" / "cam0" / "data.csv").read_text().splitlines()[1].split(",")[0])
+
+
 def undrifted(session, drift):
-    samples = Samples(session)
-    middle = samples.rows[len(samples.rows) // 2][0]
-    samples.each(lambda r: [r[0] - round(drift * (r[0] - middle))] + r[1:])
+    begin = first_frame(session)
+    Samples(session).each(lambda r: [r[0] - round(drift * (r[0] - begin))] + r[1:])
 
 
 def spread(session):
@@ -169,8 +173,8 @@ def cure(session, result, refusal):
         simple[fault]()
         return fault, []
     if "since_ns" in first:
-        begin = int((session / "mav0" / "cam0" / "data.csv").read_text().splitlines()[1].split(",")[0])
-        return f"{fault}: first part", ["--to", f"{(first['since_ns'] - begin) / 1e9 - 0.5:.3f}"]
+        until = (first["since_ns"] - first_frame(session)) / 1e9 - 0.5
+        return f"{fault}: first part", ["--to", f"{until:.3f}"]
     return "nothing", None
 
 
