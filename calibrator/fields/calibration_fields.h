@@ -100,11 +100,13 @@ void fields(V& v, CameraCalibration& c) {
   v("name", c.name, "as in the session");
   v.ifSet("rostopic", c.rostopic, "left out where unknown");
   v("model", k.projection_model, "Kalibr's words: `pinhole`, `omni`, `eucm`, `ds`");
-  v("distortion", k.distortion_model, "`radtan`, `equidistant`, `fov`, `none`");
+  v("distortion", k.distortion_model, "`none`, `radtan`, `equidistant`, `fov`, `rational`");
   v("resolution", k.resolution, "px", "`[width, height]`");
   v("intrinsics", k.projection, "px",
     "`[fu, fv, pu, pv]`, the model's own before them; (0, 0) is the centre of the first pixel");
-  v("distortion_coeffs", k.distortion, "1", "radtan `[k1, k2, p1, p2]`, equidistant `[k1 ... k4]`");
+  v("distortion_coeffs", k.distortion, "1",
+    "radtan `[k1, k2, p1, p2]`, equidistant `[k1 ... k4]`, fov `[w]`, rational "
+    "`[k1, k2, p1, p2, k3 ... k6]`");
   auto projection_std = projectionStd(c), distortion_std = distortionStd(c);
   v("intrinsics_std", projection_std, "px", "left out for cameras that were given and kept fixed");
   v("distortion_coeffs_std", distortion_std, "1", "likewise");

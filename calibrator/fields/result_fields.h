@@ -136,7 +136,8 @@ void fields(V& v, ModelChoice& m) {
   v("camera", m.camera, "its name");
   v("camera_model", m.projection, "the chosen projection");
   v("distortion_model", m.distortion, "its distortion");
-  v("reason", m.reason, "why: within one standard error of the best, `stated` or `smallest`");
+  v("reason", m.reason,
+    "why: within one standard error of the best, `stated` or `smallest`; or `not tested`");
   v("candidates", m.candidates, "models that were tried, the best first");
 }
 

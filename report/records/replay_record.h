@@ -118,7 +118,7 @@ struct ReplayStageSummary {
   int frames_dropped = 0;  ///< came while the guide was busy
   int views_used = 0;
   int views_redundant = 0;  ///< used, though in hindsight each gains less than the threshold
-  int views_missed = 0;     ///< not used, though in hindsight each gains more than it
+  int views_missed = 0;     ///< passed by, though in hindsight each gains it or more
   int suggestions = 0;
   int reached = 0;
   std::optional<TimeNs> started;
@@ -141,7 +141,8 @@ void fields(V& v, ReplayStageSummary& s) {
   v("views_used", s.views_used, "1", "accepted");
   v("views_redundant", s.views_redundant, "1",
     "used, though in hindsight each gains less than the threshold");
-  v("views_missed", s.views_missed, "1", "not used, though in hindsight each gains more than it");
+  v("views_missed", s.views_missed, "1",
+    "passed by, though in hindsight each gains the threshold or more");
   v("suggestions", s.suggestions, "1", "of the guide");
   v("suggestions_reached", s.reached, "1", "of them");
   v("started_ns", s.started, "first frame of the stage");
