@@ -10,12 +10,12 @@
 #include "calibrator/base/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
 #include "calibrator/fields/json_fields.h"
-#include "calibrator/guidance/operated_session.h"
 #include "calibrator/simulate/rig.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_writer.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/simulation/motion_capture.h"
+#include "evaluate/simulation/operated_session.h"
 
 namespace plumbline {
 namespace {

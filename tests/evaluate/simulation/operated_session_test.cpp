@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The closed loop of guide and person: suggestions are followed and end; the recording is one that
 // a calibration understands; the same seeds give the same session.
-#include "calibrator/guidance/operated_session.h"
+#include "evaluate/simulation/operated_session.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/operated_session.h"
+#include "evaluate/simulation/operated_session.h"
 
 #include <optional>
 

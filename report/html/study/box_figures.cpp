@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "report/html/study/figure_parts.h"
+#include "report/html/study/figures.h"
+#include "report/html/study/tables.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr double kBesides = 0.16;  // points stand about the middle of their box by this
+
+/// A value of a session.
+struct Sampled {
+  const StudySession* session = nullptr;
+  double value = 0;
+  std::string what;  ///< beside the session's name; may be empty
+};
+
+/// A point's place beside the middle, the same for the same position in its group.
+double beside(std::size_t i) { return kBesides * (static_cast<double>(i * 7 % 11) / 5 - 1); }
+
+/// A box with its points, at the end of the plot.
+void addBox(BoxPlot& plot, const std::string& name, std::size_t series,
+            const std::vector<Sampled>& samples, const char* format) {
+  if (samples.empty()) return;
+  std::vector<double> values;
+  const auto x = static_cast<double>(plot.boxes.size());
+  for (const Sampled& s : samples) {
+    plot.points.push_back({x + beside(values.size()), s.value,
+                           s.session->name + (s.what.empty() ? "" : ", " + s.what) + ": " +
+                               fmt::format(fmt::runtime(format), s.value),
+                           s.session->page, seriesColour(series)});
+    values.push_back(s.value);
+  }
+  plot.boxes.push_back({name,
+                        {quantile(values, 0), quantile(values, 0.25), quantile(values, 0.5),
+                         quantile(values, 0.75), quantile(values, 1)},
+                        series});
+}
+
+Figure boxFigure(BoxPlot plot, const std::string& title, const std::string& label,
+                 const std::string& id, const std::string& caption, bool from_zero) {
+  std::size_t longest = 0;
+  double top = 0;
+  for (const BoxSummary& box : plot.boxes) {
+    longest = std::max(longest, box.name.size());
+    top = std::max(top, box.quantiles[4]);
+  }
+  const bool wide = plot.boxes.size() > 4;
+  plot.frame.title = title;
+  plot.frame.width = wide ? 960 : 480;
+  plot.frame.x.upright_labels = longest * plot.boxes.size() > (wide ? 110U : 50U);
+  plot.frame.height = plot.frame.x.upright_labels ? 400 : 320;
+  plot.frame.y.label = label;
+  if (from_zero) plot.frame.y.range = Range{0, top > 0 ? 1.08 * top : 1};
+  return {toSvg(plot, id), caption, wide};
+}
+
+using Getter = std::function<std::optional<double>(const StudySession&)>;
+
+std::vector<Sampled> samplesOf(const StudyRecord& record, const std::string& method,
+                               const Getter& get) {
+  std::vector<Sampled> samples;
+  for (const StudySession& s : record.sessions) {
+    const auto value = s.method == method ? get(s) : std::nullopt;
+    if (value && std::isfinite(*value)) samples.push_back({&s, *value, ""});
+  }
+  return samples;
+}
+
+BoxPlot methodBoxes(const StudyRecord& record, const Getter& get, const char* format) {
+  BoxPlot plot;
+  for (std::size_t k = 0; k < record.methods.size(); ++k) {
+    addBox(plot, record.methods[k], k, samplesOf(record, record.methods[k], get), format);
+  }
+  return plot;
+}
+
+/// Boxes of every (group, method); `values` of a pair.
+template <class Values>
+BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<std::string>& groups,
+                     const Values& values, const char* format) {
+  BoxPlot plot;
+  plot.series = record.methods;
+  for (const std::string& group : groups) {
+    for (std::size_t k = 0; k < record.methods.size(); ++k) {
+      addBox(plot, group, k, values(group, record.methods[k]), format);
+    }
+  }
+  return plot;
+}
+
+}  // namespace
+
+Section trajectorySection(const StudyRecord& record) {
+  Section section{"trajectories",
+                  "Absolute trajectory errors",
+                  "Odometry under every calibration: one value a calibration and run.",
+                  {},
+                  {}};
+  if (record.trajectories.empty()) return section;
+  const auto sequences =
+      distinct(record.trajectories, [](const StudyTrajectory& t) { return t.sequence; });
+  int failed = 0;
+  for (const StudyTrajectory& t : record.trajectories) failed += t.ate_m ? 0 : 1;
+  const BoxPlot plot = groupedBoxes(
+      record, sequences,
+      [&](const std::string& sequence, const std::string& method) {
+        std::vector<Sampled> samples;
+        for (const StudyTrajectory& t : record.trajectories) {
+          const StudySession* s = sessionOf(record, t.session);
+          if (!s || s->method != method || t.sequence != sequence || !t.ate_m) continue;
+          samples.push_back({s, *t.ate_m, t.sequence});
+        }
+        return samples;
+      },
+      "{:.4f} m");
+  if (plot.boxes.empty()) return section;
+  return withFigure(
+      std::move(section),
+      boxFigure(plot, "ATE by sequence and method", "ATE RMSE [m]", "study-ate",
+                fmt::format("Whiskers at the best and the worst, box from 25 to 75 %, "
+                            "line at the median; {} of {} runs failed and are not in "
+                            "it.",
+                            failed, record.trajectories.size()),
+                true));
+}
+
+Section heldOutSection(const StudyRecord& record) {
+  Section section{
+      "held-out",
+      "Held-out errors",
+      "Every calibration, held fixed, on recordings of the rig that no method saw; only "
+      "poses move.",
+      {},
+      {}};
+  if (record.held_out.empty()) return section;
+  const auto recordings =
+      distinct(record.held_out, [](const StudyHeldOut& h) { return h.recording; });
+  const BoxPlot plot = groupedBoxes(
+      record, recordings,
+      [&](const std::string& recording, const std::string& method) {
+        std::vector<Sampled> samples;
+        for (const StudyHeldOut& h : record.held_out) {
+          const StudySession* s = sessionOf(record, h.session);
+          if (!s || s->method != method || h.recording != recording || !h.rmse_px) continue;
+          samples.push_back({s, *h.rmse_px, h.recording});
+        }
+        return samples;
+      },
+      "{:.4f} px");
+  if (plot.boxes.empty()) return section;
+  return withFigure(
+      std::move(section),
+      boxFigure(plot, "Held-out RMSE by recording and method", "RMSE [px]", "study-held-out",
+                "A point is a calibration and leads to it.", false));
+}
+
+Section entropySection(const StudyRecord& record) {
+  Section section{"entropies",
+                  "Entropies",
+                  "Of the calibrations' parameters; lower is better known. They compare only under "
+                  "the same noise and parameters.",
+                  {},
+                  {}};
+  const BoxPlot cameras = methodBoxes(
+      record, [](const StudySession& s) { return s.camera_entropy_nats; }, "{:.2f} nat");
+  const BoxPlot imu = methodBoxes(
+      record, [](const StudySession& s) { return s.camera_imu_entropy_nats; }, "{:.2f} nat");
+  Block block;
+  if (!cameras.boxes.empty()) {
+    block.figures.push_back(
+        boxFigure(cameras, "Camera stage", "entropy [nat]", "study-entropy-camera", "", false));
+  }
+  if (!imu.boxes.empty()) {
+    block.figures.push_back(
+        boxFigure(imu, "Camera-IMU stage", "entropy [nat]", "study-entropy-imu", "", false));
+  }
+  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
+  return section;
+}
+
+}  // namespace plumbline::html_internal

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "report/html/study/figure_parts.h"
+#include "report/html/study/figures.h"
+#include "report/html/study/tables.h"
+#include "report/html/text.h"
+#include "report/plots/svg.h"
+#include "report/plots/ticks.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr double kShownTerm_m = 2e-5;  // terms of a board that stay below are not drawn
+
+Table spreadTable(const StudyRecord& record) {
+  Table table{{{"Parameter", Cell::Kind::kCode},
+               {"Method"},
+               {"Sessions", kNumber},
+               {"Mean", kNumber},
+               {"Spread", kNumber},
+               {"Stated", kNumber},
+               {"Unit"},
+               {"Ratio", kNumber},
+               {"95 % if true", kNumber}},
+              {}};
+  for (const StudySpread& s : record.statistics.spread) {
+    const auto [unit, factor] = readable(s.unit);
+    Cell ratio = number(fmt::format("{:.2f}", s.ratio));
+    if (s.ratio > s.high || s.ratio < s.low) ratio.level = VerdictLevel::kCaution;
+    table.rows.push_back({code(s.parameter),
+                          {s.method},
+                          number(std::to_string(s.sessions)),
+                          number(withPrecisionOf(factor * s.mean, factor * s.std)),
+                          number(twoDigits(factor * s.std)),
+                          number(twoDigits(factor * s.stated_std)),
+                          {unit},
+                          ratio,
+                          number(fmt::format("{:.2f} to {:.2f}", s.low, s.high))});
+  }
+  return table;
+}
+
+Figure spreadFigure(const StudyRecord& record) {
+  const auto& all = record.statistics.spread;
+  const auto names = distinct(all, [](const StudySpread& s) { return s.parameter; });
+  if (names.empty()) return {};
+  LinePlot plot;
+  double top = 2;
+  double low = 0, high = std::numeric_limits<double>::infinity();
+  for (const StudySpread& s : all) {
+    const std::size_t k = placeOf(record.methods, s.method);
+    const double x =
+        static_cast<double>(placeOf(names, s.parameter)) +
+        0.25 * (static_cast<double>(k) - 0.5 * static_cast<double>(record.methods.size() - 1));
+    plot.points.push_back({x, s.ratio,
+                           fmt::format("{}, {}: {:.2f}", s.parameter, s.method, s.ratio), "",
+                           seriesColour(k)});
+    top = std::max(top, s.ratio);
+    low = std::max(low, s.low);
+    high = std::min(high, s.high);
+  }
+  const double right = static_cast<double>(names.size()) - 0.5;
+  for (const double level : {low, 1.0, high}) {
+    plot.series.push_back({level == 1 ? "stated deviation" : "",
+                           {-0.5, right},
+                           {level, level},
+                           {90, 98, 110, 255},
+                           1.2,
+                           level != 1,
+                           false});
+  }
+  for (std::size_t k = 0; k < record.methods.size(); ++k) {
+    plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 2, false, false});
+  }
+  plot.frame.title = "Spread over sessions over the stated deviation";
+  plot.frame.width = 960;
+  plot.frame.height = 380;
+  plot.frame.x = {"", Range{-0.5, right}, {}, false, true};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    plot.frame.x.ticks.push_back({static_cast<double>(i), names[i]});
+  }
+  plot.frame.y = {"ratio", Range{0, 1.08 * std::min(top, 10.0)}, {}, false, false};
+  return {toSvg(plot, "study-spread"),
+          "1: the sessions of one rig spread as each of them states. Dashed: 95 % of ratios would "
+          "lie between, were the deviations true (of the method with most sessions).",
+          true};
+}
+
+}  // namespace
+
+Section spreadSection(const StudyRecord& record) {
+  Section section{"spread",
+                  "Are the stated deviations true?",
+                  "Sessions of one rig should spread as far as each of them states. Ratio: "
+                  "sqrt(chi\u00b2 / (n \u2212 1)) about the weighted mean; above its interval the "
+                  "deviations are too small, below too large.",
+                  {},
+                  {}};
+  Table table = spreadTable(record);
+  if (table.rows.empty()) return section;
+  section.blocks.push_back({"", "", {}, {}, {spreadFigure(record)}});
+  section.blocks.push_back({"Every parameter", "", std::move(table), {}, {}});
+  return section;
+}
+
+Section boardSection(const StudyRecord& record) {
+  Section section{
+      "board",
+      "The board over the sessions",
+      "Terms of the target's shape as each calibration estimated it: a drift is a board "
+      "that changes.",
+      {},
+      {}};
+  LinePlot plot;
+  std::vector<double> ends{0};
+  double last = 0;
+  for (int j = 0; j < kTargetTerms; ++j) {
+    Series line{kTargetTermNames[static_cast<std::size_t>(j)],
+                {},
+                {},
+                seriesColour(plot.series.size()),
+                1.4,
+                false,
+                false};
+    std::vector<NamedPoint> points;
+    double largest_m = 0;
+    for (std::size_t i = 0; i < record.sessions.size(); ++i) {
+      const StudySession& s = record.sessions[i];
+      if (!s.board) continue;
+      const double mm = 1e3 * s.board->terms[j];
+      largest_m = std::max(largest_m, std::abs(s.board->terms[j]));
+      last = std::max(last, static_cast<double>(i));
+      line.x.push_back(static_cast<double>(i));
+      line.y.push_back(mm);
+      points.push_back({static_cast<double>(i), mm,
+                        fmt::format("{}, {}: {:+.3f} mm", s.name, line.name, mm), s.page,
+                        line.colour});
+    }
+    if (line.x.size() < 2 || largest_m < kShownTerm_m) continue;
+    ends.insert(ends.end(), line.y.begin(), line.y.end());
+    plot.points.insert(plot.points.end(), points.begin(), points.end());
+    plot.series.push_back(std::move(line));
+  }
+  if (plot.series.empty()) return section;
+  plot.frame.title = "Shape of the board";
+  plot.frame.width = 960;
+  plot.frame.height = 380;
+  plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}, {}, false, false};
+  plot.frame.y = {"RMS displacement [mm]", rangeOf({&ends}, 0.08), {}, false, false};
+  return withFigure(std::move(section), {toSvg(plot, "study-board"),
+                                         "Terms that stay below 0.02 mm are left out.", true});
+}
+
+}  // namespace plumbline::html_internal
