@@ -55,6 +55,12 @@ std::string intervalText(const StudyEffect& e) {
                      direction(high.lower, e.endpoint));
 }
 
+bool excludesNoChange(const StudyEffect& e) {
+  const StudyInterval& interval = e.effect;
+  return interval.low && interval.high &&
+         changeOf(*interval.low, e.ratio).lower == changeOf(*interval.high, e.ratio).lower;
+}
+
 std::string pText(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }
 
 std::string participantsText(int count) {
@@ -69,10 +75,13 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
                        participantsText(e.participants));
   }
   const Change change = changeOf(e.effect.estimate, e.ratio);
-  const std::string unit = unitText(e);
-  std::string text =
-      fmt::format("{} has {}{} {} {} than {}, {}", e.method, numberText(change.size, e.ratio), unit,
-                  direction(change.lower, e.endpoint), words, e.baseline, intervalText(e));
+  const std::string size = fmt::format("{}{} {}", numberText(change.size, e.ratio), unitText(e),
+                                       direction(change.lower, e.endpoint));
+  std::string text = e.design == StudyDesign::kOneOrder || excludesNoChange(e)
+                         ? fmt::format("{} has {} {} than {}, {}", e.method, size, words,
+                                       e.baseline, intervalText(e))
+                         : fmt::format("{}: {} and {} were not shown to differ; {} {}, {}", words,
+                                       e.method, e.baseline, e.method, size, intervalText(e));
   if (e.design == StudyDesign::kOneOrder) {
     const std::string& first = e.first_method > 0 ? e.method : e.baseline;
     return text + fmt::format(" ({}); all began with {}, so method and order cannot be told apart",

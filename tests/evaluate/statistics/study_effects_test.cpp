@@ -101,6 +101,19 @@ TEST(StudyStatistics, SpeakFirstOfTheDeclaredEndpoints) {
                               "participants\\)"));
 }
 
+TEST(StudyStatistics, ClaimNoDifferenceThatTheIntervalDoesNotShow) {
+  StudyRecord record = study(12);
+  int i = 0;
+  for (StudySession& s : record.sessions) {  // the same spread under both methods, and no effect
+    s.held_out_rmse_px = 0.2 * (1 + 0.01 * (3 * i++ % 7));
+  }
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "held_out_rmse_px");
+  ASSERT_TRUE(e.effect.low && e.effect.high);
+  ASSERT_TRUE(*e.effect.low < 1 && *e.effect.high > 1) << *e.effect.low << " " << *e.effect.high;
+  EXPECT_THAT(e.sentence, HasSubstr("guided and free were not shown to differ; guided "));
+}
+
 TEST(StudyStatistics, CallDurationsAloneLonger) {
   StudyRecord record = study(12);
   for (StudySession& s : record.sessions) s.time_offset_std_s = s.method == "guided" ? 2e-4 : 1e-4;
