@@ -158,7 +158,8 @@ std::string effect(const FaultTest& test) {
       1e3 * std::abs(test.shift(6)));
 }
 
-/// The fault's largest effect in units of the deviations shown, which are the formal ones here.
+/// The fault's largest effect in formal standard deviations: the smaller ones, so that doubt comes
+/// early.
 double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis) {
   return test.shift.cwiseAbs().cwiseQuotient(diagnosis.formal_std).maxCoeff();
 }
@@ -192,7 +193,8 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
   }
   return finding(
       rule, level, sigma,
-      fmt::format("{}; {} ({:.1f} of its standard deviations){}", evidence, effect(cause), sigma,
+      fmt::format("{}; {} ({:.1f} of its formal standard deviations){}", evidence, effect(cause),
+                  sigma,
                   &cause == &diagnosis.causes.front()
                       ? fmt::format("; it explains the residuals best among {} faults tested",
                                     diagnosis.tests.size())
