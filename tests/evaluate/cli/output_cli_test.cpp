@@ -85,6 +85,16 @@ class FailingCalls : public testing::Test {
     return entries;
   }
 
+  /// All files and folders about the output, for a message.
+  std::string namesBeside() const {
+    std::string names;
+    std::error_code gone;
+    for (const auto& entry : fs::recursive_directory_iterator(out().parent_path(), gone)) {
+      names += "\n" + entry.path().string();
+    }
+    return names;
+  }
+
   fs::path root_;
 };
 
@@ -308,7 +318,7 @@ TEST_F(FailingCalls, ASignalAtAnyMomentLeavesNothingOrAWholeResult) {
     int status = 0;
     waitpid(child, &status, 0);
     stopped += WIFEXITED(status) && WEXITSTATUS(status) == 143 ? 1 : 0;
-    EXPECT_EQ(entriesBeside(), 0U) << i;
+    EXPECT_EQ(entriesBeside(), 0U) << i << ", status " << status << namesBeside();
     if (fs::exists(out())) EXPECT_TRUE(isWhole(out())) << i;
     fs::remove_all(out().parent_path());
   }
