@@ -294,17 +294,19 @@ void Workplace::remove() noexcept {
   made_.clear();
 }
 
+// Other threads may still be writing into it: until the folder is gone, they can add files. Its
+// name stays, or what they write next would go to the working directory.
+void Workplace::abandon() const noexcept {
+  std::error_code ignored;
+  for (int attempt = 0; attempt < kTries && fs::exists(folder_, ignored); ++attempt) {
+    removeWorkplace(folder_);
+  }
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());
+}
+
 void abandonWorkplaces() {
   unfinished().mutex.lock();  // and never unlocked: see the header
-  for (Workplace* workplace : unfinished().workplaces) {
-    // Other threads may still be writing into it: until it is gone, they can add files.
-    const fs::path folder = workplace->folder_;
-    std::error_code ignored;
-    for (int attempt = 0; attempt < kTries && fs::exists(folder / "result", ignored); ++attempt) {
-      removeResult(folder / "result");
-    }
-    workplace->remove();
-  }
+  for (const Workplace* workplace : unfinished().workplaces) workplace->abandon();
 }
 
 }  // namespace plumbline

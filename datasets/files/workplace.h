@@ -51,6 +51,7 @@ class Workplace {
   int lock_ = -1;
   friend void abandonWorkplaces();
   void remove() noexcept;
+  void abandon() const noexcept;
 };
 
 /// Removes the workplaces of `final_path` (absolute) that dead processes of this user left, and
