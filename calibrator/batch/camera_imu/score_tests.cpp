@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/batch/camera_imu/score_tests.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Inverse of a positive matrix of mixed units: scaled to a unit diagonal first, and kept finite by
+/// a prior far weaker than what is measured.
+MatrixXd inverseOf(const MatrixXd& A) {
+  const VectorXd scale = A.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  const MatrixXd inverse = scaled.ldlt().solve(MatrixXd::Identity(A.rows(), A.cols()));
+  return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+template <class Entry>
+MatrixXd matrix(const Terms& a, const Terms& b, const Entry& entry) {
+  MatrixXd out(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      out(static_cast<Index>(i), static_cast<Index>(j)) = entry(a[i], b[j]);
+    }
+  }
+  return out;
+}
+
+/// T_SC0 and the time offset among the first columns, which are the border's.
+Eigen::Matrix<double, 7, 1> listed(const VectorXd& model) {
+  Eigen::Matrix<double, 7, 1> out;
+  out << model.head<6>(), model(BorderLayout::kOffset);
+  return out;
+}
+
+}  // namespace
+
+Terms termRange(int first, int count, std::size_t from) {
+  Terms out;
+  for (int k = 0; k < count; ++k) out.push_back({first + k, from});
+  return out;
+}
+
+Scores::Scores(std::vector<ScoreBlock> blocks) : blocks_(std::move(blocks)), tails_(blocks_) {
+  for (std::size_t b = tails_.size() - 1; b-- > 0;) {
+    tails_[b].gradient += tails_[b + 1].gradient;
+    tails_[b].information += tails_[b + 1].information;
+  }
+}
+
+VectorXd Scores::gradient(const Terms& terms) const {
+  VectorXd out(static_cast<Index>(terms.size()));
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    out(static_cast<Index>(i)) = tails_[terms[i].from].gradient(terms[i].column);
+  }
+  return out;
+}
+
+MatrixXd Scores::information(const Terms& a, const Terms& b) const {
+  return matrix(a, b, [&](const Term& p, const Term& q) {
+    return tails_[std::max(p.from, q.from)].information(p.column, q.column);
+  });
+}
+
+VectorXd Scores::gradient(const Terms& terms, std::size_t block) const {
+  VectorXd out(static_cast<Index>(terms.size()));
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const bool acts = block >= terms[i].from;
+    out(static_cast<Index>(i)) = acts ? blocks_[block].gradient(terms[i].column) : 0.0;
+  }
+  return out;
+}
+
+MatrixXd Scores::information(const Terms& a, const Terms& b, std::size_t block) const {
+  return matrix(a, b, [&](const Term& p, const Term& q) {
+    const bool act = block >= std::max(p.from, q.from);
+    return act ? blocks_[block].information(p.column, q.column) : 0.0;
+  });
+}
+
+double significanceOf(double chi2, int dof) {
+  const double v = 2.0 / (9.0 * dof);
+  return (std::cbrt(chi2 / dof) - (1 - v)) / std::sqrt(v);
+}
+
+ScoreTests::ScoreTests(const Scores& scores, Terms model)
+    : scores_(scores),
+      model_(std::move(model)),
+      S_(inverseOf(scores.information(model_, model_))),
+      gradient_(scores.gradient(model_)) {
+  MatrixXd V = MatrixXd::Zero(S_.rows(), S_.cols());
+  for (std::size_t b = 0; b < scores.count(); ++b) {
+    const VectorXd s =
+        scores.gradient(model_, b) - scores.information(model_, model_, b) * (S_ * gradient_);
+    V += s * s.transpose();
+  }
+  const auto n = static_cast<double>(scores.count());
+  robust_variance_ = n / (n - 1) * (S_ * V * S_).diagonal();
+}
+
+Eigen::Matrix<double, 7, 1> ScoreTests::robustStd() const {
+  return listed(robust_variance_.cwiseSqrt());
+}
+
+Eigen::Matrix<double, 7, 1> ScoreTests::formalStd() const {
+  return listed(S_.diagonal().cwiseSqrt());
+}
+
+MatrixXd ScoreTests::response(const Terms& held) const {
+  const MatrixXd P = -(S_ * scores_.information(model_, held));
+  MatrixXd out(7, P.cols());
+  out << P.topRows<6>(), P.row(BorderLayout::kOffset);
+  return out;
+}
+
+FaultTest ScoreTests::test(const Terms& fault) const {
+  const MatrixXd I = scores_.information(fault, model_);
+  const MatrixXd P = S_ * I.transpose();  // minus the model's response to the fault
+  const MatrixXd A_inverse = inverseOf(scores_.information(fault, fault) - I * P);
+  const VectorXd s = scores_.gradient(fault) - P.transpose() * gradient_;
+  FaultTest out;
+  out.dof = static_cast<int>(fault.size());
+  out.estimate = -A_inverse * s;
+  const MatrixXd C = A_inverse * scatter(fault, P, out.estimate) * A_inverse;
+  out.std = C.diagonal().cwiseSqrt();
+  const double explained = s.dot(A_inverse * s);
+  out.explained = explained / overdispersion();
+  out.chi2 = std::min(out.estimate.dot(inverseOf(C) * out.estimate), out.explained);
+  out.significance = significanceOf(out.chi2, out.dof);
+  out.shift = listed(-(P * out.estimate));
+  out.shift_sigma = out.shift.cwiseAbs().cwiseQuotient(robustStd()).maxCoeff();
+  return out;
+}
+
+double ScoreTests::overdispersion() const {
+  const Eigen::Array<double, 7, 1> ratio =
+      robustStd().array().max(1e-30) / formalStd().array().max(1e-30);
+  return std::exp(2 * ratio.log().mean());
+}
+
+MatrixXd ScoreTests::scatter(const Terms& fault, const MatrixXd& P,
+                             const VectorXd& estimate) const {
+  MatrixXd V = MatrixXd::Zero(P.cols(), P.cols());
+  const VectorXd step = -S_ * gradient_ - P * estimate;  // of the model, with the fault
+  for (std::size_t b = 0; b < scores_.count(); ++b) {
+    const MatrixXd I = scores_.information(fault, model_, b);
+    const VectorXd of_fault =
+        scores_.gradient(fault, b) + I * step + scores_.information(fault, fault, b) * estimate;
+    const VectorXd of_model = scores_.gradient(model_, b) + I.transpose() * estimate +
+                              scores_.information(model_, model_, b) * step;
+    const VectorXd s = of_fault - P.transpose() * of_model;
+    V += s * s.transpose();
+  }
+  const auto n = static_cast<double>(scores_.count());
+  return n / std::max(1.0, n - 1 - static_cast<double>(fault.size())) * V;
+}
+
+}  // namespace plumbline

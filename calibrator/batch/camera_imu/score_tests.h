@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "calibrator/base/results.h"
+#include "calibrator/batch/camera_imu/effective_scores.h"
+
+namespace plumbline {
+
+/// A column of the scores that acts from a block of time on.
+struct Term {
+  int column = 0;
+  std::size_t from = 0;
+};
+using Terms = std::vector<Term>;
+
+/// Columns first to first + count - 1.
+Terms termRange(int first, int count, std::size_t from = 0);
+
+/// The scores about any terms: sums over the blocks in which they act.
+class Scores {
+ public:
+  explicit Scores(std::vector<ScoreBlock> blocks);
+
+  std::size_t count() const { return blocks_.size(); }
+  TimeNs begin(std::size_t block) const { return blocks_[block].begin; }
+
+  Eigen::VectorXd gradient(const Terms& terms) const;
+  Eigen::MatrixXd information(const Terms& a, const Terms& b) const;
+  /// The same of one block.
+  Eigen::VectorXd gradient(const Terms& terms, std::size_t block) const;
+  Eigen::MatrixXd information(const Terms& a, const Terms& b, std::size_t block) const;
+
+ private:
+  std::vector<ScoreBlock> blocks_;
+  std::vector<ScoreBlock> tails_;  // sums from a block to the end
+};
+
+/// chi2 as a deviate of the normal distribution (Wilson and Hilferty 1931).
+double significanceOf(double chi2, int dof);
+
+/// Score tests beside a model: the calibration's parameters, and faults that were accepted.
+/// The equations are those of diagnoseFaults().
+class ScoreTests {
+ public:
+  /// The model's first columns are the border's.
+  ScoreTests(const Scores& scores, Terms model);
+
+  const Terms& model() const { return model_; }
+  /// Deviations of T_SC0 (3 m, 3 rad) and the time offset [s].
+  Eigen::Matrix<double, 7, 1> robustStd() const;
+  Eigen::Matrix<double, 7, 1> formalStd() const;
+
+  /// How T_SC0 and the time offset follow parameters that are held: 7 rows, a column for each.
+  Eigen::MatrixXd response(const Terms& held) const;
+
+  FaultTest test(const Terms& fault) const;
+
+  /// By how much the calibration's robust variances exceed the formal ones, in the mean of logs.
+  double overdispersion() const;
+
+ private:
+  /// Sum of s s' over blocks of the fault's scores, with fault and model at their estimates.
+  Eigen::MatrixXd scatter(const Terms& fault, const Eigen::MatrixXd& P,
+                          const Eigen::VectorXd& estimate) const;
+
+  const Scores& scores_;
+  const Terms model_;
+  const Eigen::MatrixXd S_;
+  const Eigen::VectorXd gradient_;
+  Eigen::VectorXd robust_variance_;
+};
+
+}  // namespace plumbline
