@@ -42,17 +42,21 @@ std::string imuWords(const CalibrationRecord& record) {
 
 }  // namespace
 
+std::string worstFinding(const Verdict& verdict) {
+  const Finding* worst = gravest(verdict);
+  if (worst == nullptr) return "";
+  const std::string text = sentence(worst->rule + ": " + worst->evidence);
+  return worst->advice.empty() ? text : text + " " + sentence(worst->advice);
+}
+
 std::string headlineOf(const Verdict& verdict, const std::string& good) {
   const auto& findings = verdict.findings;
   if (verdict.level == VerdictLevel::kGood) return sentence(good);
-  const auto worst = std::find_if(findings.begin(), findings.end(),
-                                  [&](const Finding& f) { return f.level == verdict.level; });
   const auto others =
       std::count_if(findings.begin(), findings.end(),
                     [](const Finding& f) { return f.level != VerdictLevel::kGood; }) -
       1;
-  std::string text = sentence(worst->rule + ": " + worst->evidence);
-  if (!worst->advice.empty()) text += " " + sentence(worst->advice);
+  std::string text = worstFinding(verdict);
   if (others > 0) text += fmt::format(" {} more finding{} below.", others, others == 1 ? "" : "s");
   return text;
 }

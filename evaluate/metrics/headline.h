@@ -13,6 +13,10 @@ namespace plumbline {
 /// "Caution: Coverage of cam1: 62 % of the image ... . Move the target to ... . 2 more findings."
 std::string headlineOf(const Verdict& verdict, const std::string& good);
 
+/// The gravest finding alone: "Coverage of cam1: 62 % of the image ... . Move the target to ... ."
+/// Empty where all are good.
+std::string worstFinding(const Verdict& verdict);
+
 /// What a good calibration is: "Cameras to 0.27 px RMSE; T_SC0 to 0.45 mm and 0.013 deg (1 sigma
 /// per axis), time offset to 0.04 ms; all 60 rules hold." Deviations are the largest of those
 /// shown.

@@ -61,13 +61,6 @@ Step readPlannedStep(const fs::path& plan, const std::string& name) {
   return *found;
 }
 
-std::vector<Step> readPlan(const fs::path& plan) {
-  const MappedFile file(plan.string());
-  std::vector<Step> steps;
-  forEachLine(file.text(), [&](std::string_view line) { steps.push_back(stepFrom(plan, line)); });
-  return steps;
-}
-
 std::string stepText(const StepResult& result, const StudyRecord& part) {
   Json json = toJson(result);
   if (result.status == StepStatus::kDone) json[kPart] = toJson(part);

@@ -101,8 +101,6 @@ void fields(V& v, Step& s) {
 std::string planText(const std::vector<Step>& steps);
 /// The step of this name in a plan's file. Throws InputError where there is none.
 Step readPlannedStep(const std::filesystem::path& plan, const std::string& name);
-/// All of them.
-std::vector<Step> readPlan(const std::filesystem::path& plan);
 
 /// How a step ended.
 enum class StepStatus {

@@ -11,6 +11,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/suggestions_reader.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/replay/suggestion_outcomes.h"
 #include "evaluate/results/result_folder.h"
 #include "report/store/store.h"
@@ -23,7 +24,8 @@ namespace fs = std::filesystem;
 StudySession sessionOf(const CalibrationRecord& record) {
   StudySession row;
   row.verdict = record.verdict.level;
-  if (row.verdict != VerdictLevel::kGood) row.verdict_sentence = record.verdict.headline;
+  row.verdict_sentence = worstFinding(record.verdict);
+  if (const Finding* worst = gravest(record.verdict)) row.verdict_rule = worst->rule;
   double seconds = 0;
   if (const auto& camera = record.camera) {
     row.camera_rmse_px = camera->summary.reprojection.rmse_px;

@@ -111,6 +111,13 @@ Verdict makeVerdict(std::vector<Finding> findings) {
   return verdict;
 }
 
+const Finding* gravest(const Verdict& verdict) {
+  if (verdict.level == VerdictLevel::kGood) return nullptr;
+  const auto worst = std::find_if(verdict.findings.begin(), verdict.findings.end(),
+                                  [&](const Finding& f) { return f.level == verdict.level; });
+  return worst == verdict.findings.end() ? nullptr : &*worst;
+}
+
 const std::vector<CameraCalibration>& CalibrationRecord::cameras() const {
   static const std::vector<CameraCalibration> kNone;
   if (camera_imu) return camera_imu->cameras;

@@ -72,6 +72,9 @@ void fields(V& v, Verdict& verdict) {
 /// The verdict of its findings: the worst level of all, good when there are none.
 Verdict makeVerdict(std::vector<Finding> findings);
 
+/// The first finding of the verdict's level; none where that is good.
+const Finding* gravest(const Verdict& verdict);
+
 /// The findings as a reader takes them: gravest first, those with one cure (the same level and
 /// advice) together where the first of them stood.
 std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& findings);

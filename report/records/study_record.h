@@ -56,7 +56,8 @@ struct StudySession {
   std::string failed_step;  ///< e.g. "calibrate"; empty if none failed
   std::string message;      ///< of the step that failed
   VerdictLevel verdict = VerdictLevel::kGood;
-  std::string verdict_sentence;  ///< evidence of the worst finding
+  std::string verdict_rule;      ///< of the gravest finding; empty where all are good
+  std::string verdict_sentence;  ///< its rule, evidence and advice
   std::optional<double> camera_rmse_px, camera_imu_rmse_px;
   std::optional<double> held_out_rmse_px;  ///< sqrt(mean of rmse^2 over held-out recordings)
   std::optional<double> camera_entropy_nats, camera_imu_entropy_nats;
@@ -85,7 +86,8 @@ void fields(V& v, StudySession& s) {
   v.ifSet("failed_step", s.failed_step, "the step that failed");
   v.ifSet("message", s.message, "what it said");
   v("verdict", s.verdict, "`good`, `caution` or `bad`");
-  v.ifSet("verdict_sentence", s.verdict_sentence, "evidence of the worst finding");
+  v.ifSet("verdict_rule", s.verdict_rule, "rule of the gravest finding");
+  v.ifSet("verdict_sentence", s.verdict_sentence, "its rule, evidence and advice");
   v("camera_rmse_px", s.camera_rmse_px, "px", "of the camera stage on its own recording");
   v("camera_imu_rmse_px", s.camera_imu_rmse_px, "px", "of the camera-IMU stage, likewise");
   v("held_out_rmse_px", s.held_out_rmse_px, "px", "root mean square over held-out recordings");

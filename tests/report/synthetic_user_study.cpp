@@ -31,6 +31,7 @@ StudySession sessionOf(int participant, bool guided, std::mt19937_64& random) {
   s.time_offset_s = 0.0113 + 1e-4 * wiggle(random);
   s.time_offset_std_s = 7e-5;
   s.verdict = participant % 4 == 3 && !guided ? VerdictLevel::kCaution : VerdictLevel::kGood;
+  if (s.verdict != VerdictLevel::kGood) s.verdict_rule = "Coverage of cam0";
   s.verdict_sentence = "tilts reach 21 degrees only & the <corners> are bare";
   for (const char* name : {"cam0.fu", "cam0.fv", "T_SC0.tx", "T_SC0.rx", "time_offset"}) {
     s.estimates.push_back({name, 1 + 0.01 * wiggle(random), 0.006, "px", {}, {}});

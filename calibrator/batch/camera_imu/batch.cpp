@@ -261,12 +261,13 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
 
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
+  seconds.covariance = watch.lap();
   result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
   if (options.diagnose_faults) result.value().faults = diagnoseFaults(problem, solution);
   if (options.noise_check) {
     result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
   }
-  seconds.covariance = watch.lap();
+  seconds.checks = watch.lap();
   seconds.total = total.seconds();
   result.value().summary.seconds = seconds;
   result.value().frames_without_pose = posed.without_pose;

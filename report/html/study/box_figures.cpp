@@ -84,15 +84,21 @@ BoxPlot methodBoxes(const StudyRecord& record, const Getter& get, const char* fo
   return plot;
 }
 
-/// Boxes of every (group, method); `values` of a pair.
-template <class Values>
-BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<std::string>& groups,
-                     const Values& values, const char* format) {
+/// Boxes of every (group, method) over rows of sessions; a row without a value has no point.
+template <class Row, class Group, class Value>
+BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<Row>& rows, Group Row::*group,
+                     Value Row::*value, const char* format) {
   BoxPlot plot;
   plot.series = record.methods;
-  for (const std::string& group : groups) {
+  for (const std::string& name : distinct(rows, [&](const Row& r) { return r.*group; })) {
     for (std::size_t k = 0; k < record.methods.size(); ++k) {
-      addBox(plot, group, k, values(group, record.methods[k]), format);
+      std::vector<Sampled> samples;
+      for (const Row& row : rows) {
+        const StudySession* s = sessionOf(record, row.session);
+        const bool here = s && s->method == record.methods[k] && row.*group == name;
+        if (here && row.*value) samples.push_back({s, *(row.*value), name});
+      }
+      addBox(plot, name, k, samples, format);
     }
   }
   return plot;
@@ -107,22 +113,10 @@ Section trajectorySection(const StudyRecord& record) {
                   {},
                   {}};
   if (record.trajectories.empty()) return section;
-  const auto sequences =
-      distinct(record.trajectories, [](const StudyTrajectory& t) { return t.sequence; });
   int failed = 0;
   for (const StudyTrajectory& t : record.trajectories) failed += t.ate_m ? 0 : 1;
-  const BoxPlot plot = groupedBoxes(
-      record, sequences,
-      [&](const std::string& sequence, const std::string& method) {
-        std::vector<Sampled> samples;
-        for (const StudyTrajectory& t : record.trajectories) {
-          const StudySession* s = sessionOf(record, t.session);
-          if (!s || s->method != method || t.sequence != sequence || !t.ate_m) continue;
-          samples.push_back({s, *t.ate_m, t.sequence});
-        }
-        return samples;
-      },
-      "{:.4f} m");
+  const BoxPlot plot = groupedBoxes(record, record.trajectories, &StudyTrajectory::sequence,
+                                    &StudyTrajectory::ate_m, "{:.4f} m");
   if (plot.boxes.empty()) return section;
   return withFigure(
       std::move(section),
@@ -143,20 +137,8 @@ Section heldOutSection(const StudyRecord& record) {
       {},
       {}};
   if (record.held_out.empty()) return section;
-  const auto recordings =
-      distinct(record.held_out, [](const StudyHeldOut& h) { return h.recording; });
-  const BoxPlot plot = groupedBoxes(
-      record, recordings,
-      [&](const std::string& recording, const std::string& method) {
-        std::vector<Sampled> samples;
-        for (const StudyHeldOut& h : record.held_out) {
-          const StudySession* s = sessionOf(record, h.session);
-          if (!s || s->method != method || h.recording != recording || !h.rmse_px) continue;
-          samples.push_back({s, *h.rmse_px, h.recording});
-        }
-        return samples;
-      },
-      "{:.4f} px");
+  const BoxPlot plot = groupedBoxes(record, record.held_out, &StudyHeldOut::recording,
+                                    &StudyHeldOut::rmse_px, "{:.4f} px");
   if (plot.boxes.empty()) return section;
   return withFigure(
       std::move(section),

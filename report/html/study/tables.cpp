@@ -19,9 +19,10 @@ Cell offsetCell(const StudySession& s) {
 
 Cell verdictCell(const StudySession& s) {
   if (s.status == StudyStatus::kFailed) {
-    return {"failed: " + s.message, Cell::Kind::kText, VerdictLevel::kBad, {}};
+    return {"failed at " + s.failed_step, Cell::Kind::kText, VerdictLevel::kBad, {}};
   }
-  return {s.verdict_sentence.empty() ? toString(s.verdict) : s.verdict_sentence,
+  const std::string level = toString(s.verdict);
+  return {s.verdict_rule.empty() ? level : level + ": " + s.verdict_rule,
           Cell::Kind::kText,
           s.verdict,
           {}};

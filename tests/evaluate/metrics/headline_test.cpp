@@ -32,6 +32,17 @@ TEST(Headline, LeadsWithTheGravestFinding) {
   EXPECT_EQ(headlineOf(verdict, "unused"), "C: evidence of c. Cure of c. 2 more findings below.");
 }
 
+TEST(Headline, TheWorstFindingStandsAlone) {
+  const Verdict verdict =
+      makeVerdict({findingOf("a", VerdictLevel::kCaution), findingOf("b", VerdictLevel::kBad),
+                   findingOf("c", VerdictLevel::kBad)});
+  EXPECT_EQ(worstFinding(verdict), "B: evidence of b. Cure of b.");
+  EXPECT_EQ(gravest(verdict)->rule, "b");
+  const Verdict good = makeVerdict({findingOf("a", VerdictLevel::kGood)});
+  EXPECT_EQ(worstFinding(good), "");
+  EXPECT_EQ(gravest(good), nullptr);
+}
+
 TEST(Headline, OneMoreFindingIsOne) {
   const Verdict verdict =
       makeVerdict({findingOf("a", VerdictLevel::kCaution), findingOf("b", VerdictLevel::kCaution)});
