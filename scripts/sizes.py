@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints a table of the sizes of the C++ sources, a column per commit: sizes.py [COMMIT]...  (default: HEAD)
+"""Prints a table of the sizes of the C++ sources, a column per commit.
 
 Lines are those of the files as they stand, blank ones and the licence's among them. A comment's share is
 of the lines that are not blank. A folder counts where it holds sources itself.
@@ -10,7 +10,6 @@ import collections
 import io
 import statistics
 import subprocess
-import sys
 import tarfile
 
 
@@ -55,7 +54,9 @@ def sizes(commit):
 
 
 def main():
-    commits = sys.argv[1:] or ["HEAD"]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("commits", nargs="*", default=["HEAD"], metavar="COMMIT")
+    commits = parser.parse_args().commits
     columns = [sizes(commit) for commit in commits]
     print("| | " + " | ".join(commits) + " |")
     print("|---" * (len(commits) + 1) + "|")

@@ -58,7 +58,7 @@ def compare(plumbline, first, second, out, *arguments):
 
 def our_map(maps, label, range_m):
     for m in maps:
-        if m["label"] == label and m["range_m"] == range_m:
+        if m["label"] == label and m.get("range_m") == range_m:
             return m
     raise KeyError((label, range_m))
 
