@@ -163,7 +163,7 @@ struct HalvesCheck {
 
 /// Wall seconds of the parts of a stage.
 struct StageSeconds {
-  double load = 0, detect = 0, initialise = 0, solve = 0, covariance = 0, total = 0;
+  double load = 0, detect = 0, initialise = 0, solve = 0, checks = 0, covariance = 0, total = 0;
 };
 
 /// What both stages report of themselves.

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <ceres/problem.h>
@@ -21,7 +20,6 @@ namespace {
 constexpr std::size_t kFewest = 10;
 constexpr int kRounds = 4;            // of noise and solution
 constexpr double kNoSmaller = 1e-12;  // [m, rad] exact data are weighted as if so noisy
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kImplausibleRms = 20 / kDegrees;
 constexpr double kImplausibleShare = 0.25;  // of the positions' spread
 

@@ -49,6 +49,9 @@ void fields(V& v, StageSeconds& s) {
   v("detect", s.detect, "s", "detection of corners");
   v("initialise", s.initialise, "s", "start values");
   v("solve", s.solve, "s", "optimisation");
+  v("checks", s.checks, "s",
+    "cameras: choice of lens models and of the board's shape; camera-IMU: tests for faults and "
+    "noise");
   v("covariance", s.covariance, "s", "covariance at the solution");
   v("total", s.total, "s", "of the stage, without loading and detection");
 }

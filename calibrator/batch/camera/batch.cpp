@@ -2,11 +2,11 @@
 #include "calibrator/batch/camera/batch.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/model_choice.h"
@@ -37,7 +37,7 @@ std::vector<PosedView> posedViews(const CameraProblem& problem, const CameraEsti
 constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
 constexpr double kWideLoss = 0.01;  // scale over the image's width
-constexpr double kNearGrazing = 86 * std::numbers::pi / 180;
+constexpr double kNearGrazing = 86 * kDegree;
 
 void checkSession(const Session& session) {
   if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
@@ -172,42 +172,53 @@ std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraPr
   return count;
 }
 
-/// The first solution, with the lens models chosen where that is asked for.
-CameraSolution solveModels(const Session& session, std::vector<PackedCorners>& corners,
-                           CameraProblem& problem, const CameraEstimate& start,
-                           const CameraStageOptions& options, int most_parameters,
-                           std::vector<ModelChoice>& choices) {
+/// A solution, with the lens models chosen where that is asked for.
+struct ModelSolution {
+  CameraSolution solution;
+  std::vector<ModelChoice> choices;
+  double choice_s = 0;
+};
+ModelSolution solveModels(const Session& session, std::vector<PackedCorners>& corners,
+                          CameraProblem& problem, const CameraEstimate& start,
+                          const CameraStageOptions& options, int most_parameters) {
   const AprilGrid& board = session.target;
   if (options.model_mode != ModelMode::kAuto || !options.start.empty()) {
-    return solveFromAfar(board, corners, problem, start, options);
+    return {solveFromAfar(board, corners, problem, start, options), {}, 0};
   }
   const std::vector<PackedCorners> all = corners;
   CameraSolution first = solveFromAfar(board, corners, problem, start, options);
+  const Stopwatch watch;
   ChosenModels chosen = chooseModels(session, problem, first.estimate, options, most_parameters);
-  choices = std::move(chosen.choices);
-  if (!chosen.differ(first.estimate.intrinsics)) return first;
+  const double choice_s = watch.seconds();
+  if (!chosen.differ(first.estimate.intrinsics)) {
+    return {std::move(first), std::move(chosen.choices), choice_s};
+  }
   // Which corners a lens leaves out depends on its model.
   std::copy(all.begin(), all.end(), corners.begin());
   CameraEstimate other = first.estimate;
   other.intrinsics = std::move(chosen.lenses);
   CameraSolution solution = solveFromAfar(board, corners, problem, other, options);
   solution.iterations += first.iterations;
-  return solution;
+  return {std::move(solution), std::move(chosen.choices), choice_s};
 }
 
 /// The stage's solver with lens models, the board's shape, view selection and corner filter around
 /// it.
 struct StageSolution : TargetSolution {
   std::vector<ModelChoice> models;
+  double choice_s = 0;  ///< of them and of the board's shape
 };
 StageSolution solveStage(const Session& session, std::vector<PackedCorners>& corners,
                          CameraProblem& problem, const CameraEstimate& start,
                          const CameraStageOptions& options, int most_parameters) {
   const AprilGrid& board = session.target;
   StageSolution stage;
-  CameraSolution flat =
-      solveModels(session, corners, problem, start, options, most_parameters, stage.models);
-  static_cast<TargetSolution&>(stage) = estimateTarget(board, problem, std::move(flat), options);
+  ModelSolution flat = solveModels(session, corners, problem, start, options, most_parameters);
+  stage.models = std::move(flat.choices);
+  const Stopwatch watch;
+  static_cast<TargetSolution&>(stage) =
+      estimateTarget(board, problem, std::move(flat.solution), options);
+  stage.choice_s = flat.choice_s + watch.seconds();
   CameraSolution& solution = stage.solution;
   placeCorners(board, solution.estimate, corners);
   int iterations = solution.iterations;
@@ -247,8 +258,10 @@ Result<CameraStageResult> solveAndReport(const Session& session, std::vector<Pac
   if (!result) return result;
   result.value().target_fit = solved.fit;
   result.value().models = std::move(solved.models);
-  result.value().summary.seconds.solve = solve_s;
-  result.value().summary.seconds.covariance = watch.lap();
+  StageSeconds& seconds = result.value().summary.seconds;
+  seconds.solve = solve_s - solved.choice_s;
+  seconds.checks = solved.choice_s;
+  seconds.covariance = watch.lap();
   return result;
 }
 

@@ -253,7 +253,8 @@ Section sceneSection(const CalibrationRecord& record) {
 
 std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
   std::vector<Cell> row = {{stage}};
-  for (const double v : {s.load, s.detect, s.initialise, s.solve, s.covariance, s.total}) {
+  for (const double v :
+       {s.load, s.detect, s.initialise, s.solve, s.checks, s.covariance, s.total}) {
     row.push_back(number(fmt::format("{:.3f}", v)));
   }
   return row;
@@ -261,7 +262,8 @@ std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
 
 std::vector<Block> timings(const CalibrationRecord& record) {
   Table table{{{"Stage"}}, {}};
-  for (const char* part : {"load", "detect", "initialise", "solve", "covariance", "total"}) {
+  for (const char* part :
+       {"load", "detect", "initialise", "solve", "checks", "covariance", "total"}) {
     table.columns.push_back({part, kNumber});
   }
   if (record.camera) table.rows.push_back(timingRow("cameras", record.camera->summary.seconds));
