@@ -101,7 +101,7 @@ enum class FailureCode {
   kTooFewLinkedFrames,         ///< segments without two linked frames
   kOffsetLeftSamples,          ///< the time offset ran off the samples
   kNoDescent,                  ///< no step lowers the cost
-  kCameraImuNotConverged,      ///< iterations
+  kCameraImuNotConverged,      ///< iterations; fault and cure (words) where one is significant
   kMotionInformationSingular,  ///< T_SC0 and the time offset are free
   kLooseDirections,  ///< of each loose one: translation_axis, translation_std_m; rotation_axis,
                      ///< rotation_std_rad; offset_std_s

@@ -12,6 +12,7 @@
 #include "calibrator/batch/two_stages.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/rules/rules.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -87,10 +88,7 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   progress("calibrating camera and IMU", -1);
   auto stage = calibrateCameraImu(loaded.session, cameras, request.camera_imu);
   if (!stage) return stage.failure();
-  if (!stage->summary.converged) {
-    return Failure{FailureCode::kCameraImuNotConverged,
-                   {{"iterations", stage->summary.iterations}}};
-  }
+  if (!stage->summary.converged) return notConverged(*stage);
   record.camera_imu = std::move(stage).value();
   if (record.camera) {
     record.camera_imu->summary.robust_std =

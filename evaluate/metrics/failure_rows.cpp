@@ -172,9 +172,7 @@ const FailureRow kRows[] = {
     {Code::kNoDescent, "the camera-IMU optimisation found no step that lowers the cost",
      "check the target, the intrinsics and the units of the IMU"},
     {Code::kCameraImuNotConverged,
-     "the camera-IMU calibration did not converge in {iterations} iterations",
-     "check imu.yaml's noise densities and the recording's motion, or calibrate the cameras alone "
-     "with --no-imu"},
+     "the camera-IMU calibration did not converge in {iterations} iterations{found}", "{mend}"},
     {Code::kMotionInformationSingular,
      "T_SC0 and the time offset are not observable from this motion",
      "turn the sensor about all its axes while the target stays in view"},

@@ -61,6 +61,10 @@ const Eigen::Vector3d& axisOf(const Failure& f, const char* name) {
   return std::get<Eigen::Vector3d>(f.values.at(name).content());
 }
 
+const std::string& wordOf(const Failure& f, const char* name) {
+  return std::get<std::string>(f.values.at(name).content());
+}
+
 std::string looseDirections(const Failure& f) {
   std::vector<std::string> loose;
   if (f.values.count("translation_axis") > 0) {
@@ -135,6 +139,18 @@ void addDerived(const Failure& f, Words& words) {
                                        "sensor's range: move more gently, or set a wider range",
                                        f.number("cut_off_at"))));
       return;
+    case Code::kCameraImuNotConverged: {
+      const bool found = f.values.count("fault") > 0;
+      words.push_back(fmt::arg(
+          "found",
+          found ? "; where it stopped, the residuals are explained best by a " + wordOf(f, "fault")
+                : ""));
+      words.push_back(
+          fmt::arg("mend", found ? wordOf(f, "cure")
+                                 : "check imu.yaml's noise densities and the recording's motion, "
+                                   "or calibrate the cameras alone with --no-imu"));
+      return;
+    }
     case Code::kSamplesInBursts:
       words.push_back(fmt::arg("apart_us", 1e6 * f.number("apart_s")));
       words.push_back(fmt::arg("pause_ms", 1e3 * f.number("pause_s")));
@@ -170,9 +186,8 @@ void addDerived(const Failure& f, Words& words) {
       words.push_back(fmt::arg("found", partnersFound(f)));
       return;
     case Code::kQuaternionsWFirst: {
-      const auto& which = std::get<std::string>(f.values.at("which").content());
-      words.push_back(
-          fmt::arg("option", which == "truth" ? "--truth-w-first" : "--estimate-w-first"));
+      words.push_back(fmt::arg(
+          "option", wordOf(f, "which") == "truth" ? "--truth-w-first" : "--estimate-w-first"));
       return;
     }
     default:

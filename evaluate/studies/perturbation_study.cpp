@@ -14,6 +14,7 @@
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/rules/rules.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -76,10 +77,7 @@ Result<Solution> solveCameraImu(const Session& session,
                                 const CameraImuOptions& options) {
   auto stage = calibrateCameraImu(session, cameras, options);
   if (!stage) return stage.failure();
-  if (!stage->summary.converged) {
-    return Failure{FailureCode::kCameraImuNotConverged,
-                   {{"iterations", stage->summary.iterations}}};
-  }
+  if (!stage->summary.converged) return notConverged(*stage);
   Solution solution;
   solution.calibration.cameras = std::move(stage.value().cameras);
   solution.calibration.imu = stage->imu;

@@ -203,6 +203,15 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
 
 }  // namespace
 
+Failure notConverged(const CameraImuStageResult& stage) {
+  Failure failure{FailureCode::kCameraImuNotConverged, {{"iterations", stage.summary.iterations}}};
+  if (!stage.faults || stage.faults->causes.empty()) return failure;
+  const FaultTest& cause = stage.faults->causes.front();
+  failure.values.insert(
+      {{"fault", sentence(cause, stage.frames.front().t)}, {"cure", wordsOf(cause.fault).cure}});
+  return failure;
+}
+
 Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds& t) {
   Findings findings;
   if (!stage.faults) return findings;

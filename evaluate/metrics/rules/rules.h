@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
 #include "evaluate/metrics/verdict.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
-
-inline constexpr double kDegrees = 180 / std::numbers::pi;  ///< per radian
 
 /// One rule of the verdict: its name, the unit of what it compares, and what to do where the level
 /// is not good.
@@ -48,6 +46,10 @@ std::string kindOf(const LargestStd& largest);
 
 /// part / whole; 0 of nothing.
 double share(double part, double whole);
+
+/// kCameraImuNotConverged of a stage that did not; with the fault that explains its residuals best,
+/// where one is significant.
+Failure notConverged(const CameraImuStageResult& stage);
 
 /// The rules of the verdict, each as a function from results to findings. `stage` is "cameras" or
 /// "camera-IMU" and only appears in the rules' names.
