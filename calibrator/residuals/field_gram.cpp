@@ -262,7 +262,7 @@ FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const 
     const Eigen::Vector2d uv(view.u[i], view.v[i]);
     const auto at = projectWithJacobians(camera, p);
     const double squared = at ? (at->uv - uv).squaredNorm() : kInvalidSquaredError;
-    out.squared_error += squared < kInvalidSquaredError ? w2 * squared : kInvalidSquaredError;
+    out.squared_error += w2 * std::min(squared, kInvalidSquaredError);
     if (!(squared < kInvalidSquaredError)) continue;
     const double c2 = options.cauchy_px * options.cauchy_px;
     const double weight = c2 > 0 ? w2 / (1 + squared / c2) : w2;

@@ -48,8 +48,8 @@ struct Group {
   PlanePoint<Lanes<W>, Model::kShape> m;
 };
 
-/// Projects W corners from position j; lanes that cannot be projected get weight 0 and are charged
-/// kInvalidSquaredError.
+/// Projects W corners from position j; lanes that cannot be projected get weight 0, and `invalid`
+/// their squared weight, which is charged with kInvalidSquaredError.
 template <int W, class Model>
 [[gnu::always_inline]] inline Group<W, Model> projectGroup(const Input& in, int j,
                                                            Lanes<W>& invalid) {
@@ -80,7 +80,7 @@ template <int W, class Model>
   g.e_u = valid ? e_u : zero;
   g.e_v = valid ? e_v : zero;
   g.squared = valid ? w * squared : zero;
-  invalid += valid ? zero : w;
+  invalid += valid ? zero : w * w;
   return g;
 }
 

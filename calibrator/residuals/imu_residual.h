@@ -10,7 +10,6 @@
 namespace plumbline {
 
 using Vector15d = Eigen::Matrix<double, 15, 1>;
-using Matrix15d = Eigen::Matrix<double, 15, 15>;
 
 /// Tangent of an ImuState, 15: T_FS (translation additive in F, rotation on the left), velocity,
 /// gyro bias, accelerometer bias.

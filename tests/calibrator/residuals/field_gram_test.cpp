@@ -3,6 +3,7 @@
 #include "calibrator/residuals/field_gram.h"
 
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -62,6 +63,42 @@ TEST(FieldGram, ThePlainWayIsTheKernels) {
     EXPECT_LT((a.b_f - b.b_f).norm(), 1e-9);
     EXPECT_LT((a.b_k.head<4>() - b.b_k).norm(), scale);
     EXPECT_NEAR(a.squared_error, b.squared_error, 1e-9);
+  }
+}
+
+/// A corner that cannot be projected is charged by its weight in both ways, and has no gradient.
+TEST(FieldGram, ChargesACornerBehindTheCameraByItsWeight) {
+  Intrinsics vectorised = testing::radtanCamera();
+  vectorised.distortion.setZero();
+  Intrinsics plain = vectorised;
+  plain.distortion_model = DistortionModel::kNone;
+  plain.distortion.resize(0);
+  const AprilGrid target;
+  const Transform T_CF = testing::examplePose();
+  const PackedCorners packed(target, {testing::noisyView(target, plain, T_CF, 144, 0.5, 4)});
+  PackedView view = packed.view(0);
+  std::vector<double> z(view.z, view.z + view.padded);
+  std::vector<double> w(view.w, view.w + view.padded);
+  const FieldGram whole = fieldGram(plain, T_CF, view, kBox, FieldSquares::kDrop);
+  const double lost =
+      (projectWithJacobians(plain, T_CF * Eigen::Vector3d(view.x[5], view.y[5], z[5])).value().uv -
+       Eigen::Vector2d(view.u[5], view.v[5]))
+          .squaredNorm();
+  const Eigen::Vector3d back = T_CF.inverse().R.col(2);
+  std::vector<double> x(view.x, view.x + view.padded);
+  std::vector<double> y(view.y, view.y + view.padded);
+  x[5] -= 100 * back.x();
+  y[5] -= 100 * back.y();
+  z[5] -= 100 * back.z();
+  w[5] = 0.3;
+  view.x = x.data();
+  view.y = y.data();
+  view.z = z.data();
+  view.w = w.data();
+  for (const Intrinsics& camera : {vectorised, plain}) {
+    const FieldGram g = fieldGram(camera, T_CF, view, kBox, FieldSquares::kDrop);
+    EXPECT_NEAR(g.squared_error, whole.squared_error - lost + 0.09 * kInvalidSquaredError, 1e-4);
+    EXPECT_LT(g.b.norm(), 2 * whole.b.norm());
   }
 }
 
