@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <numbers>
+
 #include <Eigen/Core>
 
 namespace plumbline {
+
+inline constexpr double kDegree = std::numbers::pi / 180;   ///< [rad]
+inline constexpr double kDegrees = 180 / std::numbers::pi;  ///< per radian
 
 /// [w]x, so that skew(w) * p == w.cross(p).
 Eigen::Matrix3d skew(const Eigen::Vector3d& w);

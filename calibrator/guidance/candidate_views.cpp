@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -14,10 +13,9 @@
 namespace plumbline {
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 // Rays further out would put a fisheye's camera so near that the target fills its image only by
 // grazing sight, where tags are not detected.
-constexpr double kWidestRay = 60 * kRadians;
+constexpr double kWidestRay = 60 * kDegree;
 
 /// Tangent of the angle off the axis at which the camera sees a pixel `share` of half the image's
 /// width right of its principal point. A ray that the model does not know is taken as the next one
@@ -89,8 +87,8 @@ class Maker {
   void tilted(double depth, double roll) {
     for (const double angle : options_.tilts_deg) {
       for (const double sign : {-1, 1}) {
-        const double side = depth * depth_ * std::sin(sign * angle * kRadians);
-        const double ahead = depth * depth_ * std::cos(angle * kRadians);
+        const double side = depth * depth_ * std::sin(sign * angle * kDegree);
+        const double ahead = depth * depth_ * std::cos(angle * kDegree);
         add({0, side, ahead}, fmt::format("tilt-x {:+.0f}", sign * angle), depth, roll);
         add({side, 0, ahead}, fmt::format("tilt-y {:+.0f}", sign * angle), depth, roll);
       }
@@ -102,7 +100,7 @@ class Maker {
     std::string name = fmt::format("cam{} {}", index_, where);
     if (depth != options_.depths.front()) name += fmt::format(" depth {:.2f}", depth);
     if (roll != 0) name += fmt::format(" roll {:.0f}", roll);
-    const Transform T_FCi = lookingAt(centre, centre + offset, roll * kRadians);
+    const Transform T_FCi = lookingAt(centre, centre + offset, roll * kDegree);
     views_.push_back({std::move(name), index_, T_FCi * T_CiC0_});
   }
 

@@ -6,13 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 bool isNear(double value, double target, double relative) {
   return std::abs(value - target) <= relative * target;
@@ -107,7 +106,7 @@ std::optional<Failure> checkRates(const RateAlignment& alignment, const SanityOp
         {{"mirrored", alignment.mirrored_correlation}, {"rotated", alignment.correlation}}};
   }
   const double ratio = alignment.gyro_to_camera;
-  if (isNear(ratio, kDegreesPerRadian, 0.3)) {
+  if (isNear(ratio, kDegrees, 0.3)) {
     return Failure{FailureCode::kGyroscopeInDegrees, {{"ratio", ratio}}};
   }
   // Noise of the camera's rates makes the gyroscope seem slower: by the correlation at most.

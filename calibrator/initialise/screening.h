@@ -7,6 +7,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
@@ -62,7 +63,7 @@ std::vector<int> cornersOfTag(const PackedView& view, int tag);
 
 /// The angle to the optical axis beyond which corners are left out [rad]: at 90 degrees a pinhole's
 /// plane coordinates end, and a corner whose noise puts it beyond would stall any solver.
-inline constexpr double kGrazing = 89 * 3.14159265358979323846 / 180;
+inline constexpr double kGrazing = 89 * kDegree;
 
 /// Whether corners at 90 degrees from the optical axis are beyond what the model can project.
 inline bool endsAtRightAngle(const Intrinsics& camera) {

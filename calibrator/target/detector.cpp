@@ -102,7 +102,6 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
     search.dropAtBorder();
     detection = {};
     detection.rejected_tags = contradicting;
-    detection.rejected_corners = search.rejectedCorners();
     detection.spacing = spacing;
     const auto found = static_cast<int>(search.tags().size());
     if (found < options.min_tags || found <= contradicting) continue;

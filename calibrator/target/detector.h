@@ -57,8 +57,6 @@ struct Detection {
   std::vector<DetectedTag> tags;  ///< ids ascending and unique
   /// Squares the library read as tags of the grid that contradict its geometry.
   int rejected_tags = 0;
-  /// Corners of accepted tags that were hidden, ill-shaped or out of line with their neighbours.
-  int rejected_corners = 0;
   /// Gap between tags over tag size as the image shows it (cross ratios along rows and columns,
   /// median); empty without neighbouring tags. Far from AprilGrid::spacing means a wrong target
   /// description.

@@ -69,10 +69,7 @@ void GridSearch::refineCorners(TagImage& tag) const {
   }
 }
 
-void GridSearch::start(const std::vector<TagImage>& tags) {
-  tags_ = tags;
-  rejected_corners_ = 0;
-}
+void GridSearch::start(const std::vector<TagImage>& tags) { tags_ = tags; }
 
 std::optional<TagImage> GridSearch::lookFor(int tag_id, const LocalMap& map) const {
   TagImage tag{.id = tag_id, .source = TagSource::kGrid};
@@ -131,15 +128,11 @@ void GridSearch::checkAgainstNeighbours() {
   for (TagImage& tag : tags_) {
     const double limit = options_.max_grid_error_px + 0.03 * shortestEdge(tag.uv);
     for (std::size_t k = 0; k < 4; ++k) {
-      if (!tag.located[k]) {
-        ++rejected_corners_;
-        continue;
-      }
+      if (!tag.located[k]) continue;
       const std::optional<Eigen::Vector2d> expected =
           known.predict(4 * tag.id + static_cast<int>(k), tag.id);
       if (expected && (*expected - tag.uv[k]).norm() <= limit) continue;
       tag.located[k] = false;
-      ++rejected_corners_;
     }
   }
   removeEmptyTags();

@@ -35,7 +35,6 @@ class GridSearch {
   void dropAtBorder();
 
   const std::vector<TagImage>& tags() const { return tags_; }  ///< ascending in id
-  int rejectedCorners() const { return rejected_corners_; }
 
  private:
   bool has(int tag_id) const;
@@ -50,7 +49,6 @@ class GridSearch {
   GrayImageView image_;
   CornerRefiner& refiner_;
   std::vector<TagImage> tags_;
-  int rejected_corners_ = 0;
 };
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
@@ -94,7 +95,7 @@ std::vector<Object> objectsOf(const Header& header) {
 double unitFactor(const TrajectorySource& source, int line, std::string_view unit) {
   if (unit == "m" || unit == "rad") return 1;
   if (unit == "mm") return 1e-3;
-  if (unit == "deg") return std::numbers::pi / 180;
+  if (unit == "deg") return kDegree;
   throw source.fault(line, {InputFault::kWrongUnit, fmt::format("the unit '{}' is unknown", unit),
                             "mm or m for TX TY TZ, rad or deg for RX RY RZ", "export again"});
 }

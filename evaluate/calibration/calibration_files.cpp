@@ -2,11 +2,11 @@
 #include "evaluate/calibration/calibration_files.h"
 
 #include <iterator>
-#include <numbers>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/target_shape.h"
 #include "evaluate/metrics/headline.h"
@@ -52,7 +52,7 @@ void addLeftOut(Text& text, const CameraImuStageResult& stage) {
 void addImu(Text& text, const CameraImuStageResult& stage) {
   const ImuCalibration& imu = stage.imu;
   const auto deviations = [&](const Vector6d& s) {
-    const double degrees = 180 / std::numbers::pi;
+    const double degrees = kDegrees;
     return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
                        1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
   };

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
@@ -180,7 +181,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   o.views.later_use = laterUseFrom(later_use);
   o.views.stop_excess = stop_excess_percent / 100;
   o.trajectories.expires_s = o.views.expires_s;
-  o.trajectories.max_rate_rad_s = max_rate_deg_s * std::numbers::pi / 180;
+  o.trajectories.max_rate_rad_s = max_rate_deg_s * kDegree;
   o.trajectories.max_acceleration_m_s2 = max_acceleration_g * kStandardGravity;
   o.views.model() = o.trajectories.model() = camera.model();
   o.threads = camera.threads;

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibrator/base/lie.h"
+
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::size_t kMostNamed = 6;
 
 const ComparedParameter* find(const ComparisonRecord& record, const std::string& name) {

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "evaluate/compare/findings.h"
 #include "evaluate/compare/parameters.h"
 
@@ -108,8 +108,8 @@ std::string transformWords(const ComparisonRecord& record, std::size_t i) {
   const auto lever = differenceOf(record, "T_SC0.lever", i);
   const auto angle = differenceOf(record, "T_SC0.angle", i);
   if (!lever || !angle) return "";
-  std::string words = fmt::format("by {:.2g} mm and {:.2g} deg in T_SC0", 1e3 * *lever,
-                                  *angle * 180 / std::numbers::pi);
+  std::string words =
+      fmt::format("by {:.2g} mm and {:.2g} deg in T_SC0", 1e3 * *lever, *angle * kDegrees);
   if (const auto offset = differenceOf(record, "time_offset", i)) {
     words += fmt::format(", {:.2g} ms in the time offset", 1e3 * std::abs(*offset));
   }

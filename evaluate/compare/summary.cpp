@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 
@@ -27,7 +27,7 @@ struct Shown {
   double scale;
 };
 Shown shownAs(const std::string& unit) {
-  if (unit == "rad") return {"deg", 180 / std::numbers::pi};
+  if (unit == "rad") return {"deg", kDegrees};
   if (unit == "m") return {"mm", 1e3};
   if (unit == "s") return {"ms", 1e3};
   return {unit == "px" ? "px" : "", 1};

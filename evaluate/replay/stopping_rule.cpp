@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/stage_summary.h"
 
@@ -237,9 +238,9 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   judge(run, options,
         fmt::format("T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} "
                     "us from the whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
-                    1e3 * off.head<3>().norm(), off.tail<3>().norm() * 180 / M_PI,
+                    1e3 * off.head<3>().norm(), off.tail<3>().norm() * kDegrees,
                     1e6 * std::abs(batches.kept->imu.timeOffset() - batches.full->imu.timeOffset()),
-                    1e3 * options.translation_m, options.rotation_rad * 180 / M_PI,
+                    1e3 * options.translation_m, options.rotation_rad * kDegrees,
                     1e6 * options.offset_s),
         audit);
   return audit;

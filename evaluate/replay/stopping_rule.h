@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "calibrator/base/lie.h"
 #include "evaluate/replay/stage_summary.h"
 #include "report/records/replay_record.h"
 
@@ -15,7 +16,7 @@ struct StoppingRuleOptions {
   int held_out_frames = 200;  ///< at most; evenly spread over the frames that were not kept
   /// Camera-IMU stage: T_SC0 and time offset this close to those of the batch over all frames.
   double translation_m = 1e-3;
-  double rotation_rad = 0.05 * 3.14159265358979 / 180;
+  double rotation_rad = 0.05 * kDegree;
   double offset_s = 1e-4;
   int checkpoints = 12;    ///< how many batches the search for "enough" may cost
   double tolerance_s = 5;  ///< a stop this much after "enough" is still right

@@ -2,18 +2,16 @@
 #include "evaluate/trajectory/frames.h"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/batch/hand_eye.h"
 #include "evaluate/trajectory/remarks.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 Result<ClockOffsetRecord> clockOffsetOf(const Trajectory& estimate, const Trajectory& truth,
                                         const TrajectoryMetricOptions& options) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/trajectory/summary.h"
 
-#include <numbers>
-
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
@@ -47,7 +46,7 @@ std::string alignmentLine(const AlignmentRecord& a) {
   const std::string first = a.first_n > 0 ? fmt::format(" by the first {} pairs", a.first_n) : "";
   return fmt::format(
       "aligned {}{}: scale {:.6f}, rotated {:.3f} deg, t [{:.4f}, {:.4f}, {:.4f}] m\n", a.kind,
-      first, a.scale, rotationAngle(T.R) * 180 / std::numbers::pi, T.t.x(), T.t.y(), T.t.z());
+      first, a.scale, rotationAngle(T.R) * kDegrees, T.t.x(), T.t.y(), T.t.z());
 }
 
 std::string neesLines(const TrajectoryRun& run) {

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
+
 namespace plumbline::html_internal {
 
 std::string withPrecisionOf(double value, double std) {
@@ -34,7 +36,6 @@ std::string grouped(std::size_t count) {
 }
 
 ReadableUnit readable(const std::string& unit) {
-  constexpr double kDegrees = 180 / 3.14159265358979323846;
   if (unit == "m") return {"mm", 1e3};
   if (unit == "rad") return {"\u00b0", kDegrees};
   if (unit == "s") return {"ms", 1e3};

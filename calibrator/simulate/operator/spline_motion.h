@@ -19,7 +19,6 @@ class SplineMotion {
  public:
   explicit SplineMotion(double spacing_s) : spacing_s_(spacing_s) {}
 
-  double spacingS() const { return spacing_s_; }
   std::size_t size() const { return poses_.size(); }
   void add(const Transform& T_FB) { poses_.push_back(T_FB); }
 

@@ -2,18 +2,17 @@
 #include "datasets/calibration/kalibr/camchain.h"
 
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kTranslation = 1e-3;  // [m] up to which transforms agree
 constexpr double kRotation = 0.1 * kDegree;
 

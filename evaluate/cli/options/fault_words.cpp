@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/lie.h"
 
 namespace plumbline {
 namespace {
@@ -24,12 +25,11 @@ struct Unit {
 /// A quantity as the forms name it.
 struct QuantityWords {
   Quantity quantity;
-  const char* placeholder;
+  const char* symbol;
   std::vector<Unit> units;
 };
 
 const std::vector<QuantityWords>& quantityWords() {
-  constexpr double kDegree = 0.017453292519943295;
   static const std::vector<QuantityWords> words{
       {Quantity::kFactor, "FACTOR", {{"", 1}}},
       {Quantity::kShare, "SHARE", {{"%", 0.01}, {"", 1}}},
@@ -67,7 +67,7 @@ std::string unitsOf(Quantity quantity) {
 
 std::string valueForm(const FaultValue& value, const char* before) {
   if (value.quantity == Quantity::kNone) return "";
-  const std::string form = std::string(before) + wordsOf(value.quantity).placeholder;
+  const std::string form = std::string(before) + wordsOf(value.quantity).symbol;
   return value.usual ? "[" + form + "]" : form;
 }
 
@@ -86,8 +86,7 @@ std::string formOf(const FaultDescription& d) {
   std::string units;
   for (const FaultValue* value : {&d.value, &d.extent}) {
     if (value->quantity == Quantity::kNone) continue;
-    units +=
-        fmt::format(", {} in {}", wordsOf(value->quantity).placeholder, unitsOf(value->quantity));
+    units += fmt::format(", {} in {}", wordsOf(value->quantity).symbol, unitsOf(value->quantity));
   }
   throw InputError(fmt::format("--fault {}: {}; expected {}{}, e.g. {}", spec, what, formOf(d),
                                units, d.example));
@@ -183,7 +182,7 @@ double valueFrom(const std::string& spec, const FaultDescription& d, std::string
                  const FaultValue& value) {
   const auto given = amountFrom(word, value.quantity);
   if (!given) {
-    refuse(spec, d, fmt::format("'{}' is no {}", word, wordsOf(value.quantity).placeholder));
+    refuse(spec, d, fmt::format("'{}' is no {}", word, wordsOf(value.quantity).symbol));
   }
   if (given->value() < value.low || given->value() > value.high) {
     const Unit& unit = given->unit;
@@ -204,7 +203,7 @@ void setValues(const std::string& spec, const FaultDescription& d,
     double& target = second ? fault.extent : fault.value;
     if (next == numbers.size()) {
       if (!value.usual) {
-        refuse(spec, d, fmt::format("{} is missing", wordsOf(value.quantity).placeholder));
+        refuse(spec, d, fmt::format("{} is missing", wordsOf(value.quantity).symbol));
       }
       target = *value.usual;
       continue;
@@ -253,7 +252,7 @@ std::string faultList() {
   }
   text += "\nUnits:\n";
   for (const QuantityWords& words : quantityWords()) {
-    fmt::format_to(out, "    {:<13} {}\n", words.placeholder, unitsOf(words.quantity));
+    fmt::format_to(out, "    {:<13} {}\n", words.symbol, unitsOf(words.quantity));
   }
   return text;
 }

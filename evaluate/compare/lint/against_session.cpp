@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_gravity.h"
@@ -17,8 +17,6 @@ namespace plumbline {
 namespace {
 
 using lint::bad;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // ---- cameras
 

@@ -2,19 +2,17 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics.h"
 #include "evaluate/compare/lint/rules.h"
 
 namespace plumbline::lint {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 using Calibrations = std::span<const LintedCalibration>;
 // Whether a pair of files shows a fault of one of them.
@@ -195,7 +193,7 @@ NoiseFault noiseFault(const ImuNoise& large, const ImuNoise& small, double toler
   };
   const double root = std::sqrt(large.rate_hz);
   if (root > 2 && near(gyro, root) && near(accel, root)) return NoiseFault::kDiscrete;
-  if (near(gyro, 180 / std::numbers::pi) && near(accel, 1)) return NoiseFault::kDegrees;
+  if (near(gyro, kDegrees) && near(accel, 1)) return NoiseFault::kDegrees;
   return NoiseFault::kNone;
 }
 

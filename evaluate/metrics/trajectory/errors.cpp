@@ -4,18 +4,16 @@
 #include <Eigen/Cholesky>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "calibrator/base/lie.h"
 #include "evaluate/metrics/trajectory/quaternion_use.h"
 #include "evaluate/metrics/trajectory/stamp_matching.h"
 
 namespace plumbline {
 
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 double errorOf(const Transform& estimate, const Transform& truth, AbsoluteMeasure measure) {
   const Eigen::Vector3d d = estimate.t - truth.t;

@@ -2,7 +2,6 @@
 #include "evaluate/metrics/trajectory/quaternion_order.h"
 
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "calibrator/base/lie.h"
@@ -29,7 +28,6 @@ double spreadOf(const std::vector<PosePair>& pairs, const AlignmentRecord& align
 
 BodyRotation bodyRotation(const AlignedPoses& poses, const Eigen::Matrix3d& R_truth_estimate,
                           bool truth_inverted, bool estimate_inverted) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
   std::vector<Eigen::Matrix3d> relative;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {

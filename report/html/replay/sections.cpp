@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "report/html/replay/events.h"
 #include "report/html/text.h"
 
@@ -117,7 +118,7 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
           number(fixedOrDash(o.closest_px, 1)),
           number(fixedOrDash(o.mean_px, 1)),
           number(fixedOrDash(o.closest_m, 0, 1e3)),
-          number(fixedOrDash(o.closest_rad, 1, 180 / std::numbers::pi))};
+          number(fixedOrDash(o.closest_rad, 1, kDegrees))};
 }
 
 Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {

@@ -18,6 +18,7 @@
 #include <vtkUnicodeString.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "calibrator/base/lie.h"
 #include "report/plots/vtk/svg_text.h"
 
 namespace plumbline::internal {
@@ -191,8 +192,7 @@ void SvgDevice::DrawEllipticArc(float x, float y, float radius_x, float radius_y
   constexpr int kSteps = 48;
   std::vector<float> points;
   for (int i = 0; i <= kSteps; ++i) {
-    const double angle =
-        (start_angle + (stop_angle - start_angle) * i / kSteps) * std::acos(-1.0) / 180;
+    const double angle = (start_angle + (stop_angle - start_angle) * i / kSteps) * kDegree;
     points.push_back(x + radius_x * static_cast<float>(std::cos(angle)));
     points.push_back(y + radius_y * static_cast<float>(std::sin(angle)));
   }

@@ -5,11 +5,11 @@
 // one.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
@@ -19,7 +19,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kDuration = 30;
 
 FaultDiagnosis diagnosisOf(const std::vector<Fault>& faults, std::uint64_t seed = 3,

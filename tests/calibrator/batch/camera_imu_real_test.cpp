@@ -2,19 +2,17 @@
 // The camera-IMU batch on EuRoC's imu_april with the published cameras: the optimum, Kalibr's run
 // on the same corners, and IMU stamps moved by known amounts.
 #include <algorithm>
-#include <numbers>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/batch/euroc_recording.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 const testing::EurocRecording& recording() {
   static const testing::EurocRecording r = testing::readEurocRecording(PLUMBLINE_SHARED_DATA);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scoring a given camera-IMU calibration: the calibration stays, everything else moves.
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -11,8 +10,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Case {
   SimulatedSession simulated = testing::simulate(testing::noisyRecording(3));

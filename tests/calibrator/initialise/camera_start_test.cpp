@@ -3,7 +3,6 @@
 #include "calibrator/initialise/camera_start.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -128,7 +127,7 @@ TEST(FocalCandidates, WithoutViewsAFieldOfAboutSeventyDegreesIsAssumed) {
   const auto candidates =
       focalCandidates(ProjectionModel::kPinhole, DistortionModel::kRadtan, {1000, 800}, {});
   ASSERT_EQ(candidates.size(), 1u);
-  EXPECT_NEAR(2 * std::atan(500 / candidates[0]) * 180 / std::numbers::pi, 71, 1);
+  EXPECT_NEAR(2 * std::atan(500 / candidates[0]) * kDegrees, 71, 1);
 }
 
 TEST(MedianTransform, IsNotSpoiledByAThirdOfGrossErrors) {

@@ -3,11 +3,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/odometry/odometry.h"
 #include "tests/calibrator/odometry/room_flight.h"
@@ -96,7 +96,7 @@ TEST(OdometryStatistics, FeelsWrongCalibrations) {
     }
     return median(differences);
   };
-  const double turn = 0.5 * std::numbers::pi / 180;
+  const double turn = 0.5 * kDegree;
   EXPECT_GT(cost([&](Calibration& c) {
               const Eigen::Vector3d axis = Eigen::Vector3d(1, 1, 1).normalized();
               c.imu->T_SC0.R = c.imu->T_SC0.R * Eigen::AngleAxisd(turn, axis).toRotationMatrix();

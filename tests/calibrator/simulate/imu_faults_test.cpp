@@ -21,8 +21,6 @@ using testing::soundRecording;
 using testing::withFaults;
 using enum FaultKind;
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 const SimulatedSession& clean() {
   static const SimulatedSession session = withFaults(soundRecording(), {});
   return session;

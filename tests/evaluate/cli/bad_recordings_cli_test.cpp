@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/lie.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -73,7 +74,7 @@ void scale(std::array<double, 3>& values, double factor) {
 
 const std::vector<BadImu> kBadImus{
     {"AccelerometerInG", each([](Sample& s) { scale(s.accel, 1 / 9.80665); }), 2, {"in g"}},
-    {"GyroInDegrees", each([](Sample& s) { scale(s.gyro, 180 / M_PI); }), 2, {"degrees"}},
+    {"GyroInDegrees", each([](Sample& s) { scale(s.gyro, kDegrees); }), 2, {"degrees"}},
     {"GyroHalved", each([](Sample& s) { scale(s.gyro, 0.5); }), 2, {"0.5 times as fast"}},
     {"GyroTenPercent", each([](Sample& s) { scale(s.gyro, 1.1); }), 2, {"1.1 times as fast"}},
     {"AccelerometerScale", each([](Sample& s) { scale(s.accel, 1.05); }), 2, {"gravity", "10.3"}},

@@ -2,11 +2,11 @@
 // EuRoC imu_april: ours with the published cameras, Kalibr's published calibration and a run of
 // Kalibr's camera-IMU tool on the same corners.
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "calibrator/base/lie.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -15,7 +15,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180;
 const fs::path kEuroc = fs::path(PLUMBLINE_SHARED_DATA) / "euroc_imu_april";
 const std::string kPublished = (kEuroc / "kalibr/camchain-imucam.yaml").string();
 const std::string kRun = (kEuroc / "kalibr_runs/camera_imu/euroc-camchain-imucam.yaml").string();

@@ -26,7 +26,7 @@ struct Outcome {
 
 inline Outcome shell(const std::string& command) {
   Outcome outcome;
-  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  std::FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
   char buffer[4096];
   while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) outcome.text += buffer;
   const int status = pclose(pipe);

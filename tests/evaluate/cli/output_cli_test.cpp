@@ -46,15 +46,6 @@ class FailingCalls : public testing::Test {
     return shell("ASAN_OPTIONS=verify_asan_link_order=0 " + preload + environment + " " +
                  PLUMBLINE_BINARY + " " + words + " --out " + out().string());
   }
-  static Outcome shell(const std::string& command) {
-    Outcome outcome;
-    std::FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
-    char buffer[4096];
-    while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) outcome.text += buffer;
-    const int status = pclose(pipe);
-    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-    return outcome;
-  }
   struct Counts {
     long changes = 0, writes = 0;
   };

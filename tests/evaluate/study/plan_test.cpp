@@ -105,10 +105,11 @@ TEST_F(PlanTest, ItsTextIsReadBack) {
   std::vector<Step> steps;
   for (const auto& [name, step] : plan()) steps.push_back(step);
   write("plan.jsonl", planText(steps));
-  const Step step = readPlannedStep(root_ / "plan.jsonl", "sessions/c/perturb");
-  EXPECT_EQ(step.key, plan().at("sessions/c/perturb").key);
-  EXPECT_EQ(step.words, plan().at("sessions/c/perturb").words);
-  EXPECT_EQ(readPlan(root_ / "plan.jsonl").size(), steps.size());
+  for (const auto& [name, planned] : plan()) {
+    const Step step = readPlannedStep(root_ / "plan.jsonl", name);
+    EXPECT_EQ(step.key, planned.key);
+    EXPECT_EQ(step.words, planned.words);
+  }
   EXPECT_THROW(readPlannedStep(root_ / "plan.jsonl", "sessions/c"), InputError);
 }
 

@@ -112,16 +112,6 @@ class StudyNights : public testing::Test {
     return names;
   }
 
-  static Outcome shell(const std::string& command) {
-    Outcome outcome;
-    std::FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
-    char buffer[4096];
-    while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) outcome.text += buffer;
-    const int status = pclose(pipe);
-    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-    return outcome;
-  }
-
   static pid_t start(const std::string& command) {
     const pid_t pid = fork();
     if (pid == 0) {

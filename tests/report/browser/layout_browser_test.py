@@ -83,6 +83,8 @@ const checkBoxes = () => {
       say('cut off by its box', nameOf(e), `${e.scrollWidth} in ${e.clientWidth} px`);
     if (style.textOverflow === 'ellipsis' && e.scrollWidth > e.clientWidth + 1 && !e.title)
       say('shortened without a title', nameOf(e));
+    if (innerWidth >= 1400 && e.matches('.scroll') && e.scrollWidth > e.clientWidth + 1)
+      say('to be scrolled in a wide window', nameOf(e), `${e.scrollWidth} in ${e.clientWidth} px`);
   }
 };
 const checkEmpty = () => {

@@ -4,13 +4,13 @@
 
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/lie.h"
 
 namespace plumbline {
 namespace {
@@ -27,7 +27,7 @@ TEST(FaultWords, EveryExampleIsReadAndIsWithinItsRange) {
 }
 
 TEST(FaultWords, ValuesAreReadInTheirUnits) {
-  EXPECT_DOUBLE_EQ(faultFrom("slip=0.2deg@15s").value, 0.2 * std::numbers::pi / 180);
+  EXPECT_DOUBLE_EQ(faultFrom("slip=0.2deg@15s").value, 0.2 * kDegree);
   EXPECT_DOUBLE_EQ(faultFrom("slip=0.2rad@500ms").at_s, 0.5);
   EXPECT_DOUBLE_EQ(faultFrom("clock-drift=-100ppm").value, -1e-4);
   EXPECT_DOUBLE_EQ(faultFrom("gyro-delay=5ms").value, 0.005);

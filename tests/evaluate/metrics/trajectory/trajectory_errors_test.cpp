@@ -16,10 +16,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr double kRadians = std::numbers::pi / 180;
-
 Transform pose(const Eigen::Vector3d& turn_deg, const Eigen::Vector3d& t) {
-  return {expSO3(turn_deg * kRadians), t};
+  return {expSO3(turn_deg * kDegree), t};
 }
 
 std::vector<Transform> alongX(const std::vector<double>& x) {
@@ -72,7 +70,7 @@ TEST(AbsoluteErrors, ATiltIsNoYaw) {
   AlignedPoses tilted = poses;
   tilted.estimate[0].R = expSO3({0.2, 0, 0}) * poses.truth[0].R;
   EXPECT_NEAR(absoluteErrors(tilted, AbsoluteMeasure::kYawDeg)[0], 0, 1e-12);
-  EXPECT_NEAR(absoluteErrors(tilted, AbsoluteMeasure::kRotationDeg)[0], 0.2 / kRadians, 1e-12);
+  EXPECT_NEAR(absoluteErrors(tilted, AbsoluteMeasure::kRotationDeg)[0], 0.2 / kDegree, 1e-12);
 }
 
 TEST(PosePairs, Frames) {
