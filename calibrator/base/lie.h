@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <numbers>
-
 #include <Eigen/Core>
+#include <numbers>
 
 namespace plumbline {
 
