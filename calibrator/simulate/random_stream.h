@@ -22,6 +22,10 @@ enum class RandomPurpose : std::uint64_t {
   kImageNoise,
   kDroppedSamples,
   kFault,
+  kFlight,
+  kLandmarks,
+  kTracks,
+  kTexture,
 };
 
 /// Reproducible random numbers: std::mt19937_64 (its sequence is fixed by the standard) with

@@ -91,7 +91,8 @@ std::size_t area(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-/// Rays through the corners of all pixels; zero where the camera's model has none.
+}  // namespace
+
 std::vector<Eigen::Vector3f> cornerRays(const Intrinsics& camera) {
   std::vector<Eigen::Vector3f> rays;
   const Resolution& size = camera.resolution;
@@ -105,7 +106,6 @@ std::vector<Eigen::Vector3f> cornerRays(const Intrinsics& camera) {
   return rays;
 }
 
-/// 1 - vignetting * (r / r_corner)^2, r from the image's centre.
 std::vector<float> vignettingGain(const Resolution& size, double vignetting) {
   std::vector<float> gain;
   gain.reserve(area(size.width, size.height));
@@ -118,8 +118,6 @@ std::vector<float> vignettingGain(const Resolution& size, double vignetting) {
   }
   return gain;
 }
-
-}  // namespace
 
 struct TargetRenderer::View {
   Eigen::Matrix3f R_FC;

@@ -136,15 +136,15 @@ Transform SimulatedSession::T_WF() const {
   return {R_WF, Eigen::Vector3d::Zero()};
 }
 
-SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& o) {
+SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory trajectory,
+                                const Eigen::Vector3d& gravity_F, const SimulationOptions& o) {
   o.check();
   Calibration truth = trueCalibration(rig, o);
   check(o.faults, {o.duration_s, static_cast<int>(truth.cameras.size())});
-  const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();
   const double camera_rate_hz = o.camera_rate_hz.value_or(rig.camera_rate_hz);
   SimulatedSession s{.session = {},
                      .truth = std::move(truth),
-                     .trajectory = AnalyticTrajectory(o.target, rig, o.trajectory),
+                     .trajectory = std::move(trajectory),
                      .start_ns = o.start_ns,
                      .gravity_F = gravity_F,
                      .biases = {},
@@ -154,18 +154,26 @@ SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOption
                      .faults = {},
                      .view_poses = {}};
   s.session.name = "simulated-" + rig.name;
-  s.session.target = statedTarget(o);
-
   SimulatedImu imu = simulateImu(s.trajectory, *s.truth.imu, gravity_F, o);
   s.session.imu = ImuStream{s.truth.imu->rostopic, s.truth.imu->noise, std::move(imu.samples)};
   s.biases = std::move(imu.biases);
   for (std::size_t i = 0; i < o.faults.size(); ++i) {
     s.faults.push_back({o.faults[i], std::move(imu.fault_stamps[i])});
   }
+  for (const TimeNs t : s.frame_stamps) s.states.push_back(s.stateAt(t));
+  return s;
+}
+
+SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& o) {
+  o.check();
+  const Calibration truth = trueCalibration(rig, o);
+  const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();
+  SimulatedSession s =
+      simulateMotion(rig, AnalyticTrajectory(o.target, rig, o.trajectory), gravity_F, o);
+  s.session.target = statedTarget(o);
   for (int i = 0; i < static_cast<int>(s.truth.cameras.size()); ++i) {
     simulateCamera(s, i, o);
   }
-  for (const TimeNs t : s.frame_stamps) s.states.push_back(s.stateAt(t));
   return s;
 }
 

@@ -92,4 +92,9 @@ struct SimulatedSession {
 /// without cameras or IMU.
 SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& options = {});
 
+/// The same along any motion, with gravity_F [m/s^2] pointing down: rig, clocks, IMU and states,
+/// without a view. `options.target` and `options.trajectory` are not looked at.
+SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory trajectory,
+                                const Eigen::Vector3d& gravity_F, const SimulationOptions& options);
+
 }  // namespace plumbline

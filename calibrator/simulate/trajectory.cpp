@@ -100,6 +100,7 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
 }
 
 MotionState AnalyticTrajectory::at(double t_s) const {
+  if (flight_) return flight_->at(t_s);
   return attached(kind_ == MotionKind::kFull ? orbit(t_s) : axisBound(t_s), T_BS_);
 }
 

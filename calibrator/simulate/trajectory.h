@@ -4,9 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/enum_words.h"
+#include "calibrator/simulate/flight_motion.h"
 #include "calibrator/simulate/motion.h"
 #include "calibrator/simulate/rig.h"
 
@@ -44,6 +47,8 @@ class AnalyticTrajectory {
  public:
   AnalyticTrajectory(const AprilGrid& target, const SimulatedRig& rig,
                      const TrajectoryOptions& options = {});
+  /// The motion of a flight in place of one before a target.
+  explicit AnalyticTrajectory(FlightMotion flight) : flight_(std::move(flight)) {}
 
   /// State of the IMU frame S in F, t_s seconds after the start in the IMU's clock. Any t_s.
   MotionState at(double t_s) const;
@@ -52,7 +57,8 @@ class AnalyticTrajectory {
   MotionState orbit(double t_s) const;      // kFull
   MotionState axisBound(double t_s) const;  // the others
 
-  MotionKind kind_;
+  std::optional<FlightMotion> flight_;
+  MotionKind kind_ = MotionKind::kFull;
   // kFull: frame B is the rig's centre. The others: B is S (kFrontoParallel: camera 0).
   Transform T_BS_;
   SumOfSinusoids azimuth_, elevation_, distance_, aim_x_, aim_y_, pan_, tilt_, roll_;

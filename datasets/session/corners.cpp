@@ -25,7 +25,7 @@ class ViewBuilder {
     const TimeNs t = table_.stamp();
     if (t != t_ || views_seen_ == 0) startView(t);
     Corner corner;
-    corner.id = table_.integer("corner_id");
+    corner.id = table_.integer(limits_.of_tracks ? "track_id" : "corner_id");
     checkId(corner.id);
     corner.uv.x() = table_.number("u [px]");
     corner.uv.y() = table_.number("v [px]");
@@ -65,6 +65,12 @@ class ViewBuilder {
   }
 
   void checkId(int id) {
+    if (limits_.of_tracks && (id < 0 || id >= limits_.corner_count)) {
+      throw table_.fault(
+          {InputFault::kOutOfRange,
+           fmt::format("track_id {} is not between 0 and {}", id, limits_.corner_count - 1),
+           "tracks counted from 0", "number them anew"});
+    }
     if (id < 0 || id >= limits_.corner_count) {
       throw table_.fault({InputFault::kOutOfRange,
                           fmt::format("corner_id {} is not on the target", id),
@@ -74,8 +80,8 @@ class ViewBuilder {
     int& seen = last_seen_[static_cast<std::size_t>(id)];
     if (seen == views_seen_) {
       throw table_.fault({InputFault::kDuplicate,
-                          fmt::format("corner_id {} is given twice for the stamp {}", id, t_),
-                          "each corner once in a frame", duplicateCure(t_)});
+                          fmt::format("the id {} is given twice for the stamp {}", id, t_),
+                          "each point once in a frame", duplicateCure(t_)});
     }
     seen = views_seen_;
   }

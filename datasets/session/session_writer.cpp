@@ -119,8 +119,9 @@ std::string frameList(const CameraStream& camera) {
   return text;
 }
 
-std::string cornerList(const CameraStream& camera) {
-  std::string text = "#timestamp [ns],corner_id,u [px],v [px]\n";
+/// `id`: what the rows' second column is called.
+std::string cornerList(const CameraStream& camera, const char* id) {
+  std::string text = fmt::format("#timestamp [ns],{},u [px],v [px]\n", id);
   for (const ImageView& view : camera.views) {
     for (const Corner& c : view.corners) {
       fmt::format_to(std::back_inserter(text), "{},{},{:.9f},{:.9f}\n", view.t, c.id, c.uv.x(),
@@ -186,39 +187,6 @@ struct ImageJob {
   std::size_t view = 0;
 };
 
-/// `target` is the real one, which the session may state wrongly.
-void writeImages(const SimulatedSession& simulated, const AprilGrid& target, const fs::path& folder,
-                 const SimulatedSessionFormat& format) {
-  std::vector<TargetRenderer> renderers;
-  std::vector<fs::path> folders;
-  std::vector<ImageJob> jobs;
-  for (std::size_t i = 0; i < simulated.session.cameras.size(); ++i) {
-    const CameraStream& camera = simulated.session.cameras[i];
-    renderers.emplace_back(simulated.truth.cameras[i].intrinsics, target, format.render);
-    folders.push_back(folder / "mav0" / camera.name / "data");
-    makeFoldersIn(folder, fs::path("mav0") / camera.name / "data");
-    for (std::size_t k = 0; k < camera.views.size(); ++k) {
-      jobs.push_back({static_cast<int>(i), k});
-    }
-  }
-  std::mutex mutex;
-  std::size_t done = 0;
-  const auto write = [&](std::size_t index) {
-    const auto [camera, view] = jobs[index];
-    const auto i = static_cast<std::size_t>(camera);
-    const TimeNs t = simulated.session.cameras[i].views[view].t;
-    const std::uint64_t number = (static_cast<std::uint64_t>(i) << 32U) + view;
-    const GrayImage image = renderers[i].render(simulated.view_poses[i][view], number);
-    writePng(folders[i] / fmt::format("{}.png", t), image);
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (format.progress) format.progress(done, jobs.size());
-  };
-  const int cores = tbb::this_task_arena::max_concurrency();
-  tbb::task_arena arena(format.threads > 0 ? std::min(format.threads, cores) : cores);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, jobs.size(), write); });
-}
-
 }  // namespace
 
 std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz,
@@ -229,10 +197,15 @@ std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz
     files.push_back({folder + "data.csv", frameList(camera)});
     files.push_back({folder + "sensor.yaml", cameraYaml(camera, camera_rate_hz)});
     if (views == ViewFormat::kCorners) {
-      files.push_back({folder + "corners.csv", cornerList(camera)});
+      files.push_back({folder + "corners.csv", cornerList(camera, "corner_id")});
+    }
+    if (views == ViewFormat::kTracks) {
+      files.push_back({folder + "tracks.csv", cornerList(camera, "track_id")});
     }
   }
-  files.push_back({"target.yaml", kalibrTargetText(session.target)});
+  if (session.target.tagCount() > 0) {
+    files.push_back({"target.yaml", kalibrTargetText(session.target)});
+  }
   if (!session.imu) return files;
   const ImuStream& imu = *session.imu;
   const std::string topic = yamlText(imu.rostopic.empty() ? "/imu0" : imu.rostopic);
@@ -258,6 +231,52 @@ void writeSession(const Session& session, double camera_rate_hz, ViewFormat view
   }
 }
 
+void writeImages(const Session& session, const fs::path& folder,
+                 const SimulatedSessionFormat& format, const ViewRenderer& render) {
+  std::vector<fs::path> folders;
+  std::vector<ImageJob> jobs;
+  for (std::size_t i = 0; i < session.cameras.size(); ++i) {
+    const CameraStream& camera = session.cameras[i];
+    folders.push_back(folder / "mav0" / camera.name / "data");
+    makeFoldersIn(folder, fs::path("mav0") / camera.name / "data");
+    for (std::size_t k = 0; k < camera.views.size(); ++k) {
+      jobs.push_back({static_cast<int>(i), k});
+    }
+  }
+  std::mutex mutex;
+  std::size_t done = 0;
+  const auto write = [&](std::size_t index) {
+    const auto [camera, view] = jobs[index];
+    const auto i = static_cast<std::size_t>(camera);
+    const TimeNs t = session.cameras[i].views[view].t;
+    writePng(folders[i] / fmt::format("{}.png", t), render(camera, view));
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (format.progress) format.progress(done, jobs.size());
+  };
+  const int cores = tbb::this_task_arena::max_concurrency();
+  tbb::task_arena arena(format.threads > 0 ? std::min(format.threads, cores) : cores);
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, jobs.size(), write); });
+}
+
+namespace {
+
+/// `target` is the real one, which the session may state wrongly.
+void writeTargetImages(const SimulatedSession& simulated, const AprilGrid& target,
+                       const fs::path& folder, const SimulatedSessionFormat& format) {
+  std::vector<TargetRenderer> renderers;
+  for (const CameraCalibration& camera : simulated.truth.cameras) {
+    renderers.emplace_back(camera.intrinsics, target, format.render);
+  }
+  writeImages(simulated.session, folder, format, [&](int camera, std::size_t view) {
+    const auto i = static_cast<std::size_t>(camera);
+    const std::uint64_t number = (static_cast<std::uint64_t>(i) << 32U) + view;
+    return renderers[i].render(simulated.view_poses[i][view], number);
+  });
+}
+
+}  // namespace
+
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const fs::path& folder, const SimulatedSessionFormat& format) {
   format.check();
@@ -279,7 +298,9 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
   for (const TextFile& file : truths) {
     writeNewFile(folder, fs::path("truth") / file.path, file.text);
   }
-  if (format.views == ViewFormat::kImages) writeImages(simulated, options.target, folder, format);
+  if (format.views == ViewFormat::kImages) {
+    writeTargetImages(simulated, options.target, folder, format);
+  }
 }
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/image.h"
 #include "calibrator/base/session.h"
 #include "calibrator/simulate/render.h"
 #include "calibrator/simulate/simulate_session.h"
@@ -27,6 +28,7 @@ std::string trajectoryCsv(const SimulatedSession& simulated);
 enum class ViewFormat {
   kCorners,  ///< camN/corners.csv
   kImages,   ///< camN/data/<stamp>.png
+  kTracks,   ///< camN/tracks.csv: points of a scene, followed through the frames
 };
 
 /// A text file of a session folder.
@@ -37,7 +39,8 @@ struct TextFile {
 
 /// The text files of a session in the EuRoC ASL layout: mav0/camN/{data.csv,sensor.yaml} (and
 /// corners.csv where the views are corners), mav0/imu0/{data.csv,sensor.yaml}, target.yaml and
-/// imu.yaml as Kalibr reads them. Corners have 9 decimals, IMU samples 12 significant digits.
+/// imu.yaml as Kalibr reads them; no target.yaml where the target has no tags. Corners have 9
+/// decimals, IMU samples 12 significant digits.
 std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz, ViewFormat views);
 
 /// How a simulated session is written.
@@ -56,6 +59,14 @@ struct SimulatedSessionFormat {
 /// `plumbline calibrate` reads them. Throws InputError where one cannot be written.
 void writeSession(const Session& session, double camera_rate_hz, ViewFormat views,
                   const std::filesystem::path& folder);
+
+/// Renders the image of a view of a camera.
+using ViewRenderer = std::function<GrayImage(int camera, std::size_t view)>;
+
+/// Writes mav0/camN/data/<stamp>.png for every view. `format` says on how many threads, which
+/// `render` is called from at once. Throws InputError where a file cannot be written.
+void writeImages(const Session& session, const std::filesystem::path& folder,
+                 const SimulatedSessionFormat& format, const ViewRenderer& render);
 
 /// Writes a simulated session as a recording that `plumbline calibrate` reads, with its truth
 /// beside it:

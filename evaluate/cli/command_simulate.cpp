@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -118,11 +119,17 @@ Command simulateCommand() {
             auto options = std::make_shared<SimulateOptions>();
             declareSimulate(app, *options);
             app.require_subcommand(0, 1);
-            const Command study = simulateStudyCommand();
-            CLI::App* sub = app.add_subcommand(study.name, study.summary);
-            sub->footer("Example:\n  " + study.example);
-            return std::function<int()>([options, sub, make_study = study.configure(*sub)] {
-              return sub->parsed() ? make_study() : simulate(*options);
+            std::vector<std::pair<CLI::App*, std::function<int()>>> subs;
+            for (const Command& command : {simulateStudyCommand(), simulateSequenceCommand()}) {
+              CLI::App* sub = app.add_subcommand(command.name, command.summary);
+              sub->footer("Example:\n  " + command.example);
+              subs.emplace_back(sub, command.configure(*sub));
+            }
+            return std::function<int()>([options, subs] {
+              for (const auto& [sub, run] : subs) {
+                if (sub->parsed()) return run();
+              }
+              return simulate(*options);
             });
           }};
 }

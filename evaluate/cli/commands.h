@@ -40,8 +40,9 @@ Command targetCommand();  ///< with subcommands
 Command odometryCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
 
-/// The subcommand of `simulate`.
+/// The subcommands of `simulate`.
 Command simulateStudyCommand();
+Command simulateSequenceCommand();
 
 /// The subcommands of `evaluate`.
 Command evaluateTrajectoryCommand();

@@ -64,7 +64,9 @@ class FrameReader {
 BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
                        const BuiltinOptions& options) {
   OdometryOptions odometry_options = options.odometry;
-  odometry_options.pixel_sigma = options.corner_sigma_px;
+  if (sequence.points == PointSource::kCorners) {
+    odometry_options.pixel_sigma = options.corner_sigma_px;
+  }
   Odometry odometry(rig, sequence.samples, odometry_options);
   BuiltinRun run;
   for (FrameTracks frame : sequence.tracks) {

@@ -16,11 +16,14 @@ namespace {
 namespace fs = std::filesystem;
 constexpr TimeNs kTogether = 2'000'000;  // [ns]: exposures of one frame
 
-std::vector<ImageView> viewsOf(const fs::path& camera, int corner_count) {
+constexpr int kMostTracks = 10'000'000;
+
+std::vector<ImageView> viewsOf(const fs::path& camera, const char* file, CornerLimits limits) {
   const std::string sensor = (camera / "sensor.yaml").string();
   const auto resolution = readCameraDescription(sensor, false).resolution;
   if (!resolution) throw InputError(sensor, 0, "states no resolution, which corners need");
-  return readCorners((camera / "corners.csv").string(), {corner_count, *resolution});
+  limits.resolution = *resolution;
+  return readCorners((camera / file).string(), limits);
 }
 
 void append(const ImageView& view, int camera, FrameTracks& frame) {
@@ -37,24 +40,33 @@ void merge(const std::vector<ImageView>& views, int camera, std::vector<FrameTra
   }
 }
 
-}  // namespace
-
-bool hasCornersAlone(const SessionFolder& folder) {
-  return std::all_of(folder.cameras.begin(), folder.cameras.end(), [](const std::string& camera) {
-    const fs::path place(camera);
-    return fs::is_regular_file(place / "corners.csv") && !fs::exists(place / "data");
-  });
+int cornerCountOf(const SessionFolder& folder) {
+  const auto target = findBeside(folder.beside, "target.yaml");
+  if (target) return readTarget(*target).cornerCount();
+  throw InputError(folder.root, 0, "has corners and no target.yaml, which says what they are of");
 }
 
-std::vector<FrameTracks> readCornerTracks(const SessionFolder& folder) {
-  const auto target = findBeside(folder.beside, "target.yaml");
-  if (!target) {
-    throw InputError(folder.root, 0, "has corners and no target.yaml, which says what they are of");
-  }
-  const int corner_count = readTarget(*target).cornerCount();
+}  // namespace
+
+PointSource pointSourceOf(const SessionFolder& folder) {
+  const auto have = [&](const char* file) {
+    return std::all_of(folder.cameras.begin(), folder.cameras.end(), [&](const std::string& c) {
+      return fs::is_regular_file(fs::path(c) / file) && !fs::exists(fs::path(c) / "data");
+    });
+  };
+  if (have("tracks.csv")) return PointSource::kTracks;
+  return have("corners.csv") ? PointSource::kCorners : PointSource::kImages;
+}
+
+std::vector<FrameTracks> readPointTracks(const SessionFolder& folder, PointSource source) {
+  const bool of_board = source == PointSource::kCorners;
+  CornerLimits limits;
+  limits.corner_count = of_board ? cornerCountOf(folder) : kMostTracks;
+  limits.of_tracks = !of_board;
   std::vector<FrameTracks> frames;
   for (std::size_t c = 0; c < folder.cameras.size(); ++c) {
-    const std::vector<ImageView> views = viewsOf(folder.cameras[c], corner_count);
+    const std::vector<ImageView> views =
+        viewsOf(folder.cameras[c], of_board ? "corners.csv" : "tracks.csv", limits);
     if (c == 0) {
       for (const ImageView& view : views) frames.push_back({view.t, {}});
     }

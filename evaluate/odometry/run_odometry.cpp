@@ -242,7 +242,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
     const OdometrySequence& sequence = sequences.back();
     if (request.runner && !sequence.tracks.empty()) {
       throw InputError(path, 0,
-                       "has corners in place of images, which " + request.runner->name +
+                       "has points in place of images, which " + request.runner->name +
                            " cannot read; the built-in odometry can");
     }
     if (!truths.emplace(sequence.name, readTruthOf(request, sequence)).second) {

@@ -9,7 +9,6 @@
 #include "calibrator/base/error.h"
 #include "datasets/session/imu.h"
 #include "datasets/session/session_folder.h"
-#include "evaluate/odometry/corner_tracks.h"
 
 namespace plumbline {
 namespace {
@@ -55,7 +54,7 @@ void readImages(const SessionFolder& folder, OdometrySequence& sequence) {
 }
 
 void readTracks(const SessionFolder& folder, OdometrySequence& sequence) {
-  sequence.tracks = readCornerTracks(folder);
+  sequence.tracks = readPointTracks(folder, sequence.points);
   sequence.images.resize(folder.cameras.size());
   for (const FrameTracks& frame : sequence.tracks) {
     std::vector<bool> seen(folder.cameras.size());
@@ -94,7 +93,8 @@ OdometrySequence readOdometrySequence(const std::string& path) {
   OdometrySequence sequence;
   sequence.name = folder.name;
   sequence.root = folder.root;
-  if (hasCornersAlone(folder)) {
+  sequence.points = pointSourceOf(folder);
+  if (sequence.points != PointSource::kImages) {
     readTracks(folder, sequence);
   } else {
     readImages(folder, sequence);

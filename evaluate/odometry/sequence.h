@@ -9,6 +9,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/odometry/tracks.h"
 #include "datasets/session/camera_stream.h"
+#include "evaluate/odometry/corner_tracks.h"
 
 namespace plumbline {
 
@@ -17,8 +18,8 @@ struct OdometrySequence {
   std::string name;
   std::filesystem::path root;                  ///< holds camN and imu0
   std::vector<std::vector<ImageFile>> images;  ///< of each camera, ascending; files may be missing
-  /// Where it comes with a board's corners in place of images: what all cameras saw of them; its
-  /// images then are stamps without a file.
+  PointSource points = PointSource::kImages;   ///< what it comes with in place of images
+  /// Of those all that the cameras saw; the images then are stamps without a file.
   std::vector<FrameTracks> tracks;
   std::vector<ImuSample> samples;
   std::optional<ImuNoise> noise;               ///< as its IMU's YAML states it
@@ -29,7 +30,7 @@ struct OdometrySequence {
 };
 
 /// Reads the lists and the IMU of a EuRoC ASL folder (TUM-VI's has the same layout), not the
-/// images; or corners in their place (corner_tracks.h). Its truth is the first of
+/// images; or points in their place (corner_tracks.h). Its truth is the first of
 /// state_groundtruth_estimate0, vicon0, mocap0 and leica0, or truth/trajectory.csv of a simulated
 /// one. Throws InputError where a part is missing or malformed, where there are no images, and
 /// where fewer than half of camera 0's frames have a partner within 2 ms in another camera: cameras

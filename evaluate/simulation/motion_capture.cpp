@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/fields/calibration_fields.h"
 #include "calibrator/simulate/random_stream.h"
+#include "datasets/files/file_io.h"
 
 namespace plumbline {
 namespace {
@@ -69,6 +71,22 @@ std::string motionCaptureCsv(const Trajectory& trajectory) {
                    pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
   }
   return text;
+}
+
+Json writeMotionCapture(const SimulatedSession& session, const MotionCaptureOptions& o,
+                        const std::filesystem::path& folder, const std::filesystem::path& place) {
+  const MotionCapture capture = simulateMotionCapture(session, o);
+  makeFoldersIn(folder, place / "mav0" / "mocap0");
+  writeFileAtomically((folder / place / "mav0" / "mocap0" / "data.csv").string(),
+                      motionCaptureCsv(capture.trajectory));
+  Json gaps = Json::array();
+  for (const auto& [begin, end] : capture.gaps_s) gaps.push_back({begin, end});
+  return {{"clock_offset_s", o.clock_offset_s},
+          {"T_SM", toJson(o.T_SM)},
+          {"T_VW", toJson(o.T_VW)},
+          {"noise_m", o.noise_m},
+          {"noise_rad", o.noise_rad},
+          {"gaps_s", gaps}};
 }
 
 }  // namespace plumbline

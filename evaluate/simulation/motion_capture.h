@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "calibrator/fields/json_fields.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
@@ -37,5 +40,10 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
 
 /// EuRoC's vicon0/data.csv: stamp [ns], p [m], q (w x y z).
 std::string motionCaptureCsv(const Trajectory& trajectory);
+
+/// Lets a system watch the session and writes FOLDER/PLACE/mav0/mocap0/data.csv, FOLDER being the
+/// output's. Returns the system's truth: clock_offset_s, T_SM, T_VW, noise and gaps.
+Json writeMotionCapture(const SimulatedSession& session, const MotionCaptureOptions& options,
+                        const std::filesystem::path& folder, const std::filesystem::path& place);
 
 }  // namespace plumbline

@@ -130,18 +130,7 @@ Json makeSequence(const SimulatedRig& rig, const StudySimulationOptions& o, std:
   writeSimulatedSession(made, simulation, folder / place, format);
   MotionCaptureOptions system;
   system.seed = seed;
-  const MotionCapture mocap = simulateMotionCapture(made, system);
-  makeFoldersIn(folder, place / "mav0" / "mocap0");
-  writeFileAtomically((folder / place / "mav0" / "mocap0" / "data.csv").string(),
-                      motionCaptureCsv(mocap.trajectory));
-  Json gaps = Json::array();
-  for (const auto& [begin, end] : mocap.gaps_s) gaps.push_back({begin, end});
-  return {{"clock_offset_s", system.clock_offset_s},
-          {"T_SM", toJson(system.T_SM)},
-          {"T_VW", toJson(system.T_VW)},
-          {"noise_m", system.noise_m},
-          {"noise_rad", system.noise_rad},
-          {"gaps_s", gaps}};
+  return writeMotionCapture(made, system, folder, place);
 }
 
 std::string numbered(const char* name, std::size_t i) {

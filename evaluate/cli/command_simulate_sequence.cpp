@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/simulation/simulate_sequence.h"
+
+namespace plumbline {
+namespace {
+
+struct SimulateSequenceOptions {
+  OutputOptions output;
+  std::optional<double> time_offset_ms;
+  double exposure_ms = 4;
+  SequenceOptions sequence;
+};
+
+void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
+  SequenceOptions& s = o.sequence;
+  s.simulation.duration_s = 40;
+  o.output.declare(app, "Folder to write")->required();
+  app.add_option("--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
+      ->capture_default_str();
+  app.add_option("--seed", s.simulation.seed,
+                 "Seed of motion, room, noise and motion capture: same seed, same bytes")
+      ->check(seedFrom(0))
+      ->capture_default_str();
+  app.add_option("--duration", s.simulation.duration_s, "Length [s]")->capture_default_str();
+  app.add_option("--pace", s.flight.pace, "Multiplies every frequency of the motion")
+      ->capture_default_str();
+  app.add_option("--first-rest", s.flight.first_rest_s,
+                 "It stands so long before it flies [s] (0: begins in motion)")
+      ->capture_default_str();
+  app.add_option("--rests", s.flight.rests, "Rests on the way, 1.5 s each")->capture_default_str();
+  app.add_option("--turns", s.flight.turns, "Fast turns of 80 degrees in 0.9 s")
+      ->capture_default_str();
+  app.add_option("--time-offset-ms", o.time_offset_ms,
+                 "t_imu = t_cam + this [ms] (default: the rig's)");
+  app.add_option("--tracks", s.tracks.tracks, "Points followed at a time, not for images")
+      ->capture_default_str();
+  app.add_option("--track-sigma", s.tracks.sigma_px, "Noise of tracks [px], not for images")
+      ->capture_default_str();
+  app.add_option("--outliers", s.tracks.outlier_share, "Share of sightings that lie anywhere")
+      ->capture_default_str();
+  app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
+  app.add_option("--exposure-ms", o.exposure_ms, "Exposure of images, which blurs [ms]")
+      ->capture_default_str();
+  app.add_option("--drop-outs", s.motion_capture.drop_outs, "Gaps of the motion capture, 0.6 s")
+      ->capture_default_str();
+  app.add_option("--threads", s.images.threads, "Threads that render (0: all cores)")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+int simulateSequenceFolder(SimulateSequenceOptions o) {
+  if (o.time_offset_ms) o.sequence.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
+  o.sequence.images.exposure_s = o.exposure_ms * 1e-3;
+  o.sequence.check();
+  OutputFolder out(o.output.request("sequence"));
+  ProgressBar bar;
+  const SimulatedFlight flight = simulateSequence(o.sequence, out.path(), bar.sink());
+  out.commit();
+  bar.clear();
+  say("Simulated a flight of {:.0f} s and {:.1f} m with rig {} (seed {}) in {}\n",
+      o.sequence.simulation.duration_s, flight.length_m, o.sequence.rig, o.sequence.simulation.seed,
+      o.output.out);
+  say("Run it: plumbline odometry {0} --calibration {0}/truth/camchain-imucam.yaml "
+      "--truth {0}/truth/trajectory.csv --clock-offset auto --out loop\n",
+      o.output.out);
+  say("Or against motion capture, which has a clock, a world and a marker body of its own: "
+      "--clock-offset auto --hand-eye auto\n");
+  return kDone;
+}
+
+}  // namespace
+
+Command simulateSequenceCommand() {
+  return {"sequence", "Make a flight through a room for odometry, whose truth is known",
+          "plumbline simulate sequence --duration 40 --images --out flight", [](CLI::App& app) {
+            auto options = std::make_shared<SimulateSequenceOptions>();
+            declareSimulateSequence(app, *options);
+            return std::function<int()>([options] { return simulateSequenceFolder(*options); });
+          }};
+}
+
+}  // namespace plumbline
