@@ -3,6 +3,7 @@
 #include "datasets/calibration/calibration_reader.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -206,6 +207,41 @@ CalibrationExtras readCalibrationExtras(const std::string& path) {
     }
   }
   return extras;
+}
+
+namespace {
+
+/// Of one stage: formal ones from its covariance, and robust ones over them.
+void addDeviations(const YamlMap& file, const char* stage, std::map<std::string, double>& out) {
+  const YamlMap covariances = file.map("covariance", "the stages' covariances");
+  if (!covariances.has(stage)) return;
+  const ParameterCovariance covariance = covarianceOf(covariances.map(stage, "a covariance"));
+  const Eigen::VectorXd formal = covariance.standardDeviations();
+  std::vector<double> values(formal.begin(), formal.end());
+  const YamlMap stages = file.map("stages", "the calibration's stages");
+  if (stages.has(stage)) {
+    const YamlMap record = stages.map(stage, "a stage");
+    if (record.has("robust_std")) values = record.numbers("robust_std", "deviations");
+    if (values.size() != covariance.names.size()) {
+      throw record.fault(
+          "robust_std",
+          {InputFault::kContradiction, "does not fit the stage's parameters",
+           fmt::format("{} numbers", covariance.names.size()), "copy the file again"});
+    }
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) out[covariance.names[i]] = values[i];
+}
+
+}  // namespace
+
+std::map<std::string, double> readDeviations(const std::string& path) {
+  std::map<std::string, double> out;
+  const YamlMap file = YamlMap::load(path, "a calibration");
+  const bool ours = !isYacResult(file) && !file.has("cam0") && !isBasaltCalibration(file);
+  if (!ours || !file.has("covariance") || !file.has("stages")) return out;
+  addDeviations(file, "camera", out);
+  addDeviations(file, "camera_imu", out);
+  return out;
 }
 
 }  // namespace plumbline

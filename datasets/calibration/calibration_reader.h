@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -40,5 +41,10 @@ struct CalibrationExtras {
 /// Reads them from a file that readCalibration() reads. Throws InputError, with file and line, for
 /// a covariance that is not square or does not fit its list of parameters.
 CalibrationExtras readCalibrationExtras(const std::string& path);
+
+/// Standard deviations that a calibration's file states of its parameters, by name ("cam0.fu",
+/// "T_SC0.tx", "time_offset"): ours, robust where the stage has them (`robust_std`), else formal.
+/// Empty for other tools' files. Throws InputError as readCalibrationExtras() does.
+std::map<std::string, double> readDeviations(const std::string& path);
 
 }  // namespace plumbline

@@ -43,7 +43,7 @@ Errors errorsOf(const OdometryResult& result, const RoomFlight& flight) {
   std::size_t j = 0;
   for (const OdometryPose& pose : result.poses) {
     while (flight.frames[j].t < pose.t) ++j;
-    const Transform& T_WS = flight.truth[j].T_FB;
+    const Transform& T_WS = flight.truth[j];
     estimate.push_back(pose.state.T_FS.t);
     truth.push_back(T_WS.t);
     if (estimate.size() == 1) {
@@ -72,7 +72,7 @@ TEST(OdometryStatistics, ErrorsAreSmallAndAsStated) {
     EXPECT_TRUE(result.losses.empty()) << seed;
     EXPECT_GT(result.poses.size(), flight.frames.size() - 30) << seed;
     const Errors errors = errorsOf(result, flight);
-    share.push_back(errors.ate_m / flight.length());
+    share.push_back(errors.ate_m / flight.length_m);
     nees.push_back(errors.nees);
     RecordProperty("seed_" + std::to_string(seed), std::to_string(errors.ate_m));
   }

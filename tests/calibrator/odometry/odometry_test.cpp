@@ -36,7 +36,7 @@ double ate(const OdometryResult& result, const RoomFlight& flight) {
   for (const OdometryPose& pose : result.poses) {
     while (flight.frames[j].t < pose.t) ++j;
     estimate.push_back(pose.state.T_FS.t);
-    truth.push_back(flight.truth[j].T_FB.t);
+    truth.push_back(flight.truth[j].t);
   }
   return alignedRmse(estimate, truth);
 }
