@@ -277,6 +277,18 @@ struct ImuState {
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< [m/s^2]
 };
 
+/// What one of the IMU's sensors read on average between two frames, in the IMU's axes at the
+/// earlier one, beside what the solution's states say that it should have read.
+///   gyroscope:      measured Log(Delta R) / T + b_g,  predicted Log(R_i^T R_j) / T + b_g [rad/s]
+///   accelerometer:  Delta v / T + b_a,  R_i^T ((v_j - v_i) / T - g) + b_a [m/s^2]
+/// with the pre-integrated Delta R, Delta v, gravity g and the biases of state i.
+struct MeanReading {
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();
+  Eigen::Vector3d predicted = Eigen::Vector3d::Zero();
+  /// Of `measured`, by the assumed noise density of the samples alone.
+  Eigen::Vector3d std = Eigen::Vector3d::Zero();
+};
+
 /// Residual of the IMU between two consecutive frames at the solution.
 struct ImuIntervalResidual {
   TimeNs t = 0;     ///< of the earlier frame, camera clock
@@ -287,6 +299,8 @@ struct ImuIntervalResidual {
   /// Whitened by the assumed noise; unit variance where the assumption holds. Rotation, velocity,
   /// position (jointly whitened), gyro bias walk, accel bias walk.
   Eigen::Matrix<double, 15, 1> normalised = Eigen::Matrix<double, 15, 1>::Zero();
+  MeanReading gyro;   ///< [rad/s]
+  MeanReading accel;  ///< [m/s^2]
 };
 
 /// What one group of inertial residuals says of the density that was assumed for it.

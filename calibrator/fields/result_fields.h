@@ -176,6 +176,13 @@ void fields(V& v, ImuState& s) {
 }
 
 template <class V>
+void fields(V& v, MeanReading& r) {
+  v("measured", r.measured, "mean over the interval, in the IMU's axes at its start");
+  v("predicted", r.predicted, "the same from the states at its ends");
+  v("std", r.std, "of `measured`, by the assumed density");
+}
+
+template <class V>
 void fields(V& v, ImuIntervalResidual& r) {
   v("t_ns", r.t, "of the earlier frame, camera clock");
   v("dt_s", r.dt_s, "s", "length of the interval");
@@ -183,6 +190,8 @@ void fields(V& v, ImuIntervalResidual& r) {
   v("velocity_m_s", r.velocity_m_s, "m/s", "of the velocity");
   v("position_m", r.position_m, "m", "of the position");
   v("normalised", r.normalised, "1", "rotation, velocity, position, bias walks over their noise");
+  v("gyro", r.gyro, "rad/s", "what the gyroscope read and should have read");
+  v("accel", r.accel, "m/s^2", "what the accelerometer read and should have read");
 }
 
 template <class V>

@@ -124,4 +124,21 @@ void writePng(const std::string& path, const GrayImage& image) {
   writeFileAtomically(path, std::string_view(bytes).substr(0, size));
 }
 
+GrayImage shrunk(const GrayImage& image, int factor) {
+  if (factor <= 1) return image;
+  GrayImage out(image.width() / factor, image.height() / factor);
+  const int area = factor * factor;
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      int sum = area / 2;
+      for (int dy = 0; dy < factor; ++dy) {
+        const std::uint8_t* row = image.row(y * factor + dy) + x * factor;
+        for (int dx = 0; dx < factor; ++dx) sum += row[dx];
+      }
+      out.at(x, y) = static_cast<std::uint8_t>(sum / area);
+    }
+  }
+  return out;
+}
+
 }  // namespace plumbline

@@ -11,8 +11,10 @@
 #include "calibrator/batch/resample.h"
 #include "calibrator/batch/two_stages.h"
 #include "datasets/calibration/calibration_reader.h"
+#include "evaluate/calibration/view_images.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -116,6 +118,7 @@ CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSessi
   record.assumptions = assumptionsOf(request.camera, request.camera_imu);
   record.target = loaded.session.target;
   record.counts = loaded.counts;
+  addSampleIntervals(loaded.session, record);
   return record;
 }
 
@@ -170,6 +173,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
       return locate(*failure, loaded, request.load.session);
     }
   }
+  addViewImages(loaded, record);
   record.verdict = with_imu ? judge(record, request.thresholds, loaded.session.imu->samples)
                             : judge(record, request.thresholds);
   record.verdict.headline = calibrationHeadline(record);

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "datasets/calibration/calibration_reader.h"
+#include "evaluate/calibration/view_images.h"
+#include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
@@ -37,6 +39,7 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
                                      : assumptionsOf(score.camera, score.camera_imu);
   record.target = loaded.session.target;
   record.counts = loaded.counts;
+  addSampleIntervals(loaded.session, record);
   return record;
 }
 
@@ -70,6 +73,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   CalibrationRecord record = recordOf(loaded, asked);
   record.camera = std::move(on_session.camera);
   record.camera_imu = std::move(on_session.camera_imu);
+  addViewImages(loaded, record);
   record.held = HeldCalibration{label, std::move(on_session.scores)};
   for (const std::string& folder : asked.held_out) {
     const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);

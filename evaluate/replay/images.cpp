@@ -15,24 +15,6 @@ namespace {
 constexpr int kWidest = 400;  // [px]
 constexpr int kQuality = 60;
 
-/// Mean over blocks of `factor` squared pixels; what is left at the right and below is cut off.
-GrayImage shrunk(const GrayImage& image, int factor) {
-  if (factor <= 1) return image;
-  GrayImage out(image.width() / factor, image.height() / factor);
-  const int area = factor * factor;
-  for (int y = 0; y < out.height(); ++y) {
-    for (int x = 0; x < out.width(); ++x) {
-      int sum = area / 2;
-      for (int dy = 0; dy < factor; ++dy) {
-        const std::uint8_t* row = image.row(y * factor + dy) + x * factor;
-        for (int dx = 0; dx < factor; ++dx) sum += row[dx];
-      }
-      out.at(x, y) = static_cast<std::uint8_t>(sum / area);
-    }
-  }
-  return out;
-}
-
 std::string smallCopy(const ImageFile& file) {
   const GrayImage image = readGrayImage(file.path);
   return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);

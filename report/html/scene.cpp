@@ -102,12 +102,12 @@ struct Rig {
 };
 
 Rig rigOf(const CalibrationRecord& record) {
-  if (!record.camera_imu) return {viewOf(*record.camera), record.camera->T_FC0};
+  if (!record.camera_imu) return {cameraView(record), record.camera->T_FC0};
   std::vector<Transform> poses;
   for (const ImuState& state : record.camera_imu->states) {
     poses.push_back(state.T_FS * record.camera_imu->imu.T_SC0);
   }
-  return {viewOf(*record.camera_imu), std::move(poses)};
+  return {cameraImuView(record), std::move(poses)};
 }
 
 SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, double depth,
@@ -121,6 +121,7 @@ SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, doubl
   const std::size_t stride = std::max<std::size_t>(1, (n + kMostFrusta - 1) / kMostFrusta);
   for (std::size_t i = 0; i < n; i += stride) {
     if (!std::isfinite(rmse[i])) continue;
+    object.frames.push_back(static_cast<int>(i));
     appendFrustum(object,
                   frustum(calibration.intrinsics, rig.T_FC0[i] * calibration.T_C0Ci, depth));
     const double unit = (rmse[i] - scene.rmse.min) / (scene.rmse.max - scene.rmse.min);
@@ -211,12 +212,18 @@ Scene buildScene(const CalibrationRecord& record) {
   const Rig rig = rigOf(record);
   placeEye(scene, record.target, rig.T_FC0);
   const auto rmse = frameRmse(rig.stage);
-  const auto seconds = frameSeconds(rig.stage.frames);
+  const auto seconds = frameSeconds(rig.stage);
   scene.rmse = rmseRange(rmse);
   scene.seconds = seconds.empty() ? 0 : seconds.back();
   const double depth = 0.1 * std::max(record.target.width(), record.target.height());
   scene.objects.push_back(path(rig.T_FC0));
+  for (std::size_t i = 0; i < std::min(rig.T_FC0.size(), seconds.size()); ++i) {
+    scene.poses.push_back({seconds[i], rig.T_FC0[i]});
+  }
   for (std::size_t camera = 0; camera < rig.stage.cameras.size(); ++camera) {
+    const CameraCalibration& calibration = rig.stage.cameras[camera];
+    scene.cameras.push_back(
+        {calibration.name, frustum(calibration.intrinsics, calibration.T_C0Ci, depth)});
     scene.objects.push_back(frusta(rig, camera, scene, depth, rmse[camera], seconds));
   }
   if (record.camera_imu) addInertial(scene, *record.camera_imu, record.target, depth);

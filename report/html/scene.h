@@ -21,6 +21,19 @@ struct SceneObject {
   double width = 1.5;  ///< of lines [px]
   /// Colours of the points by what they show ("rmse", "time"); empty: all have `colour`.
   std::map<std::string, std::vector<Colour>> colours;
+  std::vector<int> frames = {};  ///< of frusta, five points each: the frames they belong to
+};
+
+/// A camera as a frustum in the frame of camera 0, to mark any of its views.
+struct SceneCamera {
+  std::string name;
+  std::vector<Eigen::Vector3d> frustum_C0;
+};
+
+/// Where camera 0 was at an instant of the page's time.
+struct ScenePose {
+  double seconds = 0;
+  Transform T_FC0;
 };
 
 struct Scene {
@@ -30,6 +43,8 @@ struct Scene {
   Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   Range rmse{0, 1};    ///< that the colours span [px]
   double seconds = 0;  ///< length of the recording
+  std::vector<SceneCamera> cameras;
+  std::vector<ScenePose> poses;  ///< one per frame
 };
 
 /// Apex and the four corners of the image at `depth` [m] along the optical axis, in F. Wide lenses

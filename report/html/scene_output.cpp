@@ -4,7 +4,9 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "calibrator/base/lie.h"
 #include "report/html/scene.h"
 
 namespace plumbline::html_internal {
@@ -37,6 +39,9 @@ std::string objectJson(const SceneObject& o) {
                   join(o.points, [](const Eigen::Vector3d& p) {
                     return fmt::format("{:.4f},{:.4f},{:.4f}", p.x(), p.y(), p.z());
                   }));
+  if (!o.frames.empty()) {
+    json += ",\"frames\":" + join(o.frames, [](int i) { return std::to_string(i); });
+  }
   if (!o.lines.empty()) json += ",\"lines\":" + cells(o.lines);
   if (!o.polygons.empty()) json += ",\"polygons\":" + cells(o.polygons);
   if (!o.colours.empty()) {
@@ -51,6 +56,18 @@ std::string objectJson(const SceneObject& o) {
     json += '}';
   }
   return json + '}';
+}
+
+std::string cameraJson(const SceneCamera& c) {
+  return fmt::format("{{\"name\":{},\"points\":{}}}", nlohmann::json(c.name).dump(),
+                     join(c.frustum_C0, [](const Eigen::Vector3d& p) { return list(p); }));
+}
+
+/// Seconds, place, and the rotation vector.
+std::string poseJson(const ScenePose& p) {
+  const Eigen::Vector3d w = logSO3(p.T_FC0.R);
+  return fmt::format("[{:.3f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}]", p.seconds, p.T_FC0.t.x(),
+                     p.T_FC0.t.y(), p.T_FC0.t.z(), w.x(), w.y(), w.z());
 }
 
 /// A pinhole picture of the scene; pixels of a 900 x 520 view.
@@ -111,9 +128,11 @@ std::string objectSvg(const StillCamera& camera, const SceneObject& o) {
 }  // namespace
 
 std::string toJson(const Scene& scene) {
-  return fmt::format("{{\"focus\":{},\"eye\":{},\"up\":{},\"colour\":\"rmse\",\"objects\":{}}}",
-                     list(scene.focus), list(scene.eye), list(scene.up),
-                     join(scene.objects, objectJson));
+  return fmt::format(
+      "{{\"focus\":{},\"eye\":{},\"up\":{},\"colour\":\"rmse\",\"cameras\":{},\"poses\":{},"
+      "\"objects\":{}}}",
+      list(scene.focus), list(scene.eye), list(scene.up), join(scene.cameras, cameraJson),
+      join(scene.poses, poseJson), join(scene.objects, objectJson));
 }
 
 std::string toStillSvg(const Scene& scene, const std::string& id) {

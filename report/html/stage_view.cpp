@@ -1,9 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/html/stage_view.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace plumbline::html_internal {
+
+TimeNs timeOrigin(const CalibrationRecord& record) {
+  std::vector<TimeNs> first;
+  if (record.camera && !record.camera->frames.empty()) {
+    first.push_back(record.camera->frames.front().t);
+  }
+  if (record.camera_imu && !record.camera_imu->frames.empty()) {
+    first.push_back(record.camera_imu->frames.front().t);
+  }
+  return first.empty() ? 0 : *std::min_element(first.begin(), first.end());
+}
+
+StageView cameraView(const CalibrationRecord& record) {
+  const CameraStageResult& s = *record.camera;
+  return {"camera",    "Camera stage", s.cameras,         s.frames,
+          s.residuals, s.summary,      timeOrigin(record)};
+}
+
+StageView cameraImuView(const CalibrationRecord& record) {
+  const CameraImuStageResult& s = *record.camera_imu;
+  return {"camera-imu", "Camera-IMU stage", s.cameras,         s.frames,
+          s.residuals,  s.summary,          timeOrigin(record)};
+}
 
 std::vector<std::vector<double>> frameRmse(const StageView& stage) {
   const std::size_t frames = stage.frames.size();
@@ -24,10 +48,10 @@ std::vector<std::vector<double>> frameRmse(const StageView& stage) {
   return sums;
 }
 
-std::vector<double> frameSeconds(const std::vector<Frame>& frames) {
+std::vector<double> frameSeconds(const StageView& stage) {
   std::vector<double> seconds;
-  seconds.reserve(frames.size());
-  for (const Frame& frame : frames) seconds.push_back(secondsBetween(frames.front().t, frame.t));
+  seconds.reserve(stage.frames.size());
+  for (const Frame& frame : stage.frames) seconds.push_back(secondsBetween(stage.origin, frame.t));
   return seconds;
 }
 

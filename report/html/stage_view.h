@@ -16,20 +16,21 @@ struct StageView {
   const std::vector<Frame>& frames;
   const std::vector<CornerResidual>& residuals;
   const StageSummary& summary;
+  TimeNs origin = 0;  ///< where the page's time starts
 };
 
-inline StageView viewOf(const CameraStageResult& s) {
-  return {"camera", "Camera stage", s.cameras, s.frames, s.residuals, s.summary};
-}
+/// Where the page's time starts: at the first frame of either stage, so that all plots over time
+/// have one axis. 0 without frames.
+TimeNs timeOrigin(const CalibrationRecord& record);
 
-inline StageView viewOf(const CameraImuStageResult& s) {
-  return {"camera-imu", "Camera-IMU stage", s.cameras, s.frames, s.residuals, s.summary};
-}
+/// The stages of a record that has them.
+StageView cameraView(const CalibrationRecord& record);
+StageView cameraImuView(const CalibrationRecord& record);
 
 /// RMSE of the used corners per camera and frame [px], NaN where a camera has none.
 std::vector<std::vector<double>> frameRmse(const StageView& stage);
 
-/// Seconds of every frame since the first.
-std::vector<double> frameSeconds(const std::vector<Frame>& frames);
+/// Seconds of every frame since the page's time starts.
+std::vector<double> frameSeconds(const StageView& stage);
 
 }  // namespace plumbline::html_internal

@@ -60,6 +60,14 @@ struct Series {
   bool markers = false;  ///< LinePlot: points instead of a line
 };
 
+/// What lies between two values at each x; all three have the same length. It breaks where a value
+/// is not finite.
+struct Band {
+  std::string name;  ///< shown in the legend unless empty
+  std::vector<double> x, low, high;
+  Colour colour;
+};
+
 /// A line whose colour tells a value at each of its points: green, amber, red.
 struct ColouredLine {
   std::vector<double> x, y, value;
@@ -81,6 +89,7 @@ struct LinePlot {
   std::string value_label = {};             ///< of the colour bar, with unit
   Range value_range = {};                   ///< of the colours; values beyond have the end's
   std::vector<NamedPoint> points = {};      ///< above the lines
+  std::vector<Band> bands = {};             ///< below the lines
 };
 
 /// A cloud of points; above `max_points` in all it is drawn as a density of `bins` x `bins` cells

@@ -15,6 +15,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/fields/result_fields.h"
 #include "report/records/calibration_score.h"
+#include "report/records/recording_record.h"
 
 namespace plumbline {
 
@@ -184,6 +185,9 @@ struct CalibrationRecord {
   /// Set by `evaluate calibration`: the stages' calibrations are then the file's, only poses and
   /// states are estimated, and covariances say what the recording could tell at these values.
   std::optional<HeldCalibration> held;
+  std::vector<SampleIntervals> sample_intervals;  ///< one per camera, then the IMU's
+  std::vector<ShownInterval> shown_intervals;     ///< thinned to what a plot shows
+  std::vector<ViewImage> view_images;             ///< of the worst views, where there are images
 
   /// The final cameras: of the camera-IMU stage if it ran, otherwise of the camera stage.
   const std::vector<CameraCalibration>& cameras() const;
@@ -246,6 +250,9 @@ void fields(V& v, CalibrationRecord& r) {
   });
   v("target", r.target, "the AprilGrid");
   v("counts", r.counts, "of each camera's stream: what was offered and found");
+  v.ifSet("sample_intervals", r.sample_intervals, "how evenly each sensor's samples follow");
+  v.array("shown_intervals", r.shown_intervals, "of every sensor, thinned to what a plot shows");
+  v.array("view_images", r.view_images, "images of the views with the largest errors");
   v("assumptions", r.assumptions, "what covariances and verdict take for granted");
   v("verdict", r.verdict, "how far the result may be trusted, and why");
   v("provenance", r.provenance, "where the result comes from");

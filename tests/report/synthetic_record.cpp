@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/report/synthetic_record.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "calibrator/base/image.h"
 #include "calibrator/base/lie.h"
+#include "datasets/images/jpeg.h"
 
 namespace plumbline::test {
 namespace {
@@ -141,6 +144,13 @@ ImuIntervalResidual interval(TimeNs t, std::mt19937& random) {
   r.rotation_rad = 4e-5 * r.normalised.head<3>();
   r.velocity_m_s = 5e-4 * r.normalised.segment<3>(3);
   r.position_m = 1.5e-5 * r.normalised.segment<3>(6);
+  const double s = secondsBetween(1403709395937837056LL, t);
+  r.gyro.predicted = {0.4 * std::sin(1.1 * s), 0.3 * std::cos(0.7 * s), 0.2 * std::sin(0.5 * s)};
+  r.gyro.measured = r.gyro.predicted - r.rotation_rad / r.dt_s;
+  r.gyro.std.setConstant(7.6e-4);
+  r.accel.predicted = {9.8 + 0.5 * std::sin(2 * s), std::cos(1.3 * s), 0.3 * std::sin(0.4 * s)};
+  r.accel.measured = r.accel.predicted - r.velocity_m_s / r.dt_s;
+  r.accel.std.setConstant(9e-3);
   return r;
 }
 
@@ -204,6 +214,47 @@ CameraImuStageResult cameraImuStage(const CameraStageResult& first, std::mt19937
   return stage;
 }
 
+/// Even streams; the IMU has a gap of three samples, and its stamps jitter.
+void addRecording(CalibrationRecord& record, std::mt19937& random) {
+  Normal jitter(0, 5e-5);
+  const auto& frames = record.camera->frames;
+  for (int sensor = 0; sensor < (record.camera_imu ? 3 : 2); ++sensor) {
+    const bool imu = sensor == 2;
+    const double median = imu ? 0.005 : 0.05;
+    SampleIntervals s{
+        imu ? "imu" : "cam" + std::to_string(sensor), 0, median, median, median, 0, 0, 0, {}};
+    TimeNs t = frames.front().t;
+    while (t < frames.back().t) {
+      const bool gap = imu && s.samples == 200;
+      const double interval = gap ? 4 * median : median + (imu ? jitter(random) : 0);
+      if (gap) s.gaps.push_back({t, interval, 3});
+      t += toNanoseconds(interval);
+      record.shown_intervals.push_back({sensor, t, interval});
+      s.min_s = std::min(s.min_s, interval);
+      s.max_s = std::max(s.max_s, interval);
+      ++s.samples;
+    }
+    s.gap_count = s.gaps.size();
+    s.missing = 3 * s.gap_count;
+    record.sample_intervals.push_back(s);
+  }
+}
+
+/// A picture of the worst view: grey stripes.
+void addImage(CalibrationRecord& record) {
+  const auto& stage = *record.camera;
+  const auto views = viewErrors(stage.residuals);
+  const ViewErrors& worst = views[worstFirst(views).front()];
+  GrayImage image(376, 240);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      image.at(x, y) = static_cast<std::uint8_t>((x / 20 + y / 20) % 2 == 0 ? 210 : 60);
+    }
+  }
+  record.view_images = {{worst.camera, stage.frames[static_cast<std::size_t>(worst.frame)].t, 2,
+                         encodeJpeg(image, 60)}};
+}
+
 }  // namespace
 
 CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
@@ -222,6 +273,8 @@ CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
                    {options.frames + 4, options.frames, 9500, 2375}};
   record.camera = cameraStage(options, random);
   if (options.camera_imu) record.camera_imu = cameraImuStage(*record.camera, random);
+  addRecording(record, random);
+  if (options.images) addImage(record);
   ResampleSpread spread{20, 1, record.camera->summary.covariance.names, {}};
   spread.std = 3 * record.camera->summary.covariance.standardDeviations();
   record.camera_resample = spread;

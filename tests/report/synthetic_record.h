@@ -10,6 +10,7 @@ struct SyntheticRecordOptions {
   int tags_seen = 20;      ///< per view
   double sigma_px = 0.35;  ///< of a corner coordinate
   bool camera_imu = true;  ///< with the second stage
+  bool images = true;      ///< of the worst view
   unsigned seed = 1;
 };
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
@@ -140,6 +141,23 @@ std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
   return failure;
 }
 
+/// Readings that the whitened residuals of an interval are about.
+void addReadings(const Preintegration& motion, const ImuState& i, const ImuState& j,
+                 const Gravity& gravity, const Matrix9d& sqrt_information,
+                 ImuIntervalResidual& interval) {
+  const double T = interval.dt_s;
+  const Eigen::Matrix3d R_SF = i.T_FS.R.transpose();
+  interval.gyro.measured = logSO3(motion.R) / T + i.gyro_bias;
+  interval.gyro.predicted = logSO3(R_SF * j.T_FS.R) / T + i.gyro_bias;
+  interval.accel.measured = motion.v / T + i.accel_bias;
+  interval.accel.predicted =
+      R_SF * ((j.v_F - i.v_F) / T - gravity.magnitude * gravity.direction) + i.accel_bias;
+  const Matrix9d factor =  // lower Cholesky factor of the covariance
+      sqrt_information.triangularView<Eigen::Lower>().solve(Matrix9d::Identity());
+  interval.gyro.std = factor.topRows<3>().rowwise().norm() / T;
+  interval.accel.std = factor.middleRows<3>(3).rowwise().norm() / T;
+}
+
 }  // namespace
 
 std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
@@ -178,6 +196,7 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
     interval.position_m = r.tail<3>();
     interval.normalised << weights[k].sqrt_information * r, walk.head<3>() * weights[k].gyro_walk,
         walk.tail<3>() * weights[k].accel_walk;
+    addReadings(*motion, i, j, gravity, weights[k].sqrt_information, interval);
     out.push_back(interval);
   }
   return out;

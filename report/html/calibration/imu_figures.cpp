@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/html/calibration/imu_figures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include <fmt/format.h>
 
-#include "report/html/stage_view.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
@@ -14,6 +14,8 @@ namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr double kPi = 3.14159265358979323846;
+constexpr Colour kBandColour{120, 126, 136, 70};
+constexpr std::size_t kMostShown = 1500;  // intervals of a plot of readings
 
 using Pick = std::function<Eigen::Vector3d(const ImuIntervalResidual&)>;
 
@@ -27,14 +29,38 @@ LinePlot overTime(const std::string& title, const std::string& label) {
   return plot;
 }
 
-Figure seriesFigure(const CameraImuStageResult& stage, LinePlot plot, const Pick& pick,
-                    const std::string& caption, const std::string& id) {
+std::vector<double> secondsOf(const std::vector<const ImuIntervalResidual*>& intervals,
+                              TimeNs origin) {
+  std::vector<double> seconds;
+  for (const ImuIntervalResidual* r : intervals) seconds.push_back(secondsBetween(origin, r->t));
+  return seconds;
+}
+
+std::vector<const ImuIntervalResidual*> allOf(const CameraImuStageResult& stage) {
+  std::vector<const ImuIntervalResidual*> all;
+  for (const ImuIntervalResidual& r : stage.imu_residuals) all.push_back(&r);
+  return all;
+}
+
+/// Three standard deviations of the noisiest axis about zero.
+Band noiseBand(const CameraImuStageResult& stage, TimeNs origin,
+               MeanReading ImuIntervalResidual::*sensor, double factor) {
+  Band band{"3\u03c3 of the samples' noise", secondsOf(allOf(stage), origin), {}, {}, kBandColour};
+  for (const ImuIntervalResidual& r : stage.imu_residuals) {
+    band.high.push_back(3 * factor * (r.*sensor).std.maxCoeff());
+    band.low.push_back(-band.high.back());
+  }
+  return band;
+}
+
+Figure seriesFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot plot,
+                    const Pick& pick, const std::string& caption, const std::string& id) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Colour colour = seriesColour(axis);
     colour.alpha = 200;
     Series series{kAxes[axis], {}, {}, colour, 1, false};
     for (const ImuIntervalResidual& r : stage.imu_residuals) {
-      series.x.push_back(secondsBetween(stage.imu_residuals.front().t, r.t));
+      series.x.push_back(secondsBetween(origin, r.t));
       series.y.push_back(pick(r)[static_cast<Eigen::Index>(axis)]);
     }
     plot.series.push_back(std::move(series));
@@ -81,9 +107,11 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
 }
 
 Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
-                  const std::string& unit, Eigen::Vector3d ImuState::*bias, const std::string& id) {
+                  const std::string& unit, Eigen::Vector3d ImuState::*bias, TimeNs origin,
+                  const std::string& id) {
   LinePlot plot = overTime(title, "bias - mean [" + unit + "]");
-  const std::vector<double> seconds = frameSeconds(stage.frames);
+  std::vector<double> seconds;
+  for (const Frame& frame : stage.frames) seconds.push_back(secondsBetween(origin, frame.t));
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const ImuState& state : stage.states) mean += state.*bias;
   mean /= std::max(1.0, static_cast<double>(stage.states.size()));
@@ -105,14 +133,76 @@ Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
           true};
 }
 
+/// The interval of each run whose reading differs most from its prediction.
+std::vector<const ImuIntervalResidual*> shownIntervals(const CameraImuStageResult& stage,
+                                                       MeanReading ImuIntervalResidual::*sensor) {
+  const auto& all = stage.imu_residuals;
+  const std::size_t run = std::max<std::size_t>(1, (all.size() + kMostShown - 1) / kMostShown);
+  const auto difference = [&](const ImuIntervalResidual& r) {
+    return ((r.*sensor).measured - (r.*sensor).predicted).squaredNorm();
+  };
+  std::vector<const ImuIntervalResidual*> shown;
+  for (std::size_t from = 0; from < all.size(); from += run) {
+    const ImuIntervalResidual* most = &all[from];
+    for (std::size_t i = from; i < std::min(from + run, all.size()); ++i) {
+      if (difference(all[i]) > difference(*most)) most = &all[i];
+    }
+    shown.push_back(most);
+  }
+  return shown;
+}
+
+Colour darker(const Colour& c) {
+  const auto part = [](std::uint8_t v) { return static_cast<std::uint8_t>(v * 11 / 20); };
+  return {part(c.red), part(c.green), part(c.blue), c.alpha};
+}
+
+Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot plot,
+                     MeanReading ImuIntervalResidual::*sensor, const std::string& id) {
+  const auto shown = shownIntervals(stage, sensor);
+  const std::vector<double> seconds = secondsOf(shown, origin);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Colour colour = seriesColour(static_cast<std::size_t>(axis));
+    Band band{"", seconds, {}, {}, {colour.red, colour.green, colour.blue, 70}};
+    Series predicted{kAxes[axis] + std::string(" predicted"), seconds, {}, colour, 1, false};
+    Series measured{
+        kAxes[axis] + std::string(" measured"), seconds, {}, darker(colour), 2.4, false, true};
+    for (const ImuIntervalResidual* r : shown) {
+      const MeanReading& reading = r->*sensor;
+      predicted.y.push_back(reading.predicted[axis]);
+      measured.y.push_back(reading.measured[axis]);
+      band.low.push_back(reading.predicted[axis] - 3 * reading.std[axis]);
+      band.high.push_back(reading.predicted[axis] + 3 * reading.std[axis]);
+    }
+    plot.bands.push_back(std::move(band));
+    plot.series.push_back(std::move(predicted));
+    plot.series.push_back(std::move(measured));
+  }
+  return {toSvg(plot, id),
+          "Mean over each interval between frames. Points are what the samples say, lines what the "
+          "estimated motion and biases predict, bands three standard deviations of the samples' "
+          "noise: drag to zoom until they are seen. Points beside their line are motion that the "
+          "model does not have.",
+          true};
+}
+
 }  // namespace
 
-std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage) {
+FigureGroup readingFigures(const CameraImuStageResult& stage, TimeNs origin) {
+  if (stage.imu_residuals.empty()) return {};
+  return {"",
+          {readingFigure(stage, origin, overTime("Angular velocity", "[rad/s]"),
+                         &ImuIntervalResidual::gyro, "readings-gyro"),
+           readingFigure(stage, origin, overTime("Specific force", "[m/s^2]"),
+                         &ImuIntervalResidual::accel, "readings-accel")}};
+}
+
+std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, TimeNs origin) {
   if (stage.imu_residuals.empty()) return {};
   const std::string raw =
       "Difference between the integrated samples and the estimated motion, "
       "per interval between frames. Bursts mark shocks, saturation or missing "
-      "samples.";
+      "samples; the band is what the assumed noise of the samples explains.";
   const ImuNoiseChecks& noise = stage.imu_summary.noise;
   const auto whitened = [](const ImuNoiseCheck& check) {
     return fmt::format(
@@ -132,27 +222,31 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage) {
       return Eigen::Vector3d(r.normalised.segment<3>(first));
     };
   };
-  return {
-      {"Gyroscope",
-       {seriesFigure(stage, overTime("Gyroscope residual", "[mrad/s]"), gyro, raw, "imu-gyro"),
-        seriesFigure(stage, overTime("Gyroscope residual, normalised", "[-]"), rows(0),
-                     whitened(noise.gyro), "imu-gyro-normalised")}},
-      {"Accelerometer",
-       {seriesFigure(stage, overTime("Accelerometer residual", "[m/s^2]"), accel, raw, "imu-accel"),
-        seriesFigure(stage, overTime("Accelerometer residual, normalised", "[-]"), rows(3),
-                     whitened(noise.accel), "imu-accel-normalised")}},
-      {"Distributions",
-       {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
-                            "imu-rotation-histogram"),
-        normalisedHistogram(stage, "Velocity and position", 3, 6, noise.accel.expected_rms,
-                            "imu-velocity-histogram")}}};
+  LinePlot gyro_plot = overTime("Gyroscope residual", "[mrad/s]");
+  gyro_plot.bands = {noiseBand(stage, origin, &ImuIntervalResidual::gyro, 1e3)};
+  LinePlot accel_plot = overTime("Accelerometer residual", "[m/s^2]");
+  accel_plot.bands = {noiseBand(stage, origin, &ImuIntervalResidual::accel, 1)};
+  return {{"Gyroscope",
+           {seriesFigure(stage, origin, std::move(gyro_plot), gyro, raw, "imu-gyro"),
+            seriesFigure(stage, origin, overTime("Gyroscope residual, normalised", "[-]"), rows(0),
+                         whitened(noise.gyro), "imu-gyro-normalised")}},
+          {"Accelerometer",
+           {seriesFigure(stage, origin, std::move(accel_plot), accel, raw, "imu-accel"),
+            seriesFigure(stage, origin, overTime("Accelerometer residual, normalised", "[-]"),
+                         rows(3), whitened(noise.accel), "imu-accel-normalised")}},
+          {"Distributions",
+           {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
+                                "imu-rotation-histogram"),
+            normalisedHistogram(stage, "Velocity and position", 3, 6, noise.accel.expected_rms,
+                                "imu-velocity-histogram")}}};
 }
 
-FigureGroup biasFigures(const CameraImuStageResult& stage) {
+FigureGroup biasFigures(const CameraImuStageResult& stage, TimeNs origin) {
   if (stage.states.size() < 2) return {};
   return {"",
-          {biasFigure(stage, "Gyroscope bias", "rad/s", &ImuState::gyro_bias, "bias-gyro"),
-           biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, "bias-accel")}};
+          {biasFigure(stage, "Gyroscope bias", "rad/s", &ImuState::gyro_bias, origin, "bias-gyro"),
+           biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, origin,
+                      "bias-accel")}};
 }
 
 std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,

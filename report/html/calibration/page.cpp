@@ -6,6 +6,7 @@
 #include "generated/report/embedded.h"
 #include "report/html/calibration/held_scores.h"
 #include "report/html/calibration/imu_figures.h"
+#include "report/html/calibration/intervals_section.h"
 #include "report/html/calibration/model_section.h"
 #include "report/html/calibration/reprojection_figures.h"
 #include "report/html/calibration/target_section.h"
@@ -66,8 +67,8 @@ Section correlationSection(const CalibrationRecord& record) {
                   {},
                   {}};
   std::vector<FigureGroup> groups;
-  if (record.camera) groups.push_back(correlationFigures(viewOf(*record.camera)));
-  if (record.camera_imu) groups.push_back(correlationFigures(viewOf(*record.camera_imu)));
+  if (record.camera) groups.push_back(correlationFigures(cameraView(record)));
+  if (record.camera_imu) groups.push_back(correlationFigures(cameraImuView(record)));
   std::erase_if(groups, [](const FigureGroup& g) { return g.figures.empty(); });
   section.blocks = blocksOf(std::move(groups));
   return section;
@@ -92,11 +93,23 @@ std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict
                       noise.pose_pixel_sigma)};
 }
 
-Section imuSection(const CameraImuStageResult& stage, const Verdict& verdict) {
+Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
+  FigureGroup figures = readingFigures(stage, origin);
+  if (figures.figures.empty()) return {};
+  return {"imu-readings",
+          "Measured and predicted readings",
+          "What gyroscope and accelerometer read beside what the solution says that they should "
+          "have read, in the IMU's axes.",
+          {},
+          blocksOf({std::move(figures)})};
+}
+
+Section imuSection(const CameraImuStageResult& stage, TimeNs origin, const Verdict& verdict) {
   return {"imu-residuals", "Inertial residuals",
           "What is left between the inertial samples and the motion that explains them together "
           "with the corners, and what it says of the densities that were assumed.",
-          noiseRemarks(stage.imu_summary.noise, verdict), blocksOf(imuResidualFigures(stage))};
+          noiseRemarks(stage.imu_summary.noise, verdict),
+          blocksOf(imuResidualFigures(stage, origin))};
 }
 
 std::vector<Transform> cameraPoses(const CameraImuStageResult& stage) {
@@ -119,19 +132,20 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
     sections.push_back(targetSection(record.target, *record.camera));
   }
   if (record.camera) {
-    sections.push_back(reprojectionSection(viewOf(*record.camera), "reprojection-camera"));
+    sections.push_back(reprojectionSection(cameraView(record), "reprojection-camera"));
     sections.back().remarks = biasRemarks(*record.camera);
   }
   if (record.camera_imu) {
-    sections.push_back(reprojectionSection(viewOf(*record.camera_imu), "reprojection-camera-imu"));
+    sections.push_back(reprojectionSection(cameraImuView(record), "reprojection-camera-imu"));
   }
   if (record.camera) {
-    sections.push_back(viewsSection(viewOf(*record.camera), record.camera->T_FC0));
+    sections.push_back(viewsSection(cameraView(record), record.camera->T_FC0, record.view_images));
   } else if (record.camera_imu) {
-    sections.push_back(viewsSection(viewOf(*record.camera_imu), cameraPoses(*record.camera_imu)));
+    sections.push_back(
+        viewsSection(cameraImuView(record), cameraPoses(*record.camera_imu), record.view_images));
   }
   if (record.camera || record.camera_imu) {
-    const StageView stage = record.camera ? viewOf(*record.camera) : viewOf(*record.camera_imu);
+    const StageView stage = record.camera ? cameraView(record) : cameraImuView(record);
     sections.push_back({"coverage",
                         "Image coverage",
                         "Where in the image the target was seen. Corners at the edges decide the "
@@ -140,13 +154,15 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
                         blocksOf({coverageFigures(stage)})});
   }
   if (record.camera_imu) {
-    sections.push_back(imuSection(*record.camera_imu, record.verdict));
+    sections.push_back(readingsSection(*record.camera_imu, timeOrigin(record)));
+    sections.push_back(imuSection(*record.camera_imu, timeOrigin(record), record.verdict));
     sections.push_back({"biases",
                         "Biases",
                         "Estimated offsets of the inertial sensors at every frame.",
                         {},
-                        blocksOf({biasFigures(*record.camera_imu)})});
+                        blocksOf({biasFigures(*record.camera_imu, timeOrigin(record))})});
   }
+  if (!record.sample_intervals.empty()) sections.push_back(intervalsSection(record));
   return sections;
 }
 
@@ -226,7 +242,7 @@ Section offsetSection(const ImuCalibration& imu) {
 Section sceneSection(const CalibrationRecord& record) {
   const Scene scene = buildScene(record);
   data values{data::type::object};
-  values.set("scene_json", toJson(scene));
+  values.set("scene_json", scriptJson(toJson(scene)));
   values.set("scene_still", toStillSvg(scene, "scene-still"));
   values.set("scene_rmse_min", fmt::format("{:.2f}", scene.rmse.min));
   values.set("scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max));
@@ -245,7 +261,9 @@ Section sceneSection(const CalibrationRecord& record) {
   return {"scene",
           "Scene",
           "The target and where the cameras were, in the target's frame. Drag to turn, scroll to "
-          "zoom, shift-drag to move. Good data surround the target: near and far, tilted about "
+          "zoom, shift-drag to move; click a camera to see its view. Keys: arrows turn, + and - "
+          "zoom, page up and down pick the view before and after, 0 resets. Good data surround the "
+          "target: near and far, tilted about "
           "both axes, and turned.",
           {},
           {std::move(block)}};

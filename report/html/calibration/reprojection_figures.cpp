@@ -235,7 +235,7 @@ Figure frameFigure(const StageView& stage) {
   plot.frame.height = 280;
   plot.frame.x.label = "time since the first frame [s]";
   plot.frame.y.label = "RMSE [px]";
-  const std::vector<double> seconds = frameSeconds(stage.frames);
+  const std::vector<double> seconds = frameSeconds(stage);
   const auto rmse = frameRmse(stage);
   double largest = 0;
   for (std::size_t camera = 0; camera < rmse.size(); ++camera) {

@@ -19,54 +19,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kWorst = 8;          // views in the table
 constexpr std::size_t kMostCorners = 1e5;  // that a page carries; 8 bytes each
 constexpr double kQuarter = 4;             // steps per pixel of a corner
 constexpr double kMilli = 1000;            // and of an error; 32 px and more are one
 
-struct View {
-  int camera = 0, frame = 0;
-  double rmse_px = 0, largest_px = 0;
-  std::size_t used = 0;
-  std::vector<const CornerResidual*> corners = {};
-};
-
-std::vector<View> viewsOf(const StageView& stage) {
-  std::map<std::pair<int, int>, View> views;  // in the order of time
-  for (const CornerResidual& r : stage.residuals) {
-    View& view = views[{r.frame, r.camera}];
-    view.camera = r.camera;
-    view.frame = r.frame;
-    view.corners.push_back(&r);
-    if (!r.used) continue;
-    const double e2 = static_cast<double>(r.error.squaredNorm());
-    ++view.used;
-    view.rmse_px += e2;
-    view.largest_px = std::max(view.largest_px, std::sqrt(e2));
-  }
-  std::vector<View> list;
-  for (auto& [key, view] : views) {
-    if (view.used > 0) view.rmse_px = std::sqrt(view.rmse_px / static_cast<double>(view.used));
-    list.push_back(std::move(view));
-  }
-  return list;
-}
-
-/// Indices from the worst view on.
-std::vector<std::size_t> worstFirst(const std::vector<View>& views) {
-  std::vector<std::size_t> order(views.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return views[a].rmse_px > views[b].rmse_px;
-  });
-  return order;
-}
-
 /// Which views bring their corners: all if they are few, else the worst hundred and every n-th.
-std::vector<bool> carried(const std::vector<View>& views, const std::vector<std::size_t>& order) {
+std::vector<bool> carried(const std::vector<ViewErrors>& views,
+                          const std::vector<std::size_t>& order) {
   constexpr std::size_t worst = 100;
   std::size_t all = 0;
-  for (const View& view : views) all += view.corners.size();
+  for (const ViewErrors& view : views) all += view.corners.size();
   const std::size_t step = (all + kMostCorners - 1) / kMostCorners;
   std::vector<bool> kept(views.size(), false);
   for (std::size_t i = 0; i < views.size(); ++i) kept[i] = step <= 1 || i % step == 0;
@@ -78,14 +40,28 @@ std::int16_t packed(double value, double scale) {
   return static_cast<std::int16_t>(std::lround(std::clamp(scale * value, -32767.0, 32767.0)));
 }
 
+/// By position of the view: the image as base64, and by how much it was made smaller.
+Json imagesOf(const StageView& stage, const std::vector<ViewErrors>& views,
+              const std::vector<ViewImage>& images) {
+  Json all = Json::object();
+  for (const ViewImage& image : images) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const TimeNs t = stage.frames[static_cast<std::size_t>(views[i].frame)].t;
+      if (views[i].camera != image.camera || t != image.t) continue;
+      all[std::to_string(i)] = {{"factor", image.factor}, {"jpeg", base64(image.jpeg)}};
+    }
+  }
+  return all;
+}
+
 /// Rows [camera, frame, RMSE, largest, used, first corner or -1, corners]; corners as u, v, e_u,
 /// e_v, a rejected one with its u below zero less one step.
-Json dataOf(const StageView& stage, const std::vector<View>& views, const std::vector<bool>& kept,
-            const std::vector<Transform>& T_FC0) {
+Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
+            const std::vector<bool>& kept, const std::vector<Transform>& T_FC0) {
   Json rows = Json::array();
   std::vector<std::int16_t> corners;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const View& v = views[i];
+    const ViewErrors& v = views[i];
     const auto first = kept[i] ? static_cast<std::int64_t>(corners.size() / 4) : -1;
     rows.push_back({v.camera, v.frame, std::round(1e4 * v.rmse_px) / 1e4,
                     std::round(1e3 * v.largest_px) / 1e3, v.used, first, v.corners.size()});
@@ -103,7 +79,7 @@ Json dataOf(const StageView& stage, const std::vector<View>& views, const std::v
     const Resolution size = c.intrinsics.resolution;
     cameras.push_back({{"name", c.name}, {"width", size.width}, {"height", size.height}});
   }
-  for (const double s : frameSeconds(stage.frames)) seconds.push_back(std::round(1e3 * s) / 1e3);
+  for (const double s : frameSeconds(stage)) seconds.push_back(std::round(1e3 * s) / 1e3);
   for (const Transform& T : T_FC0) {  // place [mm], and the angle between axis and target's normal
     const double tilt = std::acos(std::clamp(std::abs(T.R(2, 2)), 0.0, 1.0));
     poses.push_back({std::lround(1e3 * T.t.x()), std::lround(1e3 * T.t.y()),
@@ -116,7 +92,7 @@ Json dataOf(const StageView& stage, const std::vector<View>& views, const std::v
           {"corners", base64(corners)}};
 }
 
-Table worstTable(const StageView& stage, const std::vector<View>& views,
+Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
                  const std::vector<std::size_t>& order) {
   Table table{{{"View", Cell::Kind::kTight},
                {"Time [s]", kNumber},
@@ -125,9 +101,9 @@ Table worstTable(const StageView& stage, const std::vector<View>& views,
                {"Corners used", kNumber},
                {"Rejected", kNumber}},
               {}};
-  const std::vector<double> seconds = frameSeconds(stage.frames);
-  for (std::size_t i = 0; i < std::min(kWorst, order.size()); ++i) {
-    const View& v = views[order[i]];
+  const std::vector<double> seconds = frameSeconds(stage);
+  for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
+    const ViewErrors& v = views[order[i]];
     Cell name = tight(fmt::format("{}, frame {}",
                                   stage.cameras[static_cast<std::size_t>(v.camera)].name, v.frame));
     name.link = fmt::format("#{}-view-{}", stage.id, order[i]);
@@ -141,22 +117,27 @@ Table worstTable(const StageView& stage, const std::vector<View>& views,
 
 }  // namespace
 
-Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0) {
+Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0,
+                     const std::vector<ViewImage>& images) {
   Section section{"views",
                   "Single views",
-                  "Pick a view: click a moment in any plot over time, a row of the worst views, or "
-                  "move the slider. Arrows are errors, measured minus projected, magnified; "
-                  "rejected corners are crosses.",
+                  "Pick a view: click a moment in any plot over time, a camera in the scene, a row "
+                  "of the worst views, or move the slider. Arrows are errors, measured minus "
+                  "projected, magnified; rejected corners are crosses. Drag to zoom, double-click "
+                  "to see all.",
                   {},
                   {}};
-  const std::vector<View> views = viewsOf(stage);
+  if (!images.empty()) section.lead += " The worst views have their images.";
+  const std::vector<ViewErrors> views = viewErrors(stage.residuals);
   if (views.empty()) return section;
   const std::vector<std::size_t> order = worstFirst(views);
   data values{data::type::object};
   values.set("stage", stage.id);
   values.set("last", std::to_string(views.size() - 1));
   values.set("first", std::to_string(order.front()));
-  values.set("json", scriptJson(dataOf(stage, views, carried(views, order), T_FC0).dump()));
+  Json json = dataOf(stage, views, carried(views, order), T_FC0);
+  json["images"] = imagesOf(stage, views, images);
+  values.set("json", scriptJson(json.dump()));
   Block block;
   block.html = renderTemplate(embedded::views(), values);
   section.blocks.push_back(std::move(block));

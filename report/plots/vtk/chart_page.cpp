@@ -143,7 +143,8 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
   vtk_axis->SetTickLength(4);
   vtk_axis->GetPen()->SetColor(kFrame.red, kFrame.green, kFrame.blue);
   vtk_axis->GetGridPen()->SetColor(kGrid.red, kGrid.green, kGrid.blue);
-  addOutside([this, horizontal, axis, ticks](vtkContext2D& painter, SvgDevice&) {
+  addOutside([this, horizontal, axis, ticks](vtkContext2D& painter, SvgDevice& device) {
+    device.setTextClass(horizontal ? "tx" : "ty");
     for (const AxisTick& tick : ticks) {
       const double unit = horizontal ? unitX(tick.position) : unitY(tick.position);
       if (unit < -1e-9 || unit > 1 + 1e-9) continue;
@@ -156,6 +157,7 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
         drawText(painter, left_ + unit * plotWidth(), bottom_ - 15, tick.label, {});
       }
     }
+    device.setTextClass("");
     if (axis.label.empty()) return;
     const TextStyle title{.size = 12, .colour = kInk};
     const double middle_y = (bottom_ + top_) / 2;
@@ -232,6 +234,35 @@ void ChartPage::addLine(const Series& series) {
   }
   flush(series.x.size());
   addPoints(lonely);
+}
+
+void ChartPage::addBand(const Band& band) {
+  addDrawing([this, band](vtkContext2D& painter, SvgDevice&) {
+    setNoPen(painter);
+    setBrush(painter, band.colour);
+    std::vector<float> outline;
+    std::vector<std::size_t> piece;
+    const auto point = [&](std::size_t i, const std::vector<double>& values) {
+      outline.push_back(static_cast<float>(unitX(band.x[i])));
+      outline.push_back(static_cast<float>(unitY(values[i])));
+    };
+    const auto flush = [&] {
+      outline.clear();
+      for (const std::size_t i : piece) point(i, band.high);
+      for (auto i = piece.rbegin(); i != piece.rend(); ++i) point(*i, band.low);
+      if (piece.size() > 1) {
+        painter.DrawPolygon(outline.data(), static_cast<int>(outline.size() / 2));
+      }
+      piece.clear();
+    };
+    for (std::size_t i = 0; i < band.x.size(); ++i) {
+      const bool there =
+          std::isfinite(band.x[i]) && std::isfinite(band.low[i]) && std::isfinite(band.high[i]);
+      if (there) piece.push_back(i);
+      if (!there) flush();
+    }
+    flush();
+  });
 }
 
 void ChartPage::addPoints(const Series& series) {

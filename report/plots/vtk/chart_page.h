@@ -42,6 +42,7 @@ class ChartPage {
   double plotHeight() const { return top_ - bottom_; }
 
   void addLine(const Series& series);
+  void addBand(const Band& band);
   /// Markers inside the axes only.
   void addPoints(const Series& series);
   /// Each a shape of its own, with its title and link.

@@ -14,7 +14,8 @@ using internal::ChartPage;
 using internal::LegendEntry;
 
 internal::PageLayout layoutOf(const PlotFrame& frame, const std::vector<Series>& series,
-                              const std::vector<ColouredLine>& coloured = {}) {
+                              const std::vector<ColouredLine>& coloured = {},
+                              const std::vector<Band>& bands = {}) {
   internal::PageLayout layout;
   std::vector<const std::vector<double>*> xs, ys;
   for (const Series& s : series) {
@@ -25,6 +26,12 @@ internal::PageLayout layoutOf(const PlotFrame& frame, const std::vector<Series>&
   for (const ColouredLine& line : coloured) {
     xs.push_back(&line.x);
     ys.push_back(&line.y);
+  }
+  for (const Band& band : bands) {
+    xs.push_back(&band.x);
+    ys.push_back(&band.low);
+    ys.push_back(&band.high);
+    layout.legend.push_back({band.name, band.colour});
   }
   layout.x = frame.x.range.value_or(rangeOf(xs, 0.02));
   layout.y = frame.y.range.value_or(rangeOf(ys, 0.06));
@@ -90,9 +97,10 @@ std::vector<Series> classesOf(const ColouredLine& line, const Range& range) {
 }  // namespace
 
 std::string toSvg(const LinePlot& plot, const std::string& id) {
-  internal::PageLayout layout = layoutOf(plot.frame, plot.series, plot.coloured);
+  internal::PageLayout layout = layoutOf(plot.frame, plot.series, plot.coloured, plot.bands);
   layout.colour_bar = !plot.coloured.empty();
   ChartPage page(plot.frame, layout, id);
+  for (const Band& band : plot.bands) page.addBand(band);
   for (const Series& series : plot.series) {
     if (series.markers) {
       page.addPoints(series);

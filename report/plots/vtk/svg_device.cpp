@@ -69,6 +69,7 @@ void SvgDevice::start(const std::string& id, double height) {
   body_.clear();
   shape_title_.clear();
   shape_link_.clear();
+  text_class_.clear();
   stack_.clear();
   matrix_ = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   clip_count_ = 0;
@@ -175,7 +176,8 @@ void SvgDevice::DrawPolygon(float* points, int n) {
   const std::vector<double> page = toPage(points, n);
   const std::string fill = fillAttributes();
   if (page.empty() || fill.empty()) return;
-  element("polygon", fmt::format("points=\"{}\"{}", pointList(page), fill));
+  element("polygon", fmt::format("{}points=\"{}\"{}", in_data_ ? "class=\"data\" " : "",
+                                 pointList(page), fill));
 }
 
 void SvgDevice::DrawColoredPolygon(float* points, int n, unsigned char*, int) {
@@ -218,10 +220,11 @@ void SvgDevice::DrawString(float* point, const vtkStdString& text) {
   const double angle = TextProp->GetOrientation();
   const std::string turn = angle == 0 ? "" : fmt::format(" rotate({:g})", -angle);
   body_ += fmt::format(
-      "<text transform=\"translate({},{}){}\" dy=\"{}\" text-anchor=\"{}\" font-size=\"{}\" "
+      "<text{} transform=\"translate({},{}){}\" dy=\"{}\" text-anchor=\"{}\" font-size=\"{}\" "
       "fill=\"{}\"{}>{}</text>",
-      pixel(page[0]), pixel(page[1]), turn, shift, anchor, TextProp->GetFontSize(),
-      hexColour(bytes), TextProp->GetBold() ? " font-weight=\"600\"" : "", escapeXml(text));
+      text_class_.empty() ? "" : " class=\"" + text_class_ + '"', pixel(page[0]), pixel(page[1]),
+      turn, shift, anchor, TextProp->GetFontSize(), hexColour(bytes),
+      TextProp->GetBold() ? " font-weight=\"600\"" : "", escapeXml(text));
 }
 
 void SvgDevice::DrawString(float* point, const vtkUnicodeString& text) {

@@ -29,7 +29,10 @@ class SvgDevice : public vtkContextDevice2D {
   void setShapeTitle(const std::string& title) { shape_title_ = title; }
   /// Where these shapes lead; empty for nowhere.
   void setShapeLink(const std::string& link) { shape_link_ = link; }
-  /// Lines drawn from now until the clip ends are data (class "data"), not grid lines.
+  /// Class of the words drawn until the next call ("tx", "ty": labels of an axis' ticks); empty for
+  /// none.
+  void setTextClass(const std::string& name) { text_class_ = name; }
+  /// Lines and areas drawn from now until the clip ends are data (class "data"), not grid lines.
   void startData() { in_data_ = true; }
 
   void DrawPoly(float* points, int n, unsigned char* colours, int components) override;
@@ -81,7 +84,7 @@ class SvgDevice : public vtkContextDevice2D {
 
   std::string id_ = "plot";
   double height_ = 0;
-  std::string defs_, body_, shape_title_, shape_link_;
+  std::string defs_, body_, shape_title_, shape_link_, text_class_;
   Matrix matrix_{1, 0, 0, 0, 1, 0, 0, 0, 1};
   std::vector<Matrix> stack_;
   std::array<int, 4> clip_{};

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/sample_intervals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "calibrator/base/statistics.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kGap = 1.5;        // times the median: half-way to one missing sample
+constexpr std::size_t kRuns = 400;  // that a plot of some 900 pixels tells apart
+
+std::vector<double> intervalsOf(const std::vector<TimeNs>& stamps) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    intervals.push_back(secondsBetween(stamps[i - 1], stamps[i]));
+  }
+  return intervals;
+}
+
+/// The longest gaps, in the order of time.
+void keepLongest(std::vector<SampleGap>& gaps) {
+  if (gaps.size() <= SampleIntervals::kMostGaps) return;
+  std::stable_sort(gaps.begin(), gaps.end(), [](const SampleGap& a, const SampleGap& b) {
+    return a.duration_s > b.duration_s;
+  });
+  gaps.resize(SampleIntervals::kMostGaps);
+  std::sort(gaps.begin(), gaps.end(),
+            [](const SampleGap& a, const SampleGap& b) { return a.t < b.t; });
+}
+
+/// The shortest and the longest interval of every run, in the order of time.
+void addShown(int sensor, const std::vector<TimeNs>& stamps, std::vector<ShownInterval>& shown) {
+  const std::vector<double> all = intervalsOf(stamps);
+  const std::size_t run = std::max<std::size_t>(1, (all.size() + kRuns - 1) / kRuns);
+  for (std::size_t from = 0; from < all.size(); from += run) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto last = all.begin() + static_cast<std::ptrdiff_t>(std::min(from + run, all.size()));
+    const auto [least, most] = std::minmax_element(first, last);
+    std::vector<std::ptrdiff_t> places = {least - all.begin(), most - all.begin()};
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    for (const std::ptrdiff_t place : places) {
+      const auto i = static_cast<std::size_t>(place);
+      shown.push_back({sensor, stamps[i + 1], all[i]});
+    }
+  }
+}
+
+}  // namespace
+
+SampleIntervals sampleIntervals(const std::string& sensor, const std::vector<TimeNs>& stamps) {
+  SampleIntervals result;
+  result.sensor = sensor;
+  result.samples = stamps.size();
+  const std::vector<double> intervals = intervalsOf(stamps);
+  if (intervals.empty()) return result;
+  const auto [least, most] = std::minmax_element(intervals.begin(), intervals.end());
+  result.min_s = *least;
+  result.max_s = *most;
+  result.median_s = median(intervals);
+  result.spread_s = quantile(intervals, 0.99) - quantile(intervals, 0.01);
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    if (!(intervals[i] > kGap * result.median_s)) continue;
+    const int missing =
+        std::max(1, static_cast<int>(std::lround(intervals[i] / result.median_s)) - 1);
+    result.gaps.push_back({stamps[i], intervals[i], missing});
+    result.missing += static_cast<std::size_t>(missing);
+  }
+  result.gap_count = result.gaps.size();
+  keepLongest(result.gaps);
+  return result;
+}
+
+void addSampleIntervals(const Session& session, CalibrationRecord& record) {
+  record.sample_intervals.clear();
+  record.shown_intervals.clear();
+  const auto add = [&](const std::string& sensor, const std::vector<TimeNs>& stamps) {
+    addShown(static_cast<int>(record.sample_intervals.size()), stamps, record.shown_intervals);
+    record.sample_intervals.push_back(sampleIntervals(sensor, stamps));
+  };
+  const auto stampsOf = [](const auto& samples) {
+    std::vector<TimeNs> stamps;
+    for (const auto& sample : samples) stamps.push_back(sample.t);
+    return stamps;
+  };
+  for (const CameraStream& camera : session.cameras) add(camera.name, stampsOf(camera.views));
+  if (session.imu) add("imu", stampsOf(session.imu->samples));
+}
+
+}  // namespace plumbline

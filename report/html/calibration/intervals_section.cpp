@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/calibration/intervals_section.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "report/html/stage_view.h"
+#include "report/html/text.h"
+#include "report/plots/svg.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+constexpr std::size_t kMostRows = 12;  // of the table of gaps
+
+std::string milliseconds(double s) { return fmt::format("{:.3f}", 1e3 * s); }
+
+Table sensorTable(const std::vector<SampleIntervals>& sensors) {
+  Table table{{{"Sensor", Cell::Kind::kTight},
+               {"Samples", kNumber},
+               {"Rate [Hz]", kNumber},
+               {"Median [ms]", kNumber},
+               {"Shortest [ms]", kNumber},
+               {"Longest [ms]", kNumber},
+               {"1 to 99 % [ms]", kNumber},
+               {"Gaps", kNumber},
+               {"Missing", kNumber}},
+              {}};
+  for (const SampleIntervals& s : sensors) {
+    table.rows.push_back({tight(s.sensor), number(grouped(s.samples)),
+                          number(s.median_s > 0 ? fmt::format("{:.2f}", 1 / s.median_s) : kDash),
+                          number(milliseconds(s.median_s)), number(milliseconds(s.min_s)),
+                          number(milliseconds(s.max_s)), number(milliseconds(s.spread_s)),
+                          number(std::to_string(s.gap_count)), number(std::to_string(s.missing))});
+  }
+  return table;
+}
+
+struct NamedGap {
+  std::string sensor;
+  SampleGap gap;
+};
+
+/// The gaps of all sensors, the longest of them, in the order of time.
+std::vector<NamedGap> longestGaps(const std::vector<SampleIntervals>& sensors) {
+  std::vector<NamedGap> gaps;
+  for (const SampleIntervals& s : sensors) {
+    for (const SampleGap& gap : s.gaps) gaps.push_back({s.sensor, gap});
+  }
+  std::stable_sort(gaps.begin(), gaps.end(), [](const NamedGap& a, const NamedGap& b) {
+    return a.gap.duration_s > b.gap.duration_s;
+  });
+  gaps.resize(std::min(gaps.size(), kMostRows));
+  std::stable_sort(gaps.begin(), gaps.end(),
+                   [](const NamedGap& a, const NamedGap& b) { return a.gap.t < b.gap.t; });
+  return gaps;
+}
+
+Table gapTable(const std::vector<NamedGap>& gaps, TimeNs origin) {
+  Table table{{{"Sensor", Cell::Kind::kTight},
+               {"After [s]", kNumber},
+               {"Stamp [ns]", kNumber},
+               {"Interval [ms]", kNumber},
+               {"Missing", kNumber}},
+              {}};
+  for (const NamedGap& g : gaps) {
+    table.rows.push_back({tight(g.sensor),
+                          number(fmt::format("{:.3f}", secondsBetween(origin, g.gap.t))),
+                          number(std::to_string(g.gap.t)), number(milliseconds(g.gap.duration_s)),
+                          number(std::to_string(g.gap.missing))});
+  }
+  return table;
+}
+
+Figure intervalFigure(const CalibrationRecord& record) {
+  LinePlot plot;
+  plot.frame.title = "Interval since the sample before, over the sensor's median";
+  plot.frame.width = 900;
+  plot.frame.height = 260;
+  plot.frame.x.label = "time since the first frame [s]";
+  plot.frame.y.label = "ratio [-]";
+  const TimeNs origin = timeOrigin(record);
+  for (std::size_t i = 0; i < record.sample_intervals.size(); ++i) {
+    Colour colour = seriesColour(i);
+    colour.alpha = 210;
+    plot.series.push_back({record.sample_intervals[i].sensor, {}, {}, colour, 1.2, false});
+  }
+  double largest = 0;
+  for (const ShownInterval& shown : record.shown_intervals) {
+    const auto sensor = static_cast<std::size_t>(shown.sensor);
+    if (sensor >= plot.series.size()) continue;
+    const double ratio = shown.interval_s / record.sample_intervals[sensor].median_s;
+    plot.series[sensor].x.push_back(secondsBetween(origin, shown.t));
+    plot.series[sensor].y.push_back(ratio);
+    largest = std::max(largest, ratio);
+  }
+  plot.frame.y.range = Range{0, std::max(2.0, 1.08 * largest)};
+  return {toSvg(plot, "sample-intervals-plot"),
+          "1 is an even stream; 2 and more are gaps, in which samples are missing; pairs above and "
+          "below 1 are late stamps. Of long streams the shortest and the longest interval of each "
+          "run are drawn.",
+          true};
+}
+
+}  // namespace
+
+Section intervalsSection(const CalibrationRecord& record) {
+  Section section{"sample-intervals",
+                  "Sample intervals",
+                  "By the sensors' own stamps. A gap is an interval above 1.5 times the median.",
+                  {},
+                  {}};
+  section.blocks.push_back({"", "", sensorTable(record.sample_intervals), {}, {}});
+  if (!record.shown_intervals.empty()) {
+    section.blocks.push_back({"", "", {}, {}, {intervalFigure(record)}});
+  }
+  const std::vector<NamedGap> gaps = longestGaps(record.sample_intervals);
+  if (!gaps.empty()) {
+    section.blocks.push_back({"The longest gaps", "", gapTable(gaps, timeOrigin(record)), {}, {}});
+  }
+  return section;
+}
+
+}  // namespace plumbline::html_internal

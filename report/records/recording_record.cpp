@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/records/recording_record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace plumbline {
+
+std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals) {
+  std::map<std::pair<int, int>, ViewErrors> views;
+  for (const CornerResidual& r : residuals) {
+    ViewErrors& view = views[{r.frame, r.camera}];
+    view.camera = r.camera;
+    view.frame = r.frame;
+    view.corners.push_back(&r);
+    if (!r.used) continue;
+    const double e2 = static_cast<double>(r.error.squaredNorm());
+    ++view.used;
+    view.rmse_px += e2;
+    view.largest_px = std::max(view.largest_px, std::sqrt(e2));
+  }
+  std::vector<ViewErrors> list;
+  for (auto& [key, view] : views) {
+    if (view.used > 0) view.rmse_px = std::sqrt(view.rmse_px / static_cast<double>(view.used));
+    list.push_back(std::move(view));
+  }
+  return list;
+}
+
+std::vector<std::size_t> worstFirst(const std::vector<ViewErrors>& views) {
+  std::vector<std::size_t> order(views.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return views[a].rmse_px > views[b].rmse_px;
+  });
+  return order;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/results.h"
+#include "calibrator/base/time.h"
+#include "calibrator/fields/fields.h"
+
+namespace plumbline {
+
+/// An interval between two samples in which at least one is missing: above 1.5 times the median.
+struct SampleGap {
+  TimeNs t = 0;           ///< of the sample before it, by the sensor's own stamps
+  double duration_s = 0;  ///< to the next one
+  int missing = 0;        ///< samples that would have fitted in at the median interval
+};
+
+template <class V>
+void fields(V& v, SampleGap& g) {
+  v("t_ns", g.t, "stamp of the sample before it");
+  v("duration_s", g.duration_s, "s", "to the next sample");
+  v("missing", g.missing, "1", "samples that the median interval would have put there");
+}
+
+/// How evenly a sensor's samples follow each other, by its own stamps.
+struct SampleIntervals {
+  static constexpr std::size_t kMostGaps = 100;  ///< that are listed
+
+  std::string sensor;  ///< "cam0", "imu"
+  std::size_t samples = 0;
+  double median_s = 0, min_s = 0, max_s = 0;
+  double spread_s = 0;      ///< between the quantiles at 1 and 99 %
+  std::size_t missing = 0;  ///< in all gaps
+  std::size_t gap_count = 0;
+  std::vector<SampleGap> gaps;  ///< the longest ones, in the order of time
+};
+
+inline std::string partName(const SampleIntervals& s) { return s.sensor; }
+
+template <class V>
+void fields(V& v, SampleIntervals& s) {
+  v("sensor", s.sensor, "a camera's name, or `imu`");
+  v("samples", s.samples, "1", "of the part of the recording that was used");
+  v("median_s", s.median_s, "s", "interval between samples");
+  v("min_s", s.min_s, "s", "the shortest");
+  v("max_s", s.max_s, "s", "the longest");
+  v("spread_s", s.spread_s, "s", "between the quantiles at 1 and 99 %");
+  v("missing", s.missing, "1", "samples that would have fitted into the gaps");
+  v("gap_count", s.gap_count, "1", "intervals above 1.5 times the median");
+  v.ifSet("gaps", s.gaps, "the longest of them (100 at most), in the order of time");
+}
+
+/// An interval as a plot over time shows it.
+struct ShownInterval {
+  int sensor = 0;  ///< place in the list of SampleIntervals
+  TimeNs t = 0;    ///< of the later sample
+  double interval_s = 0;
+};
+
+template <class V>
+void fields(V& v, ShownInterval& i) {
+  v("sensor", i.sensor, "its position in `sample_intervals`");
+  v("t_ns", i.t, "of the later sample");
+  v("interval_s", i.interval_s, "s", "since the sample before it");
+}
+
+/// One camera's errors in one frame.
+struct ViewErrors {
+  int camera = 0, frame = 0;
+  double rmse_px = 0;     ///< of the used corners; 0 without any
+  double largest_px = 0;  ///< of them
+  std::size_t used = 0;
+  std::vector<const CornerResidual*> corners = {};  ///< all, into what viewErrors() was given
+};
+
+/// A stage's views by frame, then camera.
+std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals);
+
+/// Positions of views from the largest RMSE down.
+std::vector<std::size_t> worstFirst(const std::vector<ViewErrors>& views);
+
+inline constexpr std::size_t kWorstViews = 8;  ///< whose images a record keeps, and a page lists
+
+/// The image of a view, for the page.
+struct ViewImage {
+  int camera = 0;
+  TimeNs t = 0;      ///< of the view's frame
+  int factor = 1;    ///< by which the image was made smaller
+  std::string jpeg;  ///< grey
+};
+
+template <class V>
+void fields(V& v, ViewImage& i) {
+  v("camera", i.camera, "its position");
+  v("t_ns", i.t, "stamp of its frame");
+  v("factor", i.factor, "by which the image was made smaller");
+  v("jpeg", i.jpeg, "grey");
+}
+
+}  // namespace plumbline
