@@ -283,7 +283,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   }
   append(record.verdict.findings, findings);
   record.verdict = makeVerdict(std::move(findings));
-  record.verdict.headline = comparisonHeadline(record);
+  record.verdict.headline = comparisonHeadline(record, request.thresholds);
   return record;
 }
 

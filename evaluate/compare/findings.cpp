@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/lie.h"
+#include "evaluate/compare/lone.h"
 
 namespace plumbline {
 namespace {
@@ -180,6 +181,7 @@ std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
     findings.push_back(significantFinding(record, i, thresholds));
     addGeometry(record, i, findings);
   }
+  for (Finding& f : loneFindings(record, thresholds)) findings.push_back(std::move(f));
   for (const ImageMap& map : record.differences) {
     findings.push_back(differenceFinding(map, thresholds));
   }

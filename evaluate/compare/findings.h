@@ -18,7 +18,8 @@ std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
 /// What a reader asks of a comparison first, for every calibration but the first: which predicts
 /// corners better and by how much (pooled over cameras, 95 % interval of the paired difference;
 /// only "better" where it excludes zero), and by how much they differ over the image, in T_SC0 and
-/// in the time offset.
-std::string comparisonHeadline(const ComparisonRecord& record);
+/// in the time offset; then which of three and more stands alone, and in what (loneParameters()).
+std::string comparisonHeadline(const ComparisonRecord& record,
+                               const ComparisonThresholds& thresholds = {});
 
 }  // namespace plumbline

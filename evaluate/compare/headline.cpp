@@ -9,6 +9,7 @@
 
 #include "calibrator/base/lie.h"
 #include "evaluate/compare/findings.h"
+#include "evaluate/compare/lone.h"
 #include "evaluate/compare/parameters.h"
 
 namespace plumbline {
@@ -118,7 +119,8 @@ std::string transformWords(const ComparisonRecord& record, std::size_t i) {
 
 }  // namespace
 
-std::string comparisonHeadline(const ComparisonRecord& record) {
+std::string comparisonHeadline(const ComparisonRecord& record,
+                               const ComparisonThresholds& thresholds) {
   std::string text;
   for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
     const std::string& label = record.calibrations[i].label;
@@ -133,6 +135,15 @@ std::string comparisonHeadline(const ComparisonRecord& record) {
     text += projection + (projection.empty() || transform.empty() ? "" : ", and ") + transform;
     if (projection.empty() && transform.empty()) text += "in nothing that both state";
     text += ".";
+  }
+  const std::vector<LoneParameter> lone = loneParameters(record, thresholds);
+  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    const std::string names = loneNames(lone, i);
+    if (names.empty()) continue;
+    text += fmt::format(
+        " {} stands alone: the others agree, and it differs from each of them by at least "
+        "the standard deviations in brackets: {}.",
+        record.calibrations[i].label, names);
   }
   return text;
 }

@@ -147,10 +147,10 @@ struct SquaredErrors {
 };
 
 /// By camera and index of the view in its stream, which both results share.
-using ViewErrors = std::map<std::pair<int, int>, SquaredErrors>;
+using SquaredByView = std::map<std::pair<int, int>, SquaredErrors>;
 
-ViewErrors viewErrors(const CameraStageResult& result) {
-  ViewErrors views;
+SquaredByView squaredByView(const CameraStageResult& result) {
+  SquaredByView views;
   for (const CornerResidual& r : result.residuals) {
     if (!r.used) continue;
     const Frame& frame = result.frames[static_cast<std::size_t>(r.frame)];
@@ -232,10 +232,10 @@ OffsetSummary offsetSummary(const std::string& label, const Calibration& calibra
 std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
                                                 const CameraStageResult& other,
                                                 const std::string& label) {
-  const ViewErrors before = viewErrors(first);
+  const SquaredByView before = squaredByView(first);
   std::map<int, std::vector<double>> differences;
   std::map<int, double> first_sums;
-  for (const auto& [view, errors] : viewErrors(other)) {
+  for (const auto& [view, errors] : squaredByView(other)) {
     const auto found = before.find(view);
     if (found == before.end()) continue;
     differences[view.first].push_back(errors.mean() - found->second.mean());

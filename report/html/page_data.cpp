@@ -190,7 +190,7 @@ data startPage(const PageHead& head) {
                       {"date", p.date},
                       {"version", p.version},
                       {"css", embedded::page_css()},
-                      {"hover", hoverScript()},
+                      {"hover", plotScripts()},
                       {"script", embedded::page_js()}});
   page.set("viewer", flag(false));
   return page;

@@ -12,7 +12,7 @@ namespace plumbline {
 /// be unique in the page and made of letters, digits, '-' and '_'. Equal data give equal bytes.
 ///
 /// The element carries data-ax="x0 x1 y0 y1 px0 px1 py0 py1": the values at the ends of the axes
-/// and the pixels (of the viewBox) on which VTK put them; hoverScript() reads it. No text contains
+/// and the pixels (of the viewBox) on which VTK put them; plotScripts() read it. No text contains
 /// NaN: points that are not finite are left out.
 ///
 /// VTK's text measuring is not thread-safe: call these from one thread at a time.
@@ -24,8 +24,8 @@ std::string toSvg(const VectorField& plot, const std::string& id);
 std::string toSvg(const BarPlot& plot, const std::string& id);
 std::string toSvg(const BoxPlot& plot, const std::string& id);
 
-/// Script that shows the value of the nearest point while the pointer moves over a plot; goes into
-/// the page once, after the plots.
-const std::string& hoverScript();
+/// Scripts that show the value of the nearest point while the pointer moves over a plot, and zoom
+/// it; they go into the page once, after the plots.
+const std::string& plotScripts();
 
 }  // namespace plumbline

@@ -137,6 +137,7 @@ Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0
   values.set("first", std::to_string(order.front()));
   Json json = dataOf(stage, views, carried(views, order), T_FC0);
   json["images"] = imagesOf(stage, views, images);
+  values.set("has_images", flag(!images.empty()));
   values.set("json", scriptJson(json.dump()));
   Block block;
   block.html = renderTemplate(embedded::views(), values);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Starts the 3D scene, marks the section that is being read in the table of contents, sorts and copies
-// tables, and saves plots. All offline; nothing is loaded.
+// tables, and saves plots and their data. All offline; nothing is loaded.
 (() => {
   const box = document.getElementById('scene-box');
   if (box) {
@@ -86,25 +86,58 @@
   });
 })();
 
-// Plots can be saved as they are.
+// Plots can be saved as they are, and what they draw as CSV.
 (() => {
+  const save = (name, type, text) => {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([text], {type}));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  };
+  const button = (figure, name, words, act) => {
+    const made = document.createElement('button');
+    made.type = 'button';
+    made.className = `tool ${name}`;
+    made.textContent = words;
+    made.addEventListener('click', act);
+    figure.append(made);
+  };
+  const cell = (value) => /[",\n]/.test(value) ? `"${value.replace(/"/g, '""')}"` : value;
+  const line = (values) => values.map((v) => cell(String(v))).join(',') + '\n';
+  const digits = (value) => Number(value.toPrecision(6));
+  // The cells of a map have their values; everything else is read where it is drawn, to a tenth of a pixel.
+  const cellRows = ({cells, home: [x0, x1, y0, y1]}) => {
+    const at = (names, i, n, from, to) => names ? names[i] : digits(from + (i + 0.5) / n * (to - from));
+    const rows = cells.values.map((value, i) => {
+      const column = i % cells.columns, row = Math.floor(i / cells.columns);
+      return [at(cells.x, column, cells.columns, x0, x1), at(cells.y, row, cells.rows, y1, y0), value ?? ''];
+    });
+    return line(['x', 'y', cells.label]) + rows.map(line).join('');
+  };
+  const drawnRows = (plot) => {
+    const [x0, x1, y0, y1, px0, px1, py0, py1] = plot.home;
+    const x = (p) => digits(x0 + (p - px0) * (x1 - x0) / (px1 - px0)), y = (p) => digits(y0 + (p - py0) * (y1 - y0) / (py1 - py0));
+    const rows = plot.shapes().flatMap(({shape, name, points}) => {
+      const note = shape.querySelector('title')?.textContent || '';
+      return (note ? points.slice(0, 1) : points).map(([a, b]) => [name, x(a), y(b), note]);
+    });
+    if (rows.length === 0) return '';
+    const step = (v0, v1, p0, p1) => Math.abs((v1 - v0) / (p1 - p0) / 20).toPrecision(2);
+    return `# as drawn: x to within ${step(x0, x1, px0, px1)}, y to within ${step(y0, y1, py0, py1)}\n` + line(['series', 'x', 'y', 'note']) + rows.map(line).join('');
+  };
   document.querySelectorAll('main figure').forEach((figure, index) => {
     const svg = figure.querySelector(':scope > svg');
     if (!svg) return;
-    const button = document.createElement('button');
-    button.type = 'button';
-    button.className = 'tool save-svg';
-    button.textContent = 'Save as SVG';
-    button.addEventListener('click', () => {
+    const name = `${(figure.closest('section')?.id || 'figure')}-${index + 1}`;
+    button(figure, 'save-svg', 'Save as SVG', () => {
       const copy = svg.cloneNode(true);
       copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
-      const link = document.createElement('a');
-      link.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(copy)], {type: 'image/svg+xml'}));
-      link.download = `${(figure.closest('section')?.id || 'figure')}-${index + 1}.svg`;
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      save(`${name}.svg`, 'image/svg+xml', new XMLSerializer().serializeToString(copy));
     });
-    figure.append(button);
+    const plot = svg.plumbline;
+    if (!plot || (!plot.cells && !svg.querySelector('polyline.data, path.pts, polygon.data'))) return;
+    button(figure, 'save-csv', 'Save data as CSV', () => save(`${name}.csv`, 'text/csv', plot.cells ? cellRows(plot) : drawnRows(plot)));
   });
 })();
 

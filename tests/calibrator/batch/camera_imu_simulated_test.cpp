@@ -4,6 +4,7 @@
 // camera_imu_statistics_test.
 #include <gtest/gtest.h>
 
+#include "calibrator/base/lie.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {
@@ -99,6 +100,35 @@ TEST(CameraImu, ReportsWhatItUsed) {
   EXPECT_EQ(*r.imu.time_offset_std_s, std::sqrt(summary.covariance.matrix(6, 6)));
   EXPECT_GT(r.imu_summary.chi2, 0);
   EXPECT_EQ(r.imu_summary.dof, static_cast<int>(15 * r.imu_residuals.size()));
+}
+
+// What was read differs from the truth by its stated deviation, and from the prediction by the
+// residual.
+TEST(CameraImu, ReadingsSpreadAboutTheTruthByTheirDeviation) {
+  const SimulatedSession s = simulate(noisyRecording(3, 20));
+  const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));
+  double gyro = 0, accel = 0;
+  for (const ImuIntervalResidual& interval : r.imu_residuals) {
+    const TimeNs end = interval.t + toNanoseconds(interval.dt_s);
+    const ImuState i = s.stateAt(interval.t), j = s.stateAt(end);
+    const Eigen::Matrix3d R_SF = i.T_FS.R.transpose();
+    const Eigen::Vector3d rate = logSO3(R_SF * j.T_FS.R) / interval.dt_s + i.gyro_bias;
+    const Eigen::Vector3d force =
+        R_SF * ((j.v_F - i.v_F) / interval.dt_s - s.gravity_F) + i.accel_bias;
+    gyro += (interval.gyro.measured - rate).cwiseQuotient(interval.gyro.std).squaredNorm();
+    accel += (interval.accel.measured - force).cwiseQuotient(interval.accel.std).squaredNorm();
+    EXPECT_LT(
+        (interval.gyro.predicted - interval.gyro.measured - interval.rotation_rad / interval.dt_s)
+            .norm(),
+        1e-4 * (interval.rotation_rad / interval.dt_s).norm() + 1e-9);
+    EXPECT_LT(
+        (interval.accel.predicted - interval.accel.measured - interval.velocity_m_s / interval.dt_s)
+            .norm(),
+        1e-9);
+  }
+  const double n = 3 * static_cast<double>(r.imu_residuals.size());
+  EXPECT_NEAR(gyro / n, 1, 5 * std::sqrt(2 / n));  // five deviations of a mean of squares
+  EXPECT_NEAR(accel / n, 1, 5 * std::sqrt(2 / n));
 }
 
 TEST(CameraImu, DoesNotDependOnTheNumberOfThreads) {

@@ -5,7 +5,10 @@
 usage: browser_test.py WRITE_PAGE PNG_REGIONS calibration|studies
 
 Proves: no script error; every figure has a size and is not blank; the 3D canvas is not blank and
-changes when it is dragged; hovering names a point; without WebGL the still picture stands in.
+changes when it is dragged or turned by keys; a click on a frustum picks its view and marks it; hovering
+names a point; a drag zooms all plots over time alike, and keys, button and double-click undo it; the data
+of a plot are saved as they are drawn; the worst view has its image, and zooms; without WebGL the still
+picture stands in.
 """
 import json
 import os
@@ -47,7 +50,7 @@ const hover = () => {
   const [px, py] = line.getAttribute('points').split(' ')[5].split(',').map(Number);
   const at = new DOMPoint(px, py).matrixTransform(plot.getScreenCTM());
   send(plot, 'pointermove', at.x, at.y, 0);
-  const text = plot.lastElementChild.textContent;
+  const text = plot.plumbline.mark.textContent;
   send(plot, 'pointerleave', at.x, at.y, 0);
   return text;
 };
@@ -62,11 +65,136 @@ const pick = () => {
   return {before, after: parseFloat(told('time')), asked: x0 + 0.75 * (x1 - x0), marked,
     arrows: document.querySelectorAll('.views path').length, corners: Number(told('corners used')) + Number(told('rejected'))};
 };
+const close = (a, b, share) => Math.abs(a - b) <= share * Math.abs(b);
+// Zoom: by drag, linked over the plots over time; hover and ticks follow; undone by key, button and double-click.
+const zoom = () => {
+  const svg = document.getElementById('camera-frames'), plot = svg.plumbline, wrong = [];
+  const other = [...document.querySelectorAll('svg.zooms')].find((s) => s !== svg && s.plumbline.axis === plot.axis);
+  const [x0, x1, y0, y1, px0, px1, py0, py1] = plot.home;
+  const say = (what, ok) => { if (!ok) wrong.push(what); };
+  const at = (u, v) => new DOMPoint(px0 + u * (px1 - px0), py0 + v * (py1 - py0)).matrixTransform(svg.getScreenCTM());
+  const dragTo = (a, b) => {
+    send(svg, 'pointerdown', a.x, a.y, 1);
+    send(svg, 'pointermove', (a.x + b.x) / 2, (a.y + b.y) / 2, 1);
+    send(svg, 'pointermove', b.x, b.y, 1);
+    send(svg, 'pointerup', b.x, b.y, 0);
+    svg.dispatchEvent(new MouseEvent('click', {clientX: b.x, clientY: b.y, bubbles: true}));  // as a browser does
+  };
+  const isHome = (p) => p.axes.slice(0, 4).every((v, i) => v === p.home[i]);
+  const timeOfView = () => document.querySelector('.views dl').textContent, first = timeOfView();
+  const from = x0 + 0.25 * (x1 - x0), to = x0 + 0.75 * (x1 - x0);
+  dragTo(at(0.25, 0.5), at(0.75, 0.5));
+  say('range of the drag', close(plot.axes[0] - x0, from - x0, 0.01) && close(plot.axes[1] - x0, to - x0, 0.01));
+  say('a drag picks nothing', timeOfView() === first);
+  say('height left as it is', plot.axes[2] === y0 && plot.axes[3] === y1);
+  say('linked plot', !other || (other.plumbline.axes[0] === plot.axes[0] && other.plumbline.axes[1] === plot.axes[1]));
+  const labels = [...svg.querySelectorAll('text.tx')].filter((t) => t.getClientRects().length).map((t) => Number(t.textContent));
+  say('ticks', labels.length >= 2 && labels.every((v) => v >= plot.axes[0] - 1e-9 && v <= plot.axes[1] + 1e-9));
+  // The last point of the middle: where it is shown now, it is named with the value that it had.
+  const [px, py] = svg.querySelector('polyline.data').getAttribute('points').split(' ').map((t) => t.split(',').map(Number)).find(([x]) => x > (px0 + px1) / 2);
+  const {sx, tx, sy, ty} = plot.view, shown = new DOMPoint(sx * px + tx, sy * py + ty).matrixTransform(svg.getScreenCTM());
+  send(svg, 'pointermove', shown.x, shown.y, 0);
+  const named = (plot.mark.lastChild.textContent.match(/: (.*), (.*)$/) || []).slice(1).map(Number);
+  say('hover', close(named[0], x0 + (px - px0) * (x1 - x0) / (px1 - px0), 0.01) && close(named[1], y0 + (py - py0) * (y1 - y0) / (py1 - py0), 0.01));
+  send(svg, 'pointerleave', shown.x, shown.y, 0);
+  const button = svg.closest('figure').querySelector('.zoom-reset');
+  say('button shown', !button.hidden);
+  button.click();
+  say('button', isHome(plot) && (!other || isHome(other.plumbline)) && button.hidden);
+  const key = (k) => svg.dispatchEvent(new KeyboardEvent('keydown', {key: k, bubbles: true, cancelable: true}));
+  key('+');
+  say('key +', close(plot.axes[1] - plot.axes[0], (x1 - x0) / 2, 1e-6));
+  const before = plot.axes[0];
+  key('ArrowRight');
+  say('key right', close(plot.axes[0] - before, 0.1 * (x1 - x0), 1e-6));
+  key('0');
+  say('key 0', isHome(plot));
+  dragTo(at(0.3, 0.2), at(0.6, 0.8));
+  say('box', plot.axes[3] < y1 && plot.axes[2] > y0);
+  svg.dispatchEvent(new MouseEvent('dblclick', {bubbles: true}));
+  say('double-click', isHome(plot));
+  const plane = document.getElementById('camera-cam0-field'), {home} = plane.plumbline;
+  const scale = ([a, b, c, d, e, f, g, h]) => Math.abs((f - e) / (b - a) / ((h - g) / (d - c)));
+  plane.dispatchEvent(new KeyboardEvent('keydown', {key: '+', bubbles: true, cancelable: true}));
+  say('image plane', !isHome(plane.plumbline) && close(scale(plane.plumbline.axes), scale(home), 0.01));
+  plane.dispatchEvent(new KeyboardEvent('keydown', {key: '0', bubbles: true, cancelable: true}));
+  say('image plane back', isHome(plane.plumbline));
+  return wrong;
+};
+// What the buttons would save, as texts.
+const saved = (figure, kind) => {
+  const texts = [], make = URL.createObjectURL, click = HTMLAnchorElement.prototype.click, made = Blob;
+  window.Blob = function (parts) { texts.push(parts.join('')); };
+  URL.createObjectURL = () => 'blob:none';
+  HTMLAnchorElement.prototype.click = () => {};
+  figure.closest('figure').querySelector(kind).click();
+  [window.Blob, URL.createObjectURL, HTMLAnchorElement.prototype.click] = [made, make, click];
+  return texts[0];
+};
+const data = () => {
+  const plot = document.getElementById('camera-frames');
+  const rows = (saved(plot, '.save-csv')).trim().split('\\n').slice(2).map((line) => line.split(','));
+  const map = (saved(document.getElementById('camera-cam0-region'), '.save-csv')).trim().split('\\n');
+  const bars = (saved(document.getElementById('camera-cam0-histogram'), '.save-csv')).trim().split('\\n');
+  const worst = Number([...document.querySelectorAll('#views table tbody tr')][0].cells[2].textContent);
+  return {series: [...new Set(rows.map((r) => r[0]))], rows: rows.length, top: Math.max(...rows.map((r) => Number(r[2]))), worst,
+    cells: map.length - 1, columns: document.getElementById('camera-cam0-region').plumbline.cells.columns,
+    bars: bars.filter((l) => / to .*: /.test(l)).length, svg: (saved(plot, '.save-svg')).slice(0, 40)};
+};
+const worstView = async () => {
+  const row = document.querySelector('#views table tbody a');
+  location.hash = row.hash;
+  await new Promise((done) => setTimeout(done, 200));
+  const svg = document.querySelector('.views svg'), image = svg.querySelector('image');
+  if (!image) return {image: false};
+  const box = image.getBBox(), picture = new Image();
+  picture.src = image.getAttribute('href');
+  await picture.decode();
+  const whole = svg.viewBox.baseVal.width, area = svg.getBoundingClientRect();
+  const seen = {image: true, width: box.width, height: box.height, pixels: picture.naturalWidth};
+  document.querySelector('[data-image]').click();
+  seen.hidden = svg.querySelector('image') === null;
+  document.querySelector('[data-image]').click();
+  send(svg, 'pointerdown', area.left + 100, area.top + 100, 1);
+  send(svg, 'pointermove', area.left + 200, area.top + 160, 1);
+  send(svg, 'pointerup', area.left + 200, area.top + 160, 0);
+  seen.zoom = svg.viewBox.baseVal.width / whole;
+  seen.asked = 100 / area.width;
+  svg.dispatchEvent(new MouseEvent('dblclick', {bubbles: true}));
+  seen.back = svg.viewBox.baseVal.width === whole;
+  document.querySelector('.views [data-step="1"]').click();
+  seen.next = svg.querySelector('image') === null;
+  return seen;
+};
+// Clicks on the scene until one hits a frustum; what it picks, and what the view then says.
+const pickInScene = () => {
+  const area = document.querySelector('.scene-canvas'), box = area.getBoundingClientRect();
+  let asked = null, picked = null;
+  document.addEventListener('plumbline-moment', ({detail}) => { asked = detail; });
+  document.addEventListener('plumbline-picked', ({detail}) => { picked = detail; });
+  for (let i = 0; i < 900 && !picked; ++i) {
+    const x = box.left + box.width * (0.2 + 0.6 * (i % 30) / 30), y = box.top + box.height * (0.15 + 0.7 * Math.floor(i / 30) / 30);
+    send(area, 'pointerdown', x, y, 1);
+    send(area, 'pointerup', x, y, 0);
+  }
+  return {asked, picked};
+};
+const turnByKeys = () => {
+  const area = document.querySelector('.scene-canvas');
+  for (let i = 0; i < 6; ++i) area.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowLeft', bubbles: true, cancelable: true}));
+};
 if (location.hash) moveUp(document.getElementById('scene-box').getBoundingClientRect().top - 20);
-setTimeout(() => {
-  if (location.hash === '#drag') drag();
-  const result = {errors: pageErrors, height: document.documentElement.scrollHeight,
-    live: document.getElementById('scene-box').classList.contains('live'), hover: hover(), pick: pick(),
+setTimeout(async () => {
+  const hash = location.hash;
+  if (hash === '#drag') drag();
+  if (hash === '#keys') turnByKeys();
+  const clicked = hash === '#pick' ? pickInScene() : null;
+  let more = {clicked};
+  try {
+    if (!hash) more = {zoom: zoom(), data: data(), view: await worstView()};
+  } catch (error) { pageErrors.push(String(error.stack)); }
+  const result = {...more, errors: pageErrors, height: document.documentElement.scrollHeight,
+    live: document.getElementById('scene-box').classList.contains('live'), hover: hover(), pick: hash === '#pick' ? null : pick(),
     scene: place(document.querySelector('#scene-box.live .scene-canvas') || document.querySelector('.scene-still')),
     figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)])};
   const out = document.createElement('script');
@@ -163,11 +291,22 @@ def check_figures(name, result, painted, least_pixels):
                  % (name, figure[0], pixels, share, colours))
 
 
+def check_clicked(name, clicked, marked):
+    """A click on a frustum asks for its camera and moment, and gets that view, which is marked."""
+    asked, picked = clicked["asked"], clicked["picked"]
+    if not asked or not picked:
+        fail(name + ": no click on the scene picks a view")
+    if picked["camera"] != asked["series"] or abs(picked["seconds"] - asked["seconds"]) > 0.01:
+        fail("%s: a click on the frustum %s picks %s" % (name, asked, picked))
+    if not marked:
+        fail(name + ": the view that is picked is not marked in the scene")
+
+
 def check_scene(name, page, tool, folder):
     """The live scene, at rest, dragged, and at rest again. The share of the window that it covers,
     and what hovering over a figure says."""
     painted = []
-    for fragment in ("#rest", "#drag", "#rest"):
+    for fragment in ("#rest", "#drag", "#rest", "#keys", "#pick"):
         result, statistics = look("file://" + page + fragment, tool, folder, 900, GPU)
         if result["errors"]:
             fail("%s: script errors: %s" % (name, result["errors"][:5]))
@@ -176,7 +315,10 @@ def check_scene(name, page, tool, folder):
         if result["scene"][1] < 0 or result["scene"][1] + result["scene"][3] > 900:
             fail(name + ": the 3D scene is not in sight")
         painted.append(statistics([result["scene"]])[0])
-    rest, moved, again = painted
+    rest, moved, again, keys, picked = painted
+    if keys[3] == rest[3]:
+        fail(name + ": the 3D scene does not turn by its keys")
+    check_clicked(name, result["clicked"], picked[3] != rest[3])
     if again[3] != rest[3]:
         fail(name + ": the scene at rest differs between two looks, so turning proves nothing")
     if rest[1] < 0.03 or rest[2] < 10:
@@ -194,11 +336,28 @@ def check_pick(name, pick):
         fail("%s: %d shapes for the %d corners of the view" % (name, pick["arrows"], pick["corners"]))
 
 
+def check_use(name, result):
+    if result["errors"]:
+        fail("%s: script errors: %s" % (name, result["errors"][:5]))
+    if result["zoom"]:
+        fail("%s: zoom: %s" % (name, ", ".join(result["zoom"])))
+    data, view = result["data"], result["view"]
+    if data["series"] != ["cam0", "cam1"] or abs(data["top"] - data["worst"]) > 0.005:
+        fail("%s: the saved data of the frames are %s" % (name, data))
+    if data["cells"] < 12 or data["cells"] % data["columns"] or data["bars"] < 10 or not data["svg"].startswith("<svg"):
+        fail("%s: the saved data of a map, a histogram and a plot are %s" % (name, data))
+    if not view["image"] or (view["width"], view["height"], view["pixels"]) != (752, 480, 376):
+        fail("%s: the image of the worst view: %s" % (name, view))
+    if not (view["hidden"] and view["back"] and view["next"]) or not 0 < view["zoom"] < 0.5:
+        fail("%s: hiding or zooming the view: %s" % (name, view))
+
+
 def check_page(name, page, tool, folder):
     covered, hover = check_scene(name, page, tool, folder)
     if not re.match(r"^cam\d: -?[\d.e+-]+, -?[\d.e+-]+$", hover):
         fail("%s: hovering over a point says '%s'" % (name, hover))
     check_pick(name, told(chromium("file://" + page, "--dump-dom", *FLAT))["pick"])
+    check_use(name, told(chromium("file://" + page, "--dump-dom", *FLAT)))
     result, (*figures, still) = photograph("file://" + page, tool, folder)
     if len(result["figures"]) < 8:
         fail("%s: only %d figures" % (name, len(result["figures"])))

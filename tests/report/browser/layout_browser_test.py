@@ -144,8 +144,12 @@ const use = () => {
     if (e.type === 'range') { e.value = e.max; e.dispatchEvent(new Event('input', {bubbles: true})); continue; }
     e.click();
   }
-  const buttons = [...document.querySelectorAll('.save-svg')].filter(visible).length;
-  if (saved < buttons) say('not saved', `${buttons - saved} of ${buttons} plots`);
+  // Every plot that zooms is zoomed and moved by keys; its words stay whole and apart.
+  for (const svg of document.querySelectorAll('svg.zooms'))
+    for (const key of ['+', '+', 'ArrowRight']) svg.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true}));
+  checkPlots();
+  const buttons = [...document.querySelectorAll('.save-svg, .save-csv')].filter(visible).length;
+  if (saved < buttons) say('not saved', `${buttons - saved} of ${buttons} plots or their data`);
 };
 const finish = () => {
   pageErrors.forEach((e) => say('console', e));

@@ -4,6 +4,9 @@
 
 namespace plumbline {
 
-const std::string& hoverScript() { return embedded::hover_js(); }
+const std::string& plotScripts() {
+  static const std::string scripts = embedded::hover_js() + embedded::zoom_js();
+  return scripts;
+}
 
 }  // namespace plumbline

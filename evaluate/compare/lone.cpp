@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/lone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMostNamed = 4;
+constexpr std::size_t kFewest = 3;  // of two that differ, neither is the odd one
+
+struct Estimate {
+  std::size_t calibration = 0;
+  double difference = 0;  ///< to the first calibration
+  double std = 0;
+};
+
+std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
+  std::vector<Estimate> estimates;
+  for (std::size_t i = 0; i < p.values.size(); ++i) {
+    if (!p.values[i] || !p.std[i] || !(*p.std[i] > 0)) continue;
+    if (i > 0 && !p.difference[i]) continue;
+    estimates.push_back({i, i == 0 ? 0 : *p.difference[i], *p.std[i]});
+  }
+  // Without the first there is nothing that the others' differences refer to.
+  if (estimates.empty() || estimates.front().calibration != 0) return {};
+  return estimates;
+}
+
+double sigmas(const Estimate& a, const Estimate& b) {
+  return std::abs(a.difference - b.difference) / std::hypot(a.std, b.std);
+}
+
+/// How far the k-th is from the others at least, and these from each other at most.
+LoneParameter against(const std::vector<Estimate>& estimates, std::size_t k) {
+  LoneParameter lone;
+  lone.calibration = estimates[k].calibration;
+  lone.sigmas = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (i == k) continue;
+    lone.sigmas = std::min(lone.sigmas, sigmas(estimates[i], estimates[k]));
+    for (std::size_t j = 0; j < i; ++j) {
+      if (j != k) lone.others = std::max(lone.others, sigmas(estimates[i], estimates[j]));
+    }
+  }
+  return lone;
+}
+
+}  // namespace
+
+std::vector<LoneParameter> loneParameters(const ComparisonRecord& record,
+                                          const ComparisonThresholds& thresholds) {
+  std::vector<LoneParameter> all;
+  for (const ComparedParameter& p : record.parameters) {
+    const std::vector<Estimate> estimates = estimatesOf(p);
+    if (estimates.size() < kFewest) continue;
+    for (std::size_t k = 0; k < estimates.size(); ++k) {
+      LoneParameter lone = against(estimates, k);
+      if (lone.sigmas <= thresholds.significance || lone.others > thresholds.notable) continue;
+      lone.name = p.name;
+      all.push_back(std::move(lone));
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const LoneParameter& a, const LoneParameter& b) {
+    return a.calibration != b.calibration ? a.calibration < b.calibration : a.sigmas > b.sigmas;
+  });
+  return all;
+}
+
+std::string loneNames(const std::vector<LoneParameter>& lone, std::size_t calibration) {
+  std::vector<std::string> names;
+  std::size_t count = 0;
+  for (const LoneParameter& p : lone) {
+    if (p.calibration != calibration || ++count > kMostNamed) continue;
+    names.push_back(fmt::format("{} ({:.2g})", p.name, p.sigmas));
+  }
+  if (count > kMostNamed) names.push_back("...");
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::vector<Finding> loneFindings(const ComparisonRecord& record,
+                                  const ComparisonThresholds& thresholds) {
+  const std::vector<LoneParameter> lone = loneParameters(record, thresholds);
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    double most = 0, others = 0;
+    for (const LoneParameter& p : lone) {
+      if (p.calibration != i) continue;
+      most = std::max(most, p.sigmas);
+      others = std::max(others, p.others);
+    }
+    if (!(most > 0)) continue;
+    const std::string& label = record.calibrations[i].label;
+    Finding f;
+    f.rule = label + " against all others";
+    f.level = VerdictLevel::kCaution;
+    f.evidence = fmt::format(
+        "{} stands alone: at least this many standard deviations from each of the others, which "
+        "agree within {:.2g}: {}",
+        label, others, loneNames(lone, i));
+    f.advice = "look at the recording and the options of " + label + " before the others'";
+    f.value = most;
+    f.threshold = thresholds.significance;
+    f.unit = "sigma";
+    findings.push_back(std::move(f));
+  }
+  return findings;
+}
+
+}  // namespace plumbline

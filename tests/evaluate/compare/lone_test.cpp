@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which of several calibrations stands alone, and when none does.
+#include "evaluate/compare/lone.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "evaluate/compare/findings.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+/// One parameter under calibrations a, b, c, ... with one standard deviation each.
+ComparisonRecord comparison(const std::vector<double>& values, double std) {
+  ComparisonRecord record;
+  ComparedParameter p{"T_SC0.tx", "m", {}, {}, {}, {}};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    record.calibrations.emplace_back().label = std::string(1, static_cast<char>('a' + i));
+    p.values.emplace_back(values[i]);
+    p.std.emplace_back(std);
+    p.difference.push_back(i == 0 ? std::nullopt : std::optional(values[i] - values[0]));
+    p.significance.push_back(p.difference.back());
+  }
+  record.parameters = {p};
+  return record;
+}
+
+TEST(LoneParameters, NameTheOneThatIsFarFromAllOthers) {
+  const auto lone = loneParameters(comparison({0.010, 0.011, 0.018}, 0.001));
+  ASSERT_THAT(lone, SizeIs(1));
+  EXPECT_EQ(lone[0].calibration, 2U);
+  EXPECT_EQ(lone[0].name, "T_SC0.tx");
+  EXPECT_NEAR(lone[0].sigmas, 7 / std::sqrt(2), 1e-9);  // from b, the nearer one
+  EXPECT_NEAR(lone[0].others, 1 / std::sqrt(2), 1e-9);
+}
+
+TEST(LoneParameters, TheFirstCanBeIt) {
+  const auto lone = loneParameters(comparison({0.018, 0.011, 0.010}, 0.001));
+  ASSERT_THAT(lone, SizeIs(1));
+  EXPECT_EQ(lone[0].calibration, 0U);
+}
+
+TEST(LoneParameters, OfTwoNeitherIs) {
+  EXPECT_THAT(loneParameters(comparison({0.010, 0.018}, 0.001)), IsEmpty());
+}
+
+TEST(LoneParameters, NoneIsWhereTheOthersDisagreeOrTheDifferenceIsNotSignificant) {
+  EXPECT_THAT(loneParameters(comparison({0.000, 0.009, 0.018}, 0.001)), IsEmpty());
+  EXPECT_THAT(loneParameters(comparison({0.010, 0.011, 0.018}, 0.002)), IsEmpty());
+}
+
+TEST(LoneParameters, CalibrationsWithoutADeviationHaveNoSay) {
+  ComparisonRecord record = comparison({0.010, 0.011, 0.018, 0.05}, 0.001);
+  record.parameters[0].std[3].reset();
+  const auto lone = loneParameters(record);
+  ASSERT_THAT(lone, SizeIs(1));
+  EXPECT_EQ(lone[0].calibration, 2U);
+  record.parameters[0].std[0].reset();  // what the differences refer to
+  EXPECT_THAT(loneParameters(record), IsEmpty());
+}
+
+TEST(LoneParameters, AreFoundAndSaid) {
+  const ComparisonRecord record = comparison({0.010, 0.011, 0.018}, 0.001);
+  const auto findings = loneFindings(record, {});
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_EQ(findings[0].level, VerdictLevel::kCaution);
+  EXPECT_THAT(findings[0].evidence, HasSubstr("c stands alone"));
+  EXPECT_THAT(findings[0].evidence, HasSubstr("T_SC0.tx (4.9)"));
+  EXPECT_THAT(comparisonHeadline(record), HasSubstr("c stands alone"));
+  EXPECT_THAT(comparisonHeadline(comparison({0.010, 0.011, 0.012}, 0.001)),
+              Not(HasSubstr("alone")));
+}
+
+}  // namespace
+}  // namespace plumbline
