@@ -10,6 +10,7 @@
 #include "report/html/calibration/imu_figures.h"
 #include "report/html/calibration/page.h"
 #include "report/html/page_parts.h"
+#include "report/html/stage_view.h"
 #include "report/html/text.h"
 #include "report/store/store.h"
 #include "tests/report/markup.h"
@@ -31,7 +32,8 @@ TEST(CalibrationPage, HasEverySectionAndAnEntryForIt) {
   const std::string page = renderCalibrationPage(syntheticRecord());
   for (const char* id :
        {"key-figures", "scene", "parameters", "time-offset", "correlations", "reprojection-camera",
-        "reprojection-camera-imu", "coverage", "imu-residuals", "biases", "provenance"}) {
+        "reprojection-camera-imu", "views", "coverage", "imu-readings", "imu-residuals", "biases",
+        "sample-intervals", "provenance"}) {
     EXPECT_TRUE(hasSection(page, id)) << id;
   }
   EXPECT_THAT(page, HasSubstr("class=\"verdict caution\""));
@@ -66,6 +68,37 @@ TEST(CalibrationPage, SurvivesARecordWithoutAnyStage) {
   EXPECT_FALSE(hasSection(page, "correlations"));
 }
 
+TEST(CalibrationPage, NamesTheGapsOfTheStreams) {
+  const CalibrationRecord record = syntheticRecord();
+  const std::string page = renderCalibrationPage(record);
+  const SampleGap& gap = record.sample_intervals.at(2).gaps.at(0);
+  const std::string row = page.substr(page.find("The longest gaps"));
+  EXPECT_THAT(row.substr(0, row.find("</table>")), HasSubstr(std::to_string(gap.t)));
+}
+
+// One clock for all plots: a stage whose first frame is later starts later in them.
+TEST(CalibrationPage, CountsTheTimeOfAllPlotsFromOneFrame) {
+  CalibrationRecord record = syntheticRecord();
+  CameraImuStageResult& stage = *record.camera_imu;
+  stage.frames.erase(stage.frames.begin(), stage.frames.begin() + 20);  // one second
+  stage.states.erase(stage.states.begin(), stage.states.begin() + 20);
+  std::erase_if(stage.residuals, [](const CornerResidual& r) { return r.frame < 20; });
+  for (CornerResidual& r : stage.residuals) r.frame -= 20;
+  EXPECT_EQ(html_internal::timeOrigin(record), record.camera->frames.front().t);
+  const auto seconds = html_internal::frameSeconds(html_internal::cameraImuView(record));
+  EXPECT_NEAR(seconds.front(), 1.0, 1e-9);
+  EXPECT_EQ(html_internal::frameSeconds(html_internal::cameraView(record)).front(), 0);
+}
+
+TEST(CalibrationPage, ShowsTheImagesThatTheRecordHas) {
+  const std::string page = renderCalibrationPage(syntheticRecord());
+  const std::string jpeg = html_internal::base64(syntheticRecord().view_images.at(0).jpeg);
+  EXPECT_THAT(page, HasSubstr(jpeg));
+  EXPECT_THAT(page, HasSubstr("data-image"));
+  const std::string without = renderCalibrationPage(syntheticRecord({.images = false}));
+  EXPECT_THAT(without, Not(HasSubstr("data-image=")));
+}
+
 TEST(CalibrationPage, NeedsNothingFromOutside) {
   const std::string page = renderCalibrationPage(syntheticRecord());
   for (const char* loader : {"src=\"", "href=\"http", "@import", "url(http", "<link"}) {
@@ -97,7 +130,7 @@ TEST(CalibrationPage, GivesEveryPlotAnIdOfItsOwn) {
   }
   // Scene; a single view; correlations, frames and four figures of two cameras for two stages;
   // coverage; six of inertial residuals and two of biases.
-  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U);
+  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U + 2U + 1U);
 }
 
 TEST(CalibrationPage, IsTheSameWhenMadeFromTheStore) {

@@ -143,6 +143,30 @@ TEST(LinePlot, PutsItsPointsOnTheirPixels) {
                           DoubleNear(axes.a[5], kPixel), DoubleNear(axes.a[7], kPixel)));
 }
 
+TEST(LinePlot, DrawsABandBetweenItsValuesAndBreaksItWhereOneIsMissing) {
+  LinePlot plot{unitFrame(), {}};
+  const double nan = std::nan("");
+  plot.bands = {{"noise",
+                 {0, 0.25, 0.5, 0.75, 1},
+                 {0.5, 0.5, nan, 1, 1},
+                 {1, 1.5, 1, 1.5, 2},
+                 {1, 2, 3, 70}}};
+  const std::string svg = toSvg(plot, "b");
+  EXPECT_THAT(svg, HasSubstr(">noise</text>"));
+  const AxisMapping axes(svg);
+  const std::size_t first = svg.find("<polygon class=\"data\"");
+  ASSERT_NE(first, std::string::npos);
+  const auto near = [](double pixel) { return DoubleNear(pixel, kPixel); };
+  EXPECT_THAT(numbers(attributes(svg.substr(first), "points").at(0)),
+              ElementsAre(near(axes.pixelX(0)), near(axes.pixelY(1)), near(axes.pixelX(0.25)),
+                          near(axes.pixelY(1.5)), near(axes.pixelX(0.25)), near(axes.pixelY(0.5)),
+                          near(axes.pixelX(0)), near(axes.pixelY(0.5))));
+  const std::size_t second = svg.find("<polygon class=\"data\"", first + 1);
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_EQ(numbers(attributes(svg.substr(second), "points").at(0)).size(), 8U);
+  EXPECT_EQ(svg.find("<polygon class=\"data\"", second + 1), std::string::npos);
+}
+
 TEST(LinePlot, KeepsASpikeAmongManyPoints) {
   Series s = series({}, {});
   for (int i = 0; i <= 20000; ++i) {

@@ -235,6 +235,7 @@ void addRecording(CalibrationRecord& record, std::mt19937& random) {
       ++s.samples;
     }
     s.gap_count = s.gaps.size();
+    s.spread_s = imu ? 2.3e-4 : 0;
     s.missing = 3 * s.gap_count;
     record.sample_intervals.push_back(s);
   }

@@ -181,8 +181,8 @@ Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot 
   return {toSvg(plot, id),
           "Mean over each interval between frames. Points are what the samples say, lines what the "
           "estimated motion and biases predict, bands three standard deviations of the samples' "
-          "noise: drag to zoom until they are seen. Points beside their line are motion that the "
-          "model does not have.",
+          "noise: drag to zoom until they are seen. Points beyond their band are not explained by "
+          "the assumed noise.",
           true};
 }
 

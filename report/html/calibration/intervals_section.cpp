@@ -33,7 +33,8 @@ Table sensorTable(const std::vector<SampleIntervals>& sensors) {
     table.rows.push_back({tight(s.sensor), number(grouped(s.samples)),
                           number(s.median_s > 0 ? fmt::format("{:.2f}", 1 / s.median_s) : kDash),
                           number(milliseconds(s.median_s)), number(milliseconds(s.min_s)),
-                          number(milliseconds(s.max_s)), number(milliseconds(s.spread_s)),
+                          number(milliseconds(s.max_s)),
+                          number(fmt::format("{:.3g}", 1e3 * s.spread_s)),
                           number(std::to_string(s.gap_count)), number(std::to_string(s.missing))});
   }
   return table;
@@ -98,11 +99,12 @@ Figure intervalFigure(const CalibrationRecord& record) {
     largest = std::max(largest, ratio);
   }
   plot.frame.y.range = Range{0, std::max(2.0, 1.08 * largest)};
-  return {toSvg(plot, "sample-intervals-plot"),
-          "1 is an even stream; 2 and more are gaps, in which samples are missing; pairs above and "
-          "below 1 are late stamps. Of long streams the shortest and the longest interval of each "
-          "run are drawn.",
-          true};
+  return {
+      toSvg(plot, "sample-intervals-plot"),
+      "1 is an even stream; 2 and more are gaps, in which samples are missing; an interval above "
+      "1 with one as far below beside it is one stamp that is off. Of long streams the shortest "
+      "and the longest interval of each run are drawn.",
+      true};
 }
 
 }  // namespace

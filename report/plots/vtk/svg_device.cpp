@@ -107,6 +107,11 @@ void SvgDevice::element(const std::string& shape, const std::string& attributes)
   if (!shape_link_.empty()) body_ += "</a>";
 }
 
+std::string (*SvgDevice::writer(const std::vector<double>& page) const)(double) {
+  constexpr std::size_t kFew = 10'000;  // points: more would make the page large
+  return in_data_ && page.size() / 2 <= kFew ? &finePixel : &pixel;
+}
+
 std::string SvgDevice::strokeAttributes() const {
   const vtkColor4ub colour = Pen->GetColorObject();
   const unsigned char* rgba = colour.GetData();
@@ -127,8 +132,9 @@ void SvgDevice::DrawPoly(float* points, int n, unsigned char*, int) {
   const std::vector<double> page = thinLine(toPage(points, n));
   const std::string stroke = strokeAttributes();
   if (page.empty() || stroke.empty()) return;
-  element("polyline", fmt::format("{}points=\"{}\"{} stroke-linejoin=\"round\"",
-                                  in_data_ ? "class=\"data\" " : "", pointList(page), stroke));
+  element("polyline",
+          fmt::format("{}points=\"{}\"{} stroke-linejoin=\"round\"",
+                      in_data_ ? "class=\"data\" " : "", pointList(page, writer(page)), stroke));
 }
 
 void SvgDevice::DrawLines(float* points, int n, unsigned char*, int) {
@@ -156,10 +162,11 @@ void SvgDevice::DrawMarkers(int, bool highlight, float* points, int n, unsigned 
   const std::vector<double> page = toPage(points, n);
   const std::string stroke = strokeAttributes();
   if (highlight || page.empty() || stroke.empty()) return;
+  auto* const write = writer(page);
   std::string path;
   path.reserve(page.size() * 6);
   for (std::size_t i = 0; i + 1 < page.size(); i += 2) {
-    path += 'M' + pixel(page[i]) + ' ' + pixel(page[i + 1]) + 'z';
+    path += 'M' + write(page[i]) + ' ' + write(page[i + 1]) + 'z';
   }
   element("path", fmt::format("class=\"pts\" d=\"{}\"{} stroke-linecap=\"round\"", path, stroke));
 }
@@ -177,7 +184,7 @@ void SvgDevice::DrawPolygon(float* points, int n) {
   const std::string fill = fillAttributes();
   if (page.empty() || fill.empty()) return;
   element("polygon", fmt::format("{}points=\"{}\"{}", in_data_ ? "class=\"data\" " : "",
-                                 pointList(page), fill));
+                                 pointList(page, writer(page)), fill));
 }
 
 void SvgDevice::DrawColoredPolygon(float* points, int n, unsigned char*, int) {

@@ -13,7 +13,8 @@ namespace plumbline::internal {
 /// whose faults (VTK 9.1) spoil charts: clips in data units and unflipped, six digits, anisotropic
 /// strokes, invalid text attributes, colliding ids. Here
 ///   - every coordinate goes through the painter's matrix to page pixels before it is written (y
-///     down, a tenth of a pixel), so that clips and stroke widths are plain pixels;
+///     down, a tenth of a pixel, data a hundredth), so that clips and stroke widths are plain
+///     pixels;
 ///   - fonts are pixels, measured at 72 DPI, anchored with valid attributes;
 ///   - long lines keep first, lowest, highest and last point of every half pixel;
 ///   - a cloud of markers is one path of zero-length strokes with round caps;
@@ -79,6 +80,8 @@ class SvgDevice : public vtkContextDevice2D {
   /// Points in page pixels, x y x y.
   std::vector<double> toPage(const float* points, int n) const;
   void element(const std::string& shape, const std::string& attributes);
+  /// How the coordinates of what is drawn now are written: finer for data, unless they are many.
+  std::string (*writer(const std::vector<double>& page) const)(double);
   std::string strokeAttributes() const;
   std::string fillAttributes() const;
 

@@ -77,12 +77,19 @@ std::string pixel(double value) {
                      std::abs(tenths) % 10);
 }
 
-std::string pointList(const std::vector<double>& points) {
+std::string finePixel(double value) {
+  const long hundredths = std::lround(value * 100);
+  if (hundredths % 10 == 0) return pixel(value);
+  return fmt::format("{}{}.{:02}", hundredths < 0 ? "-" : "", std::abs(hundredths) / 100,
+                     std::abs(hundredths) % 100);
+}
+
+std::string pointList(const std::vector<double>& points, std::string (*write)(double)) {
   std::string list;
   list.reserve(points.size() * 6);
   for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
     if (i > 0) list += ' ';
-    list += pixel(points[i]) + ',' + pixel(points[i + 1]);
+    list += write(points[i]) + ',' + write(points[i + 1]);
   }
   return list;
 }

@@ -103,7 +103,7 @@ TEST(CameraImu, ReportsWhatItUsed) {
 }
 
 // What was read differs from the truth by its stated deviation, and from the prediction by the
-// residual.
+// residual; of rotations that to first order in the angle turned (a tenth of a radian here).
 TEST(CameraImu, ReadingsSpreadAboutTheTruthByTheirDeviation) {
   const SimulatedSession s = simulate(noisyRecording(3, 20));
   const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));
@@ -120,7 +120,7 @@ TEST(CameraImu, ReadingsSpreadAboutTheTruthByTheirDeviation) {
     EXPECT_LT(
         (interval.gyro.predicted - interval.gyro.measured - interval.rotation_rad / interval.dt_s)
             .norm(),
-        1e-4 * (interval.rotation_rad / interval.dt_s).norm() + 1e-9);
+        0.1 * (interval.rotation_rad / interval.dt_s).norm() + 1e-9);
     EXPECT_LT(
         (interval.accel.predicted - interval.accel.measured - interval.velocity_m_s / interval.dt_s)
             .norm(),
