@@ -46,6 +46,7 @@
       const [a, b, c, d] = line.getAttribute('points').match(/-?[\d.]+/g).map(Number);
       if (Math.hypot(a - c, b - d) < 6) plot.still.push(line);
     }
+    plot.room = Math.max(...[...plot.svg.querySelectorAll('text.ty')].map((t) => t.textContent.length));
     plot.grid = make('g', {});
     plot.groups[0].prepend(plot.grid);
     plot.labels = make('g', {});
@@ -68,8 +69,13 @@
       const p = py0 + (value - y0) * (py1 - py0) / (y1 - y0);
       line([px0, p, px1, p], '#e4e7ec', plot.grid);
       line([px0 - 4, p, px0, p], '#969ca6', plot.labels);
-      // No more characters than there is room for left of the axis.
-      label(side, p, 'end', text.length > 9 ? Number(text).toPrecision(4) : text, 'ty');
+      // Left of the axis there is room for the labels as drawn: powers of ten if they are shorter, else narrower letters.
+      const power = value === 0 ? '0' : Number(value.toPrecision(4)).toExponential(), said = text.length > plot.room && power.length < text.length ? power : text;
+      label(side, p, 'end', said, 'ty');
+      if (said.length > plot.room) {
+        plot.labels.lastChild.setAttribute('textLength', 6.6 * plot.room);
+        plot.labels.lastChild.setAttribute('lengthAdjust', 'spacingAndGlyphs');
+      }
     }
   };
   const isHome = (plot) => plot.axes.slice(0, 4).every((v, i) => v === plot.home[i]);
