@@ -55,7 +55,8 @@ FAULTS = {
     "rolling-shutter": ([f"rolling-shutter={t}ms" for t in (5, 10, 20)], ["line-delay"]),
     "blur": ([f"blur={t}ms" for t in (5, 10, 20)], []),
     "bow": ([f"bow={h}mm" for h in (0.5, 1, 3)], ["target-shape"]),
-    "stretch": ([f"stretch={s}%" for s in (0.2, 0.5, 2)], ["target-shape"]),
+    # A board that is longer one way has another mean size, too: the shape is estimated, and the size is named.
+    "stretch": ([f"stretch={s}%" for s in (0.2, 0.5, 2)], ["target-shape", "target-size"]),
     "sway": (["sway=3mm,0.5Hz", "sway=10mm,0.5Hz", "sway=10mm,1.3Hz"], ["target-sways"]),
     "moved-target": ([f"moved-target={d}mm@15s" for d in (2, 5, 20)], ["target-moved"]),
     "wrong-size": ([f"wrong-size={s}%" for s in (0.5, 0.9, 5)], ["target-size"]),
@@ -71,7 +72,8 @@ RULES = {"Spikes of the IMU": "spike", "Gaps in the IMU's samples": "gap", "View
          "Readings at the end of the sensor's range": "clip", "Jitter of the frames' stamps": "stamps-jitter",
          "Noise density of the accelerometer": "density"}
 REFUSALS = {"stamped in bursts": "burst", "gravity comes out": "gravity", "wanders": "stamps-wander",
-            "disagree about scale": "target-size", "cut off": "clip"}
+            "disagree about scale": "target-size", "cut off": "clip",
+            "jump of the gyroscope's bias": "gyro-bias-jump", "jump of the accelerometer's bias": "accel-bias-jump"}
 FLOOR = {"mm": 0.5, "deg": 0.02, "ms": 0.05}
 START, END = "<!-- fault matrix: begin -->", "<!-- fault matrix: end -->"
 

@@ -341,6 +341,17 @@ struct ImuResidualSummary {
   ImuNoiseChecks noise;
 };
 
+/// How far the poses that frames and IMU share are from those that each frame's own corners would
+/// choose, to first order. A shift of a frame's stamp is one of a pose's six directions.
+struct FrameErrors {
+  double rmse_px = 0;       ///< at the solution
+  double free_rmse_px = 0;  ///< with every frame at the pose of its own corners
+  double along = 0;   ///< squared error that a shift of its stamp takes from a frame, mean [px^2]
+  double across = 0;  ///< that each of the other five directions takes, mean [px^2]
+  double neighbours = 0;  ///< correlation of the shifts of frames that follow each other
+  double jitter_s = 0;    ///< RMS of the shifts, less what directions take by chance
+};
+
 /// What the camera's motion and the accelerometer say of the stated target and of gravity, before
 /// the batch takes both for granted (linear least squares over triples of frames).
 struct InertialCheck {
@@ -378,6 +389,7 @@ struct CameraImuStageResult {
   int imu_gaps = 0;             ///< pauses of the IMU that broke the chain
   double imu_rate_hz = 0;       ///< inverse of the median interval between IMU samples
   InertialCheck inertial_check;
+  std::optional<FrameErrors> frame_errors;               ///< if the noise is checked
   Screening screening;                                   ///< what was left out of the recording
   std::optional<ImuStateCovariances> state_covariances;  ///< if asked for
   std::optional<FaultDiagnosis> faults;                  ///< if asked for, and long enough

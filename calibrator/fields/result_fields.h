@@ -229,6 +229,16 @@ void fields(V& v, ImuResidualSummary& s) {
 }
 
 template <class V>
+void fields(V& v, FrameErrors& e) {
+  v("rmse_px", e.rmse_px, "px", "at the solution");
+  v("free_rmse_px", e.free_rmse_px, "px", "with every frame at the pose of its own corners");
+  v("along", e.along, "px^2", "that a shift of its stamp takes from a frame, mean");
+  v("across", e.across, "px^2", "that each of the other five directions takes, mean");
+  v("neighbours", e.neighbours, "1", "correlation of the shifts of frames that follow each other");
+  v("jitter_s", e.jitter_s, "s", "RMS of the shifts, less what directions take by chance");
+}
+
+template <class V>
 void fields(V& v, InertialCheck& c) {
   v("target_scale", c.target_scale, "1", "metres per stated metre of the target");
   v("target_scale_std", c.target_scale_std, "1", "its standard deviation");
@@ -325,6 +335,7 @@ void fields(V& v, CameraImuStageResult& s) {
   v("imu_gaps", s.imu_gaps, "1", "pauses of the IMU that broke the chain");
   v("imu_rate_hz", s.imu_rate_hz, "Hz", "inverse of the median interval between IMU samples");
   v("inertial_check", s.inertial_check, "linear fit before the batch");
+  v("frame_errors", s.frame_errors, "poses against those that frames' own corners choose");
   v.ifSet("screening", s.screening, "measurements that contradict their neighbours or the target");
   v("faults", s.faults, "score tests of faults that the batch does not model");
   v("gravity_F_m_s2", s.gravity_F, "m/s^2", "gravity in the target's frame, pointing down");

@@ -47,6 +47,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeScreening(stage, t), Subject::kRecording);
   append(findings, judgeFaults(stage, t), Subject::kExtrinsics);
   append(findings, judgeStampJitter(stage, t), Subject::kRecording);
+  append(findings, judgeFramePoses(stage, t), Subject::kExtrinsics);
   append(findings, judgeIsolatedResiduals(stage, t), Subject::kExtrinsics);
   append(findings, judgeLongResiduals(stage, t), Subject::kExtrinsics);
   append(findings, judgeStatements(record, t), Subject::kExtrinsics);

@@ -265,6 +265,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
   if (options.diagnose_faults) result.value().faults = diagnoseFaults(problem, solution);
   if (options.noise_check) {
+    result.value().frame_errors = frameErrors(problem, solution.estimate);
     result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
   }
   seconds.checks = watch.lap();

@@ -80,6 +80,11 @@ std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& prob
 /// 0.5 log((2 pi e)^n |Sigma|) [nats] of a positive definite covariance.
 double gaussianEntropy(const Eigen::MatrixXd& covariance);
 
+/// See FrameErrors. With H, b the sums of a frame's corners (MovedView) about its pose, and d the
+/// column of its stamp's shift: b' H^-1 b is what the pose of its own takes, b_d^2 / H_dd what a
+/// shift of the stamp takes.
+FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate);
+
 struct ImuNoiseOptions {
   /// A group keeps its assumed density while its redundancy is below this.
   double least_redundancy = 10;

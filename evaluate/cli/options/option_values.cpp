@@ -86,6 +86,7 @@ const ThresholdMembers& thresholdMembers() {
       {"fault_sigma", &VerdictThresholds::fault_sigma},
       {"inertial_fit", &VerdictThresholds::inertial_fit},
       {"stamp_jitter_ms", &VerdictThresholds::stamp_jitter_ms},
+      {"frames_against_imu", &VerdictThresholds::frames_against_imu},
       {"imu_spikes", &VerdictThresholds::imu_spikes},
       {"repeated_views", &VerdictThresholds::repeated_views},
       {"misplaced_tags", &VerdictThresholds::misplaced_tags},

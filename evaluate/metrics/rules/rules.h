@@ -113,8 +113,11 @@ Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresh
 /// of a bias, wrong stamps.
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// Stamps of frames that err one by one: rotation residuals along the motion, with opposite signs
-/// in neighbouring intervals.
+/// in neighbouring intervals, or reprojection errors that a shift of the stamp takes away.
 Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// RMSE at the solution over that with every frame at the pose of its own corners: near 1 where
+/// frames and IMU agree.
+Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// RMS of the whitened residuals of the whole chain over what the noise check, which cuts it into
 /// segments with biases of their own, expects of them: above 1 where the segments do not fit
 /// together.

@@ -31,6 +31,54 @@ constexpr std::array<RowGroup, 4> kRowGroups{{{"rotation (gyroscope)", 0, 3},
                                               {"walk of the gyroscope's bias", 9, 3},
                                               {"walk of the accelerometer's bias", 12, 3}}};
 
+/// Shifts of frames' stamps one by one; a size of 0: none were found.
+struct Jitter {
+  double size_s = 0;
+  std::string evidence;
+};
+constexpr std::size_t kFewest = 100;  // frames
+
+/// Where the solution leaves the shifts to the intervals between frames: rotation residuals along
+/// the motion, with opposite signs in neighbours.
+std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
+  constexpr double kAlong = 2;          // residuals along the rate over those across, squared
+  constexpr double kAlternates = -0.2;  // correlation of neighbours; -1/2 where stamps alone err
+  double along = 0, across = 0, rates = 0, neighbours = 0, before = 0;
+  for (std::size_t k = 0; k + 1 < stage.states.size() && k < stage.imu_residuals.size(); ++k) {
+    const ImuIntervalResidual& r = stage.imu_residuals[k];
+    if (r.t != stage.frames[k].t || !(r.dt_s > 0)) break;
+    const Eigen::Matrix3d turn = stage.states[k].T_FS.R.transpose() * stage.states[k + 1].T_FS.R;
+    const Eigen::Vector3d rate = logSO3(turn) / r.dt_s;
+    const double part = rate.norm() > 0 ? r.rotation_rad.dot(rate.normalized()) : 0;
+    along += part * part;
+    across += 0.5 * (r.rotation_rad.squaredNorm() - part * part);
+    rates += rate.squaredNorm();
+    neighbours += part * before;
+    before = part;
+  }
+  if (stage.imu_residuals.size() < kFewest || !(along > 0) || !(across > 0)) return std::nullopt;
+  const bool found = along > kAlong * across && neighbours < kAlternates * along;
+  return Jitter{found ? std::sqrt(std::max(0.0, along - across) / (2 * rates)) : 0,
+                fmt::format("rotation residuals along the motion have {:.1f} times the power of "
+                            "those across, and neighbours correlate by {:.2f}",
+                            along / across, neighbours / along)};
+}
+
+/// Where it leaves them to the corners: reprojection errors that a shift of the stamp takes away,
+/// fresh in every frame.
+std::optional<Jitter> jitterOfFrames(const CameraImuStageResult& stage) {
+  constexpr double kAlong = 3;         // what a shift takes over what other directions take
+  constexpr double kCorrelated = 0.5;  // of neighbours: an offset that drifts, not jitter
+  if (!stage.frame_errors || stage.frames.size() < kFewest) return std::nullopt;
+  const FrameErrors& e = *stage.frame_errors;
+  if (!(e.across > 0)) return std::nullopt;
+  const bool found = e.along > kAlong * e.across && e.neighbours < kCorrelated;
+  return Jitter{found ? e.jitter_s : 0,
+                fmt::format("a shift of its stamp takes {:.1f} times as much of a frame's error as "
+                            "any other motion, and neighbours correlate by {:.2f}",
+                            e.along / e.across, e.neighbours)};
+}
+
 }  // namespace
 
 Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresholds& t) {
@@ -50,34 +98,31 @@ Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresh
 }
 
 Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t) {
-  constexpr std::size_t kFewest = 100;  // intervals
-  constexpr double kAlong = 2;          // residuals along the rate over those across, squared
-  constexpr double kAlternates = -0.2;  // correlation of neighbours; -1/2 where stamps alone err
-  double along = 0, across = 0, rates = 0, neighbours = 0, before = 0;
-  for (std::size_t k = 0; k + 1 < stage.states.size() && k < stage.imu_residuals.size(); ++k) {
-    const ImuIntervalResidual& r = stage.imu_residuals[k];
-    if (r.t != stage.frames[k].t || !(r.dt_s > 0)) break;
-    const Eigen::Matrix3d turn = stage.states[k].T_FS.R.transpose() * stage.states[k + 1].T_FS.R;
-    const Eigen::Vector3d rate = logSO3(turn) / r.dt_s;
-    const double part = rate.norm() > 0 ? r.rotation_rad.dot(rate.normalized()) : 0;
-    along += part * part;
-    across += 0.5 * (r.rotation_rad.squaredNorm() - part * part);
-    rates += rate.squaredNorm();
-    neighbours += part * before;
-    before = part;
-  }
-  if (stage.imu_residuals.size() < kFewest || !(along > 0) || !(across > 0)) return {};
-  const bool found = along > kAlong * across && neighbours < kAlternates * along;
-  const double jitter_ms = 1e3 * std::sqrt(std::max(0.0, along - across) / (2 * rates));
+  const std::optional<Jitter> links = jitterOfIntervals(stage);
+  const std::optional<Jitter> frames = jitterOfFrames(stage);
+  if (!links && !frames) return {};
+  const Jitter& worse = !links || (frames && frames->size_s > links->size_s) ? *frames : *links;
+  const double ms = 1e3 * worse.size_s;
   return {above(
       {"Jitter of the frames' stamps", "ms", t.stamp_jitter_ms,
        "Stamp frames by the camera's own clock or a hardware trigger, not when they "
        "arrive: the calibration takes stamps as exact."},
-      found ? jitter_ms : 0,
-      fmt::format("rotation residuals along the motion have {:.1f} times the power of "
-                  "those across, and neighbours correlate by {:.2f}{}",
-                  along / across, neighbours / along,
-                  found ? fmt::format(": stamps err by {:.2g} ms and more", jitter_ms) : ""))};
+      ms, worse.evidence + (ms > 0 ? fmt::format(": stamps err by about {:.2g} ms", ms) : ""))};
+}
+
+Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  if (!stage.frame_errors || !(stage.frame_errors->free_rmse_px > 0)) return {};
+  const FrameErrors& e = *stage.frame_errors;
+  const double ratio = e.rmse_px / e.free_rmse_px;
+  return {above(
+      {"Frames against the IMU", "times", t.frames_against_imu,
+       "Poses by the corners and motion by the IMU contradict each other by more than the corners' "
+       "noise: see the rules on stamps, faults and noise densities; T_SC0 and the time offset are "
+       "less sure than their deviations say."},
+      ratio,
+      fmt::format("{:.3f} px with the IMU, {:.3f} px where each frame takes its own pose: {:.2f} "
+                  "times",
+                  e.rmse_px, e.free_rmse_px, ratio))};
 }
 
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t) {
