@@ -4,7 +4,7 @@
 # measured, and the figures against the project's bars. Installs mrcal and OpenCV from Debian. Works
 # on a simulated recording, and on the EuRoC ones where PLUMBLINE_SHARED_DATA (default
 # ../shared/data) has them. One thread for everybody; about 5 minutes after the build, and
-# the studies' nights on top (about 350 s of CPU per 100 sessions).
+# the studies' nights on top (about 480 s of CPU per 100 sessions).
 # Usage: scripts/benchmark.sh [--quick]     (--quick: one run of each, without OpenCV)
 # BUILD names another build folder than build/.
 set -euo pipefail

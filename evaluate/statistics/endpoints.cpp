@@ -137,7 +137,8 @@ std::vector<double> valuesOf(const StudyRecord& record, const Endpoint& endpoint
                                : figureValues(record, endpoint, participant, methods);
 }
 
-/// The participant's first period of a method; none without a session of it.
+}  // namespace
+
 std::optional<int> periodOf(const StudyRecord& record, const std::string& participant,
                             const std::string& method) {
   std::optional<int> first;
@@ -148,7 +149,18 @@ std::optional<int> periodOf(const StudyRecord& record, const std::string& partic
   return first;
 }
 
-}  // namespace
+bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages) {
+  if (name == kAte || name.starts_with("estimates.")) return true;
+  StudySession all;  // every figure that a session may have
+  all.stages = stages;
+  for (std::optional<double>* figure :
+       {&all.capture_s, &all.camera_rmse_px, &all.camera_imu_rmse_px, &all.held_out_rmse_px,
+        &all.camera_entropy_nats, &all.camera_imu_entropy_nats, &all.time_offset_s,
+        &all.time_offset_std_s, &all.calibration_s, &all.compliance}) {
+    *figure = 1;
+  }
+  return findFigure(all, name).value.has_value();
+}
 
 std::optional<double> figureOf(const StudyRecord& record, const StudySession& session,
                                const std::string& name) {

@@ -40,6 +40,14 @@ EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,
 /// The participants with the endpoint under all methods, a row each in the order of the methods.
 std::vector<std::vector<double>> blocksOf(const StudyRecord& record, const Endpoint& endpoint);
 
+/// Whether STUDY.yaml may declare it: "ate_m", a number with a unit of a session's field list, a
+/// stage of `stages`, or a parameter's ("estimates....", whose names the calibrations decide).
+bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages);
+
+/// The participant's first period of a method; none without a session of it.
+std::optional<int> periodOf(const StudyRecord& record, const std::string& participant,
+                            const std::string& method);
+
 /// In the order of their first sessions.
 std::vector<std::string> participantsOf(const StudyRecord& record);
 

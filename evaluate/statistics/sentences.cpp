@@ -93,9 +93,17 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
 }
 
 std::string quadeSentence(const StudyQuade& q, const std::string& words) {
-  return fmt::format("{}: the methods {} (Quade's F({}, {}) = {:.3g}, {}; {})", words,
-                     q.p <= 0.05 ? "differ" : "were not shown to differ", q.dof1, q.dof2,
-                     q.statistic, pText(q.p), participantsText(q.participants));
+  const std::string statistic =
+      fmt::format("Quade's F({}, {}) = {:.3g}", q.dof1, q.dof2, q.statistic);
+  if (!q.p) {
+    return fmt::format(
+        "{}: {} ({}); methods came in the same order for all, so method and order "
+        "cannot be told apart",
+        words, statistic, participantsText(q.participants));
+  }
+  return fmt::format("{}: the methods {} ({}, {}; {})", words,
+                     *q.p <= 0.05 ? "differ" : "were not shown to differ", statistic, pText(*q.p),
+                     participantsText(q.participants));
 }
 
 std::string timeSentence(const StudyTimeDifference& t, double limit_s) {

@@ -48,11 +48,16 @@ double comparedValue(const Estimates& estimates, const Estimates& first, const s
 
 struct Sample {
   std::vector<double> values, stated;
+  std::vector<std::string> sessions;
   std::string unit;
 };
 
 StudySpread spreadOf(const std::string& method, const std::string& parameter, const Sample& x) {
-  StudySpread s{method, parameter, x.unit, static_cast<int>(x.values.size())};
+  StudySpread s;
+  s.method = method;
+  s.parameter = parameter;
+  s.unit = x.unit;
+  s.sessions = static_cast<int>(x.values.size());
   double weights = 0;
   for (std::size_t i = 0; i < x.values.size(); ++i) {
     const double weight = 1 / (x.stated[i] * x.stated[i]);
@@ -60,9 +65,13 @@ StudySpread spreadOf(const std::string& method, const std::string& parameter, co
     s.mean += weight * x.values[i];
   }
   s.mean /= weights;
-  double chi2 = 0;
+  double chi2 = 0, most = -1;
   for (std::size_t i = 0; i < x.values.size(); ++i) {
-    chi2 += std::pow((x.values[i] - s.mean) / x.stated[i], 2);
+    const double square = std::pow((x.values[i] - s.mean) / x.stated[i], 2);
+    chi2 += square;
+    if (!(square > most)) continue;
+    most = square;
+    s.farthest = x.sessions[i];
   }
   const auto dof = static_cast<double>(s.sessions - 1);
   const boost::math::chi_squared distribution(dof);
@@ -92,6 +101,7 @@ std::vector<StudySpread> spreadOverSessions(const StudyRecord& record) {
         sample.unit = e.unit;
         sample.values.push_back(comparedValue(estimates, first, name));
         sample.stated.push_back(stated);
+        sample.sessions.push_back(session.name);
       }
     }
     for (const auto& [name, sample] : samples) {

@@ -91,8 +91,25 @@ std::vector<Endpoint> endpointsOf(const StudyRecord& record) {
   return endpoints;
 }
 
+/// Whether each two methods came in both orders.
+bool ordersVary(const StudyRecord& record) {
+  for (std::size_t a = 0; a < record.methods.size(); ++a) {
+    for (std::size_t b = a + 1; b < record.methods.size(); ++b) {
+      bool forth = false, back = false;
+      for (const std::string& participant : participantsOf(record)) {
+        const auto first = periodOf(record, participant, record.methods[a]);
+        const auto second = periodOf(record, participant, record.methods[b]);
+        if (first && second) (*first < *second ? forth : back) = true;
+      }
+      if (!forth || !back) return false;
+    }
+  }
+  return true;
+}
+
 void addEffects(StudyRecord& record, const PairedOptions& options) {
   StudyStatistics& s = record.statistics;
+  const bool vary = ordersVary(record);
   std::vector<std::string> words;
   for (const Endpoint& endpoint : endpointsOf(record)) {
     for (std::size_t k = 1; k < record.methods.size(); ++k) {
@@ -108,7 +125,7 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
                  test.statistic,
                  test.dof1,
                  test.dof2,
-                 test.p,
+                 vary ? std::optional(test.p) : std::nullopt,
                  {}};
     q.sentence = quadeSentence(q, endpoint.words);
     s.quade.push_back(std::move(q));
@@ -133,6 +150,12 @@ std::optional<double> medianOrNone(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional(median(values));
 }
 
+/// Unfinished at the limit: who gave up, or took longer.
+TimeToEvent timeOf(const StudySession& s, double limit_s) {
+  const bool done = s.finished && *s.capture_s <= limit_s;
+  return {done ? *s.capture_s : limit_s, done};
+}
+
 StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
   StudyMethod m;
   m.method = name;
@@ -146,8 +169,9 @@ StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
        : s.verdict == VerdictLevel::kCaution ? m.caution
                                              : m.bad);
   }
-  m.median_capture_s =
-      medianOrNone(valuesOf(record, name, [](const StudySession& s) { return s.capture_s; }));
+  m.median_capture_s = medianOrNone(valuesOf(record, name, [&](const StudySession& s) {
+    return s.capture_s ? std::optional(timeOf(s, record.limit_s).t) : std::nullopt;
+  }));
   m.median_held_out_px = medianOrNone(
       valuesOf(record, name, [](const StudySession& s) { return s.held_out_rmse_px; }));
   const auto offsets =
@@ -157,12 +181,6 @@ StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
   const auto reached = valuesOf(record, name, [](const StudySession& s) { return s.compliance; });
   if (!reached.empty()) m.compliance = sampleStatistics(reached).mean;
   return m;
-}
-
-/// Unfinished at the limit: who gave up, or took longer.
-TimeToEvent timeOf(const StudySession& s, double limit_s) {
-  const bool done = s.finished && *s.capture_s <= limit_s;
-  return {done ? *s.capture_s : limit_s, done};
 }
 
 StudySurvival survivalOf(const StudyRecord& record, const std::string& method) {

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/yaml_map.h"
+#include "evaluate/statistics/endpoints.h"
 #include "evaluate/study/definition_trajectories.h"
 #include "evaluate/study/definition_values.h"
 
@@ -79,7 +80,19 @@ void readStages(const YamlMap& map, StudySession& row) {
   }
 }
 
-SessionEntry sessionOf(const YamlMap& map, const std::vector<std::string>& methods) {
+/// A time that is ten times the limit is no slow participant: most likely milliseconds.
+void refuseFarBeyond(const YamlMap& map, double seconds, double limit_s) {
+  constexpr double kTimes = 10;
+  if (seconds <= kTimes * limit_s) return;
+  throw map.fault("capture_s",
+                  {InputFault::kContradiction,
+                   fmt::format("capture_s is {:g} s, {:.0f} times limit_s ({:g} s)", seconds,
+                               seconds / limit_s, limit_s),
+                   "seconds until the participant was done", "correct it, or raise limit_s"});
+}
+
+SessionEntry sessionOf(const YamlMap& map, const StudyDefinition& study) {
+  const std::vector<std::string>& methods = study.methods;
   refuseUnknownKeys(map, {"name", "participant", "method", "period", "path", "capture_s",
                           "finished", "stages_s", "other"});
   SessionEntry entry;
@@ -98,7 +111,10 @@ SessionEntry sessionOf(const YamlMap& map, const std::vector<std::string>& metho
                                "1 for the participant's first session", ""});
   }
   entry.path = recordingOf(map, "path");
-  if (map.has("capture_s")) row.capture_s = secondsOf(map, "capture_s");
+  if (map.has("capture_s")) {
+    row.capture_s = secondsOf(map, "capture_s");
+    refuseFarBeyond(map, *row.capture_s, study.limit_s);
+  }
   row.finished = flagOf(map, "finished", true);
   readStages(map, row);
   readOthers(map, entry);
@@ -109,7 +125,7 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
   Names names;
   std::set<std::pair<std::string, int>> periods;
   for (const YamlMap& entry : map.maps("sessions", "a list of sessions")) {
-    SessionEntry session = sessionOf(entry, study.methods);
+    SessionEntry session = sessionOf(entry, study);
     names.add(entry, session.row.name);
     if (!periods.insert({session.row.participant, session.row.period}).second) {
       throw entry.fault("period", {InputFault::kContradiction,
@@ -240,6 +256,24 @@ void readThresholds(const YamlMap& map, StudyDefinition& study) {
   }
 }
 
+void readEndpoints(const YamlMap& map, StudyDefinition& study) {
+  if (!map.has("endpoints")) return;
+  study.endpoints = wordsOf(map, "endpoints", "figures of a session, e.g. [held_out_rmse_px]");
+  std::vector<CaptureStage> stages;
+  for (const SessionEntry& session : study.sessions) {
+    stages.insert(stages.end(), session.row.stages.begin(), session.row.stages.end());
+  }
+  for (const std::string& name : study.endpoints) {
+    if (isEndpoint(name, stages)) continue;
+    throw map.fault(
+        "endpoints",
+        {InputFault::kUnknownWord, fmt::format("no figure is named '{}'", name),
+         "ate_m, or a session's figure with a unit, such as held_out_rmse_px, capture_s "
+         "or stages_s.camera (docs/records.md lists sessions[])",
+         ""});
+  }
+}
+
 }  // namespace
 
 void RegressionThresholds::check() const {
@@ -274,9 +308,7 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
       optionsOf(map, "calibrate", "plumbline calibrate", checks.calibrate, {"cameras", "imu"});
   readTrajectories(map, checks.trajectory, study);
   readPerturbations(map, study);
-  if (map.has("endpoints")) {
-    study.endpoints = wordsOf(map, "endpoints", "figures of a session, e.g. [held_out_rmse_px]");
-  }
+  readEndpoints(map, study);
   readLimits(map, study);
   readThresholds(map, study);
   study.cross = flagOf(map, "cross", false);

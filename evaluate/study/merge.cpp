@@ -152,10 +152,20 @@ class Merger {
       return;
     }
     ++merged_.steps_missing;
+    missing_.push_back(step.name);
     if (step.kind == StepKind::kCalibrate) {
       sessionOf(step).failed_step = toString(step.kind);
       sessionOf(step).message = "was not done";
     }
+  }
+
+  /// "a, b, c and 9 more".
+  static std::string firstOf(const std::vector<std::string>& names) {
+    constexpr std::size_t kShown = 5;
+    const std::size_t shown = std::min(kShown, names.size());
+    std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + shown, ", "));
+    if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
+    return text;
   }
 
   static std::optional<double> rootMeanSquare(const std::vector<StudyHeldOut>& scores) {
@@ -256,6 +266,7 @@ class Merger {
     steps.unit = "1";
     steps.evidence = fmt::format("{} of {} steps failed, {} were not done", merged_.steps_failed,
                                  steps_.size(), merged_.steps_missing);
+    if (!missing_.empty()) steps.evidence += ": " + firstOf(missing_);
     if (merged_.steps_failed + merged_.steps_missing > 0) {
       steps.level = VerdictLevel::kCaution;
       steps.advice = failures_.empty() ? "Run the study again"
@@ -272,6 +283,7 @@ class Merger {
   std::map<std::string, std::size_t> of_session_;
   std::map<std::string, std::vector<StudyHeldOut>> others_held_out_;
   std::vector<std::string> failures_;
+  std::vector<std::string> missing_;
   std::set<std::string> named_;
 };
 

@@ -93,7 +93,7 @@ struct StudyQuade {
   int participants = 0;
   double statistic = 0;
   int dof1 = 0, dof2 = 0;
-  double p = 1;
+  std::optional<double> p;  ///< empty where all had one order: it would not be the methods' own
   std::string sentence;
 };
 
@@ -106,7 +106,7 @@ void fields(V& v, StudyQuade& q) {
   v("statistic", q.statistic, "1", "F");
   v("dof1", q.dof1, "methods - 1");
   v("dof2", q.dof2, "(methods - 1) (participants - 1)");
-  v("p", q.p, "1", "of F");
+  v("p", q.p, "1", "of F; absent where two methods came in one order for all");
   v("sentence", q.sentence, "in words");
 }
 
@@ -179,6 +179,7 @@ struct StudySpread {
   double stated_std = 0;     ///< root mean square of the deviations shown first
   double ratio = 0;          ///< sqrt(sum of ((x - mean) / stated)^2 / (n - 1)), weighted mean
   double low = 0, high = 0;  ///< 95 % interval of the ratio were the deviations true: chi-square
+  std::string farthest;      ///< session most stated deviations from the mean
 };
 
 inline std::string partName(const StudySpread& s) { return s.method + "/" + s.parameter; }
@@ -195,6 +196,7 @@ void fields(V& v, StudySpread& s) {
   v("ratio", s.ratio, "1", "sqrt(chi^2 / (n - 1)) of the sessions about their weighted mean");
   v("low", s.low, "1", "95 % interval of the ratio, were the deviations true");
   v("high", s.high, "1", "likewise");
+  v("farthest", s.farthest, "the session that is most stated deviations from the mean");
 }
 
 /// A method over its sessions.

@@ -206,6 +206,17 @@ TEST(StudyPagesFromTheStore, AreTheSame) {
   std::filesystem::remove(file);
 }
 
+TEST(UserStudyPage, LinksEveryPointOfASession) {
+  const std::string& page = userStudyPage();
+  for (const char* id : {"study-ate", "study-held-out", "study-entropy-camera", "study-offsets",
+                         "study-board", "study-survival", "study-spread"}) {
+    const std::string svg = plot(page, id);
+    const auto links = between(svg, "<a ", "</a>");
+    EXPECT_FALSE(links.empty()) << id;
+    for (const std::string& point : links) EXPECT_THAT(point, HasSubstr("sessions/")) << id;
+  }
+}
+
 TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
   const StudyRecord record = test::syntheticUserStudy();
   const std::string svg = plot(userStudyPage(), "study-held-out");

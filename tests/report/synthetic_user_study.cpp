@@ -85,8 +85,8 @@ StudyStatistics statisticsOf(const StudyRecord& record) {
     s.methods.push_back({method, 6, 5, 1, 4, 1, 0, 60 + shift, 0.25, 0.0113, 8e-5, 0.9});
     s.survival.push_back({method, 6, 5, {{50 + shift, 0.6, 6}, {70 + shift, 0.2, 3}}, 80, 55.0});
     for (const char* parameter : {"cam0.fu", "T_SC0.tx", "time_offset"}) {
-      s.spread.push_back(
-          {method, parameter, "px", 6, 1.0, 0.006, 0.006, 1.1 + shift / 4, 0.4, 1.6});
+      s.spread.push_back({method, parameter, "px", 6, 1.0, 0.006, 0.006, 1.1 + shift / 4, 0.4, 1.6,
+                          "p01_" + method});
     }
   }
   return s;

@@ -54,7 +54,8 @@ Figure stagesFigure(const StudyRecord& record) {
     for (const std::string& method : record.methods) {
       std::vector<double> seconds;
       for (const StudySession& s : record.sessions) {
-        if (s.method == method && !s.stages.empty()) seconds.push_back(secondsOf(s, stage));
+        const bool counts = s.method == method && s.finished && !s.stages.empty();
+        if (counts) seconds.push_back(secondsOf(s, stage));
       }
       values.push_back(seconds.empty() ? 0 : median(seconds));
     }
@@ -72,10 +73,36 @@ Figure stagesFigure(const StudyRecord& record) {
   plot.frame.height = 420;
   plot.frame.x.upright_labels = true;
   plot.frame.y.label = "time [s]";
-  return {toSvg(plot, "study-stages"),
-          "The medians of the methods first, then every session; a bar leads to its session's "
-          "page.",
-          true};
+  return {
+      toSvg(plot, "study-stages"),
+      "The medians of the methods first, over those who finished, then every session; a bar leads "
+      "to its session's page.",
+      true};
+}
+
+/// The height of a curve of Kaplan and Meier after a time.
+double heightAt(const StudySurvival& s, double t_s) {
+  double height = 1;
+  for (const SurvivalStep& step : s.curve) {
+    if (step.t_s <= t_s) height = step.unfinished;
+  }
+  return height;
+}
+
+/// Every session where it ended: on the curve's step, or at the limit where it was given up.
+void addEnds(const StudyRecord& record, const StudySurvival& s, const Colour& colour,
+             LinePlot& plot) {
+  for (const StudySession& session : record.sessions) {
+    if (session.method != s.method || !session.capture_s) continue;
+    const bool done = session.finished && *session.capture_s <= record.limit_s;
+    const double t = done ? *session.capture_s : record.limit_s;
+    plot.points.push_back({t, heightAt(s, t),
+                           fmt::format("{}: {}", session.name,
+                                       done               ? fmt::format("done after {:.1f} s", t)
+                                       : session.finished ? "not done at the limit"
+                                                          : "gave up"),
+                           session.page, colour});
+  }
 }
 
 Figure survivalFigure(const StudyRecord& record) {
@@ -93,6 +120,7 @@ Figure survivalFigure(const StudyRecord& record) {
     steps.x.push_back(record.limit_s);
     steps.y.push_back(height);
     plot.series.push_back(std::move(steps));
+    addEnds(record, s, seriesColour(k), plot);
   }
   if (plot.series.empty()) return {};
   plot.frame.title = "Share of participants who are not done";
@@ -101,7 +129,9 @@ Figure survivalFigure(const StudyRecord& record) {
   plot.frame.x = {"time [s]", Range{0, record.limit_s}, {}, false, false};
   plot.frame.y = {"share", Range{0, 1.03}, {}, false, false};
   return {toSvg(plot, "study-survival"),
-          "Kaplan-Meier's estimate; who gives up counts as not done until the limit.", true};
+          "Kaplan-Meier's estimate; who gives up counts as not done until the limit. A point is a "
+          "session and leads to it.",
+          true};
 }
 
 Table offsetTable(const StudyRecord& record) {

@@ -53,13 +53,15 @@ Figure spreadFigure(const StudyRecord& record) {
   double top = 2;
   double low = 0, high = std::numeric_limits<double>::infinity();
   for (const StudySpread& s : all) {
+    const StudySession* farthest = sessionOf(record, s.farthest);
     const std::size_t k = placeOf(record.methods, s.method);
     const double x =
         static_cast<double>(placeOf(names, s.parameter)) +
         0.25 * (static_cast<double>(k) - 0.5 * static_cast<double>(record.methods.size() - 1));
     plot.points.push_back({x, s.ratio,
-                           fmt::format("{}, {}: {:.2f}", s.parameter, s.method, s.ratio), "",
-                           seriesColour(k)});
+                           fmt::format("{}, {}: {:.2f}; farthest from the mean: {}", s.parameter,
+                                       s.method, s.ratio, s.farthest),
+                           farthest ? farthest->page : "", seriesColour(k)});
     top = std::max(top, s.ratio);
     low = std::max(low, s.low);
     high = std::min(high, s.high);
@@ -86,7 +88,9 @@ Figure spreadFigure(const StudyRecord& record) {
   }
   plot.frame.y = {"ratio", Range{0, 1.08 * std::min(top, 10.0)}, {}, false, false};
   return {toSvg(plot, "study-spread"),
-          "1: the sessions of one rig spread as each of them states. Dashed: 95 % of ratios would "
+          "1: the sessions of one rig spread as each of them states; a point leads to the session "
+          "that is "
+          "farthest from the mean. Dashed: 95 % of ratios would "
           "lie between, were the deviations true (of the method with most sessions).",
           true};
 }

@@ -82,6 +82,7 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
        ":11:", "no option"},
       {"study: again\n", ":10:", "given twice"},
       {"endpoints: [a, a]\n", ":10:", "'a' is given twice"},
+      {"endpoints: [held_out_rmse]\n", ":10:", "no figure is named 'held_out_rmse'"},
   };
   for (const Case& c : cases) {
     EXPECT_THAT(refusal(study(c.further)), AllOf(HasSubstr(c.line), HasSubstr(c.words)))
@@ -107,6 +108,8 @@ TEST_F(DefinitionTest, RefusesSessionsWithFileAndLine) {
       {"{name: a, participant: p1, method: free, period: 0, path: p1_free}", "period is 0"},
       {"{name: a, participant: p1, method: free, period: 1, path: p1_free, capture_s: 90000}",
        "a day"},
+      {"{name: a, participant: p1, method: free, period: 1, path: p1_free, capture_s: 73200}",
+       "122 times limit_s (600 s)"},
       {"{name: a, participant: p1, method: free, period: 1, path: p1_free, capture_s: 10, "
        "stages_s: {camera: 20}}",
        "the stages take 20 s together"},
