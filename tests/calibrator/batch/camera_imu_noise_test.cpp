@@ -3,9 +3,11 @@
 // known: bounds of chi-square where the assumptions hold, densities that are wrong by 3, and a
 // pixel sigma that is wrong by 5.
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "calibrator/simulate/faults/fault.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {
@@ -76,6 +78,34 @@ TEST(ImuNoiseCheck, AWrongPixelSigmaDoesNotMatter) {
   EXPECT_NEAR(wrong.accel.factor, right.accel.factor, 0.1);
   EXPECT_NEAR(wrong.pose_pixel_sigma, 0.2, 0.015);
   EXPECT_LT(wrong.gyro.expected_rms, 0.5 * right.gyro.expected_rms);  // but that it does
+}
+
+FrameErrors frameErrorsWith(const std::vector<Fault>& faults) {
+  SimulationOptions simulation = testing::noisyRecording(3, 12);
+  simulation.faults = faults;
+  const SimulatedSession s = testing::simulate(simulation);
+  const auto result =
+      calibrateCameraImu(s.session, s.truth.cameras, testing::matchedOptions(s, 0.2));
+  if (!result) throw std::runtime_error(toString(result.failure()));
+  return result->frame_errors.value();
+}
+
+TEST(FrameErrors, AreTheCornersNoiseWhereFramesAndImuAgree) {
+  const FrameErrors e = frameErrorsWith({});
+  EXPECT_NEAR(e.free_rmse_px, std::sqrt(2) * 0.2, 0.01);
+  EXPECT_LT(e.rmse_px / e.free_rmse_px, 1.05);
+  EXPECT_LT(e.along / e.across, 2.5);
+}
+
+// A shift of 0.5 ms and more of every frame's stamp is found in the corners with its size, and
+// other motions of the frame are not.
+TEST(FrameErrors, TellTheJitterOfStamps) {
+  for (const double jitter_s : {0.5e-3, 1e-3, 2e-3}) {
+    const FrameErrors e = frameErrorsWith({{.kind = FaultKind::kJitter, .value = jitter_s}});
+    EXPECT_NEAR(e.jitter_s, jitter_s, 0.2 * jitter_s);
+    EXPECT_GT(e.along / e.across, 20);
+    EXPECT_LT(e.neighbours, 0.2);
+  }
 }
 
 }  // namespace

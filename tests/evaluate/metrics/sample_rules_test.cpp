@@ -122,5 +122,32 @@ TEST(SampleRules, StampsThatJitterAreFoundWithTheirSize) {
   EXPECT_TRUE(judgeStampJitter({}, {}).empty());
 }
 
+TEST(SampleRules, StampsThatJitterAreFoundInTheCornersToo) {
+  CameraImuStageResult stage;
+  stage.frames.resize(400);
+  stage.frame_errors = FrameErrors{0.31, 0.28, 4, 0.1, -0.1, 5e-4};
+  const Findings found = judgeStampJitter(stage, {});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found.front().level, VerdictLevel::kCaution);
+  EXPECT_DOUBLE_EQ(found.front().value, 0.5);
+  stage.frame_errors->neighbours = 0.9;  // an offset that drifts
+  EXPECT_EQ(judgeStampJitter(stage, {}).front().level, VerdictLevel::kGood);
+  stage.frame_errors->neighbours = -0.1;
+  stage.frame_errors->across = 2;  // frames err in every direction
+  EXPECT_EQ(judgeStampJitter(stage, {}).front().level, VerdictLevel::kGood);
+}
+
+TEST(SampleRules, FramesThatContradictTheImuAreNotGood) {
+  CameraImuStageResult stage;
+  EXPECT_TRUE(judgeFramePoses(stage, {}).empty());
+  const auto levelOf = [&](double rmse_px) {
+    stage.frame_errors = FrameErrors{rmse_px, 0.2, 1, 1, 0, 0};
+    return judgeFramePoses(stage, {}).front().level;
+  };
+  EXPECT_EQ(levelOf(0.21), VerdictLevel::kGood);
+  EXPECT_EQ(levelOf(0.28), VerdictLevel::kCaution);
+  EXPECT_EQ(levelOf(0.5), VerdictLevel::kBad);
+}
+
 }  // namespace
 }  // namespace plumbline
