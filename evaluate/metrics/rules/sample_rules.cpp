@@ -107,7 +107,7 @@ Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresh
       {"Jitter of the frames' stamps", "ms", t.stamp_jitter_ms,
        "Stamp frames by the camera's own clock or a hardware trigger, not when they "
        "arrive: the calibration takes stamps as exact."},
-      ms, worse.evidence + (ms > 0 ? fmt::format(": stamps err by about {:.2g} ms", ms) : ""))};
+      ms, worse.evidence + (ms > 0 ? fmt::format(": stamps err by about {:.1g} ms", ms) : ""))};
 }
 
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t) {

@@ -97,12 +97,13 @@ TEST(FrameErrors, AreTheCornersNoiseWhereFramesAndImuAgree) {
   EXPECT_LT(e.along / e.across, 2.5);
 }
 
-// A shift of 0.5 ms and more of every frame's stamp is found in the corners with its size, and
-// other motions of the frame are not.
+// What the corners show of a shift of every frame's stamp: more than half of it, under a
+// pixel_sigma that leaves the IMU its say, and no other motion of the frames.
 TEST(FrameErrors, TellTheJitterOfStamps) {
   for (const double jitter_s : {0.5e-3, 1e-3, 2e-3}) {
     const FrameErrors e = frameErrorsWith({{.kind = FaultKind::kJitter, .value = jitter_s}});
-    EXPECT_NEAR(e.jitter_s, jitter_s, 0.2 * jitter_s);
+    EXPECT_GT(e.jitter_s, 0.5 * jitter_s);
+    EXPECT_LT(e.jitter_s, jitter_s);
     EXPECT_GT(e.along / e.across, 20);
     EXPECT_LT(e.neighbours, 0.2);
   }

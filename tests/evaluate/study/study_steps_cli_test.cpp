@@ -72,9 +72,9 @@ TEST_F(StudySteps, OneShapeOfTheBoardForAll) {
     const Json& flat = summary.at("sessions")[other];
     EXPECT_EQ(flat.at("verdict"), "caution");
     EXPECT_THAT(flat.at("verdict_sentence").get<std::string>(),
-                AllOf(HasSubstr("not the one of the file"), Not(HasSubstr("below"))));
+                testing::AllOf(HasSubstr("not the one of the file"), Not(HasSubstr("below"))));
     EXPECT_THAT(flat.at("verdict_sentence").get<std::string>(),
-                StartsWith(flat.at("verdict_rule").get<std::string>()));
+                testing::StartsWith(flat.at("verdict_rule").get<std::string>()));
   }
 }
 
