@@ -84,7 +84,9 @@ function frustumAt(scene, camera, seconds) {
   let best = null;
   for (const pose of scene.poses) if (!best || Math.abs(pose[0] - seconds) < Math.abs(best[0] - seconds)) best = pose;
   if (!shape || !best || Math.abs(best[0] - seconds) > 0.5) return null;
-  return shape.points.map((p) => turned(best.slice(4), p).map((x, i) => x + best[1 + i]));
+  const LARGER = 1.6;  // about the apex, so that it stands out among its neighbours
+  const apex = shape.points[0];
+  return shape.points.map((p) => turned(best.slice(4), p.map((x, i) => apex[i] + LARGER * (x - apex[i]))).map((x, i) => x + best[1 + i]));
 }
 
 // Distance of a point to a segment, all in pixels.
@@ -116,17 +118,21 @@ function frustumUnder(container, renderer, items, x, y) {
   return best;
 }
 
-// The view that is picked: its frustum in the colour of the moment in the plots.
+// The view that is picked: its frustum, larger than the others and with its image plane filled.
 function markPicked(renderer, scene, draw) {
-  const item = makeObject({ points: new Array(15).fill(0), lines: FRUSTUM, colour: [200, 80, 10], width: 4 });
-  item.actor.setVisibility(false);
-  renderer.addActor(item.actor);
+  const look = { points: new Array(15).fill(0), colour: [208, 0, 132] };
+  const parts = [makeObject({ ...look, lines: FRUSTUM, width: 4 }), makeObject({ ...look, polygons: [[1, 2, 3, 4]], opacity: 0.45 })];
+  for (const { actor } of parts) {
+    actor.setVisibility(false);
+    renderer.addActor(actor);
+  }
   document.addEventListener('plumbline-picked', ({ detail: { seconds, camera } }) => {
     const points = frustumAt(scene, camera, seconds);
-    item.actor.setVisibility(Boolean(points));
-    if (points) {
-      item.data.getPoints().setData(Float32Array.from(points.flat()), 3);
-      item.data.modified();
+    for (const { actor, data } of parts) {
+      actor.setVisibility(Boolean(points));
+      if (!points) continue;
+      data.getPoints().setData(Float32Array.from(points.flat()), 3);
+      data.modified();
     }
     draw();
   });
