@@ -61,6 +61,15 @@ for stage in views trajectories; do
   "$build/tests/benchmarks/guidance_${stage}_benchmark" 2>/dev/null
 done
 
+# Odometry, frame by frame: rendered images, tracks alone, and EuRoC's.
+odometry=()
+if [ -d "$data/euroc_mh01_17s" ]; then
+  odometry=("EuRoC=$data/euroc_mh01_17s=$data/euroc_imu_april/kalibr/camchain-imucam.yaml")
+fi
+echo
+/usr/bin/python3 scripts/benchmark/odometry.py --plumbline "$plumbline" --work "$work" "$@" \
+  "${odometry[@]}"
+
 # A study's nights: how they grow with its sessions. --quick: a small one alone.
 sizes=26,50,100
 case " $* " in *" --quick "*) sizes=8 ;; esac

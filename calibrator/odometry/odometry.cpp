@@ -21,6 +21,13 @@ constexpr double kLargestGyroBias = 1, kLargestAccelBias = 5;  // [rad/s], [m/s^
 constexpr double kRelinkGyro = 2e-3, kRelinkAccel = 0.05;  // change of bias after which a link is
                                                            // integrated anew
 
+double medianOf(std::vector<float> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
 }  // namespace
 
 void OdometryOptions::check() const {
@@ -60,6 +67,8 @@ void Odometry::step(const FrameTracks& frame) {
   while (latest_.size() > 2 && isOld(latest_[1])) latest_.pop_front();
   if (!isRunning()) return begin(frame);
   if (!append(frame)) return begin(frame);
+  rememberInnovations();
+  rememberEpipolar(frame);
   placeLandmarks();
   optimise(options_.iterations);
   gate();
@@ -116,6 +125,46 @@ void Odometry::addSightings(const FrameTracks& tracks, std::int64_t serial) {
     landmark.sightings.push_back({serial, *seen});
     landmark.last_frame = serial;
     if (keyframe && p.camera == 0) keyframe_rays_[p.id] = seen->f;
+  }
+}
+
+/// Of the newest frame, which stands where the IMU predicts it.
+void Odometry::rememberInnovations() {
+  constexpr double kLargest = 9;  // three deviations: beyond it a track is wrong, not the motion
+  const OdometryFrame& newest = window_.frames.back();
+  FrameInnovation innovation{newest.t, 0, 0};
+  for (const auto& [id, landmark] : window_.landmarks) {
+    if (!landmark.p_W || landmark.last_frame != newest.serial) continue;
+    for (const LandmarkSighting& s : landmark.sightings) {
+      if (s.frame != newest.serial) continue;
+      const auto e = sightingError(s.seen, rig_, newest.state.T_FS, *landmark.p_W);
+      if (!e) continue;
+      innovations_px_.push_back(static_cast<float>(e->norm() * options_.pixel_sigma));
+      innovation.squares += std::min(kLargest, e->squaredNorm());
+      ++innovation.count;
+    }
+  }
+  if (innovation.count > 0) result_.innovations.push_back(innovation);
+}
+
+/// The ray of a point in another camera lies in the plane of the baseline and camera 0's ray; its
+/// way off the plane is -(n . f) n, which the sighting turns into pixels.
+void Odometry::rememberEpipolar(const FrameTracks& frame) {
+  std::map<std::int64_t, Eigen::Vector3d> first;
+  for (const TrackPoint& p : frame.points) {
+    if (p.camera != 0) continue;
+    if (const auto seen = rig_.sighting(0, p.uv, 1)) first[p.id] = seen->f;
+  }
+  for (const TrackPoint& p : frame.points) {
+    const auto ray = p.camera > 0 ? first.find(p.id) : first.end();
+    if (ray == first.end()) continue;
+    const auto seen = rig_.sighting(p.camera, p.uv, 1);
+    if (!seen) continue;
+    const Transform T_C1C0 = rig_.T_SC[static_cast<std::size_t>(p.camera)].inverse() * rig_.T_SC[0];
+    const Eigen::Vector3d normal = T_C1C0.t.cross(T_C1C0.R * ray->second);
+    if (!(normal.norm() > 0)) continue;
+    const Eigen::Vector3d n = normal.normalized();
+    epipolar_px_.push_back(static_cast<float>((seen->M * n).norm() * std::abs(n.dot(seen->f))));
   }
 }
 
@@ -292,6 +341,8 @@ OdometryResult Odometry::result() const {
   const double n = std::max<std::size_t>(1, out.poses.size());
   out.mean_landmarks = landmark_sum_ / n;
   out.mean_tracks = track_sum_ / n;
+  out.stereo_px = medianOf(epipolar_px_);
+  out.innovation_px = medianOf(innovations_px_);
   return out;
 }
 

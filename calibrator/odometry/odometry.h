@@ -65,6 +65,13 @@ struct OdometryLossEvent {
   OdometryLoss cause = OdometryLoss::kImuGap;
 };
 
+/// How far a frame's sightings lay from where the IMU predicted them.
+struct FrameInnovation {
+  TimeNs t = 0;        ///< camera clock
+  double squares = 0;  ///< sum of whitened squared errors, each at most 9
+  int count = 0;       ///< of sightings
+};
+
 /// What an odometry made of its frames.
 struct OdometryResult {
   std::vector<OdometryPose> poses;        ///< ascending; none before the start
@@ -72,6 +79,11 @@ struct OdometryResult {
   int frames = 0;                         ///< offered
   double mean_landmarks = 0;              ///< placed, a frame
   double mean_tracks = 0;                 ///< sightings, a frame
+  /// Medians that tell of the calibration without any truth, 0 without a sighting: the distance of
+  /// sightings by other cameras from the epipolar lines of camera 0's, and the error of sightings
+  /// at the pose that the IMU predicts, landmarks as they were known before [px].
+  double stereo_px = 0, innovation_px = 0;
+  std::vector<FrameInnovation> innovations;  ///< of every frame that was predicted
 };
 
 /// Visual-inertial odometry with a fixed lag: tracks and IMU samples to a trajectory, with the
@@ -104,6 +116,8 @@ class Odometry {
   bool append(const FrameTracks& frame);
   void addSightings(const FrameTracks& frame, std::int64_t serial);
   void placeLandmarks();
+  void rememberInnovations();
+  void rememberEpipolar(const FrameTracks& frame);
   void optimise(int iterations);
   void gate();
   bool isKeyframe(const FrameTracks& frame) const;
@@ -132,6 +146,7 @@ class Odometry {
   std::map<std::int64_t, std::size_t> pose_of_;  // by serial, of the frames in the window
   OdometryResult result_;
   double landmark_sum_ = 0, track_sum_ = 0;
+  std::vector<float> epipolar_px_, innovations_px_;
 };
 
 }  // namespace plumbline

@@ -49,7 +49,14 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--imu", r.imu, "IMU noise (Kalibr's imu.yaml) for all calibrations");
-  app.add_option("--truth", r.truth, "Ground truth, with {sequence} for several; default: found");
+  app.add_option("--truth", r.truth,
+                 "Ground truth, with {sequence} for several; default: found, else without");
+  app.add_flag("--sensitivity", r.sensitivity,
+               "builtin: also move every parameter by itself, by its deviation and to the other "
+               "calibrations' values, and tell what each does to the ATE (some 60 runs)");
+  app.add_flag("--estimate-offset", r.estimate_offset,
+               "builtin: also tell the time offset that the odometry would choose, as a hint (5 to "
+               "20 further runs)");
   app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
       ->check(numberFrom(0))
       ->capture_default_str();

@@ -74,7 +74,9 @@ BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
       return static_cast<std::size_t>(point.camera) >= rig.cameras.size();
     });
     ++run.frames;
+    const Stopwatch of_frame;
     odometry.step(frame);
+    run.frame_s.push_back(of_frame.seconds());
   }
   run.result = odometry.result();
   return run;
@@ -112,6 +114,7 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
   std::optional<TimeNs> last;
   for (const ImageFile& first : sequence.images[0]) {
     ++run.frames;
+    const Stopwatch of_frame;
     const std::vector<GrayImage> images = reader.at(first);
     if (images[0].empty()) continue;
     std::vector<GrayImageView> views;
@@ -120,6 +123,7 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
                                       : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
     odometry.step(tracker.track(first.t, views, turn));
     last = first.t;
+    run.frame_s.push_back(of_frame.seconds());
   }
   run.result = odometry.result();
   run.skipped = reader.skipped();

@@ -28,6 +28,7 @@ struct BuiltinRun {
   std::size_t frames = 0;   ///< of camera 0, offered
   std::size_t skipped = 0;  ///< images of any camera that are missing or cannot be decoded
   double seconds = 0;
+  std::vector<double> frame_s;  ///< wall time of each frame, images read included
 };
 
 /// Runs the built-in odometry on the images, or on the tracks where the sequence has these in their

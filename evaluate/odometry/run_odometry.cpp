@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <numbers>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -11,11 +13,15 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/imu.h"
 #include "evaluate/metrics/trajectory/run_comparison.h"
 #include "evaluate/odometry/external_run.h"
+#include "evaluate/odometry/judged_run.h"
+#include "evaluate/odometry/offset_hint.h"
+#include "evaluate/odometry/sensitivity.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/results/text.h"
 
@@ -23,8 +29,6 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr TimeNs kTruthMargin = 25'000'000;  // [ns]: half a frame
 
 struct NamedCalibration {
   std::string name;
@@ -44,6 +48,7 @@ struct Outcome {
   OdometryRunRecord record;
   std::string problem;
   std::vector<std::string> remarks;
+  std::vector<StampedPose> poses;
 };
 
 // "run_3/calibration.json": "run_3".
@@ -92,6 +97,38 @@ std::string lossText(const BuiltinRun& run, TimeNs start) {
   return text;
 }
 
+/// What needs no truth, and the frames' times.
+void addConsistency(const BuiltinRun& run, OdometryRunRecord& r) {
+  if (run.result.stereo_px > 0) r.stereo_px = run.result.stereo_px;
+  if (run.result.innovation_px > 0) r.innovation_px = run.result.innovation_px;
+  if (run.frame_s.empty()) return;
+  r.frame_p50_ms = 1e3 * quantile(run.frame_s, 0.5);
+  r.frame_p95_ms = 1e3 * quantile(run.frame_s, 0.95);
+  r.frame_p99_ms = 1e3 * quantile(run.frame_s, 0.99);
+  r.frame_max_ms = 1e3 * *std::max_element(run.frame_s.begin(), run.frame_s.end());
+}
+
+/// The last pose in the first one's frame.
+void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
+  if (poses.size() < 2) return;
+  r.closure_m = (poses.back().p - poses.front().p).norm();
+  r.closure_deg = poses.front().q.angularDistance(poses.back().q) * 180 / std::numbers::pi;
+}
+
+/// What the odometry would choose for the time offset.
+void addOffsetHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord& r) {
+  const Calibration calibration = withNoise(plan);
+  r.offset_calibrated_s = calibration.imu->timeOffset();
+  const auto hint = offsetHint([&](double change_s) {
+    Calibration moved = calibration;
+    for (TimeOffset& offset : moved.imu->time_offsets) offset.s += change_s;
+    return runBuiltin(*plan.sequence, moved, request.builtin).result.innovations;
+  });
+  if (!hint) return;
+  r.offset_hint_s = *r.offset_calibrated_s + hint->change_s;
+  r.offset_hint_std_s = hint->std_s;
+}
+
 Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
   const BuiltinRun run = runBuiltin(*plan.sequence, withNoise(plan), request.builtin);
   Outcome outcome;
@@ -102,6 +139,8 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
   r.frames_skipped = run.skipped;
   r.losses = run.result.losses.size();
   r.mean_landmarks = run.result.mean_landmarks;
+  addConsistency(run, r);
+  if (request.estimate_offset) addOffsetHint(plan, request, r);
   if (run.skipped > 0) {
     outcome.remarks.push_back(
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));
@@ -110,7 +149,8 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
     outcome.problem = "never started: the images and the IMU did not determine its motion";
     return outcome;
   }
-  writeNewFile(out, pathOf(plan), tumText(posesOf(run.result)));
+  outcome.poses = posesOf(run.result);
+  writeNewFile(out, pathOf(plan), tumText(outcome.poses));
   if (r.losses > 0) {
     outcome.problem = fmt::format("lost {} times, after which it goes on elsewhere: at {}",
                                   r.losses, lossText(run, plan.sequence->images[0].front().t));
@@ -136,6 +176,7 @@ Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const 
   outcome.record.frames = plan.sequence->images[0].size();
   outcome.record.log = run.log;
   outcome.problem = run.problem;
+  outcome.poses = run.poses;
   if (run.problem.empty()) writeNewFile(out, pathOf(plan), tumText(run.poses));
   return outcome;
 }
@@ -156,14 +197,6 @@ int runsOf(const OdometryRequest& request) {
   return request.runs > 0 ? request.runs : request.runner->least_runs;
 }
 
-std::string truthOf(const OdometryRequest& request, const OdometrySequence& sequence) {
-  if (request.truth) return filledIn(*request.truth, {{"sequence", sequence.name}});
-  if (sequence.truth) return sequence.truth->string();
-  throw InputError(sequence.root.string(), 0,
-                   "has no ground truth (state_groundtruth_estimate0, vicon0, mocap0, leica0 or "
-                   "truth/trajectory.csv); name its file");
-}
-
 TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   run.status = RunStatus::kFailed;
   run.problem = problem;
@@ -172,52 +205,79 @@ TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   return run;
 }
 
-struct SequenceTruth {
-  fs::path path;
-  TrajectoryFile file;
-};
-
-/// The truth while there are images: what lies before and after is not the odometry's to cover.
-/// Whole where the offset of the clocks is yet to be found.
-SequenceTruth readTruthOf(const OdometryRequest& request, const OdometrySequence& sequence) {
-  TrajectoryRequest how = request.how;
-  how.truth = truthOf(request, sequence);
-  SequenceTruth truth{how.truth, readTruth(how)};
-  if (how.metrics.clock) return truth;
-  const TimeNs offset = toNanoseconds(how.metrics.association.time_offset_s);
-  const TimeNs from = sequence.images[0].front().t + offset - kTruthMargin;
-  const TimeNs to = sequence.images[0].back().t + offset + kTruthMargin;
-  const std::vector<StampedPose>& all = truth.file.trajectory.poses;
-  const auto meets = [&](const StampedPose& p) { return p.t >= from && p.t <= to; };
-  if (std::none_of(all.begin(), all.end(), meets)) return truth;  // who pairs them says why
-  std::erase_if(truth.file.trajectory.poses, [&](const StampedPose& p) { return !meets(p); });
-  truth.file.trajectory.covariances.clear();
-  return truth;
-}
-
-/// The run against its truth, by the rules of evaluateRuns().
-TrajectoryRun judged(const Plan& plan, const Outcome& outcome, const OdometryRequest& request,
-                     const SequenceTruth& truth, const fs::path& out) {
+/// An outcome's run against its truth.
+TrajectoryRun judgedPlan(const Plan& plan, const Outcome& outcome, const OdometryRequest& request,
+                         const std::optional<SequenceTruth>& truth, const fs::path& out) {
   TrajectoryRun run;
   run.sequence = plan.sequence->name;
   run.calibration = plan.calibration->name;
   run.run = std::to_string(plan.run);
   run.estimate = (out / pathOf(plan)).string();
   if (fs::is_regular_file(run.estimate)) {
-    RunsRequest rules;
-    rules.how = request.how;
-    rules.min_coverage = request.min_coverage;
-    rules.max_ate_m = request.max_ate_m;
-    run = judgedRun(run, truth.path, truth.file, rules);
+    run = truth ? judgedByTruth(run, *truth, request)
+                : judgedWithoutTruth(run, *plan.sequence, outcome.poses, request.min_coverage);
   }
+  run.without_truth = !truth;
   run.estimate = pathOf(plan);
-  run.truth = truth.path.string();
+  run.truth = truth ? truth->path.string() : "";
   run.odometry = outcome.record;
+  addClosure(outcome.poses, *run.odometry);
   const double recorded = plan.sequence->duration_s();
   run.odometry->real_time_factor =
       outcome.record.seconds > 0 ? recorded / outcome.record.seconds : 0;
   run.remarks.insert(run.remarks.end(), outcome.remarks.begin(), outcome.remarks.end());
   return outcome.problem.empty() ? run : failedRun(std::move(run), outcome.problem);
+}
+
+/// Of every calibration on every sequence with a truth: its deviations, where they are stated, and
+/// the first one's way to each of the others.
+std::vector<CalibrationSensitivity> sensitivities(
+    const OdometryRequest& request, const std::vector<OdometrySequence>& sequences,
+    const std::vector<NamedCalibration>& calibrations,
+    const std::map<std::string, std::optional<SequenceTruth>>& truths, const fs::path& out,
+    const ProgressSink& progress) {
+  std::vector<CalibrationSensitivity> list;
+  for (const OdometrySequence& sequence : sequences) {
+    const std::optional<SequenceTruth>& truth = truths.at(sequence.name);
+    if (!truth) continue;
+    const auto ate = [&](const Calibration& calibration) {
+      return ateOf(sequence, calibration, *truth, request, out / "work");
+    };
+    const auto add = [&](const NamedCalibration& of, const std::string& towards,
+                         const SensitivitySteps& steps) {
+      CalibrationSensitivity s =
+          sensitivityOf(withNoise({&sequence, &of, 1}), steps, ate, request.threads, progress);
+      s.sequence = sequence.name;
+      s.calibration = of.name;
+      s.towards = towards;
+      list.push_back(std::move(s));
+    };
+    for (const NamedCalibration& of : calibrations) {
+      if (const auto steps = deviationSteps(of.calibration, readDeviations(of.file.string()))) {
+        add(of, "", *steps);
+      }
+    }
+    for (std::size_t i = 1; i < calibrations.size(); ++i) {
+      add(calibrations[0], calibrations[i].name,
+          differenceSteps(calibrations[0].calibration, calibrations[i].calibration));
+    }
+  }
+  return list;
+}
+
+void checkSensitivity(const OdometryRequest& request,
+                      const std::vector<NamedCalibration>& calibrations) {
+  if (!request.sensitivity) return;
+  if (request.runner) {
+    throw InputError("the sensitivity is that of the built-in odometry, not of " +
+                     request.runner->name);
+  }
+  if (calibrations.size() > 1) return;
+  const NamedCalibration& only = calibrations.front();
+  if (deviationSteps(only.calibration, readDeviations(only.file.string()))) return;
+  throw InputError(only.file.string(), 0,
+                   "states no standard deviations by which its parameters could be moved; give a "
+                   "calibration.json, or a second calibration");
 }
 
 }  // namespace
@@ -236,7 +296,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
                              const ProgressSink& progress) {
   request.check();
   std::vector<OdometrySequence> sequences;
-  std::map<std::string, SequenceTruth> truths;
+  std::map<std::string, std::optional<SequenceTruth>> truths;
   for (const std::string& path : request.sequences) {
     sequences.push_back(readOdometrySequence(path));
     const OdometrySequence& sequence = sequences.back();
@@ -250,6 +310,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
     }
   }
   const std::vector<NamedCalibration> calibrations = readCalibrations(request);
+  checkSensitivity(request, calibrations);
   const std::vector<Plan> plans = plansOf(sequences, calibrations, runsOf(request));
   std::vector<TrajectoryRun> runs(plans.size());
   std::mutex telling;
@@ -257,12 +318,16 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
   parallelFor(plans.size(), request.threads, [&](int, std::size_t i) {
     const Outcome outcome = request.runner ? runExternalPlan(plans[i], request, out)
                                            : runBuiltinPlan(plans[i], request, out);
-    runs[i] = judged(plans[i], outcome, request, truths.at(plans[i].sequence->name), out);
+    runs[i] = judgedPlan(plans[i], outcome, request, truths.at(plans[i].sequence->name), out);
     const std::lock_guard<std::mutex> lock(telling);
     progress("odometry", static_cast<double>(++done) / static_cast<double>(plans.size()));
   });
+  TrajectoryStudy study = studyOf(std::move(runs));
+  if (request.sensitivity) {
+    study.sensitivity = sensitivities(request, sequences, calibrations, truths, out, progress);
+  }
   fs::remove_all(out / "work");
-  return {studyOf(std::move(runs)), "", {}, {}};
+  return {std::move(study), "", {}, {}};
 }
 
 std::string odometrySummary(const TrajectoryRecord& record) {

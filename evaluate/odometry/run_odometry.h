@@ -25,6 +25,8 @@ struct OdometryRequest {
   int runs = 0;                           ///< 0: 1, or what the runner needs at least
   std::optional<std::string> truth;       ///< file, or a pattern with {sequence}; empty: found
                                           ///< beside the sensors
+  bool sensitivity = false;               ///< also move every parameter by itself (sensitivity.h)
+  bool estimate_offset = false;           ///< the built-in one's hint of the time offset, too
   BuiltinOptions builtin;
   double run_seconds = 3600;     ///< wall time of another system's run
   std::size_t memory_bytes = 0;  ///< and its address space; 0: no limit
@@ -41,7 +43,8 @@ struct OdometryRequest {
 /// and judges each against its truth as evaluateRuns() does. A run that ended without a trajectory,
 /// was lost on its way, or diverged is failed, with its reason and the log's last lines; none is
 /// left out. Runs of the built-in odometry are equal, so it runs once. What the built-in one makes
-/// does not depend on threads. Throws InputError for sequences, calibrations and truths that cannot
+/// does not depend on threads. A sequence without truth is run, too; its runs have no errors, and
+/// what needs no truth. Throws InputError for sequences, calibrations and truths that cannot
 /// be read, for a calibration of another rig, and where two calibrations have one name.
 TrajectoryRecord runOdometry(const OdometryRequest& request, const std::filesystem::path& out,
                              const ProgressSink& progress);

@@ -145,6 +145,16 @@ struct OdometryRunRecord {
   std::size_t losses = 0;          ///< where the motion was lost and begun anew: a jump
   double mean_landmarks = 0;       ///< placed, a frame; 0: not known
   std::vector<std::string> log;    ///< last lines of a system that failed
+  /// What needs no ground truth. Of the built-in odometry:
+  std::optional<double> stereo_px;      ///< median distance from the rig's epipolar lines
+  std::optional<double> innovation_px;  ///< median error of sightings where the IMU predicts them
+  /// Of any: the last pose against the first.
+  std::optional<double> closure_m, closure_deg;
+  /// Time offset of the cameras that the odometry itself would choose, with its deviation: a hint.
+  std::optional<double> offset_hint_s, offset_hint_std_s;
+  std::optional<double> offset_calibrated_s;  ///< the one that was used
+  /// Time of a frame, image read included: its quantiles, and the longest.
+  std::optional<double> frame_p50_ms, frame_p95_ms, frame_p99_ms, frame_max_ms;
 };
 
 template <class V>
@@ -156,6 +166,18 @@ void fields(V& v, OdometryRunRecord& r) {
   v("frames_skipped", r.frames_skipped, "1", "missing, or not to be decoded");
   v("losses", r.losses, "1", "where the motion was lost and begun anew: a jump");
   v("mean_landmarks", r.mean_landmarks, "1", "placed, a frame; 0: not known");
+  v("stereo_px", r.stereo_px, "px", "median distance from the rig's epipolar lines");
+  v("innovation_px", r.innovation_px, "px",
+    "median error of sightings where the IMU predicts them");
+  v("closure_m", r.closure_m, "m", "from the first pose to the last");
+  v("closure_deg", r.closure_deg, "deg", "likewise");
+  v("offset_calibrated_s", r.offset_calibrated_s, "s", "time offset t_d that was used");
+  v("offset_hint_s", r.offset_hint_s, "s", "t_d that predicts the tracks best: a hint");
+  v("offset_hint_std_s", r.offset_hint_std_s, "s", "its standard deviation");
+  v("frame_p50_ms", r.frame_p50_ms, "ms", "time of a frame, image read included: median");
+  v("frame_p95_ms", r.frame_p95_ms, "ms", "its 95th percentile");
+  v("frame_p99_ms", r.frame_p99_ms, "ms", "its 99th percentile");
+  v("frame_max_ms", r.frame_max_ms, "ms", "the longest");
   v.ifSet("log", r.log, "last lines of a system that failed");
 }
 
@@ -166,10 +188,11 @@ constexpr std::array<const char*, 3> enumWords(RunStatus /*of*/) {
 
 /// One estimate against its truth.
 struct TrajectoryRun {
-  std::string sequence;     ///< e.g. "MH_01"
-  std::string calibration;  ///< what is compared, e.g. "plumbline", "kalibr"
-  std::string run;          ///< repetition
-  std::string estimate;     ///< file name
+  bool without_truth = false;  ///< no ground truth was known: no errors
+  std::string sequence;        ///< e.g. "MH_01"
+  std::string calibration;     ///< what is compared, e.g. "plumbline", "kalibr"
+  std::string run;             ///< repetition
+  std::string estimate;        ///< file name
   std::string truth;
   RunStatus status = RunStatus::kComplete;
   std::string problem;               ///< why partial or failed; empty if complete
@@ -209,7 +232,8 @@ void fields(V& v, TrajectoryRun& r) {
   v.derived("failed", r.status == RunStatus::kFailed, "1", "whether it is `failed`");
   v("estimate", r.estimate, "file name");
   v("truth", r.truth, "file name");
-  if (r.status != RunStatus::kFailed) {
+  v.ifSet("without_truth", r.without_truth, "no ground truth was known: no errors");
+  if (r.status != RunStatus::kFailed && !r.without_truth) {
     v("n", r.association.matches, "1", "pairs of poses");
     v("association", r.association.rule, "`one-to-one`, `interpolate`, `evo`, `rpg`, `ov_eval`");
     v("alignment", r.alignment.kind, "p_truth = scale R p_estimate + t: `se3`, `sim3`, `yaw`, ...");
@@ -280,6 +304,10 @@ struct PairedDifference {
   std::size_t b_better = 0;
   std::size_t ties = 0;
   double sign_test_p = 1;
+  /// Pairs with which a mean difference as the present one would be shown at 95 % in 4 of 5
+  /// studies:
+  /// ((1.96 + 0.84) s / mean)^2 with the spread s of the differences. Empty below three pairs.
+  std::optional<double> pairs_needed;
   /// 95 % interval of the mean: percentile bootstrap over pairs, 10,000 resamples, fixed seed.
   /// Empty below five pairs, where it would say nothing.
   std::optional<double> low_m, high_m;
@@ -300,6 +328,8 @@ void fields(V& v, PairedDifference& d) {
   v("b_better", d.b_better, "1", "pairs with d < 0");
   v("ties", d.ties, "1", "d = 0; the sign test leaves them out");
   v("sign_test_p", d.sign_test_p, "1", "two-sided, exact (binomial)");
+  v("pairs_needed", d.pairs_needed, "1",
+    "pairs that would show such a mean at 95 % in 4 of 5 studies, by the spread of d");
   std::optional<std::array<double, 2>> interval;
   if (d.low_m && d.high_m) interval = {*d.low_m, *d.high_m};
   v("mean_interval_m", interval, "m", "95 % interval of the mean: bootstrap over pairs");
@@ -311,17 +341,70 @@ void fields(V& v, PairedDifference& d) {
   v.ifSet("better", d.better, "which has the lower errors; absent where the interval contains 0");
 }
 
+/// What moving one parameter of a calibration does to the ATE (RMSE of positions) of a sequence.
+struct ParameterSensitivity {
+  std::string name, unit;
+  double step = 0;                 ///< by which it is moved [unit]
+  std::optional<double> plus_m;    ///< change of the ATE with + step
+  std::optional<double> minus_m;   ///< with - step; empty where the step has a sign
+  std::optional<double> change_m;  ///< the mean of both, or the one there is
+};
+
+template <class V>
+void fields(V& v, ParameterSensitivity& p) {
+  v("name", p.name, "e.g. `T_SC0.ty`");
+  v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
+  v("step", p.step, "by which it is moved, in `unit`");
+  v("plus_m", p.plus_m, "m", "change of the ATE with + step; absent where the run failed");
+  v("minus_m", p.minus_m, "m", "with - step; absent for the difference of two calibrations");
+  v("change_m", p.change_m, "m", "mean of both");
+}
+
+inline std::string partName(const ParameterSensitivity& p) { return p.name; }
+
+/// Every parameter of a calibration moved by itself.
+struct CalibrationSensitivity {
+  std::string sequence, calibration;
+  std::string towards;  ///< the calibration whose values are taken; empty: steps are deviations
+  double ate_m = 0;     ///< unmoved
+  double noise_m = 0;  ///< standard deviation of the ATE where all parameters move by 1e-3 steps at
+                       ///< random: changes below it mean nothing
+  std::optional<double> whole_m;                 ///< ATE under `towards` - ate_m
+  double sum_m = 0;                              ///< of all change_m
+  std::optional<double> interaction_m;           ///< whole - sum: what single moves do not explain
+  std::vector<ParameterSensitivity> parameters;  ///< largest change first
+};
+
+inline std::string partName(const CalibrationSensitivity& s) {
+  return s.sequence + "/" + s.calibration + (s.towards.empty() ? "" : "/" + s.towards);
+}
+
+template <class V>
+void fields(V& v, CalibrationSensitivity& s) {
+  v("sequence", s.sequence, "on which it was run");
+  v("calibration", s.calibration, "whose parameters are moved");
+  v.ifSet("towards", s.towards, "whose values they take; absent: steps are standard deviations");
+  v("ate_m", s.ate_m, "m", "unmoved");
+  v("noise_m", s.noise_m, "m", "spread of the ATE under moves of 1e-3 steps");
+  v("whole_m", s.whole_m, "m", "ATE under `towards` - `ate_m`");
+  v("sum_m", s.sum_m, "m", "of all changes");
+  v("interaction_m", s.interaction_m, "m", "whole - sum: what single moves do not explain");
+  v("parameters", s.parameters, "each moved by itself, the largest change first");
+}
+
 /// Runs, and what they say together.
 struct TrajectoryStudy {
   std::vector<TrajectoryRun> runs;
   std::vector<RunsSummary> summary;
   std::vector<PairedDifference> paired;
+  std::vector<CalibrationSensitivity> sensitivity;  ///< where it was asked for
 };
 
 template <class V>
 void fields(V& v, TrajectoryStudy& s) {
   v("summary", s.summary, "completion and error by sequence, then over all");
   v("paired", s.paired, "every two calibrations over the same sequences and runs");
+  v.ifSet("sensitivity", s.sensitivity, "what each parameter does to the ATE");
   v("runs", s.runs, "each estimate against its truth");
 }
 

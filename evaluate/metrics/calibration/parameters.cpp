@@ -90,4 +90,21 @@ Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from
   return change;
 }
 
+Calibration changedBy(Calibration from, const Eigen::VectorXd& change) {
+  Eigen::Index at = 0;
+  for (CameraCalibration& camera : from.cameras) {
+    const Eigen::VectorXd before = camera.intrinsics.stacked();
+    camera.intrinsics.setStacked(before + change.segment(at, before.size()));
+    at += before.size();
+  }
+  for (std::size_t i = 1; i < from.cameras.size(); ++i, at += 6) {
+    from.cameras[i].T_C0Ci = boxplus(from.cameras[i].T_C0Ci, change.segment<6>(at));
+  }
+  if (from.imu) {
+    from.imu->T_SC0 = boxplus(from.imu->T_SC0, change.segment<6>(at));
+    from.imu->time_offsets.front().s += change[at + 6];
+  }
+  return from;
+}
+
 }  // namespace plumbline

@@ -30,4 +30,8 @@ std::vector<CalibrationParameter> calibrationParameters(const Calibration& calib
 /// that of `from`.
 Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from);
 
+/// The inverse: `from` with all parameters moved by `change`, in the order of
+/// calibrationParameters(): calibrationChange(changedBy(from, d), from) = d.
+Calibration changedBy(Calibration from, const Eigen::VectorXd& change);
+
 }  // namespace plumbline

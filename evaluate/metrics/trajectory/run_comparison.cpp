@@ -48,6 +48,15 @@ std::vector<double> resampledMeans(const std::vector<double>& values) {
   return means;
 }
 
+/// For a test of the mean at 95 % with a power of 80 %.
+std::optional<double> pairsNeeded(const PairedDifference& d) {
+  constexpr double kNormal = 1.959964 + 0.841621;
+  if (d.pairs < 3 || d.mean_m == 0) return std::nullopt;
+  const auto n = static_cast<double>(d.pairs);
+  const double spread = kNormal * d.std_m / d.mean_m;
+  return std::max(2.0, std::ceil(spread * spread * n / (n - 1)));
+}
+
 void summarise(const std::vector<double>& d, PairedDifference& result) {
   result.pairs = d.size();
   if (d.empty()) return;
@@ -60,6 +69,7 @@ void summarise(const std::vector<double>& d, PairedDifference& result) {
     if (value < 0) ++result.b_better;
     if (value == 0) ++result.ties;
   }
+  result.pairs_needed = pairsNeeded(result);
   result.sign_test_p = signTest(result.b_better, d.size() - result.ties);
   if (d.size() < kLeastPairs) return;
   const std::vector<double> means = resampledMeans(d);
@@ -126,16 +136,18 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
     ++s.expected;
     if (run.status == RunStatus::kPartial) ++s.partial;
     if (run.status == RunStatus::kFailed) ++s.failed;
-    if (run.status == RunStatus::kComplete) ate.push_back(run.ate_translation_m.rmse);
+    if (run.status != RunStatus::kComplete) continue;
+    ++s.complete;
+    if (!run.without_truth) ate.push_back(run.ate_translation_m.rmse);
   }
-  s.complete = ate.size();
   if (s.expected > 0) {
     s.completion = static_cast<double>(s.complete) / static_cast<double>(s.expected);
   }
   if (!ate.empty()) s.ate_complete_median_m = quantile(ate, 0.5);
   if (s.partial > 0) s.level = VerdictLevel::kCaution;
   if (s.failed > 0) s.level = VerdictLevel::kBad;
-  s.ate_median_m = medianOf(std::move(ate), s.expected);
+  const std::size_t judged = s.expected - (s.complete - ate.size());
+  s.ate_median_m = medianOf(std::move(ate), judged);
   return s;
 }
 

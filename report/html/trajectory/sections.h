@@ -25,6 +25,10 @@ Section pairedSection(const std::vector<PairedDifference>& differences);
 Section clockSection(const std::vector<TrajectoryRun>& runs);
 Section handEyeSection(const std::vector<TrajectoryRun>& runs);
 Section neesSection(const std::vector<TrajectoryRun>& runs);
+/// What the odometry says of itself, without any truth.
+Section selfSection(const std::vector<TrajectoryRun>& runs);
+/// What each parameter of a calibration does to the error.
+Section sensitivitySection(const std::vector<CalibrationSensitivity>& list);
 /// How stamps were paired, and what was odd about them.
 Section associationSection(const std::vector<TrajectoryRun>& runs);
 

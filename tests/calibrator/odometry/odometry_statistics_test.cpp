@@ -82,31 +82,42 @@ TEST(OdometryStatistics, ErrorsAreSmallAndAsStated) {
   EXPECT_LT(mean, 2 * 6) << "overconfident";
 }
 
-// A calibration that is wrong costs: in the median of paired seeds.
+/// ATE with the calibration spoilt, of every flight.
+std::vector<double> errorsWith(const std::vector<RoomFlight>& flights,
+                               const std::function<void(Calibration&)>& spoil) {
+  Calibration calibration = simulatedRig("euroc").calibration;
+  spoil(calibration);
+  std::vector<double> errors;
+  for (const RoomFlight& flight : flights) {
+    errors.push_back(errorsOf(run(flight, calibration), flight).ate_m);
+  }
+  return errors;
+}
+
+// A calibration that is wrong costs, in the median of paired seeds, in the order in which published
+// systems feel it: the true one least, a focal length wrong by 1 % most.
 TEST(OdometryStatistics, FeelsWrongCalibrations) {
-  const Calibration truth = simulatedRig("euroc").calibration;
+  std::vector<RoomFlight> flights;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) flights.push_back(flightOf(seed, 25));
+  const std::vector<double> truth = errorsWith(flights, [](Calibration&) {});
   const auto cost = [&](const std::function<void(Calibration&)>& spoil) {
-    std::vector<double> differences;
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const RoomFlight flight = flightOf(seed, 20);
-      Calibration wrong = truth;
-      spoil(wrong);
-      differences.push_back(errorsOf(run(flight, wrong), flight).ate_m -
-                            errorsOf(run(flight, truth), flight).ate_m);
-    }
-    return median(differences);
+    std::vector<double> d = errorsWith(flights, spoil);
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] -= truth[i];
+    return median(d);
   };
-  const double turn = 0.5 * kDegree;
-  EXPECT_GT(cost([&](Calibration& c) {
-              const Eigen::Vector3d axis = Eigen::Vector3d(1, 1, 1).normalized();
-              c.imu->T_SC0.R = c.imu->T_SC0.R * Eigen::AngleAxisd(turn, axis).toRotationMatrix();
-            }),
-            0.002);
-  EXPECT_GT(cost([](Calibration& c) { c.imu->time_offsets[0].s += 0.005; }), 0.002);
-  EXPECT_GT(cost([](Calibration& c) {
-              for (CameraCalibration& k : c.cameras) k.intrinsics.projection.head(2) *= 1.01;
-            }),
-            0.01);
+  const double rotation = cost([](Calibration& c) {
+    const double turn = 0.5 * std::numbers::pi / 180;
+    const Eigen::Vector3d axis = Eigen::Vector3d(1, 1, 1).normalized();
+    c.imu->T_SC0.R = c.imu->T_SC0.R * Eigen::AngleAxisd(turn, axis).toRotationMatrix();
+  });
+  const double offset = cost([](Calibration& c) { c.imu->time_offsets[0].s += 0.005; });
+  const double focal = cost([](Calibration& c) {
+    for (CameraCalibration& k : c.cameras) k.intrinsics.projection.head(2) *= 1.01;
+  });
+  EXPECT_GT(rotation, 0.002);
+  EXPECT_GT(offset, 0.002);
+  EXPECT_GT(focal, rotation);
+  EXPECT_GT(focal, offset);
 }
 
 }  // namespace

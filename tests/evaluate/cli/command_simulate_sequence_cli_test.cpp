@@ -85,6 +85,80 @@ TEST_F(SimulatedSequence, RenderedImagesAreRunAsTheyAre) {
   EXPECT_LT(exact["ate"]["translation_m"]["rmse"], 0.02);
 }
 
+// Two calibrations, one with a focal length and a time offset that are wrong: without truth by what
+// the odometry says of itself; with it, which of the two costs what.
+class TwoCalibrations : public SimulatedSequence {
+ protected:
+  void SetUp() override {
+    SimulatedSequence::SetUp();
+    flight_ = simulate("flight", "--duration 12 --seed 3 --first-rest 1");
+    fs::copy_file(flight_ / "truth/camchain-imucam.yaml", folder_ / "true.yaml");
+    const std::string text = read(folder_ / "true.yaml");
+    write(folder_ / "wrong.yaml",
+          replaced(replaced(text, "[458.654, ", "[467.8, "), "cam: 0.0021", "cam: 0.0091"));
+  }
+
+  json document(const std::string& options) const {
+    const Outcome outcome =
+        plumbline("odometry " + flight_.string() + " --calibration " +
+                  (folder_ / "true.yaml").string() + " " + (folder_ / "wrong.yaml").string() +
+                  " --force --out " + (folder_ / "loop").string() + " " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return json::parse(read(folder_ / "loop/odometry.json"));
+  }
+
+  fs::path flight_;
+};
+
+TEST_F(TwoCalibrations, WithoutTruthByWhatTheOdometrySaysOfItself) {
+  fs::remove_all(flight_ / "mav0/mocap0");
+  fs::remove_all(flight_ / "truth");
+  const json all = document("");
+  ASSERT_EQ(all["runs"].size(), 2U);
+  const json right = all["runs"][0], wrong = all["runs"][1];
+  for (const json& run : {right, wrong}) {
+    EXPECT_EQ(run["status"], "complete") << run["problem"];
+    EXPECT_EQ(run["without_truth"], true);
+    EXPECT_FALSE(run.contains("ate"));
+    EXPECT_THAT(run["remarks"].dump(), HasSubstr("no ground truth"));
+    EXPECT_GT(run["odometry"]["closure_m"], 0);
+    EXPECT_LE(run["odometry"]["frame_p50_ms"], run["odometry"]["frame_p99_ms"]);
+  }
+  // 0.5 px of noise in each image, across the line: 0.48 px in the median.
+  EXPECT_NEAR(right["odometry"]["stereo_px"].get<double>(), 0.48, 0.03);
+  EXPECT_GT(wrong["odometry"]["stereo_px"], right["odometry"]["stereo_px"]);
+  EXPECT_GT(wrong["odometry"]["innovation_px"], right["odometry"]["innovation_px"]);
+  EXPECT_TRUE(all["paired"][0]["pairs"] == 0);
+  const std::string page = read(folder_ / "loop/report.html");
+  EXPECT_THAT(page, HasSubstr("has no ground truth"));
+  EXPECT_THAT(page, HasSubstr("What the odometry says of itself"));
+}
+
+TEST_F(TwoCalibrations, SensitivityNamesWhatCosts) {
+  const json all = document("--sensitivity --clock-offset auto --truth " +
+                            (flight_ / "truth/trajectory.csv").string());
+  ASSERT_EQ(all["sensitivity"].size(), 1U);
+  const json s = all["sensitivity"][0];
+  EXPECT_EQ(s["calibration"], "true");
+  EXPECT_EQ(s["towards"], "wrong");
+  ASSERT_EQ(s["parameters"].size(), 2U);
+  double sum = 0;
+  for (const json& p : s["parameters"]) {
+    EXPECT_TRUE(p["name"] == "cam0.fu" || p["name"] == "time_offset") << p["name"];
+    sum += p["change_m"].get<double>();
+  }
+  EXPECT_EQ(s["parameters"][0]["name"], "cam0.fu");
+  EXPECT_GT(s["parameters"][0]["change_m"], 0.002);
+  const json& runs = all["runs"];
+  const auto ate = [&](int i) { return runs[i]["ate"]["translation_m"]["rmse"].get<double>(); };
+  EXPECT_NEAR(s["ate_m"].get<double>(), ate(0), 1e-9);
+  EXPECT_NEAR(s["whole_m"].get<double>(), ate(1) - ate(0), 1e-9);
+  EXPECT_NEAR(s["sum_m"].get<double>(), sum, 1e-12);
+  EXPECT_NEAR(s["interaction_m"].get<double>(), ate(1) - ate(0) - sum, 1e-9);
+  EXPECT_LT(s["noise_m"], 0.002);
+  EXPECT_THAT(read(folder_ / "loop/report.html"), HasSubstr("cam0.fu costs most"));
+}
+
 TEST_F(SimulatedSequence, BadValuesAreNamed) {
   const Outcome bad = plumbline("simulate sequence --pace 0 --out " + (folder_ / "x").string());
   EXPECT_EQ(bad.exit_code, 2);

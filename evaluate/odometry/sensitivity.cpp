@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/sensitivity.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics.h"
+#include "datasets/files/file_io.h"
+#include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/results/parallel_for.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNoiseRuns = 5;
+constexpr double kNoiseShare = 1e-3;  // of the steps
+
+/// All moves of a sensitivity: none, all at once, then noise, then the single ones.
+class Moves {
+ public:
+  explicit Moves(const SensitivitySteps& steps) : steps_(steps.steps) {
+    for (double& s : steps_) s = std::isfinite(s) ? s : 0;
+    moves_.emplace_back(Eigen::VectorXd::Zero(steps_.size()));
+    moves_.push_back(steps_);
+    std::mt19937_64 random(1);
+    for (int k = 0; k < kNoiseRuns; ++k) {
+      Eigen::VectorXd move = kNoiseShare * steps_;
+      for (double& d : move) d = (random() & 1U) != 0 ? d : -d;
+      moves_.push_back(std::move(move));
+    }
+    for (Eigen::Index i = 0; i < steps_.size(); ++i) {
+      plus_.push_back(add(i, 1));
+      minus_.push_back(steps.both_ways ? add(i, -1) : 0);
+    }
+  }
+
+  const std::vector<Eigen::VectorXd>& all() const { return moves_; }
+  double step(std::size_t i) const { return steps_[static_cast<Eigen::Index>(i)]; }
+  /// Places among all(); 0: not moved.
+  std::size_t plus(std::size_t i) const { return plus_[i]; }
+  std::size_t minus(std::size_t i) const { return minus_[i]; }
+  static constexpr std::size_t kWhole = 1, kNoise = 2;
+
+ private:
+  std::size_t add(Eigen::Index i, double sign) {
+    if (steps_[i] == 0) return 0;
+    moves_.emplace_back(sign * steps_[i] * Eigen::VectorXd::Unit(steps_.size(), i));
+    return moves_.size() - 1;
+  }
+
+  Eigen::VectorXd steps_;
+  std::vector<Eigen::VectorXd> moves_;
+  std::vector<std::size_t> plus_, minus_;
+};
+
+using Ates = std::vector<std::optional<double>>;
+
+double noiseOf(const Ates& ates) {
+  std::vector<double> known;
+  for (std::size_t k = 0; k < kNoiseRuns; ++k) {
+    if (const auto& ate = ates[Moves::kNoise + k]) known.push_back(*ate);
+  }
+  return known.size() < 2 ? 0 : sampleStatistics(known).std;
+}
+
+ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t i,
+                              const Moves& moves, const Ates& ates) {
+  ParameterSensitivity p{parameter.name, parameter.unit, moves.step(i), {}, {}, {}};
+  const auto change = [&](std::size_t place) -> std::optional<double> {
+    if (place == 0 || !ates[place]) return std::nullopt;
+    return *ates[place] - *ates[0];
+  };
+  p.plus_m = change(moves.plus(i));
+  p.minus_m = change(moves.minus(i));
+  if (p.plus_m && (p.minus_m || moves.minus(i) == 0)) {
+    p.change_m = p.minus_m ? 0.5 * (*p.plus_m + *p.minus_m) : *p.plus_m;
+  }
+  return p;
+}
+
+}  // namespace
+
+std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
+                                               const std::map<std::string, double>& deviations) {
+  const std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  SensitivitySteps steps;
+  steps.steps = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(list.size()),
+                                          std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto found = deviations.find(list[i].name);
+    if (found != deviations.end()) steps.steps[static_cast<Eigen::Index>(i)] = found->second;
+  }
+  if (!steps.steps.array().isFinite().any()) return std::nullopt;
+  return steps;
+}
+
+SensitivitySteps differenceSteps(const Calibration& from, const Calibration& to) {
+  return {calibrationChange(to, from), false};
+}
+
+std::optional<double> ateOf(const OdometrySequence& sequence, const Calibration& calibration,
+                            const SequenceTruth& truth, const OdometryRequest& request,
+                            const fs::path& folder) {
+  static std::atomic<int> number{0};
+  const BuiltinRun built = runBuiltin(sequence, calibration, request.builtin);
+  if (built.result.poses.empty() || !built.result.losses.empty()) return std::nullopt;
+  const std::string name = fmt::format("sensitivity_{}.txt", ++number);
+  writeNewFile(folder, name, tumText(posesOf(built.result)));
+  TrajectoryRun run;
+  run.estimate = (folder / name).string();
+  run = judgedByTruth(run, truth, request);
+  fs::remove(folder / name);
+  if (run.status == RunStatus::kFailed) return std::nullopt;
+  return run.ate_translation_m.rmse;
+}
+
+CalibrationSensitivity sensitivityOf(const Calibration& calibration, const SensitivitySteps& steps,
+                                     const AteOfCalibration& ate, int threads,
+                                     const ProgressSink& progress) {
+  const Moves moves(steps);
+  Ates ates(moves.all().size());
+  std::mutex telling;
+  std::size_t done = 0;
+  parallelFor(ates.size(), threads, [&](int, std::size_t i) {
+    // The sum of all moves is no calibration that anyone has where they go both ways.
+    const bool needed = i != Moves::kWhole || !steps.both_ways;
+    if (needed) ates[i] = ate(changedBy(calibration, moves.all()[i]));
+    const std::lock_guard<std::mutex> lock(telling);
+    if (progress) {
+      progress("sensitivity", static_cast<double>(++done) / static_cast<double>(ates.size()));
+    }
+  });
+  CalibrationSensitivity out;
+  if (!ates[0]) return out;
+  out.ate_m = *ates[0];
+  out.noise_m = noiseOf(ates);
+  const std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (moves.plus(i) == 0) continue;
+    out.parameters.push_back(changeOf(list[i], i, moves, ates));
+    out.sum_m += out.parameters.back().change_m.value_or(0);
+  }
+  if (ates[Moves::kWhole]) {
+    out.whole_m = *ates[Moves::kWhole] - out.ate_m;
+    out.interaction_m = *out.whole_m - out.sum_m;
+  }
+  const auto size = [](const ParameterSensitivity& p) { return std::abs(p.change_m.value_or(0)); };
+  std::stable_sort(out.parameters.begin(), out.parameters.end(),
+                   [&](const auto& a, const auto& b) { return size(a) > size(b); });
+  return out;
+}
+
+}  // namespace plumbline

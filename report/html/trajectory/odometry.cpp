@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an odometry says of itself, and what the parameters of its calibration do to its error.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/html/text.h"
+#include "report/html/trajectory/sections.h"
+
+namespace plumbline::html_internal {
+namespace {
+
+Cell given(const std::optional<double>& value, const char* format) {
+  return number(value ? fmt::format(fmt::runtime(format), *value) : kDash);
+}
+
+Cell millimetres(const std::optional<double>& metres) {
+  return number(metres ? fmt::format("{:+.2f}", 1e3 * *metres) : kDash);
+}
+
+std::optional<double> scaled(const std::optional<double>& seconds) {
+  return seconds ? std::optional(1e3 * *seconds) : std::nullopt;
+}
+
+Cell hintCell(const OdometryRunRecord& o) {
+  if (!o.offset_hint_s || !o.offset_hint_std_s) return number(kDash);
+  return number(fmt::format("{} \u00b1 {}",
+                            withPrecisionOf(1e3 * *o.offset_hint_s, 1e3 * *o.offset_hint_std_s),
+                            twoDigits(1e3 * *o.offset_hint_std_s)));
+}
+
+std::string stepText(const ParameterSensitivity& p) {
+  const ReadableUnit unit = readable(p.unit);
+  return fmt::format("{} {}", twoDigits(unit.factor * p.step), unit.unit);
+}
+
+/// Twice the noise is what a change must exceed to be told from chance.
+bool isTold(const CalibrationSensitivity& s, const ParameterSensitivity& p) {
+  return p.change_m && std::abs(*p.change_m) > 2 * s.noise_m;
+}
+
+std::string sentenceOf(const CalibrationSensitivity& s) {
+  std::string text;
+  const ParameterSensitivity* worst = nullptr;
+  for (const ParameterSensitivity& p : s.parameters) {
+    if (isTold(s, p) && *p.change_m > 0 && (!worst || *p.change_m > *worst->change_m)) worst = &p;
+  }
+  if (worst) {
+    text = fmt::format("{} costs most: moved by {} it adds {:.2f} mm to the ATE of {:.2f} mm. ",
+                       worst->name, stepText(*worst), 1e3 * *worst->change_m, 1e3 * s.ate_m);
+  } else {
+    text = fmt::format("No parameter adds more to the ATE of {:.2f} mm than chance does. ",
+                       1e3 * s.ate_m);
+  }
+  text +=
+      fmt::format("Chance: {:.2f} mm (one standard deviation); dots mark what exceeds it twice.",
+                  1e3 * s.noise_m);
+  if (s.whole_m && s.interaction_m) {
+    text += fmt::format(
+        " All moved together: {:+.2f} mm. The single moves add up to {:+.2f} mm; interaction "
+        "leaves "
+        "{:+.2f} mm.",
+        1e3 * *s.whole_m, 1e3 * s.sum_m, 1e3 * *s.interaction_m);
+  }
+  return text;
+}
+
+Table parametersTable(const CalibrationSensitivity& s) {
+  Table table{{{"Parameter"},
+               {"Step", kNumber},
+               {"+ step [mm]", kNumber},
+               {"\u2212 step [mm]", kNumber},
+               {"Change of the ATE [mm]", kNumber}},
+              {}};
+  for (const ParameterSensitivity& p : s.parameters) {
+    Cell change = millimetres(p.change_m);
+    if (isTold(s, p)) change.level = VerdictLevel::kCaution;
+    table.rows.push_back({code(p.name), number(stepText(p)), millimetres(p.plus_m),
+                          millimetres(p.minus_m), std::move(change)});
+  }
+  return withoutEmptyColumns(std::move(table));
+}
+
+}  // namespace
+
+Section selfSection(const std::vector<TrajectoryRun>& runs) {
+  Section section{
+      "self",
+      "What the odometry says of itself",
+      "Needs no ground truth. Epipolar: median distance of sightings by the other cameras from the "
+      "epipolar lines of the first. Innovation: median error of sightings at the pose that the IMU "
+      "predicts. Closure: the last pose against the first; an error only where the rig ended where "
+      "it began. The hint of t_d is the time offset under which the IMU predicts the tracks best, "
+      "with "
+      "its deviation; wrong extrinsics move it, too. Lower is better between calibrations of one "
+      "recording, but none of these is an "
+      "error of the trajectory.",
+      {},
+      {}};
+  Table table{{{"Run"},
+               {"Epipolar [px]", kNumber},
+               {"Innovation [px]", kNumber},
+               {"Closure [m]", kNumber},
+               {"Closure [\u00b0]", kNumber},
+               {"t_d used [ms]", kNumber},
+               {"t_d, odometry's hint [ms]", kNumber},
+               {"Frame, median [ms]", kNumber},
+               {"95 % [ms]", kNumber},
+               {"99 % [ms]", kNumber},
+               {"Longest [ms]", kNumber}},
+              {}};
+  for (const TrajectoryRun& run : runs) {
+    if (!run.odometry) continue;
+    const OdometryRunRecord& o = *run.odometry;
+    table.rows.push_back({{runName(run)},
+                          given(o.stereo_px, "{:.3f}"),
+                          given(o.innovation_px, "{:.3f}"),
+                          given(o.closure_m, "{:.4f}"),
+                          given(o.closure_deg, "{:.3f}"),
+                          given(scaled(o.offset_calibrated_s), "{:+.2f}"),
+                          hintCell(o),
+                          given(o.frame_p50_ms, "{:.1f}"),
+                          given(o.frame_p95_ms, "{:.1f}"),
+                          given(o.frame_p99_ms, "{:.1f}"),
+                          given(o.frame_max_ms, "{:.1f}")});
+  }
+  return withTable(std::move(section), withoutEmptyColumns(std::move(table)));
+}
+
+Section sensitivitySection(const std::vector<CalibrationSensitivity>& list) {
+  Section section{
+      "sensitivity",
+      "Sensitivity",
+      "The built-in odometry, run again with one parameter of the calibration moved at a time: by "
+      "its standard deviation both ways (the mean of both is shown), or to the value of another "
+      "calibration.",
+      {},
+      {}};
+  for (const CalibrationSensitivity& s : list) {
+    const std::string heading =
+        s.towards.empty()
+            ? fmt::format("{}, {}: by its deviations", s.sequence, s.calibration)
+            : fmt::format("{}, {}: to the values of {}", s.sequence, s.calibration, s.towards);
+    section.blocks.push_back({heading, sentenceOf(s), parametersTable(s), {}, {}});
+  }
+  return section;
+}
+
+}  // namespace plumbline::html_internal
