@@ -237,6 +237,7 @@ std::vector<CalibrationSensitivity> sensitivities(
     const std::map<std::string, std::optional<SequenceTruth>>& truths, const fs::path& out,
     const ProgressSink& progress) {
   std::vector<CalibrationSensitivity> list;
+  makeFoldersIn(out, "work");
   for (const OdometrySequence& sequence : sequences) {
     const std::optional<SequenceTruth>& truth = truths.at(sequence.name);
     if (!truth) continue;

@@ -24,12 +24,13 @@ namespace fs = std::filesystem;
 
 constexpr int kNoiseRuns = 5;
 constexpr double kNoiseShare = 1e-3;  // of the steps
+constexpr double kRounding = 1e-12;   // [px, m, rad, s]: what a file's digits leave of a transform
 
 /// All moves of a sensitivity: none, all at once, then noise, then the single ones.
 class Moves {
  public:
   explicit Moves(const SensitivitySteps& steps) : steps_(steps.steps) {
-    for (double& s : steps_) s = std::isfinite(s) ? s : 0;
+    for (double& s : steps_) s = std::abs(s) > kRounding ? s : 0;  // 0 where not a number, too
     moves_.emplace_back(Eigen::VectorXd::Zero(steps_.size()));
     moves_.push_back(steps_);
     std::mt19937_64 random(1);

@@ -95,7 +95,7 @@ class TwoCalibrations : public SimulatedSequence {
     fs::copy_file(flight_ / "truth/camchain-imucam.yaml", folder_ / "true.yaml");
     const std::string text = read(folder_ / "true.yaml");
     write(folder_ / "wrong.yaml",
-          replaced(replaced(text, "[458.654, ", "[467.8, "), "cam: 0.0021", "cam: 0.0091"));
+          replaced(replaced(text, "[458.654, ", "[467.8, "), "imu: 0.0021", "imu: 0.0091"));
   }
 
   json document(const std::string& options) const {
