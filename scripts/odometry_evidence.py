@@ -6,7 +6,7 @@ by 5 ms and focal lengths wrong by 1 %, and prints the table of docs/odometry.md
 the exact truth, and the medians over paired seeds of what each adds.
 
   scripts/odometry_evidence.py --plumbline build/evaluate/plumbline --work FOLDER [--seeds 5] \\
-      [--duration 40] [--images]
+      [--duration 40] [--turns 4] [--images]
 
 Flights and runs are kept in --work, and not made again.
 """
@@ -95,10 +95,12 @@ def main():
     parser.add_argument("--work", required=True, type=pathlib.Path)
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--duration", type=float, default=40)
+    parser.add_argument("--turns", type=int, default=4)
     parser.add_argument("--images", action="store_true")
     o = parser.parse_args()
     o.work.mkdir(parents=True, exist_ok=True)
-    options = ["--duration", str(o.duration)] + (["--images"] if o.images else [])
+    options = ["--duration", str(o.duration), "--turns", str(o.turns)]
+    options += ["--images"] if o.images else []
     table = [errors(o.plumbline, o.work, seed, options) for seed in range(1, o.seeds + 1)]
     print("| ATE [cm] | " + " | ".join(f"seed {i + 1}, {length:.0f} m"
                                       for i, (_, length) in enumerate(table)) +

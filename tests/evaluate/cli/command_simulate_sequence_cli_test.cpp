@@ -95,7 +95,7 @@ class TwoCalibrations : public SimulatedSequence {
     fs::copy_file(flight_ / "truth/camchain-imucam.yaml", folder_ / "true.yaml");
     const std::string text = read(folder_ / "true.yaml");
     write(folder_ / "wrong.yaml",
-          replaced(replaced(text, "[458.654, ", "[467.8, "), "imu: 0.0021", "imu: 0.0091"));
+          replaced(replaced(text, "[458.654, ", "[467.8, "), "imu: 0.0021", "imu: 0.0026"));
   }
 
   json document(const std::string& options) const {
@@ -156,7 +156,7 @@ TEST_F(TwoCalibrations, SensitivityNamesWhatCosts) {
   EXPECT_NEAR(s["sum_m"].get<double>(), sum, 1e-12);
   EXPECT_NEAR(s["interaction_m"].get<double>(), ate(1) - ate(0) - sum, 1e-9);
   EXPECT_LT(s["noise_m"], 0.002);
-  EXPECT_THAT(read(folder_ / "loop/report.html"), HasSubstr("cam0.fu costs most"));
+  EXPECT_NE(read(folder_ / "loop/report.html").find("cam0.fu costs most"), std::string::npos);
 }
 
 TEST_F(SimulatedSequence, BadValuesAreNamed) {
