@@ -77,7 +77,7 @@ std::string loneNames(const std::vector<LoneParameter>& lone, std::size_t calibr
   std::size_t count = 0;
   for (const LoneParameter& p : lone) {
     if (p.calibration != calibration || ++count > kMostNamed) continue;
-    names.push_back(fmt::format("{} ({:.2g})", p.name, p.sigmas));
+    names.push_back(fmt::format("{} ({:.1f})", p.name, p.sigmas));
   }
   if (count > kMostNamed) names.push_back("...");
   return fmt::format("{}", fmt::join(names, ", "));
