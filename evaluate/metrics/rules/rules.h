@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
 #include "evaluate/metrics/verdict.h"
