@@ -16,6 +16,7 @@ SimulatedFlight flown(const SimulatedRig& rig, const RoomFlightOptions& o) {
   FlightOptions flight;
   flight.seed = o.seed;
   flight.first_rest_s = o.rest_s;
+  flight.turns = o.turns;
   TrackOptions tracks;
   tracks.sigma_px = o.pixel_sigma;
   tracks.outlier_share = o.outlier_share;

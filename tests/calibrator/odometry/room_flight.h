@@ -16,6 +16,7 @@ struct RoomFlightOptions {
   double rest_s = 0;         ///< stands still before it flies
   double pixel_sigma = 0.5;  ///< of a track's coordinates [px]
   bool imu_noise = true;
+  int turns = 4;             ///< fast ones
   double outlier_share = 0;  ///< of sightings that lie anywhere
 };
 
