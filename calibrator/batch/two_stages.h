@@ -3,8 +3,13 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/batch/resample.h"
 
 namespace plumbline {
 
@@ -23,5 +28,22 @@ std::optional<Eigen::Matrix<double, 7, 7>> covarianceOfCameras(const CameraImuSt
 /// sqrt(robust_std^2 + diag(J C J')). Empty where either stage has no robust deviations.
 std::optional<Eigen::VectorXd> robustStdOfBothStages(const CameraStageResult& camera,
                                                      const CameraImuStageResult& camera_imu);
+
+/// resampleCameraImu() through both stages: every draw's segments of time are those of the
+/// camera-IMU stage, and the camera batch is solved again on its own frames in them, from `camera`,
+/// before the camera-IMU batch holds what it found, board included. So the spread of T_SC0 has the
+/// cameras' in it. `session` has the board that the camera stage had. Where the camera-IMU batch
+/// refines the cameras itself, it starts from them.
+Result<ResampleSummary> resampleBothStages(const Session& session, const CameraStageResult& camera,
+                                           const CameraImuStageResult& camera_imu,
+                                           const ResampleOptions& resample,
+                                           const CameraStageOptions& camera_options,
+                                           const CameraImuOptions& camera_imu_options);
+
+/// Segments of `frames` (by time) that lie where the given segments of `other_frames` do: each from
+/// the stamp of its first frame to that of the first one behind it, the recording's ends included.
+std::vector<FrameSegment> segmentsAtTheSameTime(const std::vector<FrameSegment>& segments,
+                                                const std::vector<Frame>& other_frames,
+                                                const std::vector<Frame>& frames);
 
 }  // namespace plumbline

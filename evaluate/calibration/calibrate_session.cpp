@@ -84,9 +84,25 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
   return std::nullopt;
 }
 
+// Through both stages where both were solved; the camera batch starts from the board as stated.
+Result<ResampleSummary> resampledCameraImu(const CalibrateRequest& request, const Session& session,
+                                           const TargetShape& stated,
+                                           const CalibrationRecord& record) {
+  const ResampleOptions options = resampleOptions(request);
+  if (!record.camera) {
+    return resampleCameraImu(session, *record.camera_imu, options, request.camera_imu);
+  }
+  Session before = session;
+  before.target.shape = stated;
+  return resampleBothStages(before, *record.camera, *record.camera_imu, options, request.camera,
+                            request.camera_imu);
+}
+
+// `stated`: the board before the camera stage.
 std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const LoadedSession& loaded,
                                       const std::vector<CameraCalibration>& cameras,
-                                      const ProgressSink& progress, CalibrationRecord& record) {
+                                      const TargetShape& stated, const ProgressSink& progress,
+                                      CalibrationRecord& record) {
   progress("calibrating camera and IMU", -1);
   auto stage = calibrateCameraImu(loaded.session, cameras, request.camera_imu);
   if (!stage) return stage.failure();
@@ -104,8 +120,7 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   addLoading(loaded, record.camera_imu->summary.seconds);
   if (request.resamples > 0) {
     progress("resampling camera and IMU", -1);
-    const auto spread = resampleCameraImu(loaded.session, *record.camera_imu,
-                                          resampleOptions(request), request.camera_imu);
+    const auto spread = resampledCameraImu(request, loaded.session, stated, record);
     if (!spread) return spread.failure();
     record.camera_imu_resample = spreadOf(*spread, request.resamples);
   }
@@ -146,6 +161,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());
   CalibrationRecord record = emptyRecord(request, loaded);
   std::vector<CameraCalibration> cameras;
+  const TargetShape stated = loaded.session.target.shape;
   if (request.cameras_file) {
     cameras =
         matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, loaded.session);
@@ -169,7 +185,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   checkTargetLayout(loaded, cameras);
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
-    if (auto failure = cameraImuStage(request, loaded, cameras, progress, record)) {
+    if (auto failure = cameraImuStage(request, loaded, cameras, stated, progress, record)) {
       return locate(*failure, loaded, request.load.session);
     }
   }

@@ -9,21 +9,23 @@
 namespace plumbline {
 
 /// Cluster-robust ("sandwich") covariance of the cameras' parameters and the board's terms: with
-/// the reduced information S and the scores s_f of the frames (gradient of frame f's cost, its pose
-/// eliminated) summed over M blocks of time,
-///   S^-1 (sum_b s_b s_b^T) S^-1  M / (M - 1).
+/// the reduced information S and the scores s_b of M blocks of time (gradient of their cost, poses
+/// eliminated), adjusted for the block's leverage (clusterRobust()),
+///   S^-1 (sum_b u_b u_b^T) S^-1,   u_b = (I - H_b S^-1)^(-1/2) s_b,
 /// and S^-1 scatter S^-1 of what a known board's terms may be off by (TargetModel::scatter).
 /// It holds where corners err together within a block, or the model misfits: then the formal S^-1
-/// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise.
+/// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise, on recordings
+/// of any length.
 struct RobustCovariance {
   Eigen::MatrixXd matrix;         ///< in the order of CameraLayout
+  Eigen::VectorXd dof;            ///< Satterthwaite's, of every variance
   int blocks = 0;                 ///< M: the matrix has rank M - 1 at most
   double correlation_frames = 1;  ///< correlation length of the scores [frames]
 };
 
 /// At a solution. Blocks are equally many consecutive frames: two correlation lengths of the
 /// scores, where those are correlated, and 40 blocks at most; what neighbouring blocks share is
-/// made up for as if the correlation fell exponentially. Empty where fewer than 6 blocks are left,
+/// made up for as if the correlation fell exponentially. Empty where there are fewer than 6 frames,
 /// or S is singular.
 std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
                                                  const CameraSolution& solution);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -89,23 +90,35 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
                                             const ImuCalibration& imu,
                                             const CameraImuOptions& options = {});
 
+/// Cameras and board that a solution holds, in place of the earlier result's and the session's.
+struct HeldCameras {
+  std::vector<CameraCalibration> cameras;
+  TargetShape target;
+};
+
 /// Solves again, from an earlier result, with only the given segments of its frames (ascending,
 /// not overlapping), each cut loose from its neighbours: one draw of a bootstrap over time
 /// segments. No corner residuals are listed in the result. Corners that the earlier result rejected
 /// stay out.
-Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
-                                                  const CameraImuStageResult& earlier,
-                                                  const std::vector<FrameSegment>& segments,
-                                                  const CameraImuOptions& options = {});
+Result<CameraImuStageResult> recalibrateCameraImu(
+    const Session& session, const CameraImuStageResult& earlier,
+    const std::vector<FrameSegment>& segments, const CameraImuOptions& options = {},
+    const std::optional<HeldCameras>& held = std::nullopt);
+
+/// Cameras and board of one draw of the bootstrap, whose segments of the earlier frames are given;
+/// empty where they have no solution.
+using DrawnCameras = std::function<std::optional<HeldCameras>(const std::vector<FrameSegment>&)>;
 
 /// Solves the camera-IMU batch again on every draw of a bootstrap over time segments, each started
 /// from `earlier` under the options that gave it. Draws are shared out over resample.threads; the
 /// result does not depend on their number. Rows as in the covariance of `earlier` (tangent of
 /// T_SC0, time offset, freed cameras). Fails with kTooFewViews if fewer than two draws have a
-/// solution.
+/// solution. With `cameras` every draw holds those (resampleBothStages()), without them the
+/// earlier result's, and then the spread knows nothing of the cameras' errors.
 Result<ResampleSummary> resampleCameraImu(const Session& session,
                                           const CameraImuStageResult& earlier,
                                           const ResampleOptions& resample,
-                                          const CameraImuOptions& options = {});
+                                          const CameraImuOptions& options = {},
+                                          const DrawnCameras& cameras = {});
 
 }  // namespace plumbline

@@ -34,6 +34,12 @@ void append(const FrameSegment& segment, const CameraImuStageResult& earlier,
   }
 }
 
+void hold(const HeldCameras& held, CameraImuProblem& problem, CameraImuEstimate& estimate) {
+  estimate.cameras = held.cameras;
+  problem.target.shape = held.target;
+  for (PackedCorners& camera : problem.corners) camera.place(problem.target);
+}
+
 constexpr std::string_view kOwnOffset = "time_offset.cam";
 
 void append(std::vector<double>& to, const Eigen::VectorXd& values) {
@@ -60,11 +66,13 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
 Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
                                                   const CameraImuStageResult& earlier,
                                                   const std::vector<FrameSegment>& segments,
-                                                  const CameraImuOptions& options) {
+                                                  const CameraImuOptions& options,
+                                                  const std::optional<HeldCameras>& held) {
   assert(session.imu);
   CameraImuProblem problem = makeProblem(session, options);
   problem.corners = usedCorners(session, earlier.frames, earlier.residuals);
   CameraImuEstimate estimate = calibrationEstimate(earlier);
+  if (held) hold(*held, problem, estimate);
   const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
   const FrameSelectionOptions choice = selectionOptions(options, estimate.timeOffset());
   for (const FrameSegment& segment : segments) {
@@ -82,11 +90,17 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
 Result<ResampleSummary> resampleCameraImu(const Session& session,
                                           const CameraImuStageResult& earlier,
                                           const ResampleOptions& resample,
-                                          const CameraImuOptions& options) {
+                                          const CameraImuOptions& options,
+                                          const DrawnCameras& cameras) {
   CameraImuOptions one_thread = options;
   one_thread.threads = 1;
   const auto solve = [&](const std::vector<FrameSegment>& segments) {
-    const auto again = recalibrateCameraImu(session, earlier, segments, one_thread);
+    std::optional<HeldCameras> held;
+    if (cameras) {
+      held = cameras(segments);
+      if (!held) return std::optional<Eigen::VectorXd>();
+    }
+    const auto again = recalibrateCameraImu(session, earlier, segments, one_thread, held);
     if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
     return std::optional(difference(*again, earlier, options.free_cameras));
   };

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "calibrator/information/cluster_robust.h"
+
 namespace plumbline {
 namespace {
 
@@ -98,8 +100,7 @@ ScoreTests::ScoreTests(const Scores& scores, Terms model)
       gradient_(scores.gradient(model_)) {
   MatrixXd V = MatrixXd::Zero(S_.rows(), S_.cols());
   for (std::size_t b = 0; b < scores.count(); ++b) {
-    const VectorXd s =
-        scores.gradient(model_, b) - scores.information(model_, model_, b) * (S_ * gradient_);
+    const VectorXd s = scoreAtEstimate(b);
     V += s * s.transpose();
   }
   const auto n = static_cast<double>(scores.count());
@@ -112,6 +113,31 @@ Eigen::Matrix<double, 7, 1> ScoreTests::robustStd() const {
 
 Eigen::Matrix<double, 7, 1> ScoreTests::formalStd() const {
   return listed(S_.diagonal().cwiseSqrt());
+}
+
+VectorXd ScoreTests::scoreAtEstimate(std::size_t block) const {
+  return scores_.gradient(model_, block) -
+         scores_.information(model_, model_, block) * (S_ * gradient_);
+}
+
+Eigen::Matrix<double, 7, 1> ScoreTests::clusterRobustStd() const {
+  const auto count = static_cast<int>(scores_.count());
+  MatrixXd pieces(S_.rows(), count);
+  for (int b = 0; b < count; ++b) pieces.col(b) = scoreAtEstimate(static_cast<std::size_t>(b));
+  const double length = correlationLength(pieces, S_);
+  const int joined = blocksOf(count, length);
+  BlockScores blocks{MatrixXd::Zero(S_.rows(), joined), {}};
+  for (int j = 0; j < joined; ++j) {
+    MatrixXd information = MatrixXd::Zero(S_.rows(), S_.cols());
+    for (int b = j * count / joined; b < (j + 1) * count / joined; ++b) {
+      blocks.scores.col(j) += pieces.col(b);
+      information += scores_.information(model_, model_, static_cast<std::size_t>(b));
+    }
+    blocks.information.push_back(std::move(information));
+  }
+  const ClusterRobust robust = clusterRobust(blocks, S_);
+  const double share = shareWithin(static_cast<double>(count) / joined, length);
+  return listed((robust.matrix.diagonal() / share).cwiseSqrt());
 }
 
 MatrixXd ScoreTests::response(const Terms& held) const {

@@ -50,9 +50,14 @@ class ScoreTests {
   ScoreTests(const Scores& scores, Terms model);
 
   const Terms& model() const { return model_; }
-  /// Deviations of T_SC0 (3 m, 3 rad) and the time offset [s].
+  /// Deviations of T_SC0 (3 m, 3 rad) and the time offset [s]: robust ones by the blocks as they
+  /// are, of which the tests are made. As the calibration's they are too small on short recordings;
+  /// see clusterRobustStd().
   Eigen::Matrix<double, 7, 1> robustStd() const;
   Eigen::Matrix<double, 7, 1> formalStd() const;
+  /// Those of the calibration: adjusted for the leverage of every block, blocks joined where
+  /// neighbours correlate (calibrator/information/cluster_robust.h).
+  Eigen::Matrix<double, 7, 1> clusterRobustStd() const;
 
   /// How T_SC0 and the time offset follow parameters that are held: 7 rows, a column for each.
   Eigen::MatrixXd response(const Terms& held) const;
@@ -63,6 +68,8 @@ class ScoreTests {
   double overdispersion() const;
 
  private:
+  /// One block's score with the model at its estimate.
+  Eigen::VectorXd scoreAtEstimate(std::size_t block) const;
   /// Sum of s s' over blocks of the fault's scores, with fault and model at their estimates.
   Eigen::MatrixXd scatter(const Terms& fault, const Eigen::MatrixXd& P,
                           const Eigen::VectorXd& estimate) const;

@@ -2,6 +2,7 @@
 // T_SC0 with cameras that were estimated from the same recording: what their errors add is in its
 // covariance. White noise, seeds 1 to 24, the noise that was simulated.
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -103,6 +104,87 @@ TEST(TwoStagesStatistics, AndThoseOfTheBoard) {
   RecordProperty("nees_total", fmt::format("{:.1f}", sums.total));
   EXPECT_GT(sums.total, kLow);
   EXPECT_LT(sums.total, kHigh);
+}
+
+struct Solved {
+  SimulatedSession simulated;
+  CameraStageOptions camera_options;
+  CameraImuOptions camera_imu_options;
+  CameraStageResult camera;
+  CameraImuStageResult camera_imu;
+};
+
+/// One camera on a bent board, both of which are estimated.
+Solved bentBoard() {
+  SimulationOptions simulation = testing::noisyRecording(1, 20);
+  simulation.camera_rate_hz = 5;
+  simulation.target.shape.terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4,
+      -1e-4, 0;
+  Solved out{testing::simulate(simulation), {}, {}, {}, {}};
+  out.simulated.session.cameras.resize(1);
+  out.simulated.truth.cameras.resize(1);
+  out.camera_options.cauchy_px = 0;
+  out.camera_options.pixel_sigma = kSigma;
+  out.camera_options.target = TargetMode::kEstimate;
+  out.camera_imu_options = testing::matchedOptions(out.simulated, kSigma);
+  out.camera = calibrateCameras(out.simulated.session, out.camera_options).value();
+  Session placed = out.simulated.session;
+  placed.target.shape = out.camera.target;
+  out.camera_imu = calibrateCameraImu(placed, out.camera.cameras, out.camera_imu_options).value();
+  return out;
+}
+
+/// Mean over T_SC0 of the log of one spread over the other, as a factor.
+double factor(const Eigen::VectorXd& of, const Eigen::VectorXd& over) {
+  return std::exp((of.head<6>().array() / over.head<6>().array()).log().mean());
+}
+
+TEST(TwoStagesStatistics, TheBootstrapDrawsCamerasAndBoardToo) {
+  const Solved s = bentBoard();
+  ResampleOptions resample;
+  resample.draws = 30;
+  resample.segments = 10;
+  const auto both = [&] {
+    return resampleBothStages(s.simulated.session, s.camera, s.camera_imu, resample,
+                              s.camera_options, s.camera_imu_options);
+  };
+  const auto through = both();
+  Session placed = s.simulated.session;
+  placed.target.shape = s.camera.target;
+  const auto held = resampleCameraImu(placed, s.camera_imu, resample, s.camera_imu_options);
+  ASSERT_TRUE(through && held);
+  const auto total = robustStdOfBothStages(s.camera, s.camera_imu);
+  ASSERT_TRUE(total);
+  RecordProperty("factor", fmt::format("{:.2f}", factor(through->std, *total)));
+  RecordProperty("held", fmt::format("{:.2f}", factor(held->std, *total)));
+  // Ten segments are few and unlike: the spread is of the size of the deviations.
+  EXPECT_GT(factor(through->std, *total), 0.6);
+  EXPECT_LT(factor(through->std, *total), 1.8);
+  EXPECT_LT(factor(held->std, through->std), 0.8);  // knows nothing of cameras and board
+  resample.threads = 3;
+  const auto again = both();
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->draws, through->draws);
+}
+
+TEST(TwoStagesStatistics, SegmentsLieWhereTheOtherStagesDo) {
+  const auto frames = [](const std::vector<TimeNs>& stamps) {
+    std::vector<Frame> out;
+    for (const TimeNs t : stamps) out.push_back({t, {}});
+    return out;
+  };
+  const auto segments =
+      segmentsAtTheSameTime({{0, 2, 1}, {2, 1, 3}, {3, 1, 2}}, frames({10, 20, 30, 40}),
+                            frames({5, 12, 20, 29, 30, 41, 50}));
+  ASSERT_EQ(segments.size(), 3U);
+  EXPECT_EQ(segments[0].first, 0);  // what stands before the first frame belongs to it
+  EXPECT_EQ(segments[0].count, 4);
+  EXPECT_EQ(segments[1].first, 4);
+  EXPECT_EQ(segments[1].count, 1);
+  EXPECT_EQ(segments[1].weight, 3);
+  EXPECT_EQ(segments[2].count, 2);
+  // A segment without frames of this stage is left out.
+  EXPECT_TRUE(segmentsAtTheSameTime({{1, 1, 1}}, frames({10, 20, 30}), frames({5, 35})).empty());
 }
 
 }  // namespace

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/information/cluster_robust.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+
+namespace plumbline {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kUncorrelated = 0.1;  // where the correlation of pieces is taken to end
+constexpr double kLengths = 2;         // of it in a block
+// What a block alone determines leaves no residual to judge by: the score there is zero but for
+// rounding, which is not to be magnified.
+constexpr double kLeastRedundancy = 1e-3;
+
+/// (I - G)^(-1/2) of a block's leverage G, eigenvalues from 0 to 1.
+MatrixXd adjustment(const MatrixXd& leverage) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(leverage);
+  const VectorXd redundancy =
+      (1 - eigen.eigenvalues().array()).cwiseMax(kLeastRedundancy).cwiseMin(1);
+  return eigen.eigenvectors() * redundancy.cwiseSqrt().cwiseInverse().asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+/// Satterthwaite's of sum_b u_b^2, u_b = a_b' s_b, with the scores' covariance under white noise,
+/// G_b where b = c less G_b G_c. A column of a for every block.
+double degreesOfFreedom(const MatrixXd& a, const std::vector<MatrixXd>& leverage) {
+  MatrixXd Ga(a.rows(), a.cols());
+  for (Index b = 0; b < a.cols(); ++b) {
+    Ga.col(b) = leverage[static_cast<std::size_t>(b)] * a.col(b);
+  }
+  MatrixXd covariance = -(Ga.transpose() * Ga);
+  covariance.diagonal() += a.cwiseProduct(Ga).colwise().sum();
+  const double trace = covariance.trace();
+  return trace * trace / covariance.squaredNorm();
+}
+
+}  // namespace
+
+ClusterRobust clusterRobust(const BlockScores& blocks, const MatrixXd& covariance) {
+  assert(blocks.scores.cols() == static_cast<Index>(blocks.information.size()));
+  const Index n = covariance.rows();
+  const MatrixXd C = covariance.llt().matrixL();  // whitens: C' H_b C add up to I
+  std::vector<MatrixXd> leverage, adjust;
+  MatrixXd half(n, blocks.scores.cols());
+  for (const MatrixXd& information : blocks.information) {
+    const auto b = static_cast<Index>(leverage.size());
+    const MatrixXd G = C.transpose() * information * C;
+    leverage.emplace_back(0.5 * (G + G.transpose()));
+    adjust.push_back(adjustment(leverage.back()));
+    half.col(b) = adjust.back() * (C.transpose() * blocks.scores.col(b));
+  }
+  ClusterRobust out;
+  const MatrixXd root = C * half;
+  out.matrix = root * root.transpose();
+  out.dof.resize(n);
+  MatrixXd a(n, blocks.scores.cols());
+  for (Index k = 0; k < n; ++k) {
+    for (Index b = 0; b < a.cols(); ++b) {
+      a.col(b) = adjust[static_cast<std::size_t>(b)] * C.row(k).transpose();
+    }
+    out.dof(k) = degreesOfFreedom(a, leverage);
+  }
+  return out;
+}
+
+double correlationLength(const MatrixXd& scores, const MatrixXd& covariance) {
+  const MatrixXd half = covariance.llt().matrixU();
+  const MatrixXd white = half * scores;
+  const double power = white.squaredNorm();
+  if (!(power > 0)) return 1;
+  double length = 1;
+  const Index pieces = white.cols();
+  for (Index k = 1; k <= pieces / kLeastBlocks; ++k) {
+    const Index rest = pieces - k;
+    const double rho = white.leftCols(rest).cwiseProduct(white.rightCols(rest)).sum() / power;
+    if (rho < kUncorrelated) break;
+    length += 2 * rho;
+  }
+  return length;
+}
+
+int blocksOf(int pieces, double correlation_length) {
+  const double per_block = correlation_length > 1 ? kLengths * correlation_length : 1;
+  return std::max(std::min(kLeastBlocks, pieces), static_cast<int>(pieces / per_block));
+}
+
+double shareWithin(double pieces, double correlation_length) {
+  if (!(correlation_length > 1)) return 1;
+  const double x = 2 * pieces / correlation_length;
+  return 1 - (1 - std::exp(-x)) / x;
+}
+
+}  // namespace plumbline
