@@ -80,19 +80,13 @@ std::optional<std::vector<MatrixXd>> responses(BlockArrow chain, int threads) {
   chain.border_gradient = scale.cwiseProduct(chain.border_gradient);
   for (ChainBorderRows& rows : chain.to_border)
     rows.leftCols(n) = rows.leftCols(n) * scale.asDiagonal();
-  auto inverse = invertChain(chain, {0, threads});
+  const auto inverse = invertChain(chain, {0, threads});
   if (!inverse) return std::nullopt;
-  // Each of these holds a row of all columns for every state: what is done with is given back.
-  chain = BlockArrow();
-  inverse->covariance.diagonal = {};
-  inverse->covariance.next = {};
   const MatrixXd to_unscaled =
       inverse->solution.border_information * scale.cwiseInverse().asDiagonal();
   std::vector<MatrixXd> W;
-  for (auto& covariance : inverse->covariance.to_border) {
+  for (const auto& covariance : inverse->covariance.to_border)
     W.push_back(covariance * to_unscaled);
-    covariance.resize(Eigen::NoChange, 0);
-  }
   return W;
 }
 
@@ -135,11 +129,9 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   const auto views = viewTerms(problem, solution, columns);
   auto links = linkTerms(problem, solution, columns, out.sway_hz);
   if (!links) return std::nullopt;
-  {
-    const auto S = covarianceOf(problem, views, *links, columns.border.size);
-    if (!S) return std::nullopt;
-    out.jumps = placeJumps(problem, columns, *S, *links);
-  }
+  const auto S = covarianceOf(problem, views, *links, columns.border.size);
+  if (!S) return std::nullopt;
+  out.jumps = placeJumps(problem, columns, *S, *links);
   BlockArrow chain(problem.frameCount(), columns.size);
   for (const FaultViewTerms& v : views) addView(v, columns.size, chain);
   for (const LinkTerms& t : *links) addLink(t, columns.size, chain);
