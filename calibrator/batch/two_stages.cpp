@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 namespace plumbline {
 
@@ -58,10 +57,10 @@ Result<ResampleSummary> resampleBothStages(const Session& session, const CameraS
   one_thread.threads = 1;
   const auto draw = [&](const std::vector<FrameSegment>& segments) {
     std::optional<HeldCameras> held;
-    auto again = recalibrateCameras(
+    const auto again = recalibrateCameras(
         session, camera, segmentsAtTheSameTime(segments, camera_imu.frames, camera.frames),
         one_thread);
-    if (again && again->summary.converged) held = {std::move(again->cameras), again->target};
+    if (again && again->summary.converged) held = {again->cameras, again->target};
     return held;
   };
   return resampleCameraImu(session, camera_imu, resample, camera_imu_options, draw);
