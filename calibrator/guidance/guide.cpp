@@ -157,9 +157,4 @@ Result<CameraStageResult> Guide::cameraBatch() const {
   return state_->camera->batch();
 }
 
-Result<CameraImuStageResult> Guide::cameraImuBatch() const {
-  if (!state_->camera_imu) return notRun("camera-IMU");
-  return state_->camera_imu->batch();
-}
-
 }  // namespace plumbline

@@ -36,7 +36,6 @@ class Guide {
   /// The final batch of a stage over the frames that it kept: what the operator is given. Before
   /// the stage finishes: over those kept so far.
   Result<CameraStageResult> cameraBatch() const;
-  Result<CameraImuStageResult> cameraImuBatch() const;
 
  private:
   struct State;
