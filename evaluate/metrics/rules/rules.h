@@ -116,8 +116,9 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
 /// Stamps of frames that err one by one: rotation residuals along the motion, with opposite signs
 /// in neighbouring intervals, or reprojection errors that a shift of the stamp takes away.
 Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t);
-/// RMSE at the solution over that with every frame at the pose of its own corners: near 1 where
-/// frames and IMU agree.
+/// The corners' deviation that explains the noise of single frames' poses under the densities that
+/// fit best (ImuNoiseChecks::pose_pixel_sigma), over that of the corners about each frame's own
+/// pose: 1 and less where frames and IMU agree.
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// RMS of the whitened residuals of the whole chain over what the noise check, which cuts it into
 /// segments with biases of their own, expects of them: above 1 where the segments do not fit

@@ -111,18 +111,19 @@ Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresh
 }
 
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t) {
-  if (!stage.frame_errors || !(stage.frame_errors->free_rmse_px > 0)) return {};
-  const FrameErrors& e = *stage.frame_errors;
-  const double ratio = e.rmse_px / e.free_rmse_px;
+  const double of_poses = stage.imu_summary.noise.pose_pixel_sigma;
+  if (!stage.frame_errors || !(stage.frame_errors->free_rmse_px > 0) || !(of_poses > 0)) return {};
+  const double of_corners = stage.frame_errors->free_rmse_px / std::sqrt(2.0);
+  const double ratio = of_poses / of_corners;
   return {above(
       {"Frames against the IMU", "times", t.frames_against_imu,
-       "Poses by the corners and motion by the IMU contradict each other by more than the corners' "
-       "noise: see the rules on stamps, faults and noise densities; T_SC0 and the time offset are "
-       "less sure than their deviations say."},
+       "Frames' poses and the IMU's motion contradict each other by more than the noise of both: "
+       "see the rules on stamps, faults and noise densities; T_SC0 and the time offset are less "
+       "sure than their deviations say."},
       ratio,
-      fmt::format("{:.3f} px with the IMU, {:.3f} px where each frame takes its own pose: {:.2f} "
-                  "times",
-                  e.rmse_px, e.free_rmse_px, ratio))};
+      fmt::format("the poses of single frames err as corners of {:.3f} px would make them, and "
+                  "corners err by {:.3f} px where each frame takes its own pose: {:.2f} times",
+                  of_poses, of_corners, ratio))};
 }
 
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t) {

@@ -140,13 +140,15 @@ TEST(SampleRules, StampsThatJitterAreFoundInTheCornersToo) {
 TEST(SampleRules, FramesThatContradictTheImuAreNotGood) {
   CameraImuStageResult stage;
   EXPECT_TRUE(judgeFramePoses(stage, {}).empty());
-  const auto levelOf = [&](double rmse_px) {
-    stage.frame_errors = FrameErrors{rmse_px, 0.2, 1, 1, 0, 0};
+  stage.frame_errors = FrameErrors{0.3, std::sqrt(2.0) * 0.2, 1, 1, 0, 0};
+  EXPECT_TRUE(judgeFramePoses(stage, {}).empty());  // the noise was not checked
+  const auto levelOf = [&](double pose_pixel_sigma) {
+    stage.imu_summary.noise.pose_pixel_sigma = pose_pixel_sigma;
     return judgeFramePoses(stage, {}).front().level;
   };
-  EXPECT_EQ(levelOf(0.21), VerdictLevel::kGood);
-  EXPECT_EQ(levelOf(0.28), VerdictLevel::kCaution);
-  EXPECT_EQ(levelOf(0.5), VerdictLevel::kBad);
+  EXPECT_EQ(levelOf(0.19), VerdictLevel::kGood);
+  EXPECT_EQ(levelOf(0.48), VerdictLevel::kCaution);
+  EXPECT_EQ(levelOf(1.1), VerdictLevel::kBad);
 }
 
 }  // namespace
