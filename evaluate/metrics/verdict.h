@@ -50,15 +50,15 @@ struct VerdictThresholds {
   /// What the linear inertial fit leaves, over noise, from where its scale is not believed (bad is
   /// not used).
   Bound inertial_fit{2, 1e6};
-  Bound stamp_jitter_ms{0, 1e6};     ///< of frames' stamps [ms], above
-  Bound frames_against_imu{1.5, 5};  ///< noise of frames' poses over that of corners, above
-  Bound imu_spikes{0, 1e6};          ///< samples that their neighbours contradict, above
-  Bound repeated_views{0, 1e6};      ///< views that were delivered twice, above
-  Bound misplaced_tags{0, 1e6};      ///< tags with another's id, above
-  Bound false_corners{0.01, 0.5};    ///< share of corners far off where their view says, above
-  Bound clipped_samples{0, 1e6};     ///< samples of a channel at the end of its range, above
-  Bound isolated_residual{30, 1e6};  ///< largest inertial residual over their median, above
-  Bound long_residuals{2, 1e6};      ///< inertial residuals over what segments explain, above
+  Bound stamp_jitter_ms{0, 3};        ///< of frames' stamps [ms], above
+  Bound frames_against_imu{1.5, 10};  ///< noise of frames' poses over that of corners, above
+  Bound imu_spikes{0, 1e6};           ///< samples that their neighbours contradict, above
+  Bound repeated_views{0, 1e6};       ///< views that were delivered twice, above
+  Bound misplaced_tags{0, 1e6};       ///< tags with another's id, above
+  Bound false_corners{0.01, 0.5};     ///< share of corners far off where their view says, above
+  Bound clipped_samples{0, 1e6};      ///< samples of a channel at the end of its range, above
+  Bound isolated_residual{30, 1e6};   ///< largest inertial residual over their median, above
+  Bound long_residuals{2, 1e6};       ///< inertial residuals over what segments explain, above
   /// What an unmodelled fault moves the calibration by, in its standard deviations, above.
   Bound fault_sigma{1, 50};
   /// Chi-square of the halves' difference over what one recording in a hundred exceeds by chance,

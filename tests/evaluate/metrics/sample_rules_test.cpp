@@ -148,7 +148,7 @@ TEST(SampleRules, FramesThatContradictTheImuAreNotGood) {
   };
   EXPECT_EQ(levelOf(0.19), VerdictLevel::kGood);
   EXPECT_EQ(levelOf(0.48), VerdictLevel::kCaution);
-  EXPECT_EQ(levelOf(1.1), VerdictLevel::kBad);
+  EXPECT_EQ(levelOf(2.1), VerdictLevel::kBad);
 }
 
 }  // namespace
