@@ -120,7 +120,8 @@ Command simulateCommand() {
             declareSimulate(app, *options);
             app.require_subcommand(0, 1);
             std::vector<std::pair<CLI::App*, std::function<int()>>> subs;
-            for (const Command& command : {simulateStudyCommand(), simulateSequenceCommand()}) {
+            for (const Command& command :
+                 {simulateStudyCommand(), simulateSequenceCommand(), simulateOperatorCommand()}) {
               CLI::App* sub = app.add_subcommand(command.name, command.summary);
               sub->footer("Example:\n  " + command.example);
               subs.emplace_back(sub, command.configure(*sub));

@@ -43,6 +43,7 @@ Command evaluateCommand();  ///< with subcommands; the table is in command_evalu
 /// The subcommands of `simulate`.
 Command simulateStudyCommand();
 Command simulateSequenceCommand();
+Command simulateOperatorCommand();
 
 /// The subcommands of `evaluate`.
 Command evaluateTrajectoryCommand();

@@ -2,6 +2,7 @@
 #include "evaluate/simulation/operated_session.h"
 
 #include <optional>
+#include <utility>
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/guidance/guide.h"
@@ -40,6 +41,7 @@ class Recording {
     for (std::size_t c = 0; c < taken.corners.size(); ++c) {
       result_.session.cameras[c].views.push_back({taken.t, taken.corners[c]});
     }
+    result_.T_FC0.push_back(motion_.at(sensors_.exposureS(frame)).T_FB);
     keep(taken.imu);
     return taken;
   }
@@ -151,10 +153,12 @@ OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& opt
   int frame = 0;
   for (; frame < recording.frames(); ++frame) {
     const double t_s = recording.secondsAt(frame);
-    const Decision d = guide.step(recording.take(frame));
+    Decision d = guide.step(recording.take(frame));
+    d.round.reset();  // hundreds of candidates
     (d.stage == GuideStage::kCamera ? recording.result().camera_s
                                     : recording.result().camera_imu_s) += 1 / rig.camera_rate_hz;
     attention.see(d, t_s);
+    recording.result().decisions.push_back(std::move(d));
     const bool enough = options.trajectories > 0 && attention.followed() >= options.trajectories;
     recording.result().finished = guide.finished() || enough;
     if (recording.result().finished || recording.person().givesUp(t_s)) break;

@@ -12,6 +12,8 @@ namespace plumbline {
 /// A recording that a simulated person made.
 struct OperatedSession {
   Session session;
+  std::vector<Transform> T_FC0;         ///< where camera 0 was, frame by frame
+  std::vector<Decision> decisions;      ///< of the guide, frame by frame, without rounds' scores
   std::vector<Suggestion> suggestions;  ///< shown, in their order; none without a guide
   int reached = 0;                      ///< of them, by the guide's own rule
   bool finished = true;                 ///< false: the person gave up

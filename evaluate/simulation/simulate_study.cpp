@@ -15,6 +15,7 @@
 #include "datasets/session/session_writer.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/simulation/motion_capture.h"
+#include "evaluate/simulation/operated_files.h"
 #include "evaluate/simulation/operated_session.h"
 
 namespace plumbline {
@@ -25,19 +26,6 @@ namespace fs = std::filesystem;
 constexpr double kLongestSequence_s = 30;
 constexpr double kOwnClock_s = 3600;  // sessions begin an hour apart
 
-/// Bent across (RMS), half as much the other way along, a little stretched by its printer.
-TargetShape boardShape(const StudySimulationOptions& o) {
-  TargetShape shape;
-  const auto set = [&](const std::string& name, double value) {
-    const auto found = std::find(kTargetTermNames.begin(), kTargetTermNames.end(), name);
-    shape.terms[found - kTargetTermNames.begin()] = value;
-  };
-  set("z_xx", 1e-3 * o.board_bend_mm);
-  set("z_yy", -0.5e-3 * o.board_bend_mm);
-  set("stretch", 0.1e-3);
-  return shape;
-}
-
 SimulationOptions simulationOf(const StudySimulationOptions& o, double duration_s,
                                std::uint64_t seed) {
   SimulationOptions simulation;
@@ -45,7 +33,7 @@ SimulationOptions simulationOf(const StudySimulationOptions& o, double duration_
   simulation.trajectory.seed = seed;
   simulation.duration_s = duration_s;
   simulation.corner_sigma_px = o.corner_sigma_px;
-  simulation.target.shape = boardShape(o);
+  simulation.target.shape = bentBoard(o.board_bend_mm);
   return simulation;
 }
 
@@ -58,18 +46,6 @@ struct Visit {
   int suggestions = 0, reached = 0;
 };
 
-std::string suggestionsCsv(const std::vector<Suggestion>& suggestions) {
-  std::string text = "#t_ns,stage,id,tx [m],ty [m],tz [m],qx,qy,qz,qw\n";
-  for (const Suggestion& s : suggestions) {
-    const Eigen::Quaterniond q = s.T_FC0.quaternion();
-    fmt::format_to(std::back_inserter(text),
-                   "{},{},{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", s.t,
-                   toString(s.stage), s.id, s.T_FC0.t.x(), s.T_FC0.t.y(), s.T_FC0.t.z(), q.x(),
-                   q.y(), q.z(), q.w());
-  }
-  return text;
-}
-
 double rounded(double seconds) { return std::round(1e3 * seconds) / 1e3; }
 
 void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::size_t index,
@@ -80,7 +56,7 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
   operated.skill = v.visit->skill;
   operated.operator_seed = v.visit->seed;
   operated.trajectories = o.trajectories();
-  if (o.guide_board == GuideBoard::kMeasured) operated.guide_shape = boardShape(o);
+  if (o.guide_board == GuideBoard::kMeasured) operated.guide_shape = bentBoard(o.board_bend_mm);
   const bool guided = v.visit->method == "guided";
   OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
   made.session.name = v.visit->name;
@@ -172,21 +148,6 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
   return text;
 }
 
-Json jsonOf(const OperatorSkill& s) {
-  return {{"reaction_s", s.reaction_s},
-          {"speed_m_s", s.speed_m_s},
-          {"turn_rad_s", s.turn_rad_s},
-          {"position_error_m", s.position_error_m},
-          {"angle_error_rad", s.angle_error_rad},
-          {"correction_s", s.correction_s},
-          {"tremor_m", s.tremor_m},
-          {"tremor_rad", s.tremor_rad},
-          {"reach_rad", s.reach_rad},
-          {"roll_rad", s.roll_rad},
-          {"haste", s.haste},
-          {"patience_s", s.patience_s}};
-}
-
 std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
                     const std::vector<Visit>& visits, const std::vector<Json>& captures) {
   Json truth{{"schema", 1},
@@ -201,7 +162,7 @@ std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
                {"trajectories", o.trajectories()}}},
              {"rig", rig.name}};
   truth.update(toJson(rig.calibration));
-  truth["board"] = toJson(boardShape(o));
+  truth["board"] = toJson(bentBoard(o.board_bend_mm));
   Json sessions = Json::array();
   for (const Visit& v : visits) {
     Json session{{"name", v.visit->name},         {"participant", v.person->name},
@@ -209,7 +170,7 @@ std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
                  {"seed", v.visit->seed},         {"clumsiness", v.person->clumsiness},
                  {"gives_up", v.visit->gives_up}, {"finished", v.finished},
                  {"capture_s", v.capture_s},      {"suggestions", v.suggestions},
-                 {"reached", v.reached},          {"skill", jsonOf(v.visit->skill)}};
+                 {"reached", v.reached},          {"skill", toJson(v.visit->skill)}};
     sessions.push_back(std::move(session));
   }
   truth["sessions"] = std::move(sessions);

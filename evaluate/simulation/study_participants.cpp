@@ -14,26 +14,6 @@ namespace {
 
 constexpr double kGivesUpAfter = 0.4;  // of the duration
 
-double between(double skilled, double clumsy, double clumsiness) {
-  return skilled * std::pow(clumsy / skilled, clumsiness);
-}
-
-OperatorSkill skillOf(double c) {
-  OperatorSkill skill;
-  skill.reaction_s = between(0.3, 0.9, c);
-  skill.speed_m_s = between(0.55, 0.25, c);
-  skill.turn_rad_s = between(1.2, 0.6, c);
-  skill.position_error_m = between(0.02, 0.09, c);
-  skill.angle_error_rad = between(0.02, 0.1, c);
-  skill.correction_s = between(0.7, 2.2, c);
-  skill.tremor_m = between(2e-4, 8e-4, c);
-  skill.tremor_rad = between(8e-4, 3e-3, c);
-  skill.reach_rad = between(0.75, 0.3, c);
-  skill.roll_rad = between(0.7, 0.15, c);
-  skill.haste = between(1.9, 1.2, c);
-  return skill;
-}
-
 /// The skill of the second session.
 OperatorSkill practised(OperatorSkill skill, double learning) {
   for (double* smaller :
@@ -67,7 +47,7 @@ SimulatedVisit visitOf(const SimulatedParticipant& person, bool guided, int peri
   visit.method = guided ? "guided" : "free";
   visit.name = person.name + "_" + visit.method;
   visit.period = period;
-  visit.skill = skillOf(person.clumsiness);
+  visit.skill = handSkill(person.clumsiness);
   if (period > 1) visit.skill = practised(visit.skill, o.learning);
   const double own = random.uniform(0.85, 1.15) * (period > 1 ? o.learning : 1);
   visit.duration_s = guided ? o.limitS() : own * o.duration_s;

@@ -6,25 +6,15 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/lie.h"
-#include "calibrator/base/option_check.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kArrived_m = 0.08, kArrived_rad = 0.12;  // an own view is left from here on
+constexpr double kTurn_m = 0.01, kTurn_rad = 0.02;        // a view was passed far enough
 constexpr double kSmooth_s = 0.25;                        // in which a hand changes its speed
 constexpr double kApproach_s = 0.35;                      // in which it slows down before a goal
 constexpr double kPathDuration_s = 5;  // of a suggested trajectory, as the guide shows it
-
-/// A camera (x right, y down, z forward) at p that looks at `aim`, its x axis in the x-z plane of
-/// F.
-Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim) {
-  const Eigen::Vector3d z = (aim - p).normalized();
-  const Eigen::Vector3d x = Eigen::Vector3d(-z.z(), 0, z.x()).normalized();
-  Eigen::Matrix3d R;
-  R << x, z.cross(x), z;
-  return {R, p};
-}
 
 Eigen::Vector3d limited(const Eigen::Vector3d& v, double most) {
   const double norm = v.norm();
@@ -32,21 +22,6 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double most) {
 }
 
 }  // namespace
-
-void OperatorSkill::check() const {
-  requireWithin(0, 10, "skill.reaction_s", reaction_s);
-  requireWithin(1e-3, 10, "skill.speed_m_s", speed_m_s);
-  requireWithin(1e-3, 10, "skill.turn_rad_s", turn_rad_s);
-  requireWithin(0, 1, "skill.position_error_m", position_error_m);
-  requireWithin(0, 1, "skill.angle_error_rad", angle_error_rad);
-  requireWithin(1e-3, 100, "skill.correction_s", correction_s);
-  requireWithin(0, 0.1, "skill.tremor_m", tremor_m);
-  requireWithin(0, 0.1, "skill.tremor_rad", tremor_rad);
-  requireWithin(0, 1.2, "skill.reach_rad", reach_rad);
-  requireWithin(0, 3, "skill.roll_rad", roll_rad);
-  requireWithin(0.1, 10, "skill.haste", haste);
-  requireWithin(0, 1e5, "skill.patience_s", patience_s);
-}
 
 double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
   const int side = std::min(camera.resolution.width, camera.resolution.height);
@@ -58,12 +33,12 @@ SimulatedOperator::SimulatedOperator(const OperatorSkill& skill, const AprilGrid
                                      double distance_m, double spacing_s, std::uint64_t seed)
     : skill_(skill),
       centre_(0.5 * target.width(), 0.5 * target.height(), 0),
-      distance_m_(distance_m),
       spacing_s_(spacing_s),
+      own_views_(skill, target, distance_m),
       random_(seed, RandomPurpose::kTrajectory, {1}) {
   skill_.check();
-  pose_ = lookingAt(centre_ + Eigen::Vector3d(0, 0, 1.4 * distance_m_), centre_);
-  own_ = ownView();
+  pose_ = lookingAt(centre_ + Eigen::Vector3d(0, 0, 1.4 * distance_m), centre_);
+  own_ = own_views_.next(random_);
 }
 
 void SimulatedOperator::show(const std::optional<Suggestion>& suggestion, double t_s) {
@@ -73,7 +48,8 @@ void SimulatedOperator::show(const std::optional<Suggestion>& suggestion, double
 }
 
 void SimulatedOperator::go(double t_s) {
-  if (shown_ && !shown_->path.empty()) following_since_s_ = t_s + skill_.reaction_s;
+  if (shown_ && !shown_->path.empty() && ignored_ != shown_->id)
+    following_since_s_ = t_s + skill_.reaction_s;
 }
 
 bool SimulatedOperator::hasFollowed(double t_s) const {
@@ -85,47 +61,73 @@ Eigen::Vector3d SimulatedOperator::normal(double std) {
   return std * Eigen::Vector3d(x, y, z);
 }
 
-Transform SimulatedOperator::ownView() {
-  const double azimuth = random_.uniform(-1, 1) * skill_.reach_rad;
-  const double elevation = random_.uniform(-1, 1) * skill_.reach_rad;
-  const double distance = random_.uniform(0.85, 1.7) * distance_m_;
-  const double roll = random_.uniform(-1, 1) * skill_.roll_rad;
-  const Eigen::Vector3d aside(random_.uniform(-0.3, 0.3) * centre_.x(),
-                              random_.uniform(-0.3, 0.3) * centre_.y(), 0);
-  const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                                  std::cos(azimuth) * std::cos(elevation));
-  Transform view = lookingAt(centre_ + distance * direction, centre_ + aside);
-  view.R *= expSO3({0, 0, roll});
-  return view;
+double SimulatedOperator::tired() const { return 1 + skill_.fatigue_per_min * t_s_ / 60; }
+
+/// Whether what is shown is noticed and to be followed; decided once.
+bool SimulatedOperator::attends() {
+  if (!shown_ || t_s_ < shown_at_s_ + skill_.reaction_s || ignored_ == shown_->id) return false;
+  if (pursued_ && pursued_->id == shown_->id) return true;
+  if (skill_.compliance < 1 && random_.uniform() >= skill_.compliance) {
+    ignored_ = shown_->id;
+    return false;
+  }
+  begin(*shown_);
+  return true;
+}
+
+void SimulatedOperator::begin(const Suggestion& suggestion) {
+  pursued_ = suggestion;
+  noticed_at_s_ = t_s_;
+  error_ << normal(skill_.position_error_m), normal(skill_.angle_error_rad);
+  beyond_ = skill_.overshoot * boxminus(suggestion.T_FC0, pose_);
+  turned_back_at_s_.reset();
 }
 
 Transform SimulatedOperator::goal() {
-  const bool seen = shown_ && t_s_ >= shown_at_s_ + skill_.reaction_s;
-  if (!seen) {
-    pursued_.reset();
-    const Vector6d left = boxminus(own_, pose_);
-    if (left.head<3>().norm() < kArrived_m && left.tail<3>().norm() < kArrived_rad)
-      own_ = ownView();
-    return own_;
-  }
-  if (!pursued_ || pursued_->id != shown_->id) {
-    pursued_ = shown_;
-    arrived_at_s_ = t_s_;
-    error_ << normal(skill_.position_error_m), normal(skill_.angle_error_rad);
-  }
+  if (attends()) return suggestedGoal();
+  pursued_.reset();
+  const Vector6d left = boxminus(own_, pose_);
+  // Who keeps the board in view may not get nearer to a view than that allows.
+  const Vector6d allowed = boxminus(inView(own_), pose_);
+  if (std::min(left.head<3>().norm(), allowed.head<3>().norm()) < kArrived_m &&
+      std::min(left.tail<3>().norm(), allowed.tail<3>().norm()) < kArrived_rad)
+    own_ = own_views_.next(random_);
+  return own_;
+}
+
+Transform SimulatedOperator::suggestedGoal() {
   if (following_since_s_ && t_s_ >= *following_since_s_) {
     const double share = std::min(1.0, (t_s_ - *following_since_s_) / kPathDuration_s);
     const auto& path = pursued_->path;
     return path[static_cast<std::size_t>(share * static_cast<double>(path.size() - 1))];
   }
-  const double left = std::exp(-(t_s_ - arrived_at_s_) / skill_.correction_s);
-  return boxplus(pursued_->T_FC0, Vector6d(left * error_));
+  const Vector6d error = std::exp(-(t_s_ - noticed_at_s_) / skill_.correction_s) * error_;
+  const Transform turn = boxplus(pursued_->T_FC0, Vector6d(error + beyond_));
+  const Vector6d left = boxminus(turn, pose_);
+  if (!turned_back_at_s_ && left.head<3>().norm() < kTurn_m && left.tail<3>().norm() < kTurn_rad)
+    turned_back_at_s_ = t_s_;
+  if (!turned_back_at_s_) return turn;
+  const double beyond = std::exp(-(t_s_ - *turned_back_at_s_) / skill_.correction_s);
+  return boxplus(pursued_->T_FC0, Vector6d(error + beyond * beyond_));
+}
+
+/// The pose turned about the camera's position by as little as keeps the board's centre near
+/// enough to the axis.
+Transform SimulatedOperator::inView(const Transform& pose) const {
+  const Eigen::Vector3d z = pose.R.col(2), to = (centre_ - pose.t).normalized();
+  const double angle = std::atan2(z.cross(to).norm(), z.dot(to));
+  if (!(angle > skill_.off_axis_rad)) return pose;
+  const Eigen::Vector3d across = z.cross(to);
+  const Eigen::Vector3d axis =
+      across.norm() > 1e-9 ? Eigen::Vector3d(across.normalized()) : Eigen::Vector3d(pose.R.col(1));
+  return {Eigen::Matrix3d(expSO3((angle - skill_.off_axis_rad) * axis) * pose.R), pose.t};
 }
 
 // Speed follows what the distance asks for, within its limit, with a hand's delay.
 Transform SimulatedOperator::moved(const Transform& towards) {
-  const Vector6d left = boxminus(towards, pose_);
-  const double haste = hurries_ && !pursued_ ? skill_.haste : following_since_s_ ? 3 : 1;
+  const Vector6d left = boxminus(inView(towards), pose_);
+  const double freely = hurries_ && !pursued_ ? skill_.haste : following_since_s_ ? 3 : 1;
+  const double haste = freely / tired();
   const double smooth = 1 - std::exp(-spacing_s_ / kSmooth_s);
   const Eigen::Vector3d v = limited(left.head<3>() / kApproach_s, haste * skill_.speed_m_s);
   const Eigen::Vector3d w = limited(left.tail<3>() / kApproach_s, haste * skill_.turn_rad_s);
@@ -138,7 +140,7 @@ Transform SimulatedOperator::moved(const Transform& towards) {
 
 Transform SimulatedOperator::trembling(const Transform& pose) {
   Vector6d tremor;
-  tremor << normal(skill_.tremor_m), normal(skill_.tremor_rad);
+  tremor << normal(tired() * skill_.tremor_m), normal(tired() * skill_.tremor_rad);
   return boxplus(pose, tremor);
 }
 

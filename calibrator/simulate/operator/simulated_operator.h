@@ -9,35 +9,17 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/simulate/operator/own_views.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {
 
-/// How well a person moves a rig. The defaults are of someone who has done it a few times.
-struct OperatorSkill {
-  double reaction_s = 0.5;  ///< from what is shown to what is done about it [s]
-  double speed_m_s = 0.35;  ///< of the hand between views [m/s]
-  double turn_rad_s = 0.8;  ///< likewise [rad/s]
-  double position_error_m =
-      0.05;  ///< std per axis with which a view that is asked for is met at first
-  double angle_error_rad = 0.05;  ///< likewise, per axis
-  double correction_s = 1.2;      ///< time constant with which that error is seen and corrected
-  double tremor_m = 4e-4;         ///< std of the hand about its path, per axis
-  double tremor_rad = 1.5e-3;
-  double reach_rad = 0.6;   ///< how far around the board own views go, in azimuth and elevation
-  double roll_rad = 0.5;    ///< how far own views are rolled
-  double haste = 1.5;       ///< own motions for the IMU are so much faster than those for views
-  double patience_s = 600;  ///< gives up then
-
-  /// Throws InputError naming the field that is out of its range.
-  void check() const;
-};
-
-/// A person with a rig in front of a board. Between suggestions views are chosen as people choose
-/// them: around the board, near and far, rolled, one after the other. A suggested view is gone to
-/// after the reaction time and held, with an error that is corrected as it is seen; a suggested
-/// trajectory is begun at its start, held there until the guide says that it was reached, and then
-/// followed once. Speeds are limited, and every hand trembles.
+/// A person with a rig in front of a board. Between suggestions, and instead of those that are
+/// ignored, own views are gone to (OwnViews). A suggested view is gone to after the reaction time
+/// and held: it is passed by a share of the way to it, and met with an error, both corrected as
+/// they are seen. A suggested trajectory is begun at its start, held there until the guide says
+/// that it was reached, and then followed once. Speeds are limited, the board is kept in view,
+/// every hand trembles, and whoever tires is slower and trembles more.
 ///
 /// Motions come as poses T_FC0 at even spacing, for SplineMotion. Equal arguments give equal ones.
 class SimulatedOperator {
@@ -64,25 +46,32 @@ class SimulatedOperator {
   Transform next();
 
  private:
-  Transform ownView();
+  bool attends();
+  void begin(const Suggestion& suggestion);
   Transform goal();
+  Transform suggestedGoal();
+  Transform inView(const Transform& pose) const;
+  double tired() const;
   Transform moved(const Transform& towards);
   Transform trembling(const Transform& pose);
   Eigen::Vector3d normal(double std);
 
   OperatorSkill skill_;
   Eigen::Vector3d centre_;
-  double distance_m_;
   double spacing_s_;
+  OwnViews own_views_;
   RandomStream random_;
   double t_s_ = 0;
   bool hurries_ = false;
   Transform pose_, own_;
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero(), turning_ = Eigen::Vector3d::Zero();
   std::optional<Suggestion> shown_, pursued_;
-  double shown_at_s_ = 0, arrived_at_s_ = 0;
+  double shown_at_s_ = 0, noticed_at_s_ = 0;
   std::optional<double> following_since_s_;
-  Vector6d error_ = Vector6d::Zero();
+  std::optional<int> ignored_;              // id
+  Vector6d error_ = Vector6d::Zero();       // with which the view is met
+  Vector6d beyond_ = Vector6d::Zero();      // by which it is passed, ...
+  std::optional<double> turned_back_at_s_;  // until then
 };
 
 /// At which the board's longer side fills the shorter side of the image, at least 0.3 m.

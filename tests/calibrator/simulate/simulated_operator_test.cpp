@@ -2,6 +2,8 @@
 // A simulated person does what is asked for, as late, as slowly and as inexactly as skill says.
 #include "calibrator/simulate/operator/simulated_operator.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
@@ -118,6 +120,120 @@ TEST(SimulatedOperator, TremblesByItsSkill) {
   double squares = 0;
   for (int k = 0; k < 400; ++k) squares += (p.next().t - view.T_FC0.t).squaredNorm() / 1200;
   EXPECT_NEAR(std::sqrt(squares), 1e-3, 1e-4);
+}
+
+// On the straight way to a view the hand passes it by the share of the way, and comes back.
+TEST(SimulatedOperator, PassesAViewByItsShareOfTheWay) {
+  for (const double share : {0.0, 0.1, 0.2}) {
+    OperatorSkill skill = exact();
+    skill.reaction_s = 0;
+    skill.overshoot = share;
+    SimulatedOperator p = person(skill);
+    const Eigen::Vector3d begin = p.next().t;
+    const Suggestion view = viewAt({0.8, 0.3, 1.4});
+    p.show(view, 0);
+    const Eigen::Vector3d way = view.T_FC0.t - begin;
+    double farthest = 0;
+    for (int k = 0; k < 200; ++k) {
+      farthest = std::max(farthest, (p.next().t - begin).dot(way) / way.squaredNorm());
+    }
+    // A hand drifts on by some per cent as it slows down, whatever it means to do.
+    EXPECT_NEAR(farthest, 1 + share, 0.06) << share;
+    EXPECT_LT((p.next().t - view.T_FC0.t).norm(), 5e-3) << "and comes back";
+  }
+}
+
+/// The way of the hand in the ten seconds after `from_s` [m].
+double wayInTenSeconds(const OperatorSkill& skill, double from_s) {
+  SimulatedOperator p = person(skill);
+  for (int k = 0; k < from_s / kSpacing; ++k) p.next();
+  double way = 0;
+  Transform last = p.next();
+  for (int k = 0; k < 100; ++k) {
+    const Transform now = p.next();
+    way += (now.t - last.t).norm();
+    last = now;
+  }
+  return way;
+}
+
+TEST(SimulatedOperator, TiresWithTime) {
+  OperatorSkill skill = exact();
+  skill.speed_m_s = 0.15;  // speed is what limits it
+  const double fresh = wayInTenSeconds(skill, 295);
+  skill.fatigue_per_min = 0.2;  // after five minutes half as fast
+  EXPECT_NEAR(wayInTenSeconds(skill, 295) / fresh, 0.5, 0.1);
+  skill = exact();
+  skill.tremor_m = 1e-3;
+  skill.fatigue_per_min = 0.2;
+  SimulatedOperator p = person(skill);
+  const Suggestion view = viewAt({0.2, 0.3, 1.1});
+  p.show(view, 0);
+  for (int k = 0; k < 2800; ++k) p.next();
+  double squares = 0;
+  for (int k = 0; k < 400; ++k) squares += (p.next().t - view.T_FC0.t).squaredNorm() / 1200;
+  EXPECT_NEAR(std::sqrt(squares), 2e-3, 2e-4) << "and trembles twice as much";
+}
+
+TEST(SimulatedOperator, FollowsTheShareOfSuggestionsOfItsCompliance) {
+  OperatorSkill skill = exact();
+  skill.reaction_s = 0;
+  skill.compliance = 0.7;
+  int followed = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SimulatedOperator p = person(skill, seed);
+    const Suggestion view = viewAt({0.21, 0.33, 1.13});
+    p.show(view, 0);
+    for (int k = 0; k < 120; ++k) p.next();
+    followed += (p.next().t - view.T_FC0.t).norm() < 1e-3 ? 1 : 0;
+  }
+  EXPECT_NEAR(followed / 300.0, 0.7, 0.08);  // three standard deviations
+}
+
+TEST(SimulatedOperator, KeepsTheBoardInView) {
+  OperatorSkill skill = exact();
+  skill.off_axis_rad = 0.3;
+  const AprilGrid target;
+  const Eigen::Vector3d centre(0.5 * target.width(), 0.5 * target.height(), 0);
+  SimulatedOperator p = person(skill);
+  Suggestion away = viewAt({0.3, 0.3, 1.2});
+  away.T_FC0.R = away.T_FC0.R * expSO3({0, 0.8, 0});  // the board would be 46 degrees aside
+  p.show(away, 0);
+  for (int k = 0; k < 150; ++k) p.next();
+  const Eigen::Vector3d seen = p.next().inverse() * centre;
+  EXPECT_NEAR(std::atan2(seen.head<2>().norm(), seen.z()), 0.3, 0.02);
+}
+
+// About each axis of the camera in turn, then along each, three times to and fro.
+TEST(OwnViews, DanceAboutAndAlongEachAxis) {
+  OperatorSkill skill = exact();
+  skill.own_views = OwnViewsKind::kDance;
+  OwnViews views(skill, AprilGrid(), 1.0);
+  RandomStream random(1, RandomPurpose::kTrajectory, {1});
+  for (int axis = 0; axis < 6; ++axis) {
+    for (int time = 0; time < 3; ++time) {
+      const Transform to = views.next(random), fro = views.next(random);
+      const Eigen::Vector3d turn = logSO3(fro.R.transpose() * to.R), way = to.t - fro.t;
+      const Eigen::Vector3d moved = axis < 3 ? turn : way, still = axis < 3 ? way : turn;
+      EXPECT_LT(still.norm(), 1e-9);
+      EXPECT_GT(moved[axis % 3], 0.2);
+      EXPECT_NEAR(moved.norm(), moved[axis % 3], 1e-9);
+    }
+  }
+  const Transform one = views.next(random), other = views.next(random);
+  EXPECT_GT((one.t - other.t).norm(), 0.05) << "then all around";
+  EXPECT_GT(rotationAngle(one.R.transpose() * other.R), 0.05);
+}
+
+TEST(PersonSkill, GoesFromTheMostSkilledToTheLeast) {
+  const OperatorSkill expert = personSkill(0), novice = personSkill(1);
+  EXPECT_LT(expert.reaction_s, novice.reaction_s);
+  EXPECT_LT(expert.overshoot, novice.overshoot);
+  EXPECT_LT(expert.fatigue_per_min, novice.fatigue_per_min);
+  EXPECT_EQ(expert.compliance, 1);
+  EXPECT_LT(novice.compliance, 0.9);
+  EXPECT_GT(expert.speed_m_s, personSkill(0.5).speed_m_s);
+  novice.check();
 }
 
 TEST(SimulatedOperator, LosesPatienceWhenItIsOver) {

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/lie.h"
+#include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/terminal.h"
+#include "evaluate/simulation/simulate_operator.h"
+
+namespace plumbline {
+namespace {
+
+/// A figure of the skill on the command line, in the unit of its option.
+struct SkillFigure {
+  const char* option;
+  double OperatorSkill::*figure;
+  double unit;
+  const char* text;
+};
+
+constexpr SkillFigure kFigures[] = {
+    {"--reaction-s", &OperatorSkill::reaction_s, 1, "From what is shown to what is done [s]"},
+    {"--speed", &OperatorSkill::speed_m_s, 1, "Of the hand [m/s]"},
+    {"--turn", &OperatorSkill::turn_rad_s, kDegree, "Likewise [deg/s]"},
+    {"--position-error-mm", &OperatorSkill::position_error_m, 1e-3,
+     "With which a suggested view is met at first, std [mm]"},
+    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree, "Likewise [deg]"},
+    {"--correction-s", &OperatorSkill::correction_s, 1, "In which errors are corrected [s]"},
+    {"--overshoot", &OperatorSkill::overshoot, 1,
+     "Share of the way by which a suggested view is passed"},
+    {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, "Of the hand, std [mm]"},
+    {"--tremor", &OperatorSkill::tremor_rad, kDegree, "Likewise [deg]"},
+    {"--off-axis", &OperatorSkill::off_axis_rad, kDegree,
+     "The board's centre is kept so near the axis of camera 0 [deg]"},
+    {"--fatigue", &OperatorSkill::fatigue_per_min, 1,
+     "Per minute: growth of tremor, and of slowness"},
+    {"--compliance", &OperatorSkill::compliance, 1, "Share of the suggestions that are followed"},
+    {"--patience-s", &OperatorSkill::patience_s, 1, "Gives up then [s]"},
+};
+
+struct SimulateOperatorOptions {
+  OutputOptions output;
+  std::string skill = "practised";
+  std::string method = toString(OperatorMethod::kGuided);
+  std::string criterion = toString(ViewCriterion::kMutualInformation);
+  std::string guide_board = toString(GuideBoard::kMeasured);
+  std::array<std::optional<double>, std::size(kFigures)> figures;
+  OperatorSimulationOptions simulation;
+};
+
+void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
+  auto& s = o.simulation;
+  o.output.declare(app, "Folder to write")->required();
+  app.add_option("--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
+      ->capture_default_str();
+  app.add_option("--method", o.method,
+                 "guided; free (views around the board, then faster motion); dance (to and fro "
+                 "along and about each axis, then faster)")
+      ->check(CLI::IsMember({"guided", "free", "dance"}))
+      ->capture_default_str();
+  app.add_option("--criterion", o.criterion, "The guide chooses by mi or by predicted-error")
+      ->capture_default_str();
+  app.add_option("--skill", o.skill,
+                 "expert, practised, novice, or a clumsiness from 0 to 1; single figures follow")
+      ->capture_default_str();
+  for (std::size_t i = 0; i < std::size(kFigures); ++i) {
+    app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
+  }
+  app.add_option("--duration", s.duration_s,
+                 "Length of a recording without guide, at which a guided one ends at last [s]")
+      ->check(CLI::Range(5.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--trajectories", s.trajectories,
+                 "Guided: over after so many trajectories, if the guide is not done before (0: no "
+                 "limit)")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  app.add_option("--seed", s.seed, "Seed of person and noise: same seed, same bytes")
+      ->check(seedFrom(0))
+      ->capture_default_str();
+  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
+      ->capture_default_str();
+  app.add_option("--board-bend-mm", s.board_bend_mm, "Bend of the board across, RMS [mm]")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  app.add_option("--guide-board", o.guide_board,
+                 "What the guide knows of the board's shape: measured (all), flat (nothing)")
+      ->check(CLI::IsMember({"measured", "flat"}))
+      ->capture_default_str();
+  app.add_flag("--judge", s.judge, "Also find out when the recording was enough");
+}
+
+OperatorSkill skillFrom(const std::string& word) {
+  if (word == "expert") return personSkill(0);
+  if (word == "practised") return personSkill(0.5);
+  if (word == "novice") return personSkill(1);
+  char* end = nullptr;
+  const double clumsiness = std::strtod(word.c_str(), &end);
+  if (word.empty() || *end != '\0' || !(clumsiness >= 0 && clumsiness <= 1)) {
+    throw InputError(fmt::format(
+        "--skill {}: expected expert, practised, novice, or a clumsiness from 0 to 1", word));
+  }
+  return personSkill(clumsiness);
+}
+
+OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
+  OperatorSimulationOptions s = o.simulation;
+  s.method = *enumFrom<OperatorMethod>(o.method);
+  s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
+  s.guide.views.criterion = viewCriterionFrom(o.criterion);
+  s.skill = skillFrom(o.skill);
+  for (std::size_t i = 0; i < std::size(kFigures); ++i) {
+    if (o.figures[i]) s.skill.*kFigures[i].figure = kFigures[i].unit * *o.figures[i];
+  }
+  s.check();
+  return s;
+}
+
+std::string convergenceText(const char* what, const StageConvergence& stage) {
+  const std::string right = stage.right_s ? fmt::format("right after {:.1f} s and {} views",
+                                                        *stage.right_s, *stage.right_views)
+                                          : "not right at the end";
+  const std::string stop =
+      stage.stopped_s ? fmt::format("; the guide stopped after {:.1f} s", *stage.stopped_s) : "";
+  return fmt::format("{}: {}{}\n", what, right, stop);
+}
+
+int simulateOperatorFolder(const SimulateOperatorOptions& o) {
+  const OperatorSimulationOptions simulation = simulationOf(o);
+  OutputFolder out(o.output.request("session"));
+  const OperatorSimulationSummary made = simulateOperator(simulation, out.path());
+  out.commit();
+  say("Simulated a person ({}, {}, seed {}) in {}: {:.1f} s for the cameras, {:.1f} s for the IMU, "
+      "{}\n",
+      o.skill, o.method, simulation.seed, o.output.out, made.camera_s, made.camera_imu_s,
+      made.finished ? "finished" : "given up or out of time");
+  if (simulation.method == OperatorMethod::kGuided) {
+    say("{} of {} suggestions reached\n", made.reached, made.suggestions);
+  }
+  if (made.convergence) {
+    say("{}", convergenceText("Cameras (0.1 px)", made.convergence->cameras));
+    say("{}", convergenceText("T_SC0 (1 mm, 0.05 deg)", made.convergence->camera_imu));
+  }
+  say("Run it: plumbline replay {0} --out replay; the truth is in {0}/truth\n", o.output.out);
+  return kDone;
+}
+
+}  // namespace
+
+Command simulateOperatorCommand() {
+  return {"operator", "Make a recording by a simulated person, guided or not, whose truth is known",
+          "plumbline simulate operator --skill novice --out session", [](CLI::App& app) {
+            auto options = std::make_shared<SimulateOperatorOptions>();
+            declareSimulateOperator(app, *options);
+            return std::function<int()>([options] { return simulateOperatorFolder(*options); });
+          }};
+}
+
+}  // namespace plumbline

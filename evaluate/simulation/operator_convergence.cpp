@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/simulation/operator_convergence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "calibrator/base/option_check.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/compare/projection_difference.h"
+
+namespace plumbline {
+namespace {
+
+/// Positions of the frames that a calibration at t_s stands on.
+struct Checkpoint {
+  double t_s = 0;
+  std::vector<int> frames;
+};
+
+class Judge {
+ public:
+  Judge(const OperatedSession& operated, const OperatedOptions& made, const Calibration& truth,
+        const ConvergenceOptions& options)
+      : operated_(operated), made_(made), truth_(truth), options_(options) {}
+
+  OperatedConvergence judged() {
+    OperatedConvergence c;
+    c.cameras = stage(cameraCheckpoints(), [&](const Checkpoint& at) { return camerasAt(at); });
+    if (!cameras_.empty()) {
+      c.camera_imu = stage(imuCheckpoints(), [&](const Checkpoint& at) { return imuAt(at); });
+    }
+    for (const Decision& d : operated_.decisions) {
+      if (d.mode != GuideMode::kFinished) continue;
+      StageConvergence& s = d.stage == GuideStage::kCamera ? c.cameras : c.camera_imu;
+      if (!s.stopped_s) s.stopped_s = secondsAt(d.frame) - beginOf(d.stage);
+    }
+    return c;
+  }
+
+ private:
+  double secondsAt(int frame) const {
+    const auto& views = operated_.session.cameras.front().views;
+    return secondsBetween(views.front().t, views[static_cast<std::size_t>(frame)].t);
+  }
+  int frames() const { return static_cast<int>(operated_.session.cameras.front().views.size()); }
+  double beginOf(GuideStage stage) const {
+    return stage == GuideStage::kCamera ? 0 : operated_.camera_s;
+  }
+
+  /// Calibrates at each until it has been right often enough, and at the last.
+  template <class At>
+  StageConvergence stage(const std::vector<Checkpoint>& checkpoints, const At& at) {
+    StageConvergence s;
+    int right = 0;
+    for (const Checkpoint& checkpoint : checkpoints) {
+      const bool last = &checkpoint == &checkpoints.back();
+      if (right >= options_.in_a_row && !last) continue;
+      const ConvergencePoint point = at(checkpoint);
+      if (last) s.at_end = point;
+      if (right >= options_.in_a_row) break;
+      s.points.push_back(point);
+      right = point.right ? right + 1 : 0;
+    }
+    // Right at the end, but not so often in a row: from the first of those.
+    if (right == 0) return s;
+    const ConvergencePoint& first = s.points[s.points.size() - static_cast<std::size_t>(right)];
+    s.right_s = first.t_s;
+    s.right_views = first.views;
+    return s;
+  }
+
+  /// Of a guided recording: after views that the guide kept.
+  std::vector<Checkpoint> cameraCheckpoints() const {
+    if (operated_.decisions.empty()) return evenly(GuideStage::kCamera, options_.stride_s);
+    std::vector<Checkpoint> all;
+    std::vector<int> kept;
+    double next = 0;
+    for (const Decision& d : operated_.decisions) {
+      if (d.stage != GuideStage::kCamera) break;
+      for (const int gone : d.withdrawn) std::erase(kept, gone);
+      if (d.accepted) kept.push_back(d.frame);
+      const bool changed = d.accepted || !d.withdrawn.empty();
+      if (!changed || d.mode == GuideMode::kInitialising) continue;
+      if (static_cast<double>(kept.size()) >= next || d.mode == GuideMode::kFinished) {
+        all.push_back({secondsAt(d.frame), kept});
+        next = options_.growth * static_cast<double>(kept.size());
+      }
+    }
+    if (!all.empty() && all.back().frames != kept) all.push_back({operated_.camera_s, kept});
+    return all;
+  }
+
+  std::vector<Checkpoint> imuCheckpoints() const { return evenly(GuideStage::kCameraImu, 0); }
+
+  /// Frames of a stage at least `apart_s` apart, for times that grow geometrically.
+  std::vector<Checkpoint> evenly(GuideStage stage, double apart_s) const {
+    const double begin = beginOf(stage);
+    const double end = stage == GuideStage::kCamera ? operated_.camera_s
+                                                    : operated_.camera_s + operated_.camera_imu_s;
+    std::vector<Checkpoint> all;
+    std::vector<int> taken;
+    double next_s = options_.first_s, last_s = -std::numeric_limits<double>::infinity();
+    for (int k = 0; k < frames(); ++k) {
+      const double t_s = secondsAt(k);
+      if (t_s < begin || t_s >= end) continue;
+      if (t_s >= last_s + apart_s - 1e-6) taken.push_back(k), last_s = t_s;
+      if (t_s - begin < next_s) continue;
+      all.push_back({t_s - begin, taken});
+      next_s *= options_.growth;
+    }
+    if (!taken.empty() && (all.empty() || all.back().frames != taken)) {
+      all.push_back({end - begin, taken});
+    }
+    return all;
+  }
+
+  Session recordingOf(const std::vector<int>& frames) const {
+    Session session = operated_.session;
+    session.target.shape = made_.guide_shape;
+    for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+      session.cameras[c].views.clear();
+      const auto& all = operated_.session.cameras[c].views;
+      for (const int k : frames)
+        session.cameras[c].views.push_back(all[static_cast<std::size_t>(k)]);
+    }
+    if (session.imu) {
+      const auto& views = session.cameras.front().views;
+      const TimeNs margin = toNanoseconds(made_.arrival_s);
+      std::erase_if(session.imu->samples, [&](const ImuSample& s) {
+        return s.t < views.front().t - margin || s.t > views.back().t + margin;
+      });
+    }
+    return session;
+  }
+
+  ConvergencePoint camerasAt(const Checkpoint& at) {
+    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, false};
+    Session session = recordingOf(at.frames);
+    session.imu.reset();
+    const auto found = calibrateCameras(session);
+    if (!found) return point;
+    cameras_ = found->cameras;
+    point.projection_px = 0;
+    for (std::size_t c = 0; c < cameras_.size(); ++c) {
+      point.projection_px =
+          std::max(*point.projection_px,
+                   trueProjectionErrorPx(truth_.cameras[c].intrinsics, cameras_[c].intrinsics));
+    }
+    point.right = *point.projection_px <= options_.projection_px;
+    return point;
+  }
+
+  ConvergencePoint imuAt(const Checkpoint& at) {
+    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, false};
+    CameraImuOptions stage;
+    stage.noise_check = stage.diagnose_faults = false;
+    const auto found = calibrateCameraImu(recordingOf(at.frames), cameras_, stage);
+    if (!found) return point;
+    const Transform& T_SC0 = truth_.imu->T_SC0;
+    point.translation_m = (found->imu.T_SC0.t - T_SC0.t).norm();
+    point.rotation_rad = rotationAngle(found->imu.T_SC0.R.transpose() * T_SC0.R);
+    point.right = *point.translation_m <= options_.translation_m &&
+                  *point.rotation_rad <= options_.rotation_rad;
+    return point;
+  }
+
+  const OperatedSession& operated_;
+  const OperatedOptions& made_;
+  const Calibration& truth_;
+  ConvergenceOptions options_;
+  std::vector<CameraCalibration> cameras_;  // of the last calibration
+};
+
+}  // namespace
+
+void ConvergenceOptions::check() const {
+  requireWithin(1e-6, 1e3, "projection_px", projection_px);
+  requireWithin(1e-9, 1e3, "translation_m", translation_m);
+  requireWithin(1e-9, 4, "rotation_rad", rotation_rad);
+  requireWithin(1, 100, "in_a_row", in_a_row);
+  requireWithin(0.1, 1e3, "first_s", first_s);
+  requireWithin(1.01, 10, "growth", growth);
+  requireWithin(0, 10, "stride_s", stride_s);
+}
+
+double trueProjectionErrorPx(const Intrinsics& truth, const Intrinsics& estimate) {
+  DifferenceOptions whole;
+  whole.weights.assign(static_cast<std::size_t>(whole.grid.size()), 1.0);
+  const auto difference = projectionDifference(truth, estimate, whole);
+  double squares = 0;
+  int defined = 0;
+  if (difference) {
+    for (const Eigen::Vector2d& d : difference->vectors) {
+      if (!d.allFinite()) continue;
+      squares += d.squaredNorm();
+      ++defined;
+    }
+  }
+  // Pixels that the estimate does not see at all must not make it look better.
+  if (2 * defined < whole.grid.size()) return std::numeric_limits<double>::infinity();
+  return std::sqrt(squares / defined);
+}
+
+OperatedConvergence convergenceOf(const OperatedSession& operated, const OperatedOptions& made,
+                                  const Calibration& truth, const ConvergenceOptions& options) {
+  options.check();
+  return Judge(operated, made, truth, options).judged();
+}
+
+}  // namespace plumbline

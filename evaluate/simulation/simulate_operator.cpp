@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/simulation/simulate_operator.h"
+
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibrator/base/option_check.h"
+#include "calibrator/fields/calibration_fields.h"
+#include "calibrator/fields/json_fields.h"
+#include "calibrator/simulate/rig.h"
+#include "datasets/calibration/kalibr_writer.h"
+#include "datasets/files/file_io.h"
+#include "datasets/session/session_writer.h"
+#include "datasets/session/target_shape.h"
+#include "evaluate/simulation/operated_files.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+OperatedOptions operatedOptions(const OperatorSimulationOptions& o) {
+  OperatedOptions operated;
+  operated.simulation.seed = operated.simulation.trajectory.seed = o.seed;
+  operated.simulation.duration_s = o.duration_s;
+  operated.simulation.corner_sigma_px = o.corner_sigma_px;
+  operated.simulation.target.shape = bentBoard(o.board_bend_mm);
+  operated.skill = o.skill;
+  if (o.method == OperatorMethod::kDance) operated.skill.own_views = OwnViewsKind::kDance;
+  operated.guide = o.guide;
+  if (o.guide_board == GuideBoard::kMeasured) {
+    operated.guide_shape = operated.simulation.target.shape;
+  }
+  operated.trajectories = o.trajectories;
+  operated.operator_seed = o.seed;
+  return operated;
+}
+
+std::string posesCsv(const OperatedSession& made) {
+  std::string text = "#t_ns,tx [m],ty [m],tz [m],qx,qy,qz,qw\n";
+  const auto& views = made.session.cameras.front().views;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const Transform& T = made.T_FC0[k];
+    const Eigen::Quaterniond q = T.quaternion();
+    fmt::format_to(std::back_inserter(text),
+                   "{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n", views[k].t,
+                   T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  return text;
+}
+
+/// What became of every suggestion, times since the first frame.
+Json outcomesOf(const OperatedSession& made) {
+  const TimeNs begin = made.session.cameras.front().views.front().t;
+  Json all = Json::array();
+  for (const Suggestion& s : made.suggestions) {
+    Json one{{"id", s.id},
+             {"stage", toString(s.stage)},
+             {"candidate", s.candidate},
+             {"shown_s", secondsBetween(begin, s.t)},
+             {"end", toString(SuggestionEvent::kNone)}};
+    for (const Decision& d : made.decisions) {
+      const bool ends = d.event == SuggestionEvent::kReached ||
+                        d.event == SuggestionEvent::kExpired ||
+                        d.event == SuggestionEvent::kWithdrawn;
+      if (!ends || d.suggestion != s.id) continue;
+      one["end"] = toString(d.event);
+      one["after_s"] = secondsBetween(s.t, d.t);
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operated) {
+  return {{"method", toString(o.method)},
+          {"criterion", toString(o.guide.views.criterion)},
+          {"seed", o.seed},
+          {"duration_s", o.duration_s},
+          {"corner_sigma_px", o.corner_sigma_px},
+          {"board_bend_mm", o.board_bend_mm},
+          {"guide_board", toString(o.guide_board)},
+          {"trajectories", o.trajectories},
+          {"skill", toJson(operated.skill)}};
+}
+
+std::string truthOf(const SimulatedRig& rig, const OperatorSimulationOptions& o,
+                    const OperatedOptions& operated, const OperatedSession& made,
+                    const OperatorSimulationSummary& summary) {
+  Json truth{{"schema", 1}, {"rig", rig.name}, {"options", optionsOf(o, operated)}};
+  truth.update(toJson(rig.calibration));
+  truth["board"] = toJson(operated.simulation.target.shape);
+  truth["finished"] = made.finished;
+  truth["camera_s"] = made.camera_s;
+  truth["camera_imu_s"] = made.camera_imu_s;
+  truth["reached"] = made.reached;
+  truth["suggestions"] = outcomesOf(made);
+  if (summary.convergence) truth["convergence"] = toJson(*summary.convergence);
+  return truth.dump(2) + "\n";
+}
+
+}  // namespace
+
+void OperatorSimulationOptions::check() const {
+  skill.check();
+  guide.check();
+  requireWithin(5, 3600, "duration_s", duration_s);
+  requireWithin(0, 100, "corner_sigma_px", corner_sigma_px);
+  requireWithin(0, 20, "board_bend_mm", board_bend_mm);
+  requireWithin(0, 1000, "trajectories", trajectories);
+}
+
+OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
+                                           const fs::path& folder) {
+  o.check();
+  const SimulatedRig rig = simulatedRig(o.rig);
+  const OperatedOptions operated = operatedOptions(o);
+  const bool guided = o.method == OperatorMethod::kGuided;
+  const OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
+  OperatorSimulationSummary summary{made.finished,     made.camera_s,
+                                    made.camera_imu_s, static_cast<int>(made.suggestions.size()),
+                                    made.reached,      std::nullopt};
+  if (o.judge) summary.convergence = convergenceOf(made, operated, rig.calibration);
+  writeSession(made.session, rig.camera_rate_hz, ViewFormat::kCorners, folder);
+  if (guided) writeNewFile(folder, "suggestions.csv", suggestionsCsv(made.suggestions));
+  const fs::path truth = "truth";
+  writeNewFile(folder, truth / "truth.json", truthOf(rig, o, operated, made, summary));
+  writeNewFile(folder, truth / "camchain-imucam.yaml", kalibrCamchainText(rig.calibration));
+  writeNewFile(folder, truth / "poses.csv", posesCsv(made));
+  if (!operated.simulation.target.shape.isFlat()) {
+    writeNewFile(folder, truth / "target_shape.yaml", targetShapeText(operated.simulation.target));
+  }
+  return summary;
+}
+
+}  // namespace plumbline

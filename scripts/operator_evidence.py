@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Is a person faster with the guide? Lets simulated persons of all skills record (`simulate operator
+--judge`) with the guide by either criterion, without, and as a dance, and prints the tables of
+docs/counterfactuals.md: seconds and views until the projection error against the truth, over the
+image, is below 0.1 px, and T_SC0 within 1 mm and 0.05 degrees, and how near the guide's stop is to
+the best one.
+
+  nice -n 15 scripts/operator_evidence.py --plumbline build/evaluate/plumbline --work FOLDER \\
+      [--persons 50] [--rig euroc] [--duration 120] [--guide "--operator-speed 0.35"] [--table]
+
+Every person makes one recording by every method; methods of one person share their seed. What was
+found is kept in --work, one file for each recording, and not made again; recordings are not kept.
+Whoever does not get there counts as later than all others.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
+           "guided, predicted-error": ["guided", "--criterion", "predicted-error"],
+           "free": ["free"],
+           "dance": ["dance"]}
+BARS = {"cameras": 0.6, "camera_imu": 0.7}  # guided over unguided
+STOP = 0.15
+
+
+def quantile(values, p):
+    values = sorted(values)
+    at = p * (len(values) - 1)
+    low = math.floor(at)
+    high = min(low + 1, len(values) - 1)
+    if values[high] == math.inf:
+        return values[low] if at == low else math.inf
+    return values[low] + (values[high] - values[low]) * (at - low)
+
+
+def kept_file(options, name, person):
+    return pathlib.Path(options.work) / options.rig / name.replace(", ", "-") / f"{person}.json"
+
+
+def record(options, name, person):
+    """Makes one recording and keeps what was found of it."""
+    kept = kept_file(options, name, person)
+    if kept.exists():
+        return
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    clumsiness = (person - 0.5) / options.persons
+    with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
+        out = pathlib.Path(folder) / "session"
+        guide = options.guide.split() if name.startswith("guided") else []
+        command = [options.plumbline, "simulate", "operator", "--rig", options.rig, "--method", *METHODS[name],
+                   "--skill", f"{clumsiness:.4f}", "--seed", str(person), "--duration", str(options.duration),
+                   "--judge", *guide, "--out", str(out)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        shutil.copy(out / "truth" / "truth.json", kept.with_suffix(".part"))
+    kept.with_suffix(".part").rename(kept)
+
+
+def read(options, name):
+    """Person -> document."""
+    found = {}
+    for person in range(1, options.persons + 1):
+        kept = kept_file(options, name, person)
+        if kept.exists():
+            found[person] = json.loads(kept.read_text())
+    return found
+
+
+def needed(document, stage, what="right_s"):
+    value = document["convergence"][stage].get(what)
+    return math.inf if value is None else value
+
+
+def text(value, digits=1):
+    return "–" if value == math.inf else f"{value:.{digits}f}"
+
+
+def quartiles(values, digits=1):
+    return " / ".join(text(quantile(values, p), digits) for p in (0.25, 0.5, 0.75))
+
+
+def table(options):
+    found = {name: read(options, name) for name in METHODS}
+    persons = set.intersection(*(set(f) for f in found.values()))
+    print(f"{len(persons)} persons, rig {options.rig}; quartiles and median (25 / 50 / 75 %)\n")
+    print("| method | cameras [s] | views | got there | T_SC0 [s] | got there | both [s] |\n|---|---|---|---|---|---|---|")
+    for name, documents in found.items():
+        chosen = [documents[p] for p in sorted(persons)]
+        cameras = [needed(d, "cameras") for d in chosen]
+        views = [needed(d, "cameras", "right_views") for d in chosen]
+        imu = [needed(d, "camera_imu") for d in chosen]
+        print(f"| {name} | {quartiles(cameras)} | {quartiles(views, 0)} | {sum(c < math.inf for c in cameras)} "
+              f"| {quartiles(imu)} | {sum(c < math.inf for c in imu)} "
+              f"| {quartiles([a + b for a, b in zip(cameras, imu)])} |")
+    print("\n| guided over unguided | cameras | bar | T_SC0 | bar |\n|---|---|---|---|---|")
+    for guided in (n for n in METHODS if n.startswith("guided")):
+        for other in ("free", "dance"):
+            cells = []
+            for stage, bar in BARS.items():
+                a, b = (quantile([needed(found[n][p], stage) for p in persons], 0.5) for n in (guided, other))
+                cells += [text(a / b if b < math.inf else math.nan if a == math.inf else 0, 2), f"{bar}"]
+            print(f"| {guided} / {other} | " + " | ".join(cells) + " |")
+    print("\n| stop of | cameras stopped [s] | over the best | within 15 % | error there [px] | above 0.1 px "
+          "| IMU stopped |\n|---|---|---|---|---|---|---|")
+    for name in (n for n in METHODS if n.startswith("guided")):
+        chosen = [found[name][p] for p in sorted(persons)]
+        stops = [needed(d, "cameras", "stopped_s") for d in chosen]
+        best = [needed(d, "cameras") for d in chosen]
+        ratios = [s / b if b < math.inf and s < math.inf else math.inf for s, b in zip(stops, best)]
+        errors = [(d["convergence"]["cameras"].get("at_end") or {}).get("projection_px") for d in chosen]
+        errors = [math.inf if e is None else e for e in errors]
+        near = sum(abs(r - 1) <= STOP for r in ratios)
+        imu = sum(needed(d, "camera_imu", "stopped_s") < math.inf for d in chosen)
+        print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {near} of {len(chosen)} "
+              f"| {quartiles(errors, 3)} | {sum(e > 0.1 for e in errors)} | {imu} of {len(chosen)} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--plumbline", default="build/evaluate/plumbline")
+    parser.add_argument("--work", required=True)
+    parser.add_argument("--persons", type=int, default=50)
+    parser.add_argument("--rig", default="euroc")
+    parser.add_argument("--duration", type=float, default=120)
+    parser.add_argument("--guide", default="", help="further options of the guided recordings")
+    parser.add_argument("--table", action="store_true", help="print only what is there")
+    options = parser.parse_args()
+    if not options.table:
+        for person in range(1, options.persons + 1):
+            for name in METHODS:
+                record(options, name, person)
+    table(options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `plumbline simulate operator` as a user runs it: a recording that our commands read, with its
+// suggestions and its truth.
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/cli/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+fs::path freshFolder(const char* name) {
+  fs::path out =
+      fs::path(::testing::TempDir()) / (std::string(name) + "_" + std::to_string(getpid()));
+  fs::remove_all(out);
+  return out;
+}
+
+TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
+  const std::string options =
+      "simulate operator --rig euroc --duration 15 --skill novice --compliance 1 --seed 4 ";
+  const fs::path one = freshFolder("operator_1"), two = freshFolder("operator_2");
+  const Outcome made = plumbline(options + "--judge --out " + one.string());
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  EXPECT_THAT(made.text, HasSubstr("Simulated a person (novice, guided, seed 4)"));
+  EXPECT_THAT(made.text, HasSubstr("Cameras (0.1 px): "));
+  ASSERT_EQ(plumbline(options + "--judge --out " + two.string()).exit_code, 0);
+  EXPECT_EQ(contents(one), contents(two)) << "same seed, same bytes";
+  const auto truth = nlohmann::json::parse(read(one / "truth/truth.json"));
+  EXPECT_EQ(truth.at("options").at("skill").at("compliance"), 1.0);
+  EXPECT_NEAR(truth.at("options").at("skill").at("reaction_s"), 0.9, 1e-9);
+  EXPECT_TRUE(truth.at("convergence").at("cameras").contains("at_end"));
+  const fs::path out = freshFolder("operator_replay");
+  const Outcome replay = plumbline("replay " + one.string() +
+                                   " --no-report --no-counterfactuals "
+                                   "--out " +
+                                   out.string());
+  ASSERT_EQ(replay.exit_code, 0) << replay.text;
+  // The replay follows the suggestions that were shown.
+  const auto compliance = nlohmann::json::parse(read(out / "replay.json")).at("compliance");
+  EXPECT_EQ(compliance.at("suggestions").size(), truth.at("suggestions").size());
+  // What was measured is what was there: scored with the true cameras, noise remains.
+  const fs::path scored = freshFolder("operator_scored");
+  const Outcome score =
+      plumbline("evaluate calibration " + (one / "truth/camchain-imucam.yaml").string() + " " +
+                one.string() + " --target-shape " + (one / "truth/target_shape.yaml").string() +
+                " --no-report --out " + scored.string());
+  EXPECT_EQ(score.exit_code, 0) << score.text;
+  for (const auto& folder : {one, two, out, scored}) fs::remove_all(folder);
+}
+
+TEST(CommandSimulateOperator, RecordsWithoutAGuideToo) {
+  const fs::path out = freshFolder("operator_dance");
+  const Outcome made =
+      plumbline("simulate operator --method dance --duration 6 --skill 0.3 --out " + out.string());
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  EXPECT_FALSE(fs::exists(out / "suggestions.csv"));
+  const auto truth = nlohmann::json::parse(read(out / "truth/truth.json"));
+  EXPECT_EQ(truth.at("options").at("skill").at("own_views"), "dance");
+  EXPECT_EQ(truth.at("finished"), true);
+  fs::remove_all(out);
+}
+
+TEST(CommandSimulateOperator, NamesASkillOutOfItsRange) {
+  for (const std::string bad :
+       {"--skill 1.5", "--skill clumsy", "--compliance 2", "--overshoot -0.1", "--method slow"}) {
+    const Outcome refused = plumbline("simulate operator " + bad + " --out nowhere");
+    EXPECT_EQ(refused.exit_code, 2) << bad;
+    EXPECT_THAT(refused.text, HasSubstr(bad.substr(2, bad.find(' ') - 2))) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

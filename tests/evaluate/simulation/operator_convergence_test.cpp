@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When a recording was enough: the error that is held against the bars is that of projections over
+// the image, and falls with the noise and with the views.
+#include "evaluate/simulation/operator_convergence.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/simulate/rig.h"
+
+namespace plumbline {
+namespace {
+
+Intrinsics undistorted() {
+  Intrinsics camera = simulatedRig("euroc").calibration.cameras.front().intrinsics;
+  camera.distortion.setZero();
+  return camera;
+}
+
+TEST(TrueProjectionError, IsThatOfTheImageWithARotationTakenOut) {
+  const Intrinsics truth = undistorted();
+  EXPECT_LT(trueProjectionErrorPx(truth, truth), 1e-6);
+  // A focal length that is off by a share moves a pixel by that share of its distance from the
+  // centre; about a principal point in the middle no rotation takes any of it.
+  Intrinsics centred = truth, longer = truth;
+  const Eigen::Vector2d middle(0.5 * (truth.resolution.width - 1),
+                               0.5 * (truth.resolution.height - 1));
+  centred.projection.tail<2>() = longer.projection.tail<2>() = middle;
+  longer.projection.head<2>() *= 1.001;
+  // RMS distance of pixels of the grid (ends included) from the centre: of a column count n,
+  // E x^2 = (w/2)^2 (n + 1) / (3 (n - 1)).
+  const double u2 = middle.x() * middle.x() * 32 / (3 * 30.0);
+  const double v2 = middle.y() * middle.y() * 22 / (3 * 20.0);
+  EXPECT_NEAR(trueProjectionErrorPx(centred, longer), 1e-3 * std::sqrt(u2 + v2), 0.01);
+  // A principal point that is off is mostly a rotation of the camera in its housing.
+  Intrinsics aside = centred;
+  aside.projection[2] += 1;
+  EXPECT_LT(trueProjectionErrorPx(centred, aside), 0.5);
+  EXPECT_GT(trueProjectionErrorPx(centred, aside), 0.05);
+}
+
+OperatedOptions options(double duration_s) {
+  OperatedOptions o;
+  o.simulation.duration_s = duration_s;
+  return o;
+}
+
+TEST(Convergence, ComesLaterWithMoreNoise) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  OperatedOptions o = options(30);
+  o.simulation.corner_sigma_px = 0.02;
+  const OperatedConvergence sharp = convergenceOf(recordFreely(rig, o), o, rig.calibration);
+  o.simulation.corner_sigma_px = 0.5;
+  const OperatedConvergence noisy = convergenceOf(recordFreely(rig, o), o, rig.calibration);
+  ASSERT_TRUE(sharp.cameras.right_s);
+  ASSERT_TRUE(sharp.cameras.at_end->projection_px && noisy.cameras.at_end->projection_px);
+  EXPECT_LT(*sharp.cameras.right_s, noisy.cameras.right_s.value_or(1e9));
+  EXPECT_LT(10 * *sharp.cameras.at_end->projection_px, *noisy.cameras.at_end->projection_px);
+  EXPECT_FALSE(sharp.cameras.stopped_s) << "nobody said stop";
+  // Times are those of the stage, views those that the calibration stands on.
+  EXPECT_NEAR(sharp.cameras.at_end->views, 15 * 5, 1);
+  EXPECT_NEAR(sharp.cameras.at_end->t_s, 15, 0.1);
+  ASSERT_TRUE(sharp.camera_imu.at_end->translation_m);
+  EXPECT_LT(*sharp.camera_imu.at_end->translation_m, 5e-3);
+}
+
+// The bars decide: with others the same recording is right from another time on.
+TEST(Convergence, IsHeldAgainstItsBars) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const OperatedOptions o = options(20);
+  const OperatedSession s = recordFreely(rig, o);
+  ConvergenceOptions bars;
+  bars.projection_px = 1e3;
+  bars.translation_m = 1e-9;
+  const OperatedConvergence c = convergenceOf(s, o, rig.calibration, bars);
+  EXPECT_NEAR(*c.cameras.right_s, bars.first_s, 0.1);
+  EXPECT_EQ(c.cameras.points.size(), 3U) << "looked no further";
+  EXPECT_FALSE(c.camera_imu.right_s);
+  bars.growth = 1;
+  EXPECT_THROW(convergenceOf(s, o, rig.calibration, bars), InputError);
+}
+
+TEST(Convergence, OfAGuidedRecordingStandsOnTheViewsKept) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  OperatedOptions o = options(60);
+  o.trajectories = 1;
+  const OperatedSession s = recordGuided(rig, o);
+  const OperatedConvergence c = convergenceOf(s, o, rig.calibration);
+  int kept = 0;
+  std::optional<double> stopped;
+  for (std::size_t k = 0; k < s.decisions.size(); ++k) {
+    const Decision& d = s.decisions[k];
+    if (d.stage != GuideStage::kCamera) break;
+    kept = d.views_kept;
+    if (d.mode == GuideMode::kFinished && !stopped) stopped = static_cast<double>(k) / 20;
+  }
+  ASSERT_TRUE(stopped);
+  EXPECT_EQ(c.cameras.at_end->views, kept);
+  EXPECT_NEAR(*c.cameras.stopped_s, *stopped, 1e-3);
+  ASSERT_TRUE(c.cameras.right_views);
+  EXPECT_LE(*c.cameras.right_views, kept);
+  EXPECT_LT(*c.cameras.at_end->projection_px, 0.1);
+}
+
+}  // namespace
+}  // namespace plumbline
