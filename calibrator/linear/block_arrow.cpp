@@ -32,16 +32,19 @@ struct Carry {
 
 class Elimination {
  public:
-  Elimination(const BlockArrow& system, const ChainOptions& options)
+  /// `released`, if given, is the system itself: its couplings to the border go as they are used.
+  Elimination(const BlockArrow& system, const ChainOptions& options, BlockArrow* released = nullptr)
       : system_(system),
+        released_(released),
         options_(options),
+        border_(system.border()),
         columns_(kBorder + filledUp(system.border() + 1)),
         middle_(system.blocks() / 2),
         eliminated_(static_cast<std::size_t>(system.blocks())) {}
 
   // From both ends towards the middle, whatever the number of threads: the halves meet in one
   // block, and the order of all sums is the same for one thread and for two.
-  std::optional<ChainSolution> run() {
+  std::optional<Carry> eliminateAll() {
     Carry front(columns_ - kNeighbour);
     Carry back(columns_ - kNeighbour);
     inParallel(
@@ -52,7 +55,23 @@ class Elimination {
     front.log_det += back.log_det;
     if (system_.blocks() > 0) eliminate(middle_, 0, front);
     if (!front.positive) return std::nullopt;
-    return substitute(front);
+    return front;
+  }
+
+  std::optional<ChainSolution> run() {
+    const auto carry = eliminateAll();
+    return carry ? substitute(*carry) : std::nullopt;
+  }
+
+  /// After eliminateAll() has succeeded, from the middle outwards; each block's rows are released.
+  std::vector<ChainResponse> responses() {
+    const auto n = static_cast<int>(eliminated_.size());
+    std::vector<ChainResponse> out(eliminated_.size());
+    if (n == 0) return out;
+    blockResponse(middle_, 0, out);
+    for (int i = middle_ - 1; i >= 0; --i) blockResponse(i, +1, out);
+    for (int i = middle_ + 1; i < n; ++i) blockResponse(i, -1, out);
+    return out;
   }
 
   /// After run() has succeeded.
@@ -100,6 +119,7 @@ class Elimination {
     const int border = system_.border() + 1;
     rows.middleCols(kBorder, border) =
         system_.to_border[at] - carry.gram.block(0, kPart, kB, border);
+    if (released_) released_->to_border[at].resize(kB, 0);
     carry.positive = factoriseRows(rows);
     if (!carry.positive) return;
     carry.log_det += 2 * rows.diagonal().array().log().sum();
@@ -195,8 +215,20 @@ class Elimination {
     if (direction < 0) out.next[at - 1] = -KS.leftCols<kB>().transpose();
   }
 
+  void blockResponse(int i, int direction, std::vector<ChainResponse>& out) {
+    const auto at = static_cast<std::size_t>(i);
+    RowMatrix& rows = eliminated_[at];
+    const RowMatrix K = solveUpper(rows, rows.rightCols(columns_ - kNeighbour));
+    rows.resize(0, 0);
+    out[at] = -K.middleCols(kPart, border_);
+    if (direction == 0) return;
+    out[at].noalias() -= K.leftCols<kB>() * out[static_cast<std::size_t>(i + direction)];
+  }
+
   const BlockArrow& system_;
+  BlockArrow* released_;
   const ChainOptions& options_;
+  const int border_;
   const int columns_;  // of the rows of a block
   const int middle_;
   /// Of each block L^-1 (pivot, which is then L', | neighbour | border | gradient); below the
@@ -232,6 +264,13 @@ std::optional<ChainInverse> invertChain(const BlockArrow& system, const ChainOpt
   ChainInverse out{std::move(*solution), {}};
   out.covariance = elimination.covariance(out.solution.border_information);
   return out;
+}
+
+std::optional<std::vector<ChainResponse>> chainResponses(BlockArrow system, int threads) {
+  const ChainOptions options{0, threads};
+  Elimination elimination(system, options, &system);
+  if (!elimination.eliminateAll()) return std::nullopt;
+  return elimination.responses();
 }
 
 }  // namespace plumbline

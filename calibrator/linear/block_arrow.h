@@ -80,4 +80,12 @@ struct ChainInverse {
 /// solveChain() is.
 std::optional<ChainInverse> invertChain(const BlockArrow& system, const ChainOptions& options = {});
 
+/// 15 x m row-major: how a block of the chain follows the border.
+using ChainResponse = Eigen::Matrix<double, kChainBlock, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// W_i = dx_i / dx_B with the chain at its optimum for every border, W = -(chain)^-1 C, n of them;
+/// B and the gradients play no part. Empty where a pivot of the chain is not positive. The system
+/// is released on the way, since system, factor and result are of one size.
+std::optional<std::vector<ChainResponse>> chainResponses(BlockArrow system, int threads = 1);
+
 }  // namespace plumbline

@@ -124,8 +124,8 @@ def uncertainty_table(ours, cross, model):
     bounds = []
     for range_m, name in ((None, "infinity"), (1.0, 1.0)):
         theirs = mrcal_uncertainty(model, range_m)
-        mean = grid_values(our_map(ours["uncertainties"], "a", name))
-        other = grid_values(our_map(cross["uncertainties"], "a", name))
+        mean = grid_values(our_map(ours["uncertainties"], "a", range_m))
+        other = grid_values(our_map(cross["uncertainties"], "a", range_m))
         for where, at in (("centre", (GRID[1] // 2, GRID[0] // 2)), ("top left", (0, 0)),
                           ("top right", (0, -1)), ("bottom left", (-1, 0)),
                           ("bottom right", (-1, -1))):
@@ -156,7 +156,7 @@ def difference_table(ours, models):
     table = Table("range", "ours, centre / corner [px]", "mrcal's, five runs [px]",
                   "largest deviation with one alignment [px]", "sum of th^4, mrcal's least / ours")
     for distance, name in ((None, "infinity"), (1.0, 1.0)):
-        m = our_map(ours["differences"], "b - a", name)
+        m = our_map(ours["differences"], "b - a", distance)
         own = np.array(m["vectors_px"], dtype=float).reshape(m["rows"], m["columns"], 2)
         T = np.array(m["implied_T_BA"])
         grid = {"gridn_width": GRID[0], "gridn_height": GRID[1], "distance": distance}

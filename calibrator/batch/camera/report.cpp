@@ -57,6 +57,18 @@ Failure notObservable(const FreeDirection& direction, const ParameterCovariance&
   return {codeOfFree(names.front()), {{"camera", camera}, {"direction", names}}};
 }
 
+/// Corners of all views that take part.
+std::size_t cornerCount(const CameraProblem& problem) {
+  std::size_t count = 0;
+  for (const Frame& frame : problem.frames) {
+    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      count += static_cast<std::size_t>(problem.corners[c].view(frame.view[c]).count);
+    }
+  }
+  return count;
+}
+
 /// Adds the corners of one view to the list and to the errors of used corners.
 void addView(int camera, int frame, const PackedView& view,
              const std::vector<Eigen::Vector2d>& errors, ResidualList list,
@@ -152,6 +164,7 @@ void addResiduals(const Session& session, const CameraProblem& problem,
                   const CameraEstimate& estimate, ResidualList list, CameraStageResult& result) {
   StageSummary& summary = result.summary;
   result.residuals.clear();
+  if (list == ResidualList::kKeep) result.residuals.reserve(cornerCount(problem));
   CameraErrors errors;
   summary.views_used = 0;
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {

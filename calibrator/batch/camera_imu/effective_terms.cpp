@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #include "calibrator/base/lie.h"
@@ -46,22 +47,47 @@ class ViewRows {
     }
     out.own.push_back(columns_.line_delay);
     out.A_x = chain.A_FS * pose.by_state;
-    out.A_B.setZero(6, columns_.size);
-    out.A_B.leftCols<BorderLayout::kFixed>() = chain.A_FS * pose.by_calibration;
-    out.A_B.leftCols<6>() += chain.A_SC0;
-    if (columns_.own_offset[c] >= 0) out.A_B.col(columns_.own_offset[c]) = twist;
-    if (columns_.T_C0Ci[c] >= 0) out.A_B.middleCols<6>(columns_.T_C0Ci[c]) = chain.A_C0Ci;
-    // A larger target is the same as one that is nearer by as much; the cameras' own distances,
-    // which were calibrated on it, grow with it.
-    out.A_B.col(columns_.target_size) = chain.A_C0Ci.leftCols<3>() * camera.T_C0Ci.t;
-    out.A_B.col(columns_.target_size).head<3>() -= chain.T_CiF.t;
+    const PoseColumns moved = poseColumns(pose, chain, c, camera.T_C0Ci.t, twist);
+    out.A_B = moved.A;
+    out.by = moved.columns;
     const double weight = problem_.weights[i] / (problem_.pixel_sigma * problem_.pixel_sigma);
     out.H *= weight;
+    out.H_own *= weight;
     out.b *= weight;
     return out;
   }
 
  private:
+  struct PoseColumns {
+    Eigen::Matrix<double, 6, Eigen::Dynamic> A;
+    std::vector<Index> columns;
+  };
+
+  /// What moves the target in camera c: the calibration, the camera's own offset and pose, and the
+  /// target's size. A larger target is the same as one that is nearer by as much; the cameras' own
+  /// distances, which were calibrated on it, grow with it.
+  PoseColumns poseColumns(const ExposurePose& pose, const CameraImuChain& chain, std::size_t c,
+                          const Eigen::Vector3d& t_C0Ci, const Vector6d& twist) const {
+    constexpr int kFixed = BorderLayout::kFixed;
+    Eigen::Matrix<double, 6, kFixed + 1 + 6 + 1> A;
+    PoseColumns out;
+    const auto add = [&](int first, const auto& columns) {
+      A.middleCols<std::decay_t<decltype(columns)>::ColsAtCompileTime>(
+          static_cast<Index>(out.columns.size())) = columns;
+      for (Index k = 0; k < columns.cols(); ++k) out.columns.push_back(first + k);
+    };
+    Eigen::Matrix<double, 6, kFixed> by_calibration = chain.A_FS * pose.by_calibration;
+    by_calibration.leftCols<6>() += chain.A_SC0;
+    add(0, by_calibration);
+    if (columns_.own_offset[c] >= 0) add(columns_.own_offset[c], twist);
+    if (columns_.T_C0Ci[c] >= 0) add(columns_.T_C0Ci[c], chain.A_C0Ci);
+    Vector6d by_size = chain.A_C0Ci.leftCols<3>() * t_C0Ci;
+    by_size.head<3>() -= chain.T_CiF.t;
+    add(columns_.target_size, by_size);
+    out.A = A.leftCols(static_cast<Index>(out.columns.size()));
+    return out;
+  }
+
   /// Rows of a corner: u and v by all columns of the view. With h the row over the image's height,
   /// from -1/2 to 1/2, it is exposed at h times the readout time.
   void fillGram(const Intrinsics& lens, const Transform& T_CF, const PackedView& corners,
@@ -89,8 +115,15 @@ class ViewRows {
       rows.col(n - 1) = h * rows.leftCols<6>() * twist;
       r.segment<2>(2 * i) = w * error;
     }
-    out.H = J.transpose() * J;
+    out.H = J.leftCols<6>().transpose() * J;
     out.b = J.transpose() * r;
+    MatrixXd own = MatrixXd::Zero(n - 6, n - 6);
+    own.selfadjointView<Eigen::Lower>().rankUpdate(J.rightCols(n - 6).transpose());
+    out.H_own.resize(own.rows() * (own.rows() + 1) / 2);
+    Index at = 0;
+    for (Index row = 0; row < own.rows(); at += own.rows() - row++) {
+      out.H_own.segment(at, own.rows() - row) = own.col(row).tail(own.rows() - row);
+    }
   }
 
   const CameraImuProblem& problem_;
@@ -115,7 +148,7 @@ class LinkRows {
     const Index rows = inertial ? 15 : 6;
     out.J_i = StateRows::Zero(rows, kChainBlock);
     out.J_j = out.J_i;
-    out.J_B = MatrixXd::Zero(rows, columns_.size);
+    out.J_B = MatrixXd::Zero(rows, columns_.of_links);
     out.r = VectorXd::Zero(rows);
     addWalk(k, out);
     if (inertial && !addMotion(k, out)) return std::nullopt;
@@ -201,13 +234,14 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
   };
   samples = take(SampleFaults::kCount);
   drift = take(1);
-  line_delay = take(1);
-  target_size = take(1);
-  shape = take(kShape);
   sway = take(6);
   gyro_jump = take(3);
   accel_jump = take(3);
   target_jump = take(3);
+  of_links = at;
+  line_delay = take(1);
+  target_size = take(1);
+  shape = take(kShape);
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     const bool own = border.own_offset[c] >= 0;
     own_offset.push_back(c == 0 ? -1 : own ? border.own_offset[c] : take(1));

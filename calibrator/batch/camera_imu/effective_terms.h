@@ -23,13 +23,14 @@ struct FaultColumns {
   BorderLayout border;          ///< the calibration's own columns
   int samples = 0;              ///< first of SampleFaults
   int drift = 0;                ///< of the IMU's clock: t_d grows by this a second
-  int line_delay = 0;           ///< readout time of the image's height [s]
-  int target_size = 0;          ///< relative; the target is larger than stated
-  int shape = 0;                ///< kShape, of TargetBasis [m]
   int sway = 0;                 ///< target displaced by a sine, a cosine along x, y, z of F [m]
   int gyro_jump = 0;            ///< of the gyroscope's bias in one link, 3 [rad/s]
   int accel_jump = 0;           ///< of the accelerometer's bias in one link, 3 [m/s^2]
   int target_jump = 0;          ///< of the target in one link, along x, y, z of F [m]
+  int of_links = 0;             ///< links touch no column from here on
+  int line_delay = 0;           ///< readout time of the image's height [s]
+  int target_size = 0;          ///< relative; the target is larger than stated
+  int shape = 0;                ///< kShape, of TargetBasis [m]
   std::vector<int> own_offset;  ///< per camera, less camera 0's [s]; -1 for camera 0
   std::vector<int> T_C0Ci;      ///< per camera, 6; -1 for camera 0
   std::vector<int> intrinsics;  ///< per camera, first of stacked()
@@ -40,20 +41,22 @@ struct FaultColumns {
 struct LinkTerms {
   std::size_t at = 0;
   Eigen::Matrix<double, Eigen::Dynamic, kChainBlock> J_i, J_j;  // 9 (if inertial) + 6 rows
-  Eigen::MatrixXd J_B;
+  Eigen::MatrixXd J_B;  ///< by the first FaultColumns::of_links columns
   Eigen::VectorXd r;
 };
 
 /// One view in columns of its own: the twist of the target's pose in the camera (6), which states
 /// and border move, and its intrinsics, the target's shape and the line delay, each of which is a
-/// column of the border.
+/// column of the border. J' J of these, and J' r.
 struct FaultViewTerms {
   std::size_t frame = 0;
-  Eigen::MatrixXd H;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> H;  ///< the twist's rows, all columns
+  Eigen::VectorXd H_own;                       ///< the other rows' upper triangle, row by row
   Eigen::VectorXd b;
   Eigen::Matrix<double, 6, kChainBlock> A_x;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> A_B;
-  std::vector<Eigen::Index> own;  ///< columns of the border that H's rows from 6 on are
+  Eigen::Matrix<double, 6, Eigen::Dynamic> A_B;  ///< by the columns `by` of the border
+  std::vector<Eigen::Index> by;                  ///< those that move the pose
+  std::vector<Eigen::Index> own;                 ///< those that the columns from 6 on are
 };
 
 /// Of all views at a solution.

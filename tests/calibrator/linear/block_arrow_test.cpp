@@ -114,6 +114,25 @@ TEST_P(BlockArrowSolve, SelectedInverseEqualsADenseInverse) {
   }
 }
 
+TEST_P(BlockArrowSolve, ResponsesEqualADenseSolution) {
+  const auto [blocks, border, broken] = GetParam();
+  BlockArrow chain = randomChain(blocks, border, 19, broken);
+  const Eigen::MatrixXd H = dense(chain, 0).H;
+  const int n = blocks * kB;
+  const Eigen::MatrixXd W = -H.topLeftCorner(n, n).llt().solve(H.topRightCorner(n, border));
+  chain.border_block.setConstant(std::numeric_limits<double>::quiet_NaN());  // plays no part
+  for (const int threads : {1, 2}) {
+    const auto responses = chainResponses(chain, threads);
+    ASSERT_TRUE(responses);
+    for (int i = 0; i < blocks; ++i) {
+      const Eigen::MatrixXd& expected = W.middleRows<kB>(i * kB);
+      EXPECT_LE(((*responses)[static_cast<std::size_t>(i)] - expected).norm(),
+                1e-10 * (1 + W.norm()))
+          << i;
+    }
+  }
+}
+
 TEST(BlockArrowInverse, SolvesAsWithoutItAndOnAnyNumberOfThreads) {
   const BlockArrow chain = randomChain(11, 9, 3);
   const auto solution = solveChain(chain);
