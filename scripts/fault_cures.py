@@ -196,7 +196,7 @@ def case(options, fault, rig, seed):
         def calibrate(further):
             out = folder / "out"
             shutil.rmtree(out, ignore_errors=True)
-            done = run([options.plumbline, "calibrate", session, "--out", out, "--threads", 1, *further])
+            done = run([options.plumbline, "calibrate", session, "--out", out, "--threads", 1, "--no-report", *further])
             if done.returncode != 0:
                 return None, done.stderr.strip().splitlines()[-1]
             return json.loads((out / "calibration.json").read_text()), ""

@@ -90,7 +90,7 @@ def calibrated(program, fault, rig, seed, duration, folder):
          "--duration", duration, *words]).check_returncode()
     if rig == "mono":
         shutil.rmtree(session / "mav0" / "cam1")
-    done = run([program, "calibrate", session, "--out", out, "--threads", 1])
+    done = run([program, "calibrate", session, "--out", out, "--threads", 1, "--no-report"])
     truth = json.loads((session / "truth" / "truth.json").read_text())
     if done.returncode != 0:
         return None, truth, done.stderr.strip().splitlines()[-1]

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "calibrator/base/error.h"
@@ -34,6 +35,7 @@ TargetMember compared(const TargetTerms& own, const TargetCovariance& C_own,
   const Eigen::Matrix<double, kBoardTerms, 1> z =
       modes.eigenvectors().transpose() * L.matrixL().solve(d);
   TargetMember out;
+  out.rms = d.norm();
   for (int i = 0; i < kBoardTerms; ++i) {
     const double variance = modes.eigenvalues()[i];
     if (variance < kLeastShare) continue;
@@ -69,10 +71,15 @@ JointTarget joinTargets(const std::vector<TargetFit>& sessions, double prior_std
   const TargetCovariance C = information.llt().solve(TargetCovariance::Identity());
   JointTarget joint;
   joint.shape.terms = C * sum;
-  joint.shape.covariance = C;
+  double chi2 = 0;
+  int terms = 0;
   for (const TargetFit& fit : sessions) {
     joint.members.push_back(compared(fit.shape.terms, stretched(fit), joint.shape.terms, C));
+    chi2 += joint.members.back().chi2;
+    terms += joint.members.back().terms;
   }
+  if (terms > 0) joint.dispersion = std::max(1.0, chi2 / terms);
+  joint.shape.covariance = joint.dispersion * C;
   return joint;
 }
 

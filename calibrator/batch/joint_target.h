@@ -17,12 +17,16 @@ struct TargetMember {
   std::string worst;      ///< term that differs by most of its deviations
   double difference = 0;  ///< the session's less the joint one [m]
   double std = 0;         ///< of that difference [m]
+  double rms = 0;         ///< over the board's corners, of the session's less the joint shape [m]
 
   bool agrees() const { return chi2 <= limit; }
 };
 
 struct JointTarget {
-  TargetShape shape;  ///< with its covariance
+  TargetShape shape;  ///< with its covariance, times the dispersion
+  /// Sum of the members' chi-squares over that of their terms, 1 at least (Birge's ratio, squared):
+  /// what sessions differ by beyond their deviations is not known of the board either.
+  double dispersion = 1;
   std::vector<TargetMember> members;
 };
 
@@ -31,8 +35,9 @@ struct JointTarget {
 /// its estimate t_i (TargetFit). These systems are additive:
 ///   t = C sum_i C_i^-1 t_i,   C^-1 = sum_i C_i^-1 - (n - 1) / prior^2,
 /// C_i being the formal covariance stretched to the larger of formal and cluster-robust deviations
-/// (TargetFit::std), and the prior, which is in every C_i, counted once. It equals a joint batch of
-/// all recordings as far as each is quadratic about its own optimum.
+/// (TargetFit::std), and the prior, which is in every C_i, counted once; C is then multiplied by
+/// the dispersion. It equals a joint batch of all recordings as far as each is quadratic about its
+/// own optimum.
 ///
 /// A session's chi-square is that of t_i - t under C_i - C (t holds t_i), over the eleven terms of
 /// the board: tag_edge is of recording and detector. One session alone agrees with itself.

@@ -2,6 +2,7 @@
 #include "evaluate/calibration/fit_target.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -21,10 +22,70 @@ void requireSameGrid(const AprilGrid& first, const AprilGrid& other, const std::
                    "estimated: give sessions of the same, or --target");
 }
 
+/// Deviations at the noise that the recording's corners have: the stated pixel sigma is an
+/// assumption, and one that is too large would let any two boards agree.
+TargetFit atMeasuredNoise(const CameraStageResult& stage, double pixel_sigma) {
+  TargetFit fit = *stage.target_fit;
+  const double noise_px = stage.summary.reprojection.rmse_px / std::numbers::sqrt2;  // per axis
+  *fit.shape.covariance *= std::pow(noise_px / pixel_sigma, 2);
+  Eigen::VectorXd variance = fit.shape.covariance->diagonal();
+  if (stage.robust_covariance.size() > 0) {
+    variance = variance.cwiseMax(stage.robust_covariance.diagonal().tail<kTargetTerms>());
+  }
+  fit.std = variance.cwiseSqrt();
+  return fit;
+}
+
+class SessionStages {
+ public:
+  SessionStages(const TargetFitRequest& request, const ProgressSink& progress)
+      : request_(request), progress_(progress) {}
+
+  /// The camera stage of a session: with terms of its own, or on a board that is known.
+  Result<CameraStageResult> run(const LoadedSession& loaded, TargetMode mode) const {
+    CameraStageOptions options = request_.camera;
+    options.target = mode;
+    if (options.models.size() == 1) {
+      options.models.resize(loaded.session.cameras.size(), options.models.front());
+    }
+    progress_("calibrating the cameras of " + loaded.session.name, -1);
+    return calibrateCameras(loaded.session, options);
+  }
+
+  /// Of a session that differs by more than chance.
+  Result<BoardAgreement> onJointBoard(const LoadRequest& load, const JointTarget& joint) const {
+    LoadedSession loaded = loadSession(load, progress_);
+    loaded.session.target.shape = joint.shape;
+    *loaded.session.target.shape.covariance /= joint.dispersion;  // it is tried as if it were so
+    const auto stage = run(loaded, TargetMode::kKnown);
+    if (!stage) return stage.failure();
+    const bool other = stage->target_fit && stage->target_fit->finding == TargetFinding::kOther;
+    return other ? BoardAgreement::kOther : BoardAgreement::kSamePredicted;
+  }
+
+ private:
+  const TargetFitRequest& request_;
+  const ProgressSink& progress_;
+};
+
+std::string agreementText(BoardAgreement agreement) {
+  switch (agreement) {
+    case BoardAgreement::kSame:
+      return "shows the same board";
+    case BoardAgreement::kSamePredicted:
+      return "differs by more than chance, but its own shape predicts unseen frames no better";
+    case BoardAgreement::kOther:
+      return "differs, and its own shape predicts unseen frames better: another board, one that "
+             "has changed, or a lens that its model misfits";
+  }
+  return "";
+}
+
 }  // namespace
 
 Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
                                              const ProgressSink& progress) {
+  const SessionStages stages(request, progress);
   SessionsTarget out;
   std::vector<TargetFit> fits;
   for (const LoadRequest& load : request.sessions) {
@@ -32,23 +93,25 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
     loaded.session.target.shape = {};
     if (fits.empty()) out.board = loaded.session.target;
     requireSameGrid(out.board, loaded.session.target, loaded.target_path);
-    CameraStageOptions options = request.camera;
-    options.target = TargetMode::kEstimate;
-    if (options.models.size() == 1) {
-      options.models.resize(loaded.session.cameras.size(), options.models.front());
-    }
-    progress("calibrating the cameras of " + loaded.session.name, -1);
-    auto stage = calibrateCameras(loaded.session, options);
+    const auto stage = stages.run(loaded, TargetMode::kEstimate);
     if (!stage) return stage.failure();
     if (!stage->target_fit || !stage->target_fit->shape.covariance) {
       throw InputError(load.session, 0,
                        "says nothing of the board's shape: leave this session out");
     }
-    fits.push_back(*stage->target_fit);
+    fits.push_back(atMeasuredNoise(*stage, request.camera.pixel_sigma));
     out.names.push_back(loaded.session.name);
   }
   out.joint = joinTargets(fits, TargetModel(out.board).prior_std);
   out.board.shape = out.joint.shape;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    Result<BoardAgreement> agreement = BoardAgreement::kSame;
+    if (!out.joint.members[i].agrees()) {
+      agreement = stages.onJointBoard(request.sessions[i], out.joint);
+    }
+    if (!agreement) return agreement.failure();
+    out.agreement.push_back(*agreement);
+  }
   return out;
 }
 
@@ -63,15 +126,19 @@ std::string jointTargetText(const SessionsTarget& fit) {
     text += fmt::format("  {:<9} {:+8.4f} +- {:.4f} mm\n", kTargetTermNames[j],
                         1e3 * shape.terms[i], 1e3 * std[i]);
   }
+  if (fit.joint.dispersion > 1) {
+    text += fmt::format(
+        "Deviations are {:.2f} times what each session states, since they differ by so much\n",
+        std::sqrt(fit.joint.dispersion));
+  }
   for (std::size_t i = 0; i < fit.names.size(); ++i) {
     const TargetMember& m = fit.joint.members[i];
     if (m.terms == 0) continue;
     text += fmt::format(
-        "  {}: {} (chi-square {:.1f} of {} terms, {:.1f} by chance; {} differs by {:+.4f} +- "
-        "{:.4f} "
-        "mm)\n",
-        fit.names[i], m.agrees() ? "shows the same board" : "does not show the same board", m.chi2,
-        m.terms, m.limit, m.worst, 1e3 * m.difference, 1e3 * m.std);
+        "  {}: {} (chi-square {:.1f} of {} terms, {:.1f} by chance; {:.3f} mm RMS, most {} by "
+        "{:+.4f} +- {:.4f} mm)\n",
+        fit.names[i], agreementText(fit.agreement[i]), m.chi2, m.terms, m.limit, 1e3 * m.rms,
+        m.worst, 1e3 * m.difference, 1e3 * m.std);
   }
   return text;
 }

@@ -18,15 +18,25 @@ struct TargetFitRequest {
   CameraStageOptions camera;  ///< of every session's cameras; `target` does not matter
 };
 
+/// What a session says of the board that all of them together show.
+enum class BoardAgreement {
+  kSame,           ///< its terms differ by no more than chance (TargetMember::agrees())
+  kSamePredicted,  ///< by more, but its own terms predict frames that it did not see no better
+  kOther,          ///< by more, and its own predict them better by two deviations
+};
+
 struct SessionsTarget {
   AprilGrid board;                 ///< with the joint shape
   std::vector<std::string> names;  ///< of the sessions
+  std::vector<BoardAgreement> agreement;
   JointTarget joint;
 };
 
 /// Calibrates the cameras of every session with the board's terms free, and joins what they say of
-/// the board (joinTargets()). Throws InputError for bad input, or sessions whose target.yaml
-/// differ; fails as calibrateCameras() does.
+/// the board (joinTargets()), with deviations at the noise that each recording's corners have. A
+/// session that differs by more than chance is calibrated again on the joint board. Throws
+/// InputError for bad input, or sessions whose target.yaml differ; fails as calibrateCameras()
+/// does.
 Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
                                              const ProgressSink& progress);
 

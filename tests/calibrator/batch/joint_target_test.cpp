@@ -26,12 +26,20 @@ TEST(JointTarget, IsTheMeanWeightedByInformation) {
   const TargetTerms one = TargetTerms::Constant(1e-3);
   const JointTarget joint = joinTargets({fitOf(one, 1e-4), fitOf(2 * one, 2e-4)}, 1);
   EXPECT_NEAR(joint.shape.terms[3], (4 * 1e-3 + 2e-3) / 5, 1e-9);
-  EXPECT_NEAR((*joint.shape.covariance)(3, 3), 1e-8 * 4 / 5, 1e-13);
   // 1 mm apart with 0.22 mm: 11 times 20.
+  EXPECT_NEAR(joint.dispersion, 20, 1e-5);
+  EXPECT_NEAR((*joint.shape.covariance)(3, 3), 20 * 1e-8 * 4 / 5, 1e-12);
   EXPECT_NEAR(joint.members[0].chi2, 11 * 20, 1e-3);
   EXPECT_NEAR(joint.members[1].chi2, 11 * 20, 1e-3);
   EXPECT_FALSE(joint.members[0].agrees());
   EXPECT_NEAR(joint.members[0].limit, 24.725, 1e-3);
+}
+
+TEST(JointTarget, SessionsThatAgreeAreNotTrustedMoreThanTheirDeviations) {
+  const TargetTerms one = TargetTerms::Constant(1e-3);
+  const JointTarget joint = joinTargets({fitOf(one, 1e-4), fitOf(one, 1e-4)}, 1);
+  EXPECT_EQ(joint.dispersion, 1);
+  EXPECT_NEAR((*joint.shape.covariance)(3, 3), 0.5e-8, 1e-13);
 }
 
 TEST(JointTarget, LargerRobustDeviationsCount) {
