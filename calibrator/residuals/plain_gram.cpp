@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/residuals/gram_columns.h"
 
 namespace plumbline::plain {
 namespace {
@@ -69,6 +70,77 @@ struct Sums {
   double cost = 0;
 };
 
+/// Corners in columns, as the kernel sums them: J to the left; M J, and rho' e behind it, to the
+/// right.
+template <int N>
+struct Chunk {
+  alignas(64) double left[N * gram::kStride];
+  alignas(64) double right[(N + 1) * gram::kStride];
+  int count = 0;
+
+  bool full() const { return count == gram::kChunk; }
+
+  void add(const Eigen::Matrix<double, 2, N>& J, const Weighted& w, const Eigen::Vector2d& e) {
+    for (int i = 0; i < N; ++i) {
+      put(left, i, J.col(i));
+      put(right, i, w.M * J.col(i));
+    }
+    put(right, N, w.slope * e);
+    ++count;
+  }
+
+  /// Up to whole lanes.
+  void fillUp() {
+    while (count % 4 != 0) {
+      for (int i = 0; i < N; ++i) {
+        put(left, i, Eigen::Vector2d::Zero());
+        put(right, i, Eigen::Vector2d::Zero());
+      }
+      put(right, N, Eigen::Vector2d::Zero());
+      ++count;
+    }
+  }
+
+ private:
+  void put(double* columns, int i, const Eigen::Vector2d& rows) const {
+    columns[i * gram::kStride + count] = rows[0];
+    columns[i * gram::kStride + gram::kChunk + count] = rows[1];
+  }
+};
+
+template <int W, int N>
+[[gnu::always_inline]] inline void addChunk(const Chunk<N>& c, Sums<N>& sums) {
+  Lanes<W> products[N][N + 1] = {};
+  gram::addUpper<W, N>(c.left, c.right, c.count, &products[0][0]);
+  gram::addUpper<W, N>(c.left + gram::kChunk, c.right + gram::kChunk, c.count, &products[0][0]);
+  for (int i = 0; i < N; ++i) {
+    for (int j = i; j < N; ++j) sums.H(i, j) += gram::sumOf<W>(products[i][j]);
+    sums.b(i) += gram::sumOf<W>(products[i][N]);
+  }
+}
+
+#if defined(__x86_64__)
+template <int N>
+[[gnu::target("avx2,fma")]] void addChunkAvx2(const Chunk<N>& c, Sums<N>& sums) {
+  addChunk<4, N>(c, sums);
+}
+#endif
+
+template <int N>
+void flush(InstructionSet set, Chunk<N>& c, Sums<N>& sums) {
+  c.fillUp();
+#if defined(__x86_64__)
+  if (set == InstructionSet::kAvx2) {
+    addChunkAvx2(c, sums);
+  } else {
+    addChunk<2, N>(c, sums);
+  }
+#else
+  addChunk<2, N>(c, sums);
+#endif
+  c.count = 0;
+}
+
 /// The columns B_j of the j-th corner.
 Eigen::Matrix<double, 3, kTargetTerms> targetColumns(const TargetColumns& target, int j) {
   TargetBasis::Functions f{};
@@ -80,6 +152,7 @@ template <class Model, bool kIntrinsics, bool kTarget = false>
 auto sumView(const View& view, const TargetColumns* target = nullptr) {
   using C = CornerTerms<Model, kIntrinsics, kTarget>;
   Sums<C::kColumns> sums;
+  Chunk<C::kColumns> chunk;
   const CameraValues lens(view.camera);
   const PackedView& v = view.corners;
   for (int j = 0; j < v.count; ++j) {
@@ -96,12 +169,13 @@ auto sumView(const View& view, const TargetColumns* target = nullptr) {
           (corner.J_point * view.T_CF.R).lazyProduct(targetColumns(*target, j));
     }
     const Weighted w(corner.e, view.options);
-    const Eigen::Matrix<double, 2, C::kColumns> MJ = w.M * corner.J;
-    sums.H.noalias() += corner.J.transpose().lazyProduct(MJ);
-    sums.b.noalias() += corner.J.transpose().lazyProduct(w.slope * corner.e);
+    chunk.add(corner.J, w, corner.e);
+    if (chunk.full()) flush(view.set, chunk, sums);
     sums.squared_error += corner.e.squaredNorm();
     sums.cost += w.cost;
   }
+  flush(view.set, chunk, sums);
+  sums.H.template triangularView<Eigen::StrictlyLower>() = sums.H.transpose();
   return sums;
 }
 

@@ -147,7 +147,7 @@ PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transf
   const gram::Input in = inputOf(camera, T_CF, view, options);
   const bool done =
       dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.pose(in, out); });
-  if (!done) return plain::poseGram({model, camera, T_CF, view, options});
+  if (!done) return plain::poseGram({set, model, camera, T_CF, view, options});
   return out;
 }
 
@@ -166,7 +166,7 @@ ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transf
   const gram::Input in = inputOf(camera, T_CF, view, options);
   const bool done =
       dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.view(in, out); });
-  if (!done) return plain::viewGram({model, camera, T_CF, view, options});
+  if (!done) return plain::viewGram({set, model, camera, T_CF, view, options});
   return out;
 }
 
@@ -187,7 +187,7 @@ TargetViewGram targetViewGramWith(InstructionSet set, const Intrinsics& camera,
   in.target = &target;
   const bool done =
       dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.target(in, out); });
-  if (!done) return plain::targetViewGram({model, camera, T_CF, view, options}, target);
+  if (!done) return plain::targetViewGram({set, model, camera, T_CF, view, options}, target);
   return out;
 }
 
@@ -199,7 +199,7 @@ double viewCostWith(InstructionSet set, const Intrinsics& camera, const Transfor
   double cost = 0;
   const bool done =
       dispatch(set, model, options.cauchy_px > 0, [&](auto version) { cost = version.cost(in); });
-  return done ? cost : plain::cost({model, camera, T_CF, view, options});
+  return done ? cost : plain::cost({set, model, camera, T_CF, view, options});
 }
 
 PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,

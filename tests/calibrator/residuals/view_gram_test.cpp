@@ -124,21 +124,24 @@ TEST(ViewGram, ThePlainWayEqualsTheKernel) {
     PackedCorners corners(kTarget, {view});
     corners.setWeight(0, 7, 0);
     const AnyCameraModel model = cameraModelOf(camera);
-    for (const GramOptions& options : allOptions()) {
-      const ViewGram kernel = viewGram(camera, T_CF, corners.view(0), options);
-      const ViewGram plain = plain::viewGram({model, camera, T_CF, corners.view(0), options});
-      const PoseGram pose = plain::poseGram({model, camera, T_CF, corners.view(0), options});
-      EXPECT_LT(scaledDifference(assembled(kernel), assembled(plain)), 1e-12);
-      EXPECT_TRUE(gradient(plain).isApprox(gradient(kernel), 1e-10));
-      EXPECT_TRUE(pose.H.isApprox(kernel.H, 1e-12));
-      EXPECT_NEAR(plain.cost, kernel.cost, 1e-12 * kernel.cost);
-      EXPECT_NEAR(plain.squared_error, kernel.squared_error, 1e-12 * kernel.squared_error);
-      EXPECT_NEAR(pose.cost, kernel.cost, 1e-12 * kernel.cost);
+    for (const InstructionSet set : {InstructionSet::kBaseline, bestInstructionSet()}) {
+      for (const GramOptions& options : allOptions()) {
+        const ViewGram kernel = viewGram(camera, T_CF, corners.view(0), options);
+        const plain::View in{set, model, camera, T_CF, corners.view(0), options};
+        const ViewGram plain = plain::viewGram(in);
+        const PoseGram pose = plain::poseGram(in);
+        EXPECT_LT(scaledDifference(assembled(kernel), assembled(plain)), 1e-12);
+        EXPECT_TRUE(gradient(plain).isApprox(gradient(kernel), 1e-10));
+        EXPECT_TRUE(pose.H.isApprox(kernel.H, 1e-12));
+        EXPECT_NEAR(plain.cost, kernel.cost, 1e-12 * kernel.cost);
+        EXPECT_NEAR(plain.squared_error, kernel.squared_error, 1e-12 * kernel.squared_error);
+        EXPECT_NEAR(pose.cost, kernel.cost, 1e-12 * kernel.cost);
+      }
+      Transform behind = T_CF;
+      behind.t.z() = -1.1;
+      EXPECT_EQ(plain::viewGram({set, model, camera, behind, corners.view(0), {}}).cost,
+                100 * kInvalidSquaredError);
     }
-    Transform behind = T_CF;
-    behind.t.z() = -1.1;
-    EXPECT_EQ(plain::viewGram({model, camera, behind, corners.view(0), {}}).cost,
-              100 * kInvalidSquaredError);
   }
 }
 
