@@ -2,6 +2,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -259,16 +260,20 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
   seconds.solve = watch.lap();
 
+  // Before the residuals are listed: no other step takes as much memory.
+  std::optional<FaultDiagnosis> faults;
+  if (options.diagnose_faults) faults = diagnoseFaults(problem, solution);
+  seconds.checks = watch.lap();
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   seconds.covariance = watch.lap();
   result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
-  if (options.diagnose_faults) result.value().faults = diagnoseFaults(problem, solution);
+  result.value().faults = std::move(faults);
   if (options.noise_check) {
     result.value().frame_errors = frameErrors(problem, solution.estimate);
     result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
   }
-  seconds.checks = watch.lap();
+  seconds.checks += watch.lap();
   seconds.total = total.seconds();
   result.value().summary.seconds = seconds;
   result.value().frames_without_pose = posed.without_pose;
