@@ -119,12 +119,49 @@ cat "$work/cluster.txt"
 [ $code = 0 ] || { echo "the night ended with $code" >&2; exit 1; }
 "$plumbline" study "$work/data/STUDY.yaml" --out "$work/cluster" --engine slurm >"$work/again.txt" 2>&1
 grep -q "Night 2" "$work/again.txt"
+"$plumbline" study "$work/data/STUDY.yaml" --out "$work/local" >/dev/null 2>&1
+
+# The third night has steps to do again, one task at a time, and finds another value from the same inputs:
+# exit code 3, as on the local engine.
+for folder in local cluster; do
+  rm "$work/$folder"/sessions/*/perturb/step.json
+  python3 - "$work/$folder/sessions/p1_free/evaluate_eval1/step.json" <<'PYTHON'
+import json
+import sys
+
+with open(sys.argv[1], encoding="utf-8") as file:
+    step = json.load(file)
+step["part"]["held_out"][0]["rmse_px"] *= 1.001
+with open(sys.argv[1], "w", encoding="utf-8") as file:
+    json.dump(step, file)
+PYTHON
+done
+code=0
+"$plumbline" study "$work/data/STUDY.yaml" --out "$work/local" >/dev/null 2>&1 || code=$?
+[ $code = 3 ] || { echo "the local third night ended with $code" >&2; exit 1; }
+"$plumbline" study "$work/data/STUDY.yaml" --out "$work/cluster" --engine slurm --slurm-pack 1 \
+  --slurm-throttle 1 >"$work/third.txt" 2>&1 &
+night=$!
+throttled=no
+while kill -0 $night 2>/dev/null; do
+  scontrol show job 2>/dev/null | grep -q "ArrayTaskThrottle=1" && throttled=yes
+  running=$(squeue -h -t R 2>/dev/null | wc -l)
+  [ "$running" -le 1 ] || { echo "$running tasks at once under a throttle of 1" >&2; exit 1; }
+  sleep 0.1
+done
+code=0
+wait $night || code=$?
+[ $code = 3 ] || { cat "$work/third.txt" >&2; echo "the third night ended with $code, not 3" >&2; exit 1; }
+[ $throttled = yes ] || { echo "no array was throttled" >&2; exit 1; }
+grep -q "REGRESSION" "$work/third.txt"
 
 python3 - "$work" <<'PYTHON'
+import json
 import sqlite3
 import sys
 
 work = sys.argv[1]
+TIMES = {"seconds", "calibration_s", "date", "provenance", "cpu_s", "peak_mb"}
 
 
 def values(folder):
@@ -135,8 +172,31 @@ def values(folder):
     return figures, steps
 
 
+def timeless(value):
+    """A document without what two runs of it never share."""
+    if isinstance(value, dict):
+        return {k: timeless(v) for k, v in value.items() if k not in TIMES}
+    return [timeless(v) for v in value] if isinstance(value, list) else value
+
+
+def differences(a, b, path=""):
+    if isinstance(a, dict) and isinstance(b, dict) and a.keys() == b.keys():
+        return [d for k in a for d in differences(a[k], b[k], f"{path}/{k}")]
+    if isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+        return [d for i, (x, y) in enumerate(zip(a, b)) for d in differences(x, y, f"{path}/{i}")]
+    return [] if a == b else [f"{path}: {a} and {b}"]
+
+
+def summary(folder):
+    with open(f"{work}/{folder}/summary.json", encoding="utf-8") as file:
+        return timeless(json.loads(file.read().replace(f"{work}/{folder}", "NIGHT")))
+
+
 local, cluster = values("local"), values("cluster")
 assert local == cluster, "the stores differ"
 assert len(local[0]) > 100 and all(step[2] == "done" for step in local[1])
+assert len(summary("local")["alarms"]) > 0
+differ = differences(summary("local"), summary("cluster"))
+assert not differ, "the summaries differ: " + "; ".join(differ)
 print(f"{len(local[0])} figures and {len(local[1])} steps are equal")
 PYTHON

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "calibrator/base/error.h"
 
@@ -59,6 +61,25 @@ class BadInput : public InputError {
 
  private:
   InputFault code_;
+};
+
+/// Several faults of one input, two or more. what() has a line of each.
+class InputErrors : public InputError {
+ public:
+  explicit InputErrors(std::vector<InputError> all)
+      : InputError(linesOf(all)), all_(std::move(all)) {}
+
+  const std::vector<InputError>& all() const { return all_; }
+
+ private:
+  static std::string linesOf(const std::vector<InputError>& all) {
+    std::string lines;
+    for (const InputError& error : all)
+      lines += (lines.empty() ? "" : "\n") + std::string(error.what());
+    return lines;
+  }
+
+  std::vector<InputError> all_;
 };
 
 /// What is wrong, what was expected and what to do, in the words that the error shows. Options of a

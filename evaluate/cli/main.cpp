@@ -136,6 +136,9 @@ void refuseOtherThanUtf8(int argc, char** argv) {
 int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
   try {
     return handlers.at(app.get_subcommands().front()->get_name())();
+  } catch (const InputErrors& errors) {
+    for (const InputError& error : errors.all()) failed(error.what(), kBadInput);
+    return kBadInput;
   } catch (const BadInput& error) {
     return failed(error.what() + std::string(optionFor(error.code())), kBadInput);
   } catch (const InputError& error) {

@@ -12,6 +12,7 @@
 
 #include "datasets/files/yaml_map.h"
 #include "evaluate/statistics/endpoints.h"
+#include "evaluate/study/definition_faults.h"
 #include "evaluate/study/definition_trajectories.h"
 #include "evaluate/study/definition_values.h"
 
@@ -91,50 +92,68 @@ void refuseFarBeyond(const YamlMap& map, double seconds, double limit_s) {
                    "seconds until the participant was done", "correct it, or raise limit_s"});
 }
 
-SessionEntry sessionOf(const YamlMap& map, const StudyDefinition& study) {
-  const std::vector<std::string>& methods = study.methods;
-  refuseUnknownKeys(map, {"name", "participant", "method", "period", "path", "capture_s",
-                          "finished", "stages_s", "other"});
-  SessionEntry entry;
-  StudySession& row = entry.row;
-  row.name = nameOf(map, "name");
-  row.participant = nameOf(map, "participant");
+void readMethod(const YamlMap& map, const std::vector<std::string>& methods, StudySession& row) {
   row.method = map.text("method", "one of the study's methods");
-  if (std::find(methods.begin(), methods.end(), row.method) == methods.end()) {
-    throw map.fault("method",
-                    {InputFault::kUnknownWord, fmt::format("unknown method '{}'", row.method),
-                     fmt::format("one of {}", fmt::join(methods, ", ")), ""});
-  }
+  if (methods.empty()) return;  // they were refused
+  if (std::find(methods.begin(), methods.end(), row.method) != methods.end()) return;
+  throw map.fault("method",
+                  {InputFault::kUnknownWord, fmt::format("unknown method '{}'", row.method),
+                   fmt::format("one of {}", fmt::join(methods, ", ")), ""});
+}
+
+void readPeriod(const YamlMap& map, StudySession& row) {
   row.period = map.integer("period", "1 for the participant's first session, 2 for the next");
-  if (row.period < 1) {
-    throw map.fault("period", {InputFault::kOutOfRange, fmt::format("period is {}", row.period),
-                               "1 for the participant's first session", ""});
-  }
-  entry.path = recordingOf(map, "path");
+  if (row.period >= 1) return;
+  throw map.fault("period", {InputFault::kOutOfRange, fmt::format("period is {}", row.period),
+                             "1 for the participant's first session", ""});
+}
+
+void readCapture(const YamlMap& map, double limit_s, StudySession& row) {
   if (map.has("capture_s")) {
     row.capture_s = secondsOf(map, "capture_s");
-    refuseFarBeyond(map, *row.capture_s, study.limit_s);
+    refuseFarBeyond(map, *row.capture_s, limit_s);
   }
-  row.finished = flagOf(map, "finished", true);
   readStages(map, row);
-  readOthers(map, entry);
+}
+
+SessionEntry sessionOf(const YamlMap& map, const StudyDefinition& study) {
+  SessionEntry entry;
+  StudySession& row = entry.row;
+  FaultList faults;
+  faults.attempt([&] {
+    refuseUnknownKeys(map, {"name", "participant", "method", "period", "path", "capture_s",
+                            "finished", "stages_s", "other"});
+  });
+  faults.attempt([&] { row.name = nameOf(map, "name"); });
+  faults.attempt([&] { row.participant = nameOf(map, "participant"); });
+  faults.attempt([&] { readMethod(map, study.methods, row); });
+  faults.attempt([&] { readPeriod(map, row); });
+  faults.attempt([&] { entry.path = recordingOf(map, "path"); });
+  faults.attempt([&] { readCapture(map, study.limit_s, row); });
+  faults.attempt([&] { row.finished = flagOf(map, "finished", true); });
+  faults.attempt([&] { readOthers(map, entry); });
+  faults.raise();
   return entry;
 }
 
 void readSessions(const YamlMap& map, StudyDefinition& study) {
   Names names;
+  FaultList faults;
   std::set<std::pair<std::string, int>> periods;
   for (const YamlMap& entry : map.maps("sessions", "a list of sessions")) {
-    SessionEntry session = sessionOf(entry, study);
-    names.add(entry, session.row.name);
-    if (!periods.insert({session.row.participant, session.row.period}).second) {
-      throw entry.fault("period", {InputFault::kContradiction,
-                                   fmt::format("participant {} has two sessions in period {}",
-                                               session.row.participant, session.row.period),
-                                   "a period of its own for each session", ""});
-    }
-    study.sessions.push_back(std::move(session));
+    faults.attempt([&] {
+      SessionEntry session = sessionOf(entry, study);
+      faults.attempt([&] { names.add(entry, session.row.name); });
+      if (!periods.insert({session.row.participant, session.row.period}).second) {
+        throw entry.fault("period", {InputFault::kContradiction,
+                                     fmt::format("participant {} has two sessions in period {}",
+                                                 session.row.participant, session.row.period),
+                                     "a period of its own for each session", ""});
+      }
+      study.sessions.push_back(std::move(session));
+    });
   }
+  faults.raise();
   if (study.sessions.empty()) {
     throw map.fault("sessions", {InputFault::kEmpty, "there are no sessions", "one or more", ""});
   }
@@ -144,20 +163,51 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
 void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study) {
   std::map<std::string, std::set<std::string>> used;
   for (const SessionEntry& s : study.sessions) used[s.row.participant].insert(s.row.method);
+  FaultList faults;
   std::size_t at = 0;
   for (const YamlMap& entry : map.maps("sessions", "")) {
     const std::string& participant = study.sessions[at++].row.participant;
     for (const std::string& method : study.methods) {
-      if (used[participant].count(method) > 0) continue;
-      throw entry.fault(
-          "participant",
-          {InputFault::kContradiction,
-           fmt::format("participant {} has no session with the method '{}'", participant, method),
-           "a session of each participant with each method",
-           "add it (finished: false where the participant gave up), or leave the "
-           "participant out"});
+      if (!used[participant].insert(method).second) continue;  // said once
+      faults.attempt([&] {
+        throw entry.fault(
+            "participant",
+            {InputFault::kContradiction,
+             fmt::format("participant {} has no session with the method '{}'", participant, method),
+             "a session of each participant with each method",
+             "add it (finished: false where the participant gave up), or leave the "
+             "participant out"});
+      });
     }
   }
+  faults.raise();
+}
+
+RecordingEntry recordingEntryOf(const YamlMap& entry, bool with_truth) {
+  FaultList faults;
+  RecordingEntry recording;
+  faults.attempt([&] {
+    if (with_truth) {
+      refuseUnknownKeys(entry, {"name", "path", "truth"});
+    } else {
+      refuseUnknownKeys(entry, {"name", "path"});
+    }
+  });
+  faults.attempt([&] { recording.name = nameOf(entry, "name"); });
+  if (with_truth) {
+    faults.attempt([&] {
+      recording.path = pathOf(entry, "path");
+      if (fs::is_directory(recording.path)) return;
+      throw entry.fault("path",
+                        {InputFault::kMissingFile, recording.path.string() + " is no folder",
+                         "the folder of a recording", ""});
+    });
+    faults.attempt([&] { recording.truth = fileOf(entry, "truth"); });
+  } else {
+    faults.attempt([&] { recording.path = recordingOf(entry, "path"); });
+  }
+  faults.raise();
+  return recording;
 }
 
 std::vector<RecordingEntry> recordingsOf(const YamlMap& map, const std::string& key,
@@ -165,28 +215,24 @@ std::vector<RecordingEntry> recordingsOf(const YamlMap& map, const std::string& 
   std::vector<RecordingEntry> list;
   if (!map.has(key)) return list;
   Names names;
+  FaultList faults;
   for (const YamlMap& entry : map.maps(key, "a list of recordings")) {
-    if (with_truth) {
-      refuseUnknownKeys(entry, {"name", "path", "truth"});
-    } else {
-      refuseUnknownKeys(entry, {"name", "path"});
-    }
-    RecordingEntry recording{nameOf(entry, "name"), {}, {}};
-    names.add(entry, recording.name);
-    if (with_truth) {
-      recording.path = pathOf(entry, "path");
-      if (!fs::is_directory(recording.path)) {
-        throw entry.fault("path",
-                          {InputFault::kMissingFile, recording.path.string() + " is no folder",
-                           "the folder of a recording", ""});
-      }
-      recording.truth = fileOf(entry, "truth");
-    } else {
-      recording.path = recordingOf(entry, "path");
-    }
-    list.push_back(std::move(recording));
+    faults.attempt([&] {
+      RecordingEntry recording = recordingEntryOf(entry, with_truth);
+      names.add(entry, recording.name);
+      list.push_back(std::move(recording));
+    });
   }
+  faults.raise();
   return list;
+}
+
+void readMethods(const YamlMap& map, StudyDefinition& study) {
+  if (!map.has("methods")) {
+    throw map.fault("methods", {InputFault::kMissingKey, "the key 'methods' is missing",
+                                "a list, the baseline first, e.g. [free, guided]", "add it"});
+  }
+  study.methods = wordsOf(map, "methods", "a list, the baseline first, e.g. [free, guided]");
 }
 
 void readTargetShape(const YamlMap& map, StudyDefinition& study) {
@@ -286,34 +332,44 @@ void RegressionThresholds::check() const {
 
 StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& checks) {
   const YamlMap map = YamlMap::load(path, "a study's definition: study, methods, sessions, ...");
-  refuseUnknownKeys(map, {"study", "target", "target_shape", "calibrate", "limit_s", "methods",
-                          "sessions", "held_out", "sequences", "trajectories", "perturbations",
-                          "endpoints", "thresholds", "limits", "cross", "replay", "keep_records"});
   StudyDefinition study;
   study.file = fs::weakly_canonical(fs::absolute(path));
-  study.name = map.text("study", "the study's name");
-  if (map.has("target")) study.target = fileOf(map, "target");
-  if (map.has("limit_s")) study.limit_s = secondsOf(map, "limit_s");
-  if (!map.has("methods")) {
-    throw map.fault("methods", {InputFault::kMissingKey, "the key 'methods' is missing",
-                                "a list, the baseline first, e.g. [free, guided]", "add it"});
+  FaultList faults;
+  faults.attempt([&] {
+    refuseUnknownKeys(
+        map, {"study", "target", "target_shape", "calibrate", "limit_s", "methods", "sessions",
+              "held_out", "sequences", "trajectories", "perturbations", "endpoints", "thresholds",
+              "limits", "cross", "replay", "keep_records"});
+  });
+  faults.attempt([&] { study.name = map.text("study", "the study's name"); });
+  faults.attempt([&] {
+    if (map.has("target")) study.target = fileOf(map, "target");
+  });
+  faults.attempt([&] {
+    if (map.has("limit_s")) study.limit_s = secondsOf(map, "limit_s");
+  });
+  const bool has_methods = faults.attempt([&] { readMethods(map, study); });
+  const bool has_sessions = faults.attempt([&] { readSessions(map, study); });
+  if (has_methods && has_sessions) faults.attempt([&] { refuseWithoutPair(map, study); });
+  // What rests on a list that was refused is not judged by what is left of it.
+  if (faults.attempt([&] { study.held_out = recordingsOf(map, "held_out", false); })) {
+    faults.attempt([&] { readTargetShape(map, study); });
   }
-  study.methods = wordsOf(map, "methods", "a list, the baseline first, e.g. [free, guided]");
-  readSessions(map, study);
-  refuseWithoutPair(map, study);
-  study.held_out = recordingsOf(map, "held_out", false);
-  study.sequences = recordingsOf(map, "sequences", true);
-  readTargetShape(map, study);
-  study.calibrate =
-      optionsOf(map, "calibrate", "plumbline calibrate", checks.calibrate, {"cameras", "imu"});
-  readTrajectories(map, checks.trajectory, study);
-  readPerturbations(map, study);
-  readEndpoints(map, study);
-  readLimits(map, study);
-  readThresholds(map, study);
-  study.cross = flagOf(map, "cross", false);
-  study.replay = flagOf(map, "replay", false);
-  study.keep_records = flagOf(map, "keep_records", false);
+  faults.attempt([&] {
+    study.calibrate =
+        optionsOf(map, "calibrate", "plumbline calibrate", checks.calibrate, {"cameras", "imu"});
+  });
+  if (faults.attempt([&] { study.sequences = recordingsOf(map, "sequences", true); })) {
+    faults.attempt([&] { readTrajectories(map, checks.trajectory, study); });
+  }
+  faults.attempt([&] { readPerturbations(map, study); });
+  if (has_sessions) faults.attempt([&] { readEndpoints(map, study); });
+  faults.attempt([&] { readLimits(map, study); });
+  faults.attempt([&] { readThresholds(map, study); });
+  faults.attempt([&] { study.cross = flagOf(map, "cross", false); });
+  faults.attempt([&] { study.replay = flagOf(map, "replay", false); });
+  faults.attempt([&] { study.keep_records = flagOf(map, "keep_records", false); });
+  faults.raise();
   return study;
 }
 

@@ -97,9 +97,10 @@ struct StudyOptionChecks {
   StudyOptionCheck trajectory;  ///< of `plumbline evaluate trajectory`, how errors are measured
 };
 
-/// Reads and checks a study as a whole. Throws InputError with file and line for unknown keys and
-/// words, values out of range or in another unit, files that are not there, names that are given
-/// twice or cannot name a folder, participants without a session of every method.
+/// Reads and checks a study as a whole. Throws InputError, or InputErrors of all that is wrong,
+/// with file and line for unknown keys and words, values out of range or in another unit, files
+/// that are not there, names that are given twice or cannot name a folder, participants without a
+/// session of every method.
 StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& checks);
 
 }  // namespace plumbline

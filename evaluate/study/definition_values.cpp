@@ -8,17 +8,22 @@
 #include <fmt/ranges.h>
 
 #include "datasets/session/session_folder.h"
+#include "evaluate/study/definition_faults.h"
 
 namespace plumbline::study_internal {
 
 namespace fs = std::filesystem;
 
 void refuseUnknownKeys(const YamlMap& map, std::initializer_list<const char*> known) {
+  FaultList faults;
   for (const std::string& key : map.keys()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown key '{}'", key),
-                          fmt::format("one of {}", fmt::join(known, ", ")), ""});
+    faults.attempt([&] {
+      throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown key '{}'", key),
+                            fmt::format("one of {}", fmt::join(known, ", ")), ""});
+    });
   }
+  faults.raise();
 }
 
 double numberWithin(const YamlMap& map, const std::string& key, double least, double most,

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/study/definition.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include <gmock/gmock.h>
 
-#include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
 #include "tests/evaluate/study/study_files.h"
 
 namespace plumbline {
@@ -123,6 +127,45 @@ TEST_F(DefinitionTest, RefusesSessionsWithFileAndLine) {
     const std::string said = refusal(study("", std::string("  - ") + c.session + "\n"));
     EXPECT_THAT(said, AllOf(HasSubstr("STUDY.yaml:"), HasSubstr(c.words))) << c.session;
   }
+}
+
+TEST_F(DefinitionTest, SaysAllThatIsWrongAtOnceInTheOrderOfTheLines) {
+  const std::string path =
+      study("colour: red\nlimit_s: -1\ncross: perhaps\nspeed: 3\ntarget: missing.yaml\n",
+            "  - {name: a/b, participant: p1, method: best, period: 0, path: nowhere}\n");
+  try {
+    readStudy(path, {refuseColour, refuseColour});
+    FAIL() << "accepted";
+  } catch (const InputErrors& errors) {
+    std::vector<std::pair<int, std::string>> found;
+    for (const InputError& error : errors.all()) {
+      EXPECT_EQ(error.path(), path);
+      found.emplace_back(error.line(), error.what());
+    }
+    ASSERT_EQ(found.size(), 9u) << errors.what();
+    EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
+                               [](const auto& a, const auto& b) { return a.first < b.first; }));
+    const std::vector<std::pair<int, std::string>> expected = {{4, "cannot name a folder"},
+                                                               {4, "unknown method 'best'"},
+                                                               {4, "period is 0"},
+                                                               {4, "nowhere"},
+                                                               {10, "unknown key 'colour'"},
+                                                               {11, "seconds, 0 to 86400"},
+                                                               {12, "true or false"},
+                                                               {13, "unknown key 'speed'"},
+                                                               {14, "is no file"}};
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(found[i].first, expected[i].first) << found[i].second;
+      EXPECT_THAT(found[i].second, HasSubstr(expected[i].second));
+    }
+  }
+}
+
+TEST_F(DefinitionTest, SaysOfEachParticipantOnceThatASessionIsMissing) {
+  const std::string said = refusal(
+      study("", "  - {name: a, participant: p3, method: free, period: 1, path: p1_free}\n"));
+  EXPECT_THAT(said, AllOf(HasSubstr("participant p3 has no session with the method 'guided'"),
+                          HasSubstr("participant p1 has no session with the method 'free'")));
 }
 
 TEST_F(DefinitionTest, TakesTheChainWithTheImuOfAKalibrFolder) {

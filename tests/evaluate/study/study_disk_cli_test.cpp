@@ -32,5 +32,48 @@ TEST_F(StudyDisk, AFullDiskEndsTheNightAndLosesNothing) {
   }
 }
 
+// A real file system of a few megabytes, where this user may mount one. The night does what finds
+// room, says of the rest why not, and the next one, with room, does only that.
+TEST_F(StudyDisk, ASmallFileSystemThatFillsUpLosesNothing) {
+  if (shell("unshare -rm mount -t tmpfs none " + scratch_.string()).exit_code != 0) {
+    GTEST_SKIP() << "a file system cannot be mounted here (unshare -rm): not tested";
+  }
+  const fs::path disk = scratch_ / "disk", kept = scratch_ / "kept";
+  fs::create_directories(disk);
+  fs::create_directories(kept);
+  const std::string night = (disk / "night").string();
+  const std::string run = std::string(PLUMBLINE_BINARY) + " " + words(root_ / "data", night);
+  write(scratch_ / "run.sh",
+        "set -e\n"
+        "mount -t tmpfs -o size=3m none " +
+            disk.string() +
+            "\n"
+            "cd " +
+            kept.string() + "\n" + run +
+            " >first.txt 2>&1 || true\n"
+            "find " +
+            night +
+            " -path '*.partial*' >leftovers.txt\n"
+            "find " +
+            night +
+            " -name step.json | xargs grep -l '\"status\": \"done\"' | "
+            "xargs stat -c '%n %y' >done_first.txt\n"
+            "mount -o remount,size=300m " +
+            disk.string() + "\n" + run +
+            " >second.txt 2>&1\n"
+            "cut -d' ' -f1 done_first.txt | xargs stat -c '%n %y' >done_second.txt\n"
+            "cp " +
+            night + "/study.sqlite .\n");
+  const Outcome outcome = shell("unshare -rm sh " + (scratch_ / "run.sh").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text << read(kept / "second.txt");
+  EXPECT_THAT(read(kept / "first.txt"), HasSubstr("No space left on device"));
+  EXPECT_EQ(read(kept / "leftovers.txt"), "");
+  EXPECT_THAT(read(kept / "second.txt"), HasSubstr("4 of 4 sessions have a calibration"));
+  EXPECT_NE(read(kept / "done_first.txt"), "");
+  EXPECT_EQ(read(kept / "done_first.txt"), read(kept / "done_second.txt")) << "done again";
+  EXPECT_EQ(values(kept, FirstNights::kIgnore),
+            values(root_ / "undisturbed", FirstNights::kIgnore));
+}
+
 }  // namespace
 }  // namespace plumbline

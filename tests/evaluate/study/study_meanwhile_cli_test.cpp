@@ -33,9 +33,19 @@ TEST_F(StudyMeanwhile, ASessionChangedMeanwhileIsReadAgainTheNextNight) {
   }
   int status = 0;
   waitpid(pid, &status, 0);
-  EXPECT_THAT(read(night / "summary.json"), HasSubstr("changed"));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  std::set<std::string> changed;
+  for (const StudyStepRow& step : StudyStore(night / "study.sqlite").steps()) {
+    if (step.status != "changed") continue;
+    EXPECT_THAT(step.message, testing::AllOf(HasSubstr(data.string()), HasSubstr("changed ")));
+    changed.insert(step.name);
+  }
+  EXPECT_FALSE(changed.empty());
+  const auto before = times(night);
   const Outcome next = study(data, night);
   EXPECT_THAT(next.text, HasSubstr("4 of 4 sessions have a calibration"));
+  const std::set<std::string> again = doneAgain(before, night);
+  for (const std::string& name : changed) EXPECT_EQ(again.count(name), 1) << name;
 }
 
 // The program may be replaced while a night runs: it goes on as it began.

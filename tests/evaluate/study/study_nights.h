@@ -73,15 +73,19 @@ class StudyNights : public testing::Test {
     return plumbline(words(data, night) + " " + options);
   }
 
+  enum class FirstNights { kCompare, kIgnore };
+
   /// Everything that the store says but seconds and dates.
-  static std::map<std::string, std::string> values(const fs::path& night) {
+  static std::map<std::string, std::string> values(
+      const fs::path& night, FirstNights first_nights = FirstNights::kCompare) {
     const StudyStore store(night / "study.sqlite");
     std::map<std::string, std::string> all;
     for (const FigureSpan& span : store.figures()) {
       const StudyFigure& f = span.figure;
       if (f.name == "calibration_s") continue;
       all[f.session + " " + f.name] =
-          f.inputs_key + " " + f.version + " " + std::to_string(span.first_night) + " " +
+          f.inputs_key + " " + f.version + " " +
+          (first_nights == FirstNights::kCompare ? std::to_string(span.first_night) : "") + " " +
           std::string(reinterpret_cast<const char*>(&f.value), sizeof f.value);
     }
     for (const StudyStepRow& s : store.steps()) all[s.name] = s.key + s.status + s.message;
