@@ -38,6 +38,10 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
+  app.add_option(
+         "--learning", s.learning,
+         "Errors, reaction and time of the second session over the first's (1: no learning)")
+      ->capture_default_str();
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
       ->capture_default_str();
   app.add_option("--board-bend-mm", s.board_bend_mm, "Bend of the board across, RMS [mm]")

@@ -2,6 +2,7 @@
 #include "evaluate/simulation/simulate_study.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <mutex>
 
@@ -37,39 +38,59 @@ SimulationOptions simulationOf(const StudySimulationOptions& o, double duration_
   return simulation;
 }
 
+/// How long a session took.
+struct Outcome {
+  double capture_s = 0, camera_s = 0, camera_imu_s = 0;
+  bool finished = true;
+};
+
 /// A part of the study that is made by itself.
 struct Visit {
   const SimulatedParticipant* person;
   const SimulatedVisit* visit;
-  double capture_s = 0, camera_s = 0, camera_imu_s = 0;
-  bool finished = true;
+  Outcome made;
+  Outcome other;  ///< what it would have been in the other period
   int suggestions = 0, reached = 0;
 };
 
+double meanOf(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
 double rounded(double seconds) { return std::round(1e3 * seconds) / 1e3; }
+
+OperatedSession operated(const SimulatedRig& rig, const StudySimulationOptions& o,
+                         std::size_t index, const SimulatedVisit& visit) {
+  OperatedOptions options;
+  options.simulation = simulationOf(o, visit.duration_s, visit.seed);
+  options.simulation.start_ns += toNanoseconds(kOwnClock_s * static_cast<double>(index));
+  options.skill = visit.skill;
+  options.operator_seed = visit.seed;
+  options.trajectories = o.trajectories();
+  if (o.guide_board == GuideBoard::kMeasured) options.guide_shape = bentBoard(o.board_bend_mm);
+  return visit.method == "guided" ? recordGuided(rig, options) : recordFreely(rig, options);
+}
+
+Outcome outcomeOf(const OperatedSession& session) {
+  Outcome out{0, rounded(session.camera_s), rounded(session.camera_imu_s), session.finished};
+  out.capture_s = rounded(out.camera_s + out.camera_imu_s);
+  return out;
+}
 
 void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::size_t index,
                Visit& v, const fs::path& folder) {
-  OperatedOptions operated;
-  operated.simulation = simulationOf(o, v.visit->duration_s, v.visit->seed);
-  operated.simulation.start_ns += toNanoseconds(kOwnClock_s * static_cast<double>(index));
-  operated.skill = v.visit->skill;
-  operated.operator_seed = v.visit->seed;
-  operated.trajectories = o.trajectories();
-  if (o.guide_board == GuideBoard::kMeasured) operated.guide_shape = bentBoard(o.board_bend_mm);
-  const bool guided = v.visit->method == "guided";
-  OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
+  OperatedSession made = operated(rig, o, index, *v.visit);
   made.session.name = v.visit->name;
-  v.finished = made.finished;
-  v.camera_s = rounded(made.camera_s);
-  v.camera_imu_s = rounded(made.camera_imu_s);
-  v.capture_s = rounded(v.camera_s + v.camera_imu_s);
+  v.made = outcomeOf(made);
+  v.other = outcomeOf(operated(rig, o, index, inOtherPeriod(*v.visit, o)));
   v.suggestions = static_cast<int>(made.suggestions.size());
   v.reached = made.reached;
   const fs::path place = fs::path("sessions") / v.visit->name;
   makeFoldersIn(folder, place);
   writeSession(made.session, rig.camera_rate_hz, ViewFormat::kCorners, folder / place);
-  if (guided)
+  if (v.visit->method == "guided")
     writeFileAtomically((folder / place / "suggestions.csv").string(),
                         suggestionsCsv(made.suggestions));
 }
@@ -128,8 +149,8 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
         std::back_inserter(text),
         "  - {{name: {0}, participant: {1}, method: {2}, period: {3}, path: sessions/{0}, "
         "capture_s: {4}, finished: {5}, stages_s: {{camera: {6}, camera_imu: {7}}}}}\n",
-        v.visit->name, v.person->name, v.visit->method, v.visit->period, v.capture_s, v.finished,
-        v.camera_s, v.camera_imu_s);
+        v.visit->name, v.person->name, v.visit->method, v.visit->period, v.made.capture_s,
+        v.made.finished, v.made.camera_s, v.made.camera_imu_s);
   }
   if (o.held_out > 0) text += "held_out:\n";
   for (std::size_t i = 0; i < static_cast<std::size_t>(o.held_out); ++i) {
@@ -146,6 +167,53 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
     text += "trajectories: {odometry: builtin, metrics: {clock-offset: auto, hand-eye: auto}}\n";
   }
   return text;
+}
+
+Json jsonOf(const Outcome& o) { return {{"capture_s", o.capture_s}, {"finished", o.finished}}; }
+
+/// Means over all participants of what each would have done with either method in either period;
+/// who gives up counts at the limit in differences, and in no ratio.
+Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
+  std::vector<double> method_s, period_s, log_method, log_period;
+  Json outcomes = Json::array();
+  for (std::size_t i = 0; i + 1 < visits.size(); i += 2) {
+    const bool guided_first = visits[i].visit->method == "guided";
+    const Visit& free = visits[guided_first ? i + 1 : i];
+    const Visit& guided = visits[guided_first ? i : i + 1];
+    const auto in = [](const Visit& v, int period) {
+      return v.visit->period == period ? v.made : v.other;
+    };
+    const auto at = [&](const Visit& v, int period) {
+      const Outcome o = in(v, period);
+      return o.finished ? o.capture_s : limit_s;
+    };
+    bool all_done = true;
+    for (const Visit* v : {&free, &guided}) {
+      for (const int period : {1, 2}) {
+        Json outcome{{"participant", v->person->name},
+                     {"method", v->visit->method},
+                     {"period", period},
+                     {"recorded", v->visit->period == period}};
+        outcome.update(jsonOf(in(*v, period)));
+        outcomes.push_back(std::move(outcome));
+        all_done = all_done && in(*v, period).finished;
+      }
+    }
+    for (const int period : {1, 2}) method_s.push_back(at(guided, period) - at(free, period));
+    for (const Visit* v : {&free, &guided}) period_s.push_back(at(*v, 2) - at(*v, 1));
+    if (!all_done) continue;
+    for (const int p : {1, 2}) log_method.push_back(std::log(at(guided, p) / at(free, p)));
+    for (const Visit* v : {&free, &guided}) log_period.push_back(std::log(at(*v, 2) / at(*v, 1)));
+  }
+  Json effects{{"limit_s", limit_s},
+               {"guided_less_free_s", meanOf(method_s)},
+               {"second_less_first_s", meanOf(period_s)}};
+  if (!log_method.empty()) {
+    effects["guided_over_free"] = std::exp(meanOf(log_method));
+    effects["second_over_first"] = std::exp(meanOf(log_period));
+  }
+  effects["outcomes"] = std::move(outcomes);
+  return effects;
 }
 
 std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
@@ -168,12 +236,13 @@ std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
     Json session{{"name", v.visit->name},         {"participant", v.person->name},
                  {"method", v.visit->method},     {"period", v.visit->period},
                  {"seed", v.visit->seed},         {"clumsiness", v.person->clumsiness},
-                 {"gives_up", v.visit->gives_up}, {"finished", v.finished},
-                 {"capture_s", v.capture_s},      {"suggestions", v.suggestions},
+                 {"gives_up", v.visit->gives_up}, {"finished", v.made.finished},
+                 {"capture_s", v.made.capture_s}, {"suggestions", v.suggestions},
                  {"reached", v.reached},          {"skill", toJson(v.visit->skill)}};
     sessions.push_back(std::move(session));
   }
   truth["sessions"] = std::move(sessions);
+  truth["effects"] = {{"capture_s", timeEffects(visits, o.limitS())}};
   truth["motion_capture"] = Json::object();
   for (std::size_t i = 0; i < captures.size(); ++i) {
     truth["motion_capture"][numbered("seq", i)] = captures[i];
@@ -186,10 +255,10 @@ StudySimulationSummary summaryOf(const std::vector<Visit>& visits) {
   std::vector<double> free, guided;
   for (const Visit& v : visits) {
     ++summary.sessions;
-    summary.gave_up += v.finished ? 0 : 1;
+    summary.gave_up += v.made.finished ? 0 : 1;
     summary.suggestions += v.suggestions;
     summary.reached += v.reached;
-    if (v.finished) (v.visit->method == "free" ? free : guided).push_back(v.capture_s);
+    if (v.made.finished) (v.visit->method == "free" ? free : guided).push_back(v.made.capture_s);
   }
   if (!free.empty()) summary.free_s = median(free);
   if (!guided.empty()) summary.guided_s = median(guided);
@@ -204,7 +273,7 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
   const SimulatedRig rig = simulatedRig("d435i");
   std::vector<Visit> visits;
   for (const SimulatedParticipant& person : people) {
-    for (const SimulatedVisit& visit : person.visits) visits.push_back({&person, &visit});
+    for (const SimulatedVisit& visit : person.visits) visits.push_back({&person, &visit, {}, {}});
   }
   const auto held_out = static_cast<std::size_t>(o.held_out);
   const auto sequences = static_cast<std::size_t>(o.sequences);

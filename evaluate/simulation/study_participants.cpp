@@ -41,6 +41,11 @@ std::vector<std::size_t> shuffled(int count, RandomStream& random) {
   return order;
 }
 
+void limitPatience(SimulatedVisit& visit, const StudySimulationOptions& o) {
+  visit.skill.patience_s =
+      visit.gives_up ? kGivesUpAfter * std::min(visit.duration_s, o.duration_s) : o.limitS();
+}
+
 SimulatedVisit visitOf(const SimulatedParticipant& person, bool guided, int period,
                        const StudySimulationOptions& o, RandomStream& random) {
   SimulatedVisit visit;
@@ -51,14 +56,9 @@ SimulatedVisit visitOf(const SimulatedParticipant& person, bool guided, int peri
   if (period > 1) visit.skill = practised(visit.skill, o.learning);
   const double own = random.uniform(0.85, 1.15) * (period > 1 ? o.learning : 1);
   visit.duration_s = guided ? o.limitS() : own * o.duration_s;
-  visit.skill.patience_s = o.limitS();
+  limitPatience(visit, o);
   visit.seed = random.bits() >> 12U;  // a double of a document holds it
   return visit;
-}
-
-void giveUp(SimulatedVisit& visit, const StudySimulationOptions& o) {
-  visit.gives_up = true;
-  visit.skill.patience_s = kGivesUpAfter * std::min(visit.duration_s, o.duration_s);
 }
 
 }  // namespace
@@ -99,10 +99,22 @@ std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOpt
   }
   for (std::size_t k = 0; k < 2 && people.size() >= 4; ++k) {
     for (SimulatedVisit& visit : people[weary[k]].visits) {
-      if (visit.method == (k == 0 ? "free" : "guided")) giveUp(visit, o);
+      if (visit.method != (k == 0 ? "free" : "guided")) continue;
+      visit.gives_up = true;
+      limitPatience(visit, o);
     }
   }
   return people;
+}
+
+SimulatedVisit inOtherPeriod(const SimulatedVisit& visit, const StudySimulationOptions& o) {
+  const bool to_second = visit.period == 1;
+  SimulatedVisit other = visit;
+  other.period = to_second ? 2 : 1;
+  other.skill = practised(visit.skill, to_second ? o.learning : 1 / o.learning);
+  if (visit.method == "free") other.duration_s *= to_second ? o.learning : 1 / o.learning;
+  limitPatience(other, o);
+  return other;
 }
 
 }  // namespace plumbline

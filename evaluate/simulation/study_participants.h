@@ -65,4 +65,7 @@ struct SimulatedParticipant {
 /// participants.
 std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOptions& options);
 
+/// The same session with the same luck, had the person made it in the other period (1 or 2).
+SimulatedVisit inOtherPeriod(const SimulatedVisit& visit, const StudySimulationOptions& options);
+
 }  // namespace plumbline

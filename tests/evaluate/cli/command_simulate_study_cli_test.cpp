@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `plumbline simulate study` as a user runs it: a folder that the program's own commands read, the
 // same bytes by any number of threads.
+#include <map>
+
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluate/cli/command_line.h"
@@ -66,6 +68,42 @@ TEST(CommandSimulateStudy, BoardsOfTheStatedSizeAreNotBlamed) {
   EXPECT_EQ(wrong.exit_code, 2) << wrong.text;
   EXPECT_THAT(wrong.text, HasSubstr("target and IMU disagree about scale"));
   fs::remove_all(study), fs::remove_all(out);
+}
+
+// Free recordings last as long as is planned, so that their share of the second period's effect is
+// the learning itself; without learning the periods are alike, and what was recorded is all there
+// is.
+TEST(CommandSimulateStudy, TruthHasWhatEverybodyWouldHaveTakenWithEitherMethodInEitherPeriod) {
+  const auto truthWith = [](const std::string& learning) {
+    const fs::path study = freshFolder("simulate_study_effects");
+    const Outcome made = plumbline(
+        "simulate study --participants 4 --duration 8 --held-out 0 --sequences 0 --learning " +
+        learning + " --out " + study.string());
+    EXPECT_EQ(made.exit_code, 0) << made.text;
+    const auto truth = nlohmann::json::parse(read(study / "truth.json"));
+    fs::remove_all(study);
+    return truth;
+  };
+  const auto learned = truthWith("0.8");
+  const auto& effects = learned.at("effects").at("capture_s");
+  ASSERT_EQ(effects.at("outcomes").size(), 16U);
+  std::map<std::string, double> recorded, free_first, free_second;
+  for (const auto& o : effects.at("outcomes")) {
+    const std::string name = o.at("participant");
+    if (o.at("recorded")) recorded[name + "_" + std::string(o.at("method"))] = o.at("capture_s");
+    if (o.at("method") != "free" || !o.at("finished")) continue;
+    (o.at("period") == 1 ? free_first : free_second)[name] = o.at("capture_s");
+  }
+  for (const auto& session : learned.at("sessions")) {
+    EXPECT_EQ(session.at("capture_s"), recorded.at(session.at("name")));
+  }
+  EXPECT_EQ(free_first.size(), 3U);  // one gives up
+  for (const auto& [name, first] : free_first) {
+    EXPECT_NEAR(free_second.at(name), 0.8 * first, 2.0 / 15) << "a frame at either end";
+  }
+  const auto alike = truthWith("1").at("effects").at("capture_s");
+  EXPECT_EQ(alike.at("second_less_first_s"), 0);
+  EXPECT_EQ(alike.at("second_over_first"), 1);
 }
 
 TEST(CommandSimulateStudy, NamesAnOptionOutOfItsRange) {

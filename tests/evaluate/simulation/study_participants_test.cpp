@@ -42,6 +42,23 @@ TEST(SimulatedParticipants, LearnFromTheirFirstSession) {
   }
 }
 
+TEST(SimulatedParticipants, AreTheSameInTheOtherPeriodButForPractice) {
+  for (const auto& p : simulatedParticipants({})) {
+    for (const SimulatedVisit& visit : p.visits) {
+      const SimulatedVisit other = inOtherPeriod(visit, {});
+      const double practice = visit.period == 1 ? 0.85 : 1 / 0.85;
+      EXPECT_EQ(other.period, 3 - visit.period);
+      EXPECT_EQ(other.seed, visit.seed);
+      EXPECT_NEAR(other.skill.reaction_s, practice * visit.skill.reaction_s, 1e-12);
+      EXPECT_NEAR(other.duration_s,
+                  visit.method == "free" ? practice * visit.duration_s : visit.duration_s, 1e-9);
+      const SimulatedVisit back = inOtherPeriod(other, {});
+      EXPECT_NEAR(back.skill.turn_rad_s, visit.skill.turn_rad_s, 1e-12);
+      EXPECT_NEAR(back.skill.patience_s, visit.skill.patience_s, 1e-9);
+    }
+  }
+}
+
 TEST(SimulatedParticipants, DependOnTheSeedAlone) {
   StudySimulationOptions o;
   o.threads = 7;
