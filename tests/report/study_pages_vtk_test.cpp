@@ -237,6 +237,23 @@ TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
   EXPECT_EQ(linked, record.held_out.size());
 }
 
+TEST(UserStudyPage, LeadsFromMediansToTheSessionNearestToThem) {
+  const auto bars = between(plot(userStudyPage(), "study-stages"), "<a ", ">");
+  const StudyRecord record = test::syntheticUserStudy();
+  std::size_t sessions = 0;
+  for (const StudySession& s : record.sessions) sessions += s.stages.empty() ? 0 : 1;
+  std::size_t stages = 0;
+  for (const StudySession& s : record.sessions) stages = std::max(stages, s.stages.size());
+  EXPECT_EQ(bars.size(), stages * (record.methods.size() + sessions)) << "each bar has a link";
+  for (const std::string& bar : bars) EXPECT_THAT(bar, HasSubstr("sessions/"));
+  const auto nights = between(plot(userStudyPage(), "study-nights"), "<a ", ">");
+  ASSERT_EQ(nights.size(), record.nights.size());
+  for (std::size_t i = 0; i + 1 < nights.size(); ++i) {
+    EXPECT_THAT(nights[i], HasSubstr("#sessions")) << "its pages are gone";
+  }
+  EXPECT_THAT(nights.back(), HasSubstr("sessions/"));
+}
+
 TEST(UserStudyPage, StacksTheStagesOfASession) {
   const StudyRecord record = test::syntheticUserStudy();
   const std::string svg = plot(userStudyPage(), "study-stages");

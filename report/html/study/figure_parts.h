@@ -2,6 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +26,20 @@ std::vector<std::string> distinct(const Rows& rows, const Name& name) {
     if (placeOf(names, name(row)) == names.size()) names.push_back(name(row));
   }
   return names;
+}
+
+/// Page of the session whose figure is nearest to a value, such as a median; "" where none has one.
+template <class Sessions, class Get>
+std::string pageNearest(const Sessions& sessions, double value, const Get& get) {
+  std::string page;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& session : sessions) {
+    const std::optional<double> own = get(session);
+    if (!own || !(std::abs(*own - value) < least)) continue;
+    least = std::abs(*own - value);
+    page = session.page;
+  }
+  return page;
 }
 
 /// The section with one more figure, or as it is where there is nothing to draw.

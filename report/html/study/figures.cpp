@@ -34,6 +34,21 @@ double secondsOf(const StudySession& s, const std::string& stage) {
   return seconds;
 }
 
+/// Page of the session that took nearest to the median time of those who finished with the method.
+std::string typicalPage(const StudyRecord& record, const std::string& method) {
+  const auto timeOf = [&](const StudySession& s) -> std::optional<double> {
+    if (s.method != method || !s.finished || s.stages.empty()) return std::nullopt;
+    double seconds = 0;
+    for (const CaptureStage& stage : s.stages) seconds += stage.seconds;
+    return seconds;
+  };
+  std::vector<double> times;
+  for (const StudySession& s : record.sessions) {
+    if (const auto seconds = timeOf(s)) times.push_back(*seconds);
+  }
+  return times.empty() ? "" : pageNearest(record.sessions, median(times), timeOf);
+}
+
 /// The medians of the methods, then every session.
 Figure stagesFigure(const StudyRecord& record) {
   BarPlot plot;
@@ -42,7 +57,7 @@ Figure stagesFigure(const StudyRecord& record) {
   if (plot.names.empty()) return {};
   for (const std::string& method : record.methods) {
     plot.categories.push_back("median " + method);
-    plot.links.emplace_back();
+    plot.links.push_back(typicalPage(record, method));
   }
   for (const StudySession& s : record.sessions) {
     if (s.stages.empty()) continue;
@@ -76,7 +91,7 @@ Figure stagesFigure(const StudyRecord& record) {
   return {
       toSvg(plot, "study-stages"),
       "The medians of the methods first, over those who finished, then every session; a bar leads "
-      "to its session's page.",
+      "to its session's page, a median's to that of the session nearest to it.",
       true};
 }
 

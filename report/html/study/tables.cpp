@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "report/html/study/figure_parts.h"
 #include "report/html/text.h"
 #include "report/plots/svg.h"
 
@@ -65,10 +66,15 @@ Figure nightsFigure(const StudyRecord& record) {
     top = std::max(top, *n.held_out_rmse_px);
   }
   if (line.x.size() < 2) return {};
+  // Pages are this night's: its point leads to the session nearest to the median, an earlier one to
+  // the sessions as they are now.
+  const std::string tonight = pageNearest(record.sessions, line.y.back(),
+                                          [](const StudySession& s) { return s.held_out_rmse_px; });
   for (std::size_t i = 0; i < line.x.size(); ++i) {
+    const bool last = i + 1 == line.x.size() && !tonight.empty();
     plot.points.push_back({line.x[i], line.y[i],
-                           fmt::format("night {:g}: {:.4f} px", line.x[i], line.y[i]), "",
-                           seriesColour(0)});
+                           fmt::format("night {:g}: {:.4f} px", line.x[i], line.y[i]),
+                           last ? tonight : "#sessions", seriesColour(0)});
   }
   plot.frame.title = "Held-out RMSE over the nights";
   plot.frame.width = 960;
