@@ -7,7 +7,7 @@ image, is below 0.1 px, and T_SC0 within 1 mm and 0.05 degrees, and how near the
 the best one.
 
   nice -n 15 scripts/operator_evidence.py --plumbline build/evaluate/plumbline --work FOLDER \\
-      [--persons 50] [--rig euroc] [--duration 120] [--guide "--operator-speed 0.35"] [--table]
+      [--persons 50] [--rig euroc] [--duration 120] [--only PATTERN] [--table]
 
 Every person makes one recording by every method; methods of one person share their seed. What was
 found is kept in --work, one file for each recording, and not made again; recordings are not kept.
@@ -15,6 +15,7 @@ Whoever does not get there counts as later than all others.
 """
 
 import argparse
+import fnmatch
 import json
 import math
 import pathlib
@@ -24,6 +25,10 @@ import tempfile
 
 METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
            "guided, predicted-error": ["guided", "--criterion", "predicted-error"],
+           "guided, mi, to 0.1 px": ["guided", "--criterion", "mi", "--stop-projection-px", "0.1"],
+           "guided, predicted-error, to 0.1 px": ["guided", "--criterion", "predicted-error",
+                                                  "--stop-projection-px", "0.1"],
+           "guided, mi, by pace": ["guided", "--criterion", "mi", "--operator-speed", "0.35"],
            "free": ["free"],
            "dance": ["dance"]}
 BARS = {"cameras": 0.6, "camera_imu": 0.7}  # guided over unguided
@@ -41,7 +46,7 @@ def quantile(values, p):
 
 
 def kept_file(options, name, person):
-    return pathlib.Path(options.work) / options.rig / name.replace(", ", "-") / f"{person}.json"
+    return pathlib.Path(options.work) / options.rig / name.replace(", ", "-").replace(" ", "_") / f"{person}.json"
 
 
 def record(options, name, person):
@@ -53,10 +58,9 @@ def record(options, name, person):
     clumsiness = (person - 0.5) / options.persons
     with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
         out = pathlib.Path(folder) / "session"
-        guide = options.guide.split() if name.startswith("guided") else []
         command = [options.plumbline, "simulate", "operator", "--rig", options.rig, "--method", *METHODS[name],
                    "--skill", f"{clumsiness:.4f}", "--seed", str(person), "--duration", str(options.duration),
-                   "--judge", *guide, "--out", str(out)]
+                   "--judge", "--out", str(out)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         shutil.copy(out / "truth" / "truth.json", kept.with_suffix(".part"))
     kept.with_suffix(".part").rename(kept)
@@ -86,7 +90,8 @@ def quartiles(values, digits=1):
 
 
 def table(options):
-    found = {name: read(options, name) for name in METHODS}
+    found = {name: read(options, name) for name in METHODS if fnmatch.fnmatch(name, options.only)}
+    found = {name: documents for name, documents in found.items() if documents}
     persons = set.intersection(*(set(f) for f in found.values()))
     print(f"{len(persons)} persons, rig {options.rig}; quartiles and median (25 / 50 / 75 %)\n")
     print("| method | cameras [s] | views | got there | T_SC0 [s] | got there | both [s] |\n|---|---|---|---|---|---|---|")
@@ -99,8 +104,8 @@ def table(options):
               f"| {quartiles(imu)} | {sum(c < math.inf for c in imu)} "
               f"| {quartiles([a + b for a, b in zip(cameras, imu)])} |")
     print("\n| guided over unguided | cameras | bar | T_SC0 | bar |\n|---|---|---|---|---|")
-    for guided in (n for n in METHODS if n.startswith("guided")):
-        for other in ("free", "dance"):
+    for guided in (n for n in found if n.startswith("guided")):
+        for other in (n for n in ("free", "dance") if n in found):
             cells = []
             for stage, bar in BARS.items():
                 a, b = (quantile([needed(found[n][p], stage) for p in persons], 0.5) for n in (guided, other))
@@ -108,7 +113,7 @@ def table(options):
             print(f"| {guided} / {other} | " + " | ".join(cells) + " |")
     print("\n| stop of | cameras stopped [s] | over the best | within 15 % | error there [px] | above 0.1 px "
           "| IMU stopped |\n|---|---|---|---|---|---|---|")
-    for name in (n for n in METHODS if n.startswith("guided")):
+    for name in (n for n in found if n.startswith("guided")):
         chosen = [found[name][p] for p in sorted(persons)]
         stops = [needed(d, "cameras", "stopped_s") for d in chosen]
         best = [needed(d, "cameras") for d in chosen]
@@ -128,13 +133,15 @@ def main():
     parser.add_argument("--persons", type=int, default=50)
     parser.add_argument("--rig", default="euroc")
     parser.add_argument("--duration", type=float, default=120)
-    parser.add_argument("--guide", default="", help="further options of the guided recordings")
+    parser.add_argument("--only", default="*", help="methods that are recorded and compared")
     parser.add_argument("--table", action="store_true", help="print only what is there")
     options = parser.parse_args()
     if not options.table:
-        for person in range(1, options.persons + 1):
+        # In an order that has all skills early: a run that is cut short is of all of them.
+        for person in sorted(range(1, options.persons + 1), key=lambda p: 0.618034 * p % 1):
             for name in METHODS:
-                record(options, name, person)
+                if fnmatch.fnmatch(name, options.only):
+                    record(options, name, person)
     table(options)
 
 

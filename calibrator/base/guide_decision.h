@@ -78,6 +78,8 @@ struct Suggestion {
   double mi_nats = 0;           ///< predicted gain
   /// Predicted error in later use with it [px]; empty for a trajectory, or before it is known.
   std::optional<double> error_px;
+  /// Predicted time until it is reached [s]; empty where nothing is known of the operator's pace.
+  std::optional<double> reach_s;
 };
 
 /// Scores of all candidates at one time.
@@ -90,6 +92,8 @@ struct CandidateRound {
   std::vector<double> mi_nats;
   /// Predicted error in later use with each [px], NaN as above; empty: not known.
   std::vector<double> error_px;
+  /// Predicted time until each is reached [s]; empty: it does not count.
+  std::vector<double> reach_s;
   int best = -1;  ///< the best by the criterion; -1: none could be scored
 };
 

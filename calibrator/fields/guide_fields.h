@@ -34,6 +34,7 @@ void fields(V& v, Suggestion& s) {
   v.ifSet("mi_unbounded", unbounded, "the views before left parameters free");
   if (V::kReads && unbounded) s.mi_nats = std::numeric_limits<double>::infinity();
   v("error_px", s.error_px, "px", "predicted error in later use with it");
+  v("reach_s", s.reach_s, "s", "predicted time until it is reached");
 }
 
 template <class V>
@@ -47,6 +48,7 @@ void fields(V& v, CandidateRound& r) {
   for (const double nats : r.mi_nats) mi_bits.push_back(inBits(nats));
   v.derived("mi_bits", mi_bits, "", "the same in bits");
   v("error_px", r.error_px, "predicted error in later use with each [px]");
+  v.ifSet("reach_s", r.reach_s, "predicted time until each is reached [s], where it counts");
   v("best", r.best, "the best by the criterion; -1: none could be scored");
 }
 

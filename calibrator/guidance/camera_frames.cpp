@@ -32,6 +32,14 @@ Session sessionOf(const GuideRig& rig, const std::vector<KeptFrame>& frames) {
   return session;
 }
 
+CameraStageOptions stageOptions(const GuideRig& rig, const GuideOptions& options) {
+  CameraStageOptions stage;
+  for (const GuideRig::Camera& camera : rig.cameras) stage.models.push_back(camera.model);
+  stage.model() = options.views.model();
+  stage.threads = options.threads;
+  return stage;
+}
+
 }  // namespace
 
 FrameCorners usableViews(const GuideFrame& frame, std::size_t cameras, int min_corners) {
@@ -78,12 +86,15 @@ std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& c
 Result<CameraStageResult> calibrateFrames(const GuideRig& rig, const std::vector<KeptFrame>& frames,
                                           const GuideOptions& options,
                                           const std::vector<CameraCalibration>& start) {
-  CameraStageOptions stage;
-  for (const GuideRig::Camera& camera : rig.cameras) stage.models.push_back(camera.model);
+  CameraStageOptions stage = stageOptions(rig, options);
   stage.start = start;
-  stage.model() = options.views.model();
-  stage.threads = options.threads;
   return calibrateCameras(sessionOf(rig, frames), stage);
+}
+
+Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<KeptFrame>& frames,
+                                      const GuideOptions& options,
+                                      const std::vector<CameraCalibration>& cameras) {
+  return scoreCameras(sessionOf(rig, frames), cameras, stageOptions(rig, options));
 }
 
 }  // namespace plumbline

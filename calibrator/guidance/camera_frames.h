@@ -43,4 +43,9 @@ Result<CameraStageResult> calibrateFrames(const GuideRig& rig, const std::vector
                                           const GuideOptions& options,
                                           const std::vector<CameraCalibration>& start = {});
 
+/// Only the frames' poses move; the cameras are given.
+Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<KeptFrame>& frames,
+                                      const GuideOptions& options,
+                                      const std::vector<CameraCalibration>& cameras);
+
 }  // namespace plumbline

@@ -7,50 +7,55 @@
 #include <fmt/format.h>
 
 #include "calibrator/guidance/camera_frames.h"
-#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/open_suggestion.h"
-#include "calibrator/guidance/view_judge.h"
+#include "calibrator/guidance/start_check.h"
+#include "calibrator/guidance/views/candidate_views.h"
+#include "calibrator/guidance/views/view_judge.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/window/camera_window.h"
 
 namespace plumbline {
+
 struct CameraGuide::State {
   State(const GuideRig& of, const GuideOptions& asked)
-      : rig(of), options(asked), judge(of.target, asked.views, asked.threads) {}
+      : rig(of),
+        options(asked),
+        gate(asked),
+        start_check(of, asked),
+        judge(of.target, asked.views, asked.threads) {}
 
   GuideRig rig;
   GuideOptions options;
+  FrameGate gate;
+  StartCheck start_check;
   std::vector<KeptFrame> kept;
   std::optional<CameraWindow> window;  // once the start stands
   ViewJudge judge;
   std::optional<double> entropy, rmse;
   std::optional<OpenSuggestion> open;
-  std::optional<TimeNs> last_t, last_target_t;
-  TimeNs busy_until = std::numeric_limits<TimeNs>::min();
   std::size_t next_start = 0;  // frames kept at which the start is tried again
   int next_suggestion = 0;
   int frames_without_view = 0;
   int until_round = 0;  // frames without a view until candidates are scored
   int posed = 0;        // frames with a plausible pose since the start
   int unposed = 0;      // in a row without
-  bool lost_said = false;
   bool finished = false;
 
-  bool arrives(const GuideFrame& frame, Decision& d);
   void look(const GuideFrame& frame, Decision& d);
   void followSuggestion(const GuideFrame& frame, Decision& d);
-  void withoutTarget(Decision& d);
   void initialise(const FrameCorners& corners, Decision& d);
   void tryStart(Decision& d);
   void beginWindow(const CameraStageResult& start, Decision& d);
-  void startWasWrong(Decision& d);
-  void consider(const FrameCorners& corners, Decision& d);
+  void startWasWrong(Decision& d, const std::string& why);
+  void consider(const GuideFrame& frame, const FrameCorners& corners, Decision& d);
   void finish(Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
   void findNextView(Decision& d);
-  void openSuggestion(const CandidateRound& round, int camera, Decision& d);
+  std::size_t askedFor(CandidateRound& round, Decision& d);
+  void openSuggestion(const CandidateRound& round, std::size_t asked, int camera, Decision& d);
   void fill(Decision& d) const;
 };
 
@@ -66,7 +71,7 @@ CameraGuide::CameraGuide(CameraGuide&&) noexcept = default;
 CameraGuide& CameraGuide::operator=(CameraGuide&&) noexcept = default;
 
 bool CameraGuide::finished() const { return state_->finished; }
-TimeNs CameraGuide::busyUntil() const { return state_->busy_until; }
+TimeNs CameraGuide::busyUntil() const { return state_->gate.busyUntil(); }
 int CameraGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraStageResult> CameraGuide::batch() const {
@@ -86,55 +91,22 @@ Decision CameraGuide::step(const GuideFrame& frame) {
   d.stage = GuideStage::kCamera;
   d.threshold_nats = s.options.views.threshold_nats;
   for (const auto& view : frame.corners) d.corners += static_cast<int>(view.size());
-  if (s.arrives(frame, d)) s.look(frame, d);
+  if (s.finished) {
+    d.reason = GuideReason::kFinished;
+  } else if (s.gate.arrives(frame, s.open, d)) {
+    s.look(frame, d);
+  }
   s.fill(d);
   return d;
 }
 
-/// Whether the guide looks at the frame at all.
-bool CameraGuide::State::arrives(const GuideFrame& frame, Decision& d) {
-  if (finished) {
-    d.reason = GuideReason::kFinished;
-    return false;
-  }
-  const std::optional<TimeNs> before = last_t;
-  if (before && frame.t <= *before) {
-    d.reason = GuideReason::kTimeJump;
-    note(d, fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
-                        secondsBetween(frame.t, *before)));
-    return false;
-  }
-  last_t = frame.t;
-  if (frame.t < busy_until) {
-    d.reason = GuideReason::kBusy;
-    return false;
-  }
-  if (before && secondsBetween(*before, frame.t) > options.max_frame_gap_s) {
-    note(d, fmt::format("no frame for {:.3f} s before it", secondsBetween(*before, frame.t)));
-    // Nobody saw where the camera was meanwhile: the time near the suggestion starts again.
-    if (open) open->update(*before, {});
-  }
-  return true;
-}
-
 void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
-  // Latency counts from the frame's stamp, so that decisions depend on the recording alone and not
-  // on the machine that replays it.
-  busy_until = frame.t + toNanoseconds(options.latency.camera_frame_s);
-  if (!last_target_t) last_target_t = frame.t;
+  gate.work(frame.t, options.latency.camera_frame_s);
   followSuggestion(frame, d);
   const FrameCorners corners = usableViews(frame, rig.cameras.size(), options.views.min_corners);
-  if (seesNothing(corners)) {
-    withoutTarget(d);
-    return;
-  }
-  if (std::exchange(lost_said, false)) {
-    note(d, fmt::format("the target is back after {:.3f} s out of view",
-                        secondsBetween(*last_target_t, frame.t)));
-  }
-  last_target_t = frame.t;
+  if (!gate.hasTarget(!seesNothing(corners), d)) return;
   if (window) {
-    consider(corners, d);
+    consider(frame, corners, d);
   } else {
     initialise(corners, d);
   }
@@ -152,14 +124,6 @@ void CameraGuide::State::followSuggestion(const GuideFrame& frame, Decision& d) 
   if (progress.event != SuggestionEvent::kNone) open.reset();
 }
 
-void CameraGuide::State::withoutTarget(Decision& d) {
-  d.reason = GuideReason::kNoTarget;
-  const double lost_s = secondsBetween(*last_target_t, d.t);
-  if (lost_said || !(lost_s > options.lost_target_s)) return;
-  lost_said = true;
-  note(d, fmt::format("the target has been out of view for {:.3f} s", lost_s));
-}
-
 void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
   d.reason = GuideReason::kInitialising;
   // Frames of a camera at rest repeat one view: the batch would be as free as with one of them.
@@ -172,7 +136,7 @@ void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
 }
 
 void CameraGuide::State::tryStart(Decision& d) {
-  busy_until += toNanoseconds(options.latency.camera_start_s);
+  gate.workOn(options.latency.camera_start_s);
   const auto start = calibrateFrames(rig, kept, options);
   if (!start) {
     // Later, and rarer the more frames there are: each trial costs a batch.
@@ -213,11 +177,9 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   windowChanged();
 }
 
-/// What was kept explains none of the frames that follow.
-void CameraGuide::State::startWasWrong(Decision& d) {
-  note(d, fmt::format("{} frames in a row have no plausible pose under the estimate, {} had one: "
-                      "the stage starts anew",
-                      unposed, posed));
+/// What was kept does not explain the frames that follow.
+void CameraGuide::State::startWasWrong(Decision& d, const std::string& why) {
+  note(d, why + ": the stage starts anew");
   d.reason = GuideReason::kInitialiseFailed;
   for (const KeptFrame& frame : kept) d.withdrawn.push_back(frame.index);
   if (open) {
@@ -230,22 +192,32 @@ void CameraGuide::State::startWasWrong(Decision& d) {
   window.reset();
   entropy.reset();
   rmse.reset();
+  start_check.forget();
   posed = unposed = frames_without_view = 0;
   until_round = options.views.patience;
   next_start = static_cast<std::size_t>(options.views.start_frames);
 }
 
-void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
+void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& corners,
+                                  Decision& d) {
   d.reason = GuideReason::kNoPose;
   d.T_FC0 = poseOf(rig.target, window->estimate(), corners, options.views.cauchy_px);
   if (!d.T_FC0) {
     // Runs of frames without pose also occur under a good estimate (blur, glare). Only where fewer
     // frames had a pose than had none was the start itself wrong.
-    if (++unposed >= options.views.start_anew_after && posed < unposed) startWasWrong(d);
+    if (++unposed >= options.views.start_anew_after && posed < unposed) {
+      startWasWrong(d, fmt::format("{} frames in a row have no plausible pose under the estimate, "
+                                   "{} had one",
+                                   unposed, posed));
+    }
     return;
   }
   unposed = 0;
   ++posed;
+  if (start_check.isDue(frame, corners)) {
+    gate.workOn(options.latency.camera_start_s);
+    if (const auto why = start_check.against(window->cameras())) return startWasWrong(d, *why);
+  }
   if (!judge.score(*window, corners, d)) return;  // the corners leave the pose free
   // Scored before it takes part: with the window's estimate as it is, a view below the threshold
   // costs no solve (paper, section IV).
@@ -264,7 +236,7 @@ void CameraGuide::State::consider(const FrameCorners& corners, Decision& d) {
 
 void CameraGuide::State::finish(Decision& d) {
   finished = true;
-  busy_until += toNanoseconds(options.latency.camera_batch_s);
+  gate.workOn(options.latency.camera_batch_s);
   if (!open) return;
   d.event = SuggestionEvent::kWithdrawn;
   d.suggestion = open->suggestion().id;
@@ -309,31 +281,49 @@ void CameraGuide::State::findNextView(Decision& d) {
   const std::vector<CandidateView> views = candidateViews(window->cameras(), rig.target);
   CandidateRound round = judge.scored(views);
   round.asked = d.t;
-  round.answered = busy_until + toNanoseconds(options.latency.next_view_s);
-  busy_until = round.answered;
+  gate.workOn(options.latency.next_view_s);
+  round.answered = gate.busyUntil();
   until_round = options.views.patience;
   const bool enough = static_cast<int>(kept.size()) >= options.views.min_views;
   if (round.best < 0) {
     note(d, "no candidate view shows the target to any camera");
-  } else if (judge.isEnough() || (enough && !judge.isWorthAsking(round))) {
+  } else if (const auto best = static_cast<std::size_t>(round.best);
+             judge.isEnough() || (enough && !judge.isWorthAsking(round, best))) {
     finish(d);
   } else {
-    openSuggestion(round, views[static_cast<std::size_t>(round.best)].camera, d);
+    const std::size_t asked = askedFor(round, d);
+    openSuggestion(round, asked, views[asked].camera, d);
   }
   d.round = std::move(round);
 }
 
-void CameraGuide::State::openSuggestion(const CandidateRound& round, int camera, Decision& d) {
+/// The best candidate; where the operator's pace is known, the one that gains most per second of
+/// those on whose way the target stays in view.
+std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
+  if (!options.pace.isKnown()) return best;
+  for (const Transform& T : round.T_FC0) {
+    round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, T) + options.views.reached_s);
+  }
+  for (const std::size_t i : byGainPerSecond(judge.worthwhileGains(round), round.reach_s)) {
+    if (judge.seesTargetBetween(*d.T_FC0, round.T_FC0[i])) return i;
+  }
+  note(d, "on no way to a candidate view the target stays in view: the best of them is asked for");
+  return best;
+}
+
+void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t asked, int camera,
+                                        Decision& d) {
   Suggestion s;
   s.id = next_suggestion++;
   s.stage = GuideStage::kCamera;
   s.t = round.answered;
-  s.candidate = round.names[best];
+  s.candidate = round.names[asked];
   s.camera = camera;
-  s.T_FC0 = round.T_FC0[best];
-  s.mi_nats = round.mi_nats[best];
-  if (!round.error_px.empty()) s.error_px = round.error_px[best];
+  s.T_FC0 = round.T_FC0[asked];
+  s.mi_nats = round.mi_nats[asked];
+  if (!round.error_px.empty()) s.error_px = round.error_px[asked];
+  if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
   const ViewGuideOptions& v = options.views;
   open.emplace(s, judge.predictedCorners(camera, s.T_FC0),
                ReachRule{v.reached_px, v.reached_s, v.expires_s});

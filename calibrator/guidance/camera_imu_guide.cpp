@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/guidance/open_suggestion.h"
@@ -33,7 +34,7 @@ struct CameraImuGuide::State {
         recording(rig_, options_),
         next_suggestion(begin.first_suggestion),
         next_attempt(options_.trajectories.start_frames),
-        busy_until(begin.busy_until) {}
+        gate(options_, begin.busy_until) {}
 
   const TrajectoryGuideOptions& stage() const { return options.trajectories; }
 
@@ -44,8 +45,7 @@ struct CameraImuGuide::State {
   Decision decisionOn(const GuideFrame& frame) const;
   void takeSamples(const GuideFrame& frame);
   void look(const GuideFrame& frame, Decision& d);
-  bool isInTime(const GuideFrame& frame, Decision& d);
-  bool showsTarget(const GuideFrame& frame, Decision& d);
+  bool showsTarget(const GuideFrame& frame) const;
   bool isUsable(const GuideFrame& frame, Decision& d);
   void useFrame(PosedFrame frame, Decision& d);
   void gather(PosedFrame frame, Decision& d);
@@ -56,7 +56,8 @@ struct CameraImuGuide::State {
   void evaluate(Decision& d);
   void judge(CandidateRound round, Decision& d);
   void finish(Decision& d);
-  void open(const CandidateRound& round, Decision& d);
+  std::size_t askedFor(CandidateRound& round, const Decision& d);
+  void open(const CandidateRound& round, std::size_t asked, Decision& d);
   void follow(const GuideFrame& frame, Decision& d);
 
   GuideRig rig;
@@ -70,13 +71,9 @@ struct CameraImuGuide::State {
   int next_attempt = 0;  // number of frames
   int without_view = 0;
   bool finished = false;
-  std::optional<TimeNs> last;       // frame, whatever it showed
-  std::optional<TimeNs> last_seen;  // with the target; before it was seen: the first
-  bool lost_said = false;
-  double pause_s = 0;  // of the frames, before the one at hand
   std::optional<double> entropy_nats;
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
-  TimeNs busy_until = 0;
+  FrameGate gate;
 };
 
 Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
@@ -89,48 +86,15 @@ Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
   return d;
 }
 
-/// Whether the frame's stamp is after those before, and not while the guide was busy; says if not.
-bool CameraImuGuide::State::isInTime(const GuideFrame& frame, Decision& d) {
-  const TimeNs before = last.value_or(frame.t - 1);
-  last = std::max(frame.t, before);
-  pause_s = secondsBetween(before, frame.t);
-  if (frame.t <= before) {
-    d.reason = GuideReason::kTimeJump;
-    note(d, fmt::format("its stamp is {:.3f} s before that of the frame before: passed over",
-                        -pause_s));
-  } else if (frame.t < busy_until) {
-    d.reason = GuideReason::kBusy;
-  }
-  // Nobody saw where the camera was meanwhile: the time near the suggestion starts again.
-  if (suggestion && pause_s > options.max_frame_gap_s) suggestion->update(before, {});
-  return frame.t > before && frame.t >= busy_until;
-}
-
-/// Says when the target has long been out of view, once, and when it is back.
-bool CameraImuGuide::State::showsTarget(const GuideFrame& frame, Decision& d) {
-  const bool seen = std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
+bool CameraImuGuide::State::showsTarget(const GuideFrame& frame) const {
+  return std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
     return static_cast<int>(c.size()) >= stage().min_corners;
   });
-  if (!last_seen) last_seen = frame.t;
-  const double lost_s = secondsBetween(*last_seen, frame.t);
-  if (seen) {
-    if (std::exchange(lost_said, false)) {
-      note(d, fmt::format("the target is back after {:.3f} s out of view", lost_s));
-    }
-    last_seen = frame.t;
-    return true;
-  }
-  d.reason = GuideReason::kNoTarget;
-  if (!lost_said && lost_s > options.lost_target_s) {
-    lost_said = true;
-    note(d, fmt::format("the target has been out of view for {:.3f} s", lost_s));
-  }
-  return false;
 }
 
 /// Whether the frame's corners and samples allow its use; says why not.
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
-  if (!showsTarget(frame, d)) return false;
+  if (!gate.hasTarget(showsTarget(frame), d)) return false;
   // A frame later than the samples by more than a pause of theirs: the IMU has stopped, and only
   // the biases' walk would join the frame to the others.
   const bool none = recording.samples().empty();
@@ -144,7 +108,7 @@ bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
 
 void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
   d.T_FC0 = frame.T_FC0;
-  frame.after_jump = pause_s > options.max_frame_gap_s;
+  frame.after_jump = gate.isAfterPause();
   if (tracker) {
     track(std::move(frame), d);
   } else {
@@ -167,7 +131,7 @@ void CameraImuGuide::State::gather(PosedFrame frame, Decision& d) {
 }
 
 void CameraImuGuide::State::tryStart(Decision& d) {
-  busy_until += toNanoseconds(options.latency.imu_start_s);
+  gate.workOn(options.latency.imu_start_s);
   auto started = startImuWindow(recording, cameras, stage());
   if (!started) {
     d.reason = GuideReason::kInitialiseFailed;
@@ -239,30 +203,46 @@ void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
     finish(d);
   } else if (!suggestion && d.event == SuggestionEvent::kNone &&
              (!executing_until || d.t >= *executing_until)) {
-    open(round, d);
+    const std::size_t asked = askedFor(round, d);
+    open(round, asked, d);
   }
   d.round = std::move(round);
 }
 
 void CameraImuGuide::State::finish(Decision& d) {
   finished = true;
-  busy_until += toNanoseconds(options.latency.imu_batch_s);
+  gate.workOn(options.latency.imu_batch_s);
   if (!suggestion) return;
   d.event = SuggestionEvent::kWithdrawn;
   d.suggestion = suggestion->suggestion().id;
   suggestion.reset();
 }
 
-void CameraImuGuide::State::open(const CandidateRound& round, Decision& d) {
-  const auto best = static_cast<std::size_t>(round.best);
+/// The best trajectory; where the operator's pace is known, the one that gains most per second of
+/// the way to its start and of itself.
+std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decision& d) {
+  if (!options.pace.isKnown() || !d.T_FC0) return static_cast<std::size_t>(round.best);
+  std::vector<double> gains, seconds;
+  for (std::size_t i = 0; i < round.names.size(); ++i) {
+    const double gain = round.mi_nats[i];
+    const bool worth = gain >= stage().threshold_nats;
+    gains.push_back(worth ? gain : std::numeric_limits<double>::quiet_NaN());
+    round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, round.T_FC0[i]) + stage().reached_s);
+    seconds.push_back(round.reach_s.back() + evaluator->trajectories()[i].durationS());
+  }
+  return byGainPerSecond(gains, seconds).front();
+}
+
+void CameraImuGuide::State::open(const CandidateRound& round, std::size_t asked, Decision& d) {
   Suggestion s;
   s.id = next_suggestion++;
   s.stage = GuideStage::kCameraImu;
   s.t = d.t;
-  s.candidate = round.names[best];
-  s.T_FC0 = round.T_FC0[best];
-  s.path = evaluator->trajectories()[best].path(kPathPoints);
-  s.mi_nats = round.mi_nats[best];
+  s.candidate = round.names[asked];
+  s.T_FC0 = round.T_FC0[asked];
+  s.path = evaluator->trajectories()[asked].path(kPathPoints);
+  s.mi_nats = round.mi_nats[asked];
+  if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
   SimulationOptions seen;
   seen.target = rig.target;
   suggestion.emplace(s, visibleCorners(cameras.front().intrinsics, s.T_FC0, seen),
@@ -297,7 +277,7 @@ void CameraImuGuide::State::takeSamples(const GuideFrame& frame) {
 }
 
 void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
-  busy_until = frame.t + toNanoseconds(options.latency.imu_frame_s);
+  gate.work(frame.t, options.latency.imu_frame_s);
   if (isUsable(frame, d)) {
     auto posed = poseFrame(frame, rig.target, cameras, poseOptions());
     if (!posed) d.reason = GuideReason::kNoPose;
@@ -327,7 +307,7 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
     d.reason = GuideReason::kFinished;
   } else {
     s.takeSamples(frame);
-    if (s.isInTime(frame, d)) s.look(frame, d);
+    if (s.gate.arrives(frame, s.suggestion, d)) s.look(frame, d);
   }
   s.without_view = d.accepted ? 0 : s.without_view + 1;
   d.views_kept = static_cast<int>(s.recording.frames().size());
@@ -340,7 +320,7 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
 }
 
 bool CameraImuGuide::finished() const { return state_->finished; }
-TimeNs CameraImuGuide::busyUntil() const { return state_->busy_until; }
+TimeNs CameraImuGuide::busyUntil() const { return state_->gate.busyUntil(); }
 int CameraImuGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraImuStageResult> CameraImuGuide::batch() const {

@@ -21,6 +21,8 @@ void ViewGuideOptions::check() const {
                 "a share between 0 and 1");
   requireOption(stop_excess > 0, "views.stop_excess", stop_excess, "a positive share");
   requireOption(stop_views >= 2, "views.stop_views", stop_views, "2 or more");
+  requireOption(stop_projection_px >= 0, "views.stop_projection_px", stop_projection_px,
+                "0 (not asked for) or more");
   requireOption(patience >= 1, "views.patience", patience, "1 or more");
   requireOption(reached_px > 0, "views.reached_px", reached_px, "a positive distance");
   requireOption(reached_s >= 0, "views.reached_s", reached_s, "0 or more");
@@ -63,6 +65,7 @@ void GuideOptions::check() const {
   views.check();
   trajectories.check();
   latency.check();
+  pace.check();
   requireOption(lost_target_s > 0, "lost_target_s", lost_target_s, "a positive time");
   requireOption(max_frame_gap_s > 0, "max_frame_gap_s", max_frame_gap_s, "a positive time");
   requireOption(threads >= 1, "threads", threads, "1 or more");

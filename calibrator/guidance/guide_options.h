@@ -12,6 +12,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
+#include "calibrator/guidance/operator_pace.h"
 #include "calibrator/information/predicted_error.h"
 
 namespace plumbline {
@@ -37,6 +38,10 @@ struct ViewGuideOptions : MeasurementModel {
   double least_lowering = 0.05;
   double stop_excess = 0.02;
   int stop_views = 8;
+  /// Whatever the criterion: if positive, the stage is over when, and only when, the projections of
+  /// the worst camera are predicted to be off by no more than this (ViewJudge::projectionPx())
+  /// [px].
+  double stop_projection_px = 0;
   int patience = 3;        ///< frames without a new view until a next best view is looked for
   double reached_px = 15;  ///< a suggestion is reached within this mean corner distance [px] ...
   double reached_s = 0.5;  ///< ... held for so long [s]
@@ -84,6 +89,7 @@ struct GuideLatency {
 struct GuideOptions {
   ViewGuideOptions views;
   TrajectoryGuideOptions trajectories;
+  OperatorPace pace;
   GuideLatency latency;
   double lost_target_s = 2;    ///< without the target for longer: said in the log [s]
   double max_frame_gap_s = 1;  ///< a pause between frames longer than this is a jump [s]

@@ -164,6 +164,16 @@ void GuideOptionSet::declare(CLI::App& app) {
                  "A suggestion counts as not followed after so long [s]")
       ->check(positiveNumber())
       ->capture_default_str();
+  app.add_option("--stop-projection-px", guide.views.stop_projection_px,
+                 "The camera stage is over when, and only when, projections over the image are "
+                 "predicted to be off by no more than this [px] (0: by the criterion)")
+      ->check(numberWithin(0, 100))
+      ->capture_default_str();
+  app.add_option("--operator-speed", guide.pace.speed_m_s,
+                 "Suggestions are chosen by gain per second at this speed of the hand [m/s] (0: by "
+                 "gain alone)")
+      ->check(numberWithin(0, 10))
+      ->capture_default_str();
   app.add_option("--latency-ms", latencies,
                  "What a step costs in the recording's time, e.g. camera-frame=5,next-view=40 [ms]")
       ->delimiter(',');

@@ -74,6 +74,16 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
   }
+  app.add_option("--stop-projection-px", s.guide.views.stop_projection_px,
+                 "The camera stage is over when, and only when, projections over the image are "
+                 "predicted to be off by no more than this [px] (0: by the criterion)")
+      ->check(numberWithin(0, 100))
+      ->capture_default_str();
+  app.add_option("--operator-speed", s.guide.pace.speed_m_s,
+                 "The guide chooses by gain per second at this speed of the hand [m/s] (0: by gain "
+                 "alone)")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
   app.add_option("--duration", s.duration_s,
                  "Length of a recording without guide, at which a guided one ends at last [s]")
       ->check(CLI::Range(5.0, 3600.0))

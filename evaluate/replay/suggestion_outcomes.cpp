@@ -108,6 +108,7 @@ SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, Tim
     if (progress.event != SuggestionEvent::kReached) continue;
     outcome.end = SuggestionEvent::kReached;
     outcome.ended = frame.t;
+    outcome.reached_s = secondsBetween(suggestion.t, frame.t);
     break;
   }
   track.write(outcome);
@@ -127,6 +128,9 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
       if (d.event != SuggestionEvent::kNone && d.event != SuggestionEvent::kOpened) {
         outcomes.back().end = d.event;
         outcomes.back().ended = d.t;
+        if (d.event == SuggestionEvent::kReached) {
+          outcomes.back().reached_s = secondsBetween(outcomes.back().suggestion.t, d.t);
+        }
       }
     }
     if (!d.opened) continue;
@@ -154,7 +158,7 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
         follow(run, s, end, cornersAt(s.T_FC0, cameras, run.session.target), poses));
     if (out.suggestions.back().end != SuggestionEvent::kReached) continue;
     ++out.reached;
-    seconds.push_back(secondsBetween(s.t, out.suggestions.back().ended));
+    seconds.push_back(*out.suggestions.back().reached_s);
   }
   out.median_seconds_to_reach = seconds.empty() ? 0 : quantile(std::move(seconds), 0.5);
   return out;

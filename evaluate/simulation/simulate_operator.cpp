@@ -60,6 +60,7 @@ Json outcomesOf(const OperatedSession& made) {
              {"stage", toString(s.stage)},
              {"candidate", s.candidate},
              {"shown_s", secondsBetween(begin, s.t)},
+             {"reach_s", toJson(s.reach_s)},
              {"end", toString(SuggestionEvent::kNone)}};
     for (const Decision& d : made.decisions) {
       const bool ends = d.event == SuggestionEvent::kReached ||
@@ -83,6 +84,8 @@ Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operat
           {"board_bend_mm", o.board_bend_mm},
           {"guide_board", toString(o.guide_board)},
           {"trajectories", o.trajectories},
+          {"operator_speed_m_s", o.guide.pace.speed_m_s},
+          {"stop_projection_px", o.guide.views.stop_projection_px},
           {"skill", toJson(operated.skill)}};
 }
 

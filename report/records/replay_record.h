@@ -36,6 +36,7 @@ struct SuggestionOutcome {
   /// Reached, expired, withdrawn; none: open at the end.
   SuggestionEvent end = SuggestionEvent::kNone;
   TimeNs ended = 0;
+  std::optional<double> reached_s;    ///< how long it took to reach it; empty: it was not
   std::optional<double> closest_px;   ///< least mean corner distance while it was open
   std::optional<double> mean_px;      ///< mean of the distance over its frames
   std::optional<double> closest_m;    ///< least distance of the camera's position
@@ -50,6 +51,7 @@ void fields(V& v, SuggestionOutcome& o) {
   fields(v, o.suggestion);
   v("end", o.end, "`reached`, `expired`, `withdrawn`; `none`: open at the end");
   v("ended_ns", o.ended, "when");
+  v("reached_s", o.reached_s, "s", "how long it took to reach it; `reach_s` was predicted");
   v("closest_px", o.closest_px, "px", "least mean corner distance while it was open");
   v("mean_px", o.mean_px, "px", "mean of the distance over its frames");
   v("closest_m", o.closest_m, "m", "least distance of the camera's position");

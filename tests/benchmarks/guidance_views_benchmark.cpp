@@ -6,9 +6,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "calibrator/guidance/candidate_views.h"
-#include "calibrator/guidance/view_error.h"
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/candidate_views.h"
+#include "calibrator/guidance/views/view_error.h"
+#include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/window/camera_window.h"
 #include "tests/benchmarks/call_times.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"

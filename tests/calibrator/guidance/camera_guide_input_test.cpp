@@ -269,6 +269,51 @@ TEST(CameraGuide, StartsAnewWhereTheStartExplainsNoneOfTheFramesThatFollow) {
               5);
 }
 
+// The first frames are through a lens of 0.8 times the focal length. All that follow have
+// plausible poses under it, so that only a start from other frames tells that it was wrong.
+std::vector<Decision> playedFromAWrongStart(CameraGuide& guide, const LiveRig& rig, double scale) {
+  return testing::playWandering(guide, rig, 120, 10, [&](GuideFrame& frame) {
+    if (frame.index >= 5) return;
+    for (auto& corners : frame.corners) {
+      const Eigen::Vector2d centre(370, 250);
+      for (Corner& corner : corners) corner.uv = centre + scale * (corner.uv - centre);
+    }
+  });
+}
+
+TEST(CameraGuide, StartsAnewWhereARestartFromOtherFramesDisagrees) {
+  const LiveRig rig("euroc", 7, 0.3);
+  GuideOptions options;
+  options.views.start_move_px = 4;
+  CameraGuide guide(rig.guideRig(), options);
+  const auto decisions = playedFromAWrongStart(guide, rig, 0.8);
+  const auto given_up = std::find_if(decisions.begin(), decisions.end(), [](const Decision& d) {
+    return d.detail.find("starts anew") != std::string::npos;
+  });
+  ASSERT_NE(given_up, decisions.end());
+  EXPECT_NE(given_up->detail.find("px on 10 frames after its start"), std::string::npos)
+      << given_up->detail;
+  EXPECT_EQ(given_up->reason, GuideReason::kInitialiseFailed);
+  EXPECT_EQ(given_up->views_kept, 0);
+  for (auto d = decisions.begin(); d != given_up; ++d) {
+    EXPECT_NE(d->reason, GuideReason::kNoPose) << "poses were plausible: " << d->frame;
+  }
+  const auto batch = guide.batch();
+  ASSERT_TRUE(batch) << batch.failure();
+  EXPECT_NEAR(batch->cameras[0].intrinsics.projection(0), rig.truth()[0].intrinsics.projection(0),
+              3);
+}
+
+TEST(CameraGuide, DoesNotStartAnewWhereTheStartWasRight) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    const LiveRig rig("euroc", seed, 0.5);
+    CameraGuide guide(rig.guideRig(), {});
+    const auto decisions = testing::playWandering(guide, rig, 150, 10);
+    EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1) << seed;
+    for (const Decision& d : decisions) EXPECT_TRUE(d.withdrawn.empty()) << seed;
+  }
+}
+
 TEST(CameraGuide, EachAttemptToStartCosts) {
   const LiveRig rig("euroc", 5, 0.3);
   GuideOptions options;

@@ -161,7 +161,7 @@ TEST(CameraImuGuideInput, StampsThatGoBackArePassedOver) {
     EXPECT_EQ(r.decisions[i].reason, GuideReason::kTimeJump);
     EXPECT_FALSE(r.decisions[i].accepted);
   }
-  EXPECT_THAT(r.decisions[80].detail, HasSubstr("0.450 s before"));
+  EXPECT_THAT(r.decisions[80].detail, HasSubstr("0.450000 s before"));
   EXPECT_EQ(r.decisions[90].reason, GuideReason::kUsed);
   expectItWentOn(r, 90);
 }

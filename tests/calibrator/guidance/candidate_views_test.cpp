@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/views/candidate_views.h"
 
 #include <algorithm>
 #include <cmath>

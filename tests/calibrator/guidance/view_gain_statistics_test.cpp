@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/guidance/candidate_views.h"
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/candidate_views.h"
+#include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_views.h"
 #include "tests/calibrator/window/stereo_frames.h"

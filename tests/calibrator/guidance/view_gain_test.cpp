@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/view_gain.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_views.h"
 #include "tests/calibrator/window/stereo_frames.h"

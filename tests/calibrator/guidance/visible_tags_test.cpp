@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_views.h"
 #include "tests/calibrator/camera/example_cameras.h"

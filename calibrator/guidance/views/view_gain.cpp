@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/view_gain.h"
 
 #include <Eigen/Cholesky>
 #include <cassert>
@@ -9,7 +9,7 @@
 #include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
-#include "calibrator/guidance/tag_kernel.h"
+#include "calibrator/guidance/views/tag_kernel.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/camera/camera_dispatch.h"
-#include "calibrator/guidance/tag_kernel.h"
+#include "calibrator/guidance/views/tag_kernel.h"
 #include "calibrator/residuals/instruction_set.h"
 
 namespace plumbline {

@@ -6,10 +6,10 @@
 
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/camera_frames.h"
-#include "calibrator/guidance/candidate_views.h"
 #include "calibrator/guidance/guide_options.h"
-#include "calibrator/guidance/view_error.h"
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/candidate_views.h"
+#include "calibrator/guidance/views/view_error.h"
+#include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/window/camera_window.h"
 
 namespace plumbline {
@@ -25,7 +25,10 @@ class ViewJudge {
   void forget();
   /// A frame with a plausible pose; a view that entered the window.
   void see(const FrameCorners& corners, const Transform& T_FC0) { errors_.see(corners, T_FC0); }
-  void keep(const FrameCorners& corners, const Transform& T_FC0) { errors_.keep(corners, T_FC0); }
+  void keep(const FrameCorners& corners, const Transform& T_FC0) {
+    errors_.keep(corners, T_FC0);
+    ++kept_;
+  }
   /// After every change of the window; `information`: its own.
   void refresh(const CameraWindow& window, const Eigen::MatrixXd& information);
 
@@ -35,13 +38,22 @@ class ViewJudge {
   bool isWorthKeeping(const Decision& d) const;
   /// By predicted error, whether the last frame of an estimate, that took part in it, fits there.
   bool fits(const CameraEstimate& estimate, const FrameCorners& corners) const;
-  /// The stopping rule in pixels; false under the other criterion.
+  /// The stopping rule in pixels: of predicted error, or `stop_projection_px`.
   bool isEnough() const;
+  /// Predicted RMS over the image of the difference between projections by the estimate and by the
+  /// truth, at infinity, a rotation taken out, of the worst camera [px]: by the noise of the
+  /// window's corners (imageFitCovariance()). Empty before the views determine the cameras.
+  std::optional<double> projectionPx() const { return projection_px_; }
 
   /// Scores candidates at the estimate of the last refresh().
   CandidateRound scored(const std::vector<CandidateView>& views) const;
-  /// Whether the best of a round would be kept.
-  bool isWorthAsking(const CandidateRound& round) const;
+  /// Whether a candidate of a round would be kept.
+  bool isWorthAsking(const CandidateRound& round, std::size_t candidate) const;
+  /// What each candidate that is worth asking gains [nats]: information, or the logarithm of what
+  /// the predicted error is divided by; NaN: not worth it.
+  std::vector<double> worthwhileGains(const CandidateRound& round) const;
+  /// Whether some camera sees enough of the target all along the straight way between two poses.
+  bool seesTargetBetween(const Transform& from, const Transform& to) const;
   std::vector<Corner> predictedCorners(int camera, const Transform& T_FC0) const {
     return scorer_->predictedCorners(camera, T_FC0);
   }
@@ -56,6 +68,8 @@ class ViewJudge {
   AprilGrid target_;
   ViewGuideOptions options_;
   int threads_;
+  int cameras_ = 0, kept_ = 0;
+  std::optional<double> projection_px_;
   std::optional<ViewScorer> scorer_;
   ViewErrorTracker errors_;
 };

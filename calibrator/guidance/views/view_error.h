@@ -9,7 +9,7 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/guidance/camera_frames.h"
-#include "calibrator/guidance/view_gain.h"
+#include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/information/predicted_error.h"
 
 namespace plumbline {

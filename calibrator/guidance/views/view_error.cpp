@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/view_error.h"
+#include "calibrator/guidance/views/view_error.h"
 
 #include <algorithm>
 #include <cassert>
@@ -10,7 +10,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics.h"
-#include "calibrator/guidance/candidate_views.h"
+#include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {

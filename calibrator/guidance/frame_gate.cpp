@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/frame_gate.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+
+bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d) {
+  const TimeNs before = last_.value_or(frame.t - 1);
+  pause_s_ = secondsBetween(before, frame.t);
+  if (frame.t <= before) {
+    d.reason = GuideReason::kTimeJump;
+    note(d,
+         fmt::format("its stamp is {:.6f} s before that of the frame before: not used", -pause_s_));
+    return false;
+  }
+  last_ = frame.t;
+  if (isAfterPause()) {
+    note(d, fmt::format("no frame for {:.3f} s before it", pause_s_));
+    // Nobody saw where the camera was meanwhile.
+    if (open) open->update(before, {});
+  }
+  if (frame.t >= busy_until_) return true;
+  d.reason = GuideReason::kBusy;
+  return false;
+}
+
+bool FrameGate::hasTarget(bool shows, Decision& d) {
+  if (!last_target_) last_target_ = d.t;
+  const double lost_s = secondsBetween(*last_target_, d.t);
+  if (shows) {
+    if (std::exchange(lost_said_, false)) {
+      note(d, fmt::format("the target is back after {:.3f} s out of view", lost_s));
+    }
+    last_target_ = d.t;
+    return true;
+  }
+  d.reason = GuideReason::kNoTarget;
+  if (!lost_said_ && lost_s > lost_target_s_) {
+    lost_said_ = true;
+    note(d, fmt::format("the target has been out of view for {:.3f} s", lost_s));
+  }
+  return false;
+}
+
+}  // namespace plumbline

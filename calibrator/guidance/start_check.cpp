@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/start_check.h"
+
+#include <fmt/format.h>
+
+#include "calibrator/batch/camera/batch.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kFrames = 10;
+// Noise, and a model that misfits (EuRoC, radtan without loss), make it up to 1.01.
+constexpr double kWorse = 1.25;
+
+}  // namespace
+
+bool StartCheck::isDue(const GuideFrame& frame, const FrameCorners& corners) {
+  if (frames_.size() >= 4 * kFrames) return false;
+  const double move_px = options_.views.start_move_px;
+  if (!frames_.empty() && !hasMoved(frames_.back().corners, corners, move_px)) return false;
+  frames_.push_back({frame.index, frame.t, corners});
+  const std::size_t n = frames_.size();
+  return n == kFrames || n == 2 * kFrames || n == 4 * kFrames;
+}
+
+std::optional<std::string> StartCheck::against(
+    const std::vector<CameraCalibration>& cameras) const {
+  const auto restart = calibrateFrames(rig_, frames_, options_);
+  const auto given = scoreFrames(rig_, frames_, options_, cameras);
+  if (!restart || !given) return std::nullopt;
+  const double restart_px = restart->summary.reprojection.rmse_px;
+  const double given_px = given->summary.reprojection.rmse_px;
+  if (!(given_px > kWorse * restart_px)) return std::nullopt;
+  return fmt::format(
+      "the estimate leaves {:.2f} px on {} frames after its start, one made from those alone "
+      "{:.2f} px",
+      given_px, frames_.size(), restart_px);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrator/base/calibration.h"
+#include "calibrator/guidance/camera_frames.h"
+
+namespace plumbline {
+
+/// Whether the camera stage started at a wrong minimum, under which every frame may yet have a
+/// plausible pose: frames after the start that moved against each other are calibrated by
+/// themselves, from nothing, once there are 10, 20 and 40 of them. The estimate was wrong where it
+/// leaves 1.25 times the RMSE on them, only poses moved.
+class StartCheck {
+ public:
+  StartCheck(const GuideRig& rig, const GuideOptions& options) : rig_(rig), options_(options) {}
+
+  /// A frame with a plausible pose; whether the frames so far are now to be compared.
+  bool isDue(const GuideFrame& frame, const FrameCorners& corners);
+  /// What speaks against the cameras; empty: nothing.
+  std::optional<std::string> against(const std::vector<CameraCalibration>& cameras) const;
+  /// The stage starts anew.
+  void forget() { frames_.clear(); }
+
+ private:
+  GuideRig rig_;
+  GuideOptions options_;
+  std::vector<KeptFrame> frames_;
+};
+
+}  // namespace plumbline

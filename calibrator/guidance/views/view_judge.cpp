@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/views/view_judge.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "calibrator/information/projection_uncertainty.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kWayPoints = 5;  // parts of a way, at whose ends the target must be seen
+
+ViewErrorOptions errorOptions(const ViewGuideOptions& options) {
+  ViewErrorOptions o;
+  o.model() = options.model();
+  o.min_corners = options.min_corners;
+  o.later_use = options.later_use;
+  return o;
+}
+
+ViewGainOptions gainOptions(const ViewGuideOptions& options) {
+  ViewGainOptions o;
+  o.model() = options.model();
+  o.min_corners = options.min_corners;
+  return o;
+}
+
+/// Predicted for a grid of pixels; see ViewJudge::projectionPx().
+std::optional<double> predictedProjectionPx(const CameraWindow& window,
+                                            const Eigen::MatrixXd& information,
+                                            double pixel_sigma) {
+  const auto rmse_px = window.rmsePx();
+  const Eigen::LLT<Eigen::MatrixXd> llt(information);
+  if (!rmse_px || llt.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd unit =
+      llt.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  // The noise that the residuals have, not the one that was assumed.
+  const double scale = 0.5 * *rmse_px * *rmse_px / (pixel_sigma * pixel_sigma);
+  ImageFitOptions grid;
+  grid.columns = 9, grid.rows = 7;
+  const CameraLayout layout(window.estimate().intrinsics);
+  double worst = 0;
+  for (std::size_t c = 0; c < window.estimate().intrinsics.size(); ++c) {
+    const Intrinsics& camera = window.estimate().intrinsics[c];
+    const int k = layout.intrinsics[c], size = layout.intrinsics_size[c];
+    const ProjectionCovariance covariance =
+        imageFitCovariance(camera, scale * unit.block(k, k, size, size), grid);
+    double squares = 0;
+    int count = 0;
+    for (int i = 0; i < grid.columns * grid.rows; ++i) {
+      const Eigen::Vector2d uv((i % grid.columns) * (camera.resolution.width - 1.0) / 8,
+                               (i / grid.columns) * (camera.resolution.height - 1.0) / 6);
+      const auto pixel = pixelCovariance(camera, covariance, uv, grid.range_m);
+      if (!pixel) continue;
+      squares += pixel->trace();
+      ++count;
+    }
+    if (count == 0) return std::nullopt;
+    worst = std::max(worst, std::sqrt(squares / count));
+  }
+  return std::isfinite(worst) ? std::optional(worst) : std::nullopt;
+}
+
+}  // namespace
+
+ViewJudge::ViewJudge(const AprilGrid& target, const ViewGuideOptions& options, int threads)
+    : target_(target),
+      options_(options),
+      threads_(threads),
+      errors_(target, errorOptions(options)) {}
+
+void ViewJudge::forget() {
+  projection_px_.reset();
+  kept_ = 0;
+  scorer_.reset();
+  errors_ = ViewErrorTracker(target_, errorOptions(options_));
+}
+
+void ViewJudge::refresh(const CameraWindow& window, const Eigen::MatrixXd& information) {
+  cameras_ = static_cast<int>(window.cameras().size());
+  scorer_.emplace(target_, window.estimate(), information, gainOptions(options_));
+  if (errors_.isDue()) errors_.refresh(window.estimate(), window.cameras(), threads_);
+  if (options_.stop_projection_px > 0) {
+    projection_px_ = predictedProjectionPx(window, information, options_.pixel_sigma);
+  }
+}
+
+bool ViewJudge::score(const CameraWindow& window, const FrameCorners& corners, Decision& d) {
+  const double gain = scorer_->seenGain(corners, *d.T_FC0);
+  if (std::isnan(gain)) return false;
+  d.mi_nats = gain;
+  errors_.see(corners, *d.T_FC0);
+  if (errors_.isDue()) errors_.refresh(window.estimate(), window.cameras(), threads_);
+  if (!errors_.isKnown()) return true;
+  d.error_with_px = std::sqrt(errors_.seenWith(corners, *d.T_FC0));
+  if (byError()) {
+    d.error_bound_px = std::sqrt((1 - options_.least_lowering) * errors_.predicted());
+  }
+  return true;
+}
+
+bool ViewJudge::isWorthKeeping(const Decision& d) const {
+  if (!scorer_->determined() || !d.error_bound_px) return *d.mi_nats >= options_.threshold_nats;
+  return *d.error_with_px <= *d.error_bound_px;
+}
+
+bool ViewJudge::fits(const CameraEstimate& estimate, const FrameCorners& corners) const {
+  return !byError() || errors_.fits(estimate, corners, estimate.T_C0F.back().inverse());
+}
+
+bool ViewJudge::isEnough() const {
+  if (options_.stop_projection_px > 0) {
+    return projection_px_ && *projection_px_ <= options_.stop_projection_px &&
+           kept_ >= std::max(options_.stop_views, options_.min_views);
+  }
+  return byError() && errors_.components().told_apart &&
+         errors_.keptCount() >= std::max(options_.stop_views, options_.min_views) &&
+         errors_.excess() <= options_.stop_excess;
+}
+
+CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const {
+  CandidateRound round;
+  for (const CandidateView& view : views) {
+    round.names.push_back(view.name);
+    round.T_FC0.push_back(view.T_FC0);
+  }
+  round.mi_nats = scorer_->predictedGains(round.T_FC0, threads_);
+  if (errors_.isKnown()) {
+    round.error_px = errors_.predictedWith(round.T_FC0, threads_);
+    for (double& E : round.error_px) E = std::sqrt(E);
+  }
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double gain = byError() ? -round.error_px[i] : round.mi_nats[i];
+    if (!(gain > most)) continue;  // NaN as well
+    most = gain;
+    round.best = static_cast<int>(i);
+  }
+  return round;
+}
+
+bool ViewJudge::isWorthAsking(const CandidateRound& round, std::size_t i) const {
+  if (options_.stop_projection_px > 0) return !std::isnan(round.mi_nats[i]);
+  if (!byError()) return round.mi_nats[i] >= options_.threshold_nats;
+  if (std::isnan(round.error_px[i])) return false;
+  if (errors_.keptCount() < options_.stop_views) return true;
+  const double E = round.error_px[i] * round.error_px[i];
+  return E <= (1 - options_.least_lowering) * errors_.predicted();
+}
+
+std::vector<double> ViewJudge::worthwhileGains(const CandidateRound& round) const {
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < round.names.size(); ++i) {
+    const double gain =
+        byError() ? std::log(std::sqrt(errors_.predicted()) / round.error_px[i]) : round.mi_nats[i];
+    gains.push_back(isWorthAsking(round, i) ? gain : std::numeric_limits<double>::quiet_NaN());
+  }
+  return gains;
+}
+
+bool ViewJudge::seesTargetBetween(const Transform& from, const Transform& to) const {
+  const Vector6d way = boxminus(to, from);
+  for (int k = 1; k < kWayPoints; ++k) {
+    const Transform T_FC0 = boxplus(from, Vector6d(way * k / kWayPoints));
+    bool seen = false;
+    for (int c = 0; c < cameras_ && !seen; ++c) {
+      seen = static_cast<int>(predictedCorners(c, T_FC0).size()) >= options_.min_corners;
+    }
+    if (!seen) return false;
+  }
+  return true;
+}
+
+void ViewJudge::tell(Decision& d) const {
+  if (!errors_.isKnown()) return;
+  d.error_px = std::sqrt(errors_.predicted());
+  d.excess = errors_.excess();
+}
+
+}  // namespace plumbline

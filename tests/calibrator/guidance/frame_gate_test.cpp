@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One gate for both stages: stamps, pauses, work and a target out of view.
+#include "calibrator/guidance/frame_gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FrameGateTest : public ::testing::Test {
+ protected:
+  bool arrives(double t_s) {
+    d = Decision();
+    d.t = toNanoseconds(t_s);
+    GuideFrame frame;
+    frame.t = d.t;
+    return gate.arrives(frame, open, d);
+  }
+  bool shows(double t_s, bool target) { return arrives(t_s) && gate.hasTarget(target, d); }
+
+  FrameGate gate{GuideOptions()};
+  std::optional<OpenSuggestion> open;
+  Decision d;
+};
+
+TEST_F(FrameGateTest, HoldsBackStampsThatAreNotAfterAllBefore) {
+  EXPECT_TRUE(arrives(10));
+  EXPECT_TRUE(d.detail.empty());
+  EXPECT_FALSE(arrives(9.5));
+  EXPECT_EQ(d.reason, GuideReason::kTimeJump);
+  EXPECT_THAT(d.detail, HasSubstr("0.500000 s before"));
+  EXPECT_FALSE(arrives(9.9)) << "still before the last that arrived";
+  EXPECT_FALSE(arrives(10));
+  EXPECT_TRUE(arrives(10.1));
+}
+
+TEST_F(FrameGateTest, HoldsBackWhatComesDuringWork) {
+  EXPECT_TRUE(arrives(10));
+  gate.work(d.t, 0.2);
+  gate.workOn(0.3);
+  EXPECT_EQ(gate.busyUntil(), toNanoseconds(10.5));
+  EXPECT_FALSE(arrives(10.45));
+  EXPECT_EQ(d.reason, GuideReason::kBusy);
+  EXPECT_TRUE(arrives(10.5));
+}
+
+// Nobody saw where the camera was during the pause, so that a suggestion is not reached across it.
+TEST_F(FrameGateTest, SaysAPauseAndForgetsThatTheSuggestionWasNear) {
+  const std::vector<Corner> corners{{0, {0, 0}}, {1, {9, 0}}, {2, {0, 9}}, {3, {9, 9}}};
+  Suggestion s;
+  s.t = toNanoseconds(9.9);
+  open.emplace(s, corners, ReachRule{15, 0.5, 100});
+  EXPECT_TRUE(arrives(10));
+  EXPECT_EQ(open->update(d.t, corners).held_s, 0);
+  EXPECT_TRUE(arrives(10.2));
+  EXPECT_NEAR(open->update(d.t, corners).held_s, 0.2, 1e-9);
+  EXPECT_TRUE(arrives(12.2));
+  EXPECT_TRUE(gate.isAfterPause());
+  EXPECT_THAT(d.detail, HasSubstr("no frame for 2.000 s"));
+  EXPECT_EQ(open->update(d.t, corners).event, SuggestionEvent::kNone);
+  EXPECT_TRUE(arrives(12.3));
+  EXPECT_FALSE(gate.isAfterPause());
+}
+
+TEST_F(FrameGateTest, SaysOnceThatTheTargetIsLongOutOfViewAndThatItIsBack) {
+  EXPECT_TRUE(shows(10, true));
+  int said = 0;
+  for (int k = 1; k <= 30; ++k) {
+    EXPECT_FALSE(shows(10 + 0.1 * k, false));
+    EXPECT_EQ(d.reason, GuideReason::kNoTarget);
+    said += d.detail.empty() ? 0 : 1;
+    if (!d.detail.empty()) EXPECT_THAT(d.detail, HasSubstr("out of view for 2.100 s"));
+  }
+  EXPECT_EQ(said, 1);
+  EXPECT_TRUE(shows(13.1, true));
+  EXPECT_THAT(d.detail, HasSubstr("back after 3.100 s"));
+  EXPECT_FALSE(shows(13.2, false));
+  EXPECT_TRUE(shows(13.3, true));
+  EXPECT_TRUE(d.detail.empty()) << "a short loss is not worth a word";
+}
+
+}  // namespace
+}  // namespace plumbline
