@@ -50,13 +50,15 @@ std::optional<double> predictedProjectionPx(const CameraWindow& window,
         imageFitCovariance(camera, scale * unit.block(k, k, size, size), grid);
     double squares = 0;
     int count = 0;
-    for (int i = 0; i < grid.columns * grid.rows; ++i) {
-      const Eigen::Vector2d uv((i % grid.columns) * (camera.resolution.width - 1.0) / 8,
-                               (i / grid.columns) * (camera.resolution.height - 1.0) / 6);
-      const auto pixel = pixelCovariance(camera, covariance, uv, grid.range_m);
-      if (!pixel) continue;
-      squares += pixel->trace();
-      ++count;
+    for (int row = 0; row < grid.rows; ++row) {
+      for (int column = 0; column < grid.columns; ++column) {
+        const Eigen::Vector2d uv(column * (camera.resolution.width - 1.0) / (grid.columns - 1),
+                                 row * (camera.resolution.height - 1.0) / (grid.rows - 1));
+        const auto pixel = pixelCovariance(camera, covariance, uv, grid.range_m);
+        if (!pixel) continue;
+        squares += pixel->trace();
+        ++count;
+      }
     }
     if (count == 0) return std::nullopt;
     worst = std::max(worst, std::sqrt(squares / count));

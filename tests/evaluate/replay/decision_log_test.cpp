@@ -69,10 +69,16 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   Decision d = decided();
   d.event = SuggestionEvent::kOpened;
   d.suggestion = 3;
-  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, 0.5, 0.25};
+  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, 0.5, 0.25, 2.5};
   d.opened->T_FC0.t = {1, 2, 3};
-  d.round = CandidateRound{
-      d.t, d.t + 40'000'000, {"a", "b"}, {{}, {}}, {0.5, std::nan("")}, {0.25, std::nan("")}, 0};
+  d.round = CandidateRound{d.t,
+                           d.t + 40'000'000,
+                           {"a", "b"},
+                           {{}, {}},
+                           {0.5, std::nan("")},
+                           {0.25, std::nan("")},
+                           {2.5, 4},
+                           0};
   const json read = json::parse(decisionLine(d));
   EXPECT_EQ(read["event"], "opened");
   EXPECT_EQ(read["opened"]["T_FC0"][0], json({1.0, 0.0, 0.0, 1.0}));
@@ -84,6 +90,10 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   EXPECT_TRUE(read["round"]["error_px"][1].is_null());
   EXPECT_EQ(read["opened"]["error_px"], 0.25);
   EXPECT_TRUE(read["error_px"].is_null());
+  EXPECT_EQ(read["opened"]["reach_s"], 2.5);
+  EXPECT_EQ(read["round"]["reach_s"], json({2.5, 4.0}));
+  d.round->reach_s.clear();
+  EXPECT_FALSE(json::parse(decisionLine(d))["round"].contains("reach_s")) << "does not count";
 }
 
 }  // namespace
