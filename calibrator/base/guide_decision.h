@@ -115,7 +115,10 @@ struct Decision {
   std::optional<double> error_px, error_with_px;
   /// What error_with_px was held against; empty where the criterion is the gain.
   std::optional<double> error_bound_px;
-  std::optional<double> excess;    ///< share by which E raises the error of a corner
+  std::optional<double> excess;  ///< share by which E raises the error of a corner
+  /// Predicted RMS over the image by which projections of the worst camera are off, after the frame
+  /// [px]; empty: the stage does not stop by it, or it is not known.
+  std::optional<double> projection_px;
   int corners = 0;                 ///< seen by all cameras
   int views_kept = 0;              ///< accepted in this stage so far
   int frames_without_view = 0;     ///< offered since the last accepted one

@@ -76,6 +76,8 @@ void fields(V& v, Decision& d) {
   v("error_bound_px", d.error_bound_px, "px",
     "what `error_with_px` was compared with; null where the criterion is the gain");
   v("excess", d.excess, "1", "share by which it raises the error of a corner");
+  v("projection_px", d.projection_px, "px",
+    "predicted RMS by which projections are off, with `--stop-projection-px`");
   v("corners", d.corners, "seen by all cameras");
   v("views_kept", d.views_kept, "accepted in this stage so far");
   v("frames_without_view", d.frames_without_view, "offered since the last accepted one");

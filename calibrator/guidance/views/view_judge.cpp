@@ -177,6 +177,7 @@ bool ViewJudge::seesTargetBetween(const Transform& from, const Transform& to) co
 }
 
 void ViewJudge::tell(Decision& d) const {
+  d.projection_px = projection_px_;
   if (!errors_.isKnown()) return;
   d.error_px = std::sqrt(errors_.predicted());
   d.excess = errors_.excess();

@@ -37,6 +37,10 @@ std::string initialisedText(const Decision& d) {
 
 std::string finishedText(const Decision& d) {
   std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
+  if (d.projection_px) {
+    return text +
+           fmt::format(": projections are predicted to be off by {:.3f} px", *d.projection_px);
+  }
   if (d.error_bound_px && d.excess) {
     return text + fmt::format(": the predicted error raises that of a corner by {:.1f} %",
                               100 * *d.excess);
