@@ -62,6 +62,33 @@ TEST(CommandSimulateOperator, RecordsWithoutAGuideToo) {
   fs::remove_all(out);
 }
 
+// Suggestions by gain per second say how long each will take; the replay's log says how long it
+// took, and what the stop was held against.
+TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
+  const fs::path session = freshFolder("operator_pace"), out = freshFolder("operator_pace_out");
+  const std::string guide = " --operator-speed 0.35 --stop-projection-px 0.1 ";
+  const Outcome made =
+      plumbline("simulate operator --rig euroc --duration 15 --skill expert --seed 5" + guide +
+                "--out " + session.string());
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  const auto truth = nlohmann::json::parse(read(session / "truth/truth.json"));
+  ASSERT_FALSE(truth.at("suggestions").empty());
+  for (const auto& s : truth.at("suggestions")) {
+    EXPECT_GT(s.at("reach_s").get<double>(), 0.5 + 0.5) << "reaction and hold at least";
+  }
+  const Outcome replay = plumbline("replay " + session.string() + " --target-shape " +
+                                   (session / "truth/target_shape.yaml").string() + guide +
+                                   "--no-counterfactuals --out " + out.string());
+  ASSERT_EQ(replay.exit_code, 0) << replay.text;
+  const auto log = read(out / "decisions.jsonl");
+  EXPECT_THAT(log, HasSubstr("\"projection_px\":0."));
+  EXPECT_THAT(log, HasSubstr("\"reach_s\":"));
+  const std::string page = read(out / "report.html");
+  EXPECT_THAT(page, HasSubstr("Predicted way [s]"));
+  EXPECT_THAT(page, HasSubstr("projections are predicted to be off by 0."));
+  fs::remove_all(session), fs::remove_all(out);
+}
+
 TEST(CommandSimulateOperator, NamesASkillOutOfItsRange) {
   for (const std::string bad :
        {"--skill 1.5", "--skill clumsy", "--compliance 2", "--overshoot -0.1", "--method slow"}) {
