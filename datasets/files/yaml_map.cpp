@@ -2,11 +2,14 @@
 #include "datasets/files/yaml_map.h"
 
 #include <cmath>
+#include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include "datasets/files/file_io.h"
 #include "datasets/files/shown_text.h"
@@ -52,11 +55,52 @@ void refuseText(const std::string& path, std::string_view text, const std::strin
   if (!isUtf8(text)) refuse("is not UTF-8");
 }
 
-// An empty one is no more than a mark at the end.
-void refuseFurther(const std::string& path, const std::vector<YAML::Node>& documents) {
-  for (std::size_t i = 1; i < documents.size(); ++i) {
-    if (documents[i].IsNull()) continue;
-    throw badInput(path, documents[i].Mark().line + 1,
+/// Counts a text's documents, and finds where the second one that holds something begins.
+class Documents : public YAML::EventHandler {
+ public:
+  int count() const { return count_; }
+  const std::optional<YAML::Mark>& second() const { return second_; }
+
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override { ++count_; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { found(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {
+    found(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/,
+                       YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {
+    found(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {
+    found(mark);
+  }
+  void OnMapEnd() override {}
+
+ private:
+  void found(const YAML::Mark& mark) {
+    if (count_ > 1 && !second_) second_ = mark;
+  }
+
+  int count_ = 0;
+  std::optional<YAML::Mark> second_;
+};
+
+// An empty one is no more than a mark at the end. After some faults of syntax yaml-cpp (0.7) finds
+// document after document where there is no text any more, and LoadAll never ends: so it is not
+// asked for more than a few.
+void refuseFurther(const std::string& path, const std::string& text) {
+  constexpr int kMost = 16;
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Documents documents;
+  while (parser.HandleNextDocument(documents)) {
+    if (!documents.second() && documents.count() <= kMost) continue;
+    const int line = documents.second() ? documents.second()->line + 1 : 0;
+    throw badInput(path, line,
                    {InputFault::kSyntax, "a second YAML document begins here", "one document",
                     "write each into a file of its own"});
   }
@@ -84,9 +128,9 @@ YamlMap YamlMap::parse(std::string_view text, const std::string& path, const std
   refuseText(path, text, what);
   YAML::Node top;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (!documents.empty()) top = documents.front();
-    refuseFurther(path, documents);
+    const std::string copy(text);
+    refuseFurther(path, copy);
+    top = YAML::Load(copy);
   } catch (const YAML::Exception& error) {
     throw badInput(
         path, error.mark.line + 1,

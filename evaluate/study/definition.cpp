@@ -12,7 +12,6 @@
 
 #include "datasets/files/yaml_map.h"
 #include "evaluate/statistics/endpoints.h"
-#include "evaluate/study/definition_faults.h"
 #include "evaluate/study/definition_trajectories.h"
 #include "evaluate/study/definition_values.h"
 

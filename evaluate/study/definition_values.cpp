@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "datasets/session/session_folder.h"
-#include "evaluate/study/definition_faults.h"
 
 namespace plumbline::study_internal {
 
