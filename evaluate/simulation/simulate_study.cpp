@@ -24,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kRig = "d435i";
 constexpr double kLongestSequence_s = 30;
 constexpr double kOwnClock_s = 3600;  // sessions begin an hour apart
 
@@ -138,12 +139,13 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
   std::string text = fmt::format(
       "# A simulated user study; the truth is in truth.json.\n"
       "study: simulated, {} participants, seed {}\n"
+      "rig: {}\n"
       "limit_s: {:g}\n"
       "methods: [free, guided]\n"
       "endpoints: [held_out_rmse_px, capture_s]\n"
       "perturbations: {{offsets_ms: [100, 10, 1]}}\n"
       "sessions:\n",
-      o.participants, o.seed, o.limitS());
+      o.participants, o.seed, kRig, o.limitS());
   for (const Visit& v : visits) {
     fmt::format_to(
         std::back_inserter(text),
@@ -270,7 +272,7 @@ StudySimulationSummary summaryOf(const std::vector<Visit>& visits) {
 StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::path& folder,
                                      const ProgressSink& progress) {
   const std::vector<SimulatedParticipant> people = simulatedParticipants(o);
-  const SimulatedRig rig = simulatedRig("d435i");
+  const SimulatedRig rig = simulatedRig(kRig);
   std::vector<Visit> visits;
   for (const SimulatedParticipant& person : people) {
     for (const SimulatedVisit& visit : person.visits) visits.push_back({&person, &visit, {}, {}});

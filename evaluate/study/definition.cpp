@@ -336,11 +336,14 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
   FaultList faults;
   faults.attempt([&] {
     refuseUnknownKeys(
-        map, {"study", "target", "target_shape", "calibrate", "limit_s", "methods", "sessions",
-              "held_out", "sequences", "trajectories", "perturbations", "endpoints", "thresholds",
-              "limits", "cross", "replay", "keep_records"});
+        map, {"study", "rig", "target", "target_shape", "calibrate", "limit_s", "methods",
+              "sessions", "held_out", "sequences", "trajectories", "perturbations", "endpoints",
+              "thresholds", "limits", "cross", "replay", "keep_records"});
   });
   faults.attempt([&] { study.name = map.text("study", "the study's name"); });
+  faults.attempt([&] {
+    if (map.has("rig")) study.rig = map.text("rig", "the rig's name");
+  });
   faults.attempt([&] {
     if (map.has("target")) study.target = fileOf(map, "target");
   });

@@ -68,6 +68,7 @@ struct StudyTrajectories {
 struct StudyDefinition {
   std::filesystem::path file;
   std::string name;
+  std::string rig;                              ///< its name; empty: not stated
   std::optional<std::filesystem::path> target;  ///< one board for all; unset: each session's own
   StudyTargetShape target_shape = StudyTargetShape::kEach;
   std::filesystem::path target_shape_file;  ///< of kFile

@@ -38,6 +38,7 @@ class Merger {
       : night_(night), steps_(steps), results_(results) {
     StudyRecord& r = merged_.record;
     r.name = study.name;
+    r.rig = study.rig;
     r.methods = study.methods;
     r.endpoints = study.endpoints;
     r.limit_s = study.limit_s;

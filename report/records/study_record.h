@@ -247,6 +247,7 @@ struct StudyRecord {
   std::string name;
   Provenance provenance;
   Verdict verdict;
+  std::string rig;                     ///< that all recordings are of; empty: not stated
   std::vector<std::string> methods;    ///< the first is the baseline
   std::vector<std::string> endpoints;  ///< declared: Holm's correction is over them
   double limit_s = 600;                ///< who gave up counts as unfinished at this time
@@ -265,6 +266,7 @@ template <class V>
 void fields(V& v, StudyRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("name", r.name, "of the study");
+  v.ifSet("rig", r.rig, "that all recordings are of");
   v("methods", r.methods, "the first is the baseline");
   v("endpoints", r.endpoints, "declared in STUDY.yaml");
   v("limit_s", r.limit_s, "s", "who gave up counts as unfinished at this time");

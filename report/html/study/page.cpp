@@ -47,7 +47,7 @@ std::vector<Card> cardsOf(const StudyRecord& record) {
 
 std::string renderStudyPage(const StudyRecord& record) {
   return renderPage(
-      {.kicker = "User study",
+      {.kicker = record.rig.empty() ? "User study" : "User study, rig " + record.rig,
        .name = record.name,
        .provenance = record.provenance,
        .verdict = record.verdict,

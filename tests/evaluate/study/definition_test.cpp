@@ -36,11 +36,12 @@ class DefinitionTest : public StudyFiles {
 
 TEST_F(DefinitionTest, ReadsWhatItSays) {
   const StudyDefinition study =
-      readStudy(this->study("target: target.yaml\ntarget_shape: one\nlimit_s: 300\n"
+      readStudy(this->study("rig: d435i-1\ntarget: target.yaml\ntarget_shape: one\nlimit_s: 300\n"
                             "calibrate: {pixel_sigma: 0.5}\nthresholds: {regression_sigma: 6}\n"
                             "perturbations: {offsets_ms: [100, -1]}\n"),
                 {refuseColour, refuseColour});
   EXPECT_EQ(study.name, "trial");
+  EXPECT_EQ(study.rig, "d435i-1");
   EXPECT_EQ(study.methods, (std::vector<std::string>{"free", "guided"}));
   ASSERT_EQ(study.sessions.size(), 4u);
   EXPECT_EQ(study.sessions[0].row.capture_s, 60);
