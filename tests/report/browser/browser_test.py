@@ -268,19 +268,37 @@ def look(url, tool, folder, height, graphics):
     return told(dom), lambda places: regions(tool, shot, places)
 
 
+def is_blank(statistics):
+    _, share, colours, _ = statistics
+    return share < 0.02 or colours < 10
+
+
+def look_until_painted(url, tool, folder, places_of):
+    """What the probe tells, and the statistics of the places whole in sight. On a busy machine the
+    window is sometimes taken before the last of it is painted: what is blank is looked at thrice."""
+    for _ in range(3):
+        result, painted = look(url, tool, folder, SLICE, FLAT)
+        seen = {i: p for i, p in enumerate(places_of(result)) if p[1] >= 0 and p[1] + p[3] <= SLICE}
+        found = dict(zip(seen, painted(seen.values())))
+        if not any(is_blank(statistics) for statistics in found.values()):
+            break
+    return result, found
+
+
 def photograph(url, tool, folder):
     """What the probe tells of the whole page, and the statistics of each of its figures and of
     what stands for the scene and of the single view, without a GPU; as many windows as it takes."""
+    def places_of(result):
+        return [f[1:] for f in result["figures"]] + [result[key] for key in ("single", "scene") if key in result]
+
     first, found, top = None, {}, 0
     while True:
-        result, painted = look("%s?top=%d" % (url, top), tool, folder, SLICE, FLAT)
+        result, seen = look_until_painted("%s?top=%d" % (url, top), tool, folder, places_of)
         first = first or result
-        places = [f[1:] for f in result["figures"]] + [result[key] for key in ("single", "scene") if key in result]
-        seen = [i for i, p in enumerate(places)
-                if i not in found and p[1] >= 0 and p[1] + p[3] <= SLICE]
-        if not seen:
+        places = places_of(result)
+        if not seen.keys() - found.keys():
             fail("no figure is whole in a window that starts at %d px" % top)
-        found.update(zip(seen, painted([places[i] for i in seen])))
+        found = {**seen, **found}
         missing = [p[1] for i, p in enumerate(places) if i not in found]
         if not missing:
             return first, [found[i] for i in range(len(places))]
@@ -288,10 +306,9 @@ def photograph(url, tool, folder):
 
 
 def check_figures(name, result, painted, least_pixels):
-    for figure, (pixels, share, colours, _) in zip(result["figures"], painted):
-        if pixels < least_pixels or share < 0.02 or colours < 10:
-            fail("%s: figure %s is blank (%d px, %.3f, %d colours)"
-                 % (name, figure[0], pixels, share, colours))
+    for figure, statistics in zip(result["figures"], painted):
+        if statistics[0] < least_pixels or is_blank(statistics):
+            fail("%s: figure %s is blank (%d px, %.3f, %d colours)" % (name, figure[0], *statistics[:3]))
 
 
 def check_clicked(name, clicked, marked):
