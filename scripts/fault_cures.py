@@ -11,6 +11,7 @@ recording is called good and is off by more than five of its shown deviations an
 import argparse
 import csv
 import json
+import math
 import re
 import shutil
 import sys
@@ -178,10 +179,24 @@ def cure(session, result, refusal):
     return "nothing", None
 
 
+def turn(angle):
+    """Exp(-angle n) with n = (1, 1, 1) / sqrt(3), about which the simulator turns a triad."""
+    c, s = math.cos(angle), math.sin(angle) / math.sqrt(3)
+    d = (1 - c) / 3
+    return [[c + d, d + s, d - s], [d - s, c + d, d + s], [d + s, d - s, c + d]]
+
+
 def cured_truth(truth, done):
-    """After the accelerometer was shifted to a gyroscope that is late, the whole IMU is late by as much."""
-    late = sum(f["value"] for f in truth["faults"] if done == "imu-delay" and f["name"] == "gyro-delay")
-    truth["imu"]["time_offset_s"] += late
+    """Delay and rotation of one triad against the other are relative: after the accelerometer was corrected for
+    a gyroscope that is late or turned (or the other way round), the IMU's clock or frame is the other triad's."""
+    imu = truth["imu"]
+    for f in truth["faults"]:
+        if done == "imu-delay" and f["name"] == "gyro-delay":
+            imu["time_offset_s"] += f["value"]
+        if {done, f["name"]} == {"accel-misalignment", "gyro-misalignment"}:
+            columns = list(zip(*imu["T_SC0"][:3]))
+            turned = [times(turn(f["value"]), column) for column in columns]
+            imu["T_SC0"][:3] = [list(row) for row in zip(*turned)]
     return truth
 
 

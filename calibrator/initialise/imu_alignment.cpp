@@ -216,7 +216,8 @@ namespace {
 double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                  const TimeOffsetEstimate& estimate) {
   constexpr double kSlope = 0.01;  // [s] over which a slope is taken
-  double squares = 0, slopes = 0, count = 0;
+  constexpr double kUnknowns = 7;  // rotation, bias and the offset
+  double squares = 0, slopes = 0, count = -kUnknowns;
   const RateAlignment& a = estimate.alignment;
   for (const CameraRate& c : camera) {
     const auto at = gyro.meanRate(c.from, c.to, estimate.offset_s);
@@ -227,16 +228,18 @@ double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
     slopes += ((*after - *before) / (2 * kSlope)).squaredNorm();
     count += 3;
   }
-  return slopes > 0 ? std::sqrt(squares / count / slopes) : 1;
+  return slopes > 0 && count > 0 ? std::sqrt(squares / count / slopes) : 1;
 }
 
 }  // namespace
 
 std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
                                           const GyroIntegral& gyro, double offset_s) {
-  constexpr std::size_t kParts = 10;
+  constexpr std::size_t kMostParts = 10;
+  constexpr std::size_t kRates = 30;  // of a part: seven unknowns are taken from them
   constexpr double kCorrelated = 0.95;
   constexpr double kSameRotation = 0.1;  // [rad]
+  const std::size_t parts = std::min(kMostParts, camera.size() / kRates);
   std::vector<CameraRate> shifted(camera.begin(), camera.end());
   for (CameraRate& rate : shifted) {
     rate.from += toNanoseconds(offset_s);
@@ -250,9 +253,9 @@ std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
     double std_s = 0;
   };
   std::vector<Part> found;
-  for (std::size_t k = 0; k < kParts; ++k) {
-    const std::size_t from = k * shifted.size() / kParts;
-    const std::size_t to = (k + 1) * shifted.size() / kParts;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::size_t from = k * shifted.size() / parts;
+    const std::size_t to = (k + 1) * shifted.size() / parts;
     const std::span<const CameraRate> part(shifted.data() + from, to - from);
     const auto estimate = estimateTimeOffset(part, gyro, options);
     if (!estimate || estimate->alignment.correlation < kCorrelated) continue;
@@ -264,20 +267,21 @@ std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
       *std::max_element(found.begin(), found.end(), [](const Part& a, const Part& b) {
         return a.estimate.alignment.correlation < b.estimate.alignment.correlation;
       });
-  std::optional<PartOffsets> out;
-  std::size_t agreeing = 0;
-  for (const Part& part : found) {
-    const Eigen::Matrix3d turn =
-        best.estimate.alignment.R_SC0.transpose() * part.estimate.alignment.R_SC0;
-    if (logSO3(turn).norm() > kSameRotation) continue;
-    ++agreeing;
-    const double offset = offset_s + part.estimate.offset_s;
-    if (!out) out = PartOffsets{offset, offset, 0};
-    out->least_s = std::min(out->least_s, offset);
-    out->most_s = std::max(out->most_s, offset);
-    out->std_s = std::max(out->std_s, part.std_s);
+  std::erase_if(found, [turn = best.estimate.alignment.R_SC0](const Part& part) {
+    return logSO3(turn.transpose() * part.estimate.alignment.R_SC0).norm() > kSameRotation;
+  });
+  if (2 * found.size() < parts) return std::nullopt;
+  PartOffsets out;
+  double most = -1;
+  for (const Part& a : found) {
+    for (const Part& b : found) {
+      const double difference = b.estimate.offset_s - a.estimate.offset_s;
+      const double std_s = std::hypot(a.std_s, b.std_s);
+      if (!(difference >= 0 && difference > most * std_s)) continue;
+      most = difference / std_s;
+      out = {offset_s + a.estimate.offset_s, offset_s + b.estimate.offset_s, std_s};
+    }
   }
-  if (2 * agreeing < kParts) return std::nullopt;
   return out;
 }
 

@@ -53,15 +53,17 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
                                               const GyroIntegral& gyro,
                                               const TimeOffsetOptions& options = {});
 
-/// The offsets that parts of a recording have by themselves.
+/// The offsets of two parts of a recording by themselves: those that differ most by their
+/// deviations.
 struct PartOffsets {
   double least_s = 0;
   double most_s = 0;
-  double std_s = 0;  ///< the largest of a part's, by what the rates leave
+  double std_s = 0;  ///< of their difference, by what the rates leave
 };
 
-/// Ten parts of the recording, each aligned by itself within 0.5 s of `offset_s`. Empty where fewer
-/// than half of them correlate above 0.95 under one rotation: then they are not of one motion.
+/// Up to ten parts of the recording, of at least 30 rates, each aligned by itself within 0.5 s of
+/// `offset_s`. Empty where fewer than half of them correlate above 0.95 under one rotation: then
+/// they are not of one motion.
 std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
                                           const GyroIntegral& gyro, double offset_s);
 

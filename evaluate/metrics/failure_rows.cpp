@@ -48,8 +48,7 @@ const FailureRow kRows[] = {
      "that neither single samples (spikes) nor tag ids are wrong"},
     {Code::kStampsWander,
      "the time offset between gyroscope and cameras wanders: from {from_ms:.1f} to {to_ms:.1f} ms "
-     "in "
-     "parts of the recording, each known to {std_ms:.1g} ms",
+     "in parts of the recording, a difference that is known to {std_ms:.1g} ms",
      "look for frames or samples that were lost while the others were stamped evenly, a clock that "
      "was set, or clocks that run at different rates; use the stamps that the sensors give"},
     {Code::kGyroscopeMirrored,

@@ -156,7 +156,6 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
   if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
   auto covariance = cameraImuCovariance(problem, solution, options);
   if (!covariance) return covariance.failure();
-  if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);

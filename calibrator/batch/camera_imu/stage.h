@@ -32,7 +32,7 @@ CameraImuSolution solveFromSolution(const CameraImuProblem& problem, const Camer
                                     const CameraImuOptions& options);
 
 /// Everything the stage reports of a solution but its seconds and what was left out before the
-/// problem was made. Fails where the solver found nothing or the parameters are not observable.
+/// problem was made. Fails where the offset left the samples or the parameters are not observable.
 Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution, const Session& session,
                                          const CameraImuOptions& options);

@@ -217,18 +217,6 @@ std::vector<RepeatedView> repeatedIn(const Session& session) {
   return out;
 }
 
-/// Whether parts of the recording, each of which correlates, have offsets of their own.
-bool wanders(const PartOffsets& parts) {
-  constexpr double kSigmas = 10;
-  constexpr double kLeast = 5e-3;  // [s]
-  return parts.most_s - parts.least_s > std::max(kLeast, kSigmas * parts.std_s);
-}
-
-Failure wandering(const PartOffsets& parts) {
-  return {FailureCode::kStampsWander,
-          {{"from_s", parts.least_s}, {"to_s", parts.most_s}, {"std_s", parts.std_s}}};
-}
-
 }  // namespace
 
 std::vector<ImuSample> shiftedSamples(const std::vector<ImuSample>& samples, TimeNs shift) {
@@ -319,6 +307,16 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
   return out;
 }
 
+std::optional<Failure> wanderingStamps(const std::optional<PartOffsets>& parts) {
+  constexpr double kSigmas = 10;
+  constexpr double kLeast = 5e-3;  // [s]
+  if (!parts || !(parts->most_s - parts->least_s > std::max(kLeast, kSigmas * parts->std_s))) {
+    return std::nullopt;
+  }
+  return Failure{FailureCode::kStampsWander,
+                 {{"from_s", parts->least_s}, {"to_s", parts->most_s}, {"std_s", parts->std_s}}};
+}
+
 Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options) {
@@ -335,14 +333,15 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   if (!offset) return offset.failure();
   const RateAlignment& alignment = offset->alignment;
   if (const auto failure = checkExcitation(alignment, sanity)) return *failure;
+  CameraImuStart start;
+  start.parts = offsetsOfParts(rates, gyro, offset->offset_s);
   if (const auto failure = checkRates(alignment, sanity)) {
-    const auto parts = failure->code == FailureCode::kRatesDoNotCorrelate
-                           ? offsetsOfParts(rates, gyro, offset->offset_s)
-                           : std::nullopt;
-    return parts && wanders(*parts) ? wandering(*parts) : *failure;
+    const auto wandering = failure->code == FailureCode::kRatesDoNotCorrelate
+                               ? wanderingStamps(start.parts)
+                               : std::nullopt;
+    return wandering ? *wandering : *failure;
   }
 
-  CameraImuStart start;
   start.time_offsets = {{offset->offset_s}};
   start.T_SC0.R = alignment.R_SC0;
   start.bias.gyro = alignment.gyro_bias;

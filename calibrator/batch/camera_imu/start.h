@@ -13,6 +13,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/corners.h"
+#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_rates.h"
 
 namespace plumbline {
@@ -72,6 +73,7 @@ struct CameraImuStart {
   ImuBias bias;
   Eigen::Vector3d excitation = Eigen::Vector3d::Zero();  ///< see RateAlignment
   InertialCheck check;
+  std::optional<PartOffsets> parts;  ///< time offsets of parts of the recording, by rates alone
 };
 
 /// Units and axes checked, time offset by correlation, rotation by alignment of rates, gravity,
@@ -79,6 +81,10 @@ struct CameraImuStart {
 Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
                                       std::span<const ImuSample> samples, const AprilGrid& target,
                                       const CameraImuOptions& options);
+
+/// kStampsWander where parts of the recording have offsets that differ by more than 5 ms and ten
+/// standard deviations.
+std::optional<Failure> wanderingStamps(const std::optional<PartOffsets>& parts);
 
 /// Gives every camera whose stamps are off camera 0's an offset of its own to be estimated,
 /// starting at camera 0's.

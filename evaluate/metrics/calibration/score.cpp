@@ -12,6 +12,7 @@
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/session_subset.h"
 
 namespace plumbline {
@@ -159,6 +160,8 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
     const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
     if (!imu) {
       out = failedFold(std::move(out), "camera-IMU: " + problemOf(imu.failure()));
+    } else if (!imu->summary.converged) {
+      out = failedFold(std::move(out), "camera-IMU: " + problemOf(notConverged(*imu)));
     } else {
       addImuStage(*imu, out.in_sample);
       recalibrated.imu = imu->imu;

@@ -42,13 +42,13 @@ const FaultWords kFaultWords[] = {
     {UnmodelledFault::kAccelMisalignment, "misalignment of the accelerometer's axes", kDegrees,
      "deg", kPairs,
      "calibrate the accelerometer's axes; accelerometer and gyroscope must be given in one "
-     "right-angled frame"},
+     "right-angled frame (with the accelerometer corrected, T_SC0 is in the gyroscope's frame)"},
     {UnmodelledFault::kGyroScale, "scale error of the gyroscope", kPercent, "%", kAxes,
      "calibrate the gyroscope's scale and divide the columns of imu0/data.csv by 1 + error"},
     {UnmodelledFault::kGyroMisalignment, "misalignment of the gyroscope's axes", kDegrees, "deg",
      kPairs,
      "calibrate the gyroscope's axes; accelerometer and gyroscope must be given in one "
-     "right-angled frame"},
+     "right-angled frame (with the gyroscope corrected, T_SC0 is in the accelerometer's frame)"},
     {UnmodelledFault::kGSensitivity, "sensitivity of the gyroscope to acceleration", 1e3,
      "mrad/s per m/s^2", kMatrix,
      "compensate it (rate - G x acceleration), or use an IMU that is less sensitive"},
