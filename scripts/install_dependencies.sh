@@ -13,8 +13,8 @@ build_packages=(
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libtbb-dev
   libsqlite3-dev libsqlitecpp-dev libkainjow-mustache-dev
   libgtest-dev libgmock-dev)
-test_packages=(chromium fonts-dejavu-core python3 libbenchmark-dev libopencv-core-dev
-  libopencv-imgproc-dev libopencv-calib3d-dev)
+test_packages=(chromium fish fonts-dejavu-core python3 libbenchmark-dev libopencv-core-dev
+  libopencv-imgproc-dev libopencv-calib3d-dev zsh)
 sanitize_packages=(libclang-rt-dev)
 check_packages=(clang-format clang-tidy g++ python3)
 bench_packages=(libbenchmark-dev mrcal python3 python3-mrcal python3-numpy python3-opencv time)

@@ -38,6 +38,7 @@ struct CompareOptions {
   std::string uncertainty = "cross-reprojection";
   std::string fit = "squares";
   double focus_radius_px = 0;
+  bool no_session_estimate = false;
   MeasurementOptions measurements;
   RunsRequest runs;  // trajectories that were estimated with these calibrations
   TrajectoryMetricWords metrics;
@@ -71,6 +72,8 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
       ->delimiter(',')
       ->allow_extra_args(false);
   o.session.declareOptional(app);
+  app.add_flag("--no-session-estimate", o.no_session_estimate,
+               "Do not calibrate the session itself, as what the parameters are compared with too");
   declareMaps(app, o);
   o.measurements.declare(app);
   app.add_option("--runs", o.runs.runs,
@@ -123,6 +126,7 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   CompareRequest request;
   request.calibrations = o.calibrations;
   request.labels = o.labels;
+  request.session_estimate = !o.no_session_estimate;
   if (!o.session.session.empty()) {
     request.load = o.session.request();
     request.load->read.supported_models_only = false;

@@ -100,36 +100,36 @@ std::string zshQuoted(const std::string& text) {
   return out;
 }
 
+// Sourced it registers itself; from a folder of fpath it is the function's body, and has to run.
 std::string zshCompletion(const CLI::App& app) {
   std::string cases, paths;
   for (const Node& node : nodesOf(app)) {
-    std::string specs;
+    std::string commands, specs;
     for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
       if (sub->get_group().empty()) continue;
-      specs += fmt::format(" '{}:{}'", sub->get_name(), zshQuoted(sub->get_description()));
+      commands += fmt::format(" '{}:{}'", sub->get_name(), zshQuoted(sub->get_description()));
     }
     for (const CLI::Option* option : shownOptions(*node.app, false)) {
       specs +=
           fmt::format(" '{}:{}'", firstLongName(*option), zshQuoted(option->get_description()));
     }
-    cases += fmt::format("    '{}') words=({}) ;;\n", node.path, specs);
+    cases += fmt::format("    '{}') commands=({}) options=({}) ;;\n", node.path, commands, specs);
     if (!node.path.empty()) paths += fmt::format("{}'{}'", paths.empty() ? "" : "|", node.path);
   }
   return fmt::format(R"(#compdef plumbline
 _plumbline() {{
   local path_='' word
-  local -a words_known words_given=("${{(@)words[2,CURRENT-1]}}")
-  for word in $words_given; do
+  local -a commands options
+  for word in "${{(@)words[2,CURRENT-1]}}"; do
     case "$path_ $word" in
       {}) path_="$path_ $word" ;;
     esac
   done
-  local -a words
   case "$path_" in
 {}  esac
-  _describe 'plumbline' words || _files
+  _describe 'command' commands || _describe -o 'option' options || _files
 }}
-compdef _plumbline plumbline
+if [[ ${{funcstack[1]}} == _plumbline ]]; then _plumbline "$@"; else compdef _plumbline plumbline; fi
 )",
                      paths, cases);
 }
@@ -143,25 +143,35 @@ std::string fishQuoted(const std::string& text) {
   return "'" + out + "'";
 }
 
+// By the whole path of commands: `study` is one, and a part of `simulate`.
 std::string fishCompletion(const CLI::App& app) {
-  std::string text = "# fish completion of plumbline\n";
+  std::string paths, rules;
   for (const Node& node : nodesOf(app)) {
-    std::string condition = "__fish_use_subcommand";
-    if (!node.path.empty()) {
-      condition = "__fish_seen_subcommand_from " + node.path.substr(node.path.rfind(' ') + 1);
-    }
+    if (!node.path.empty()) paths += fmt::format(" '{}'", node.path);
+    const std::string condition = fmt::format("__plumbline_is_at \"{}\"", node.path);
     for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
       if (sub->get_group().empty()) continue;
-      text += fmt::format("complete -c plumbline -n '{}' -f -a {} -d {}\n", condition,
-                          sub->get_name(), fishQuoted(sub->get_description()));
+      rules += fmt::format("complete -c plumbline -n '{}' -f -a {} -d {}\n", condition,
+                           sub->get_name(), fishQuoted(sub->get_description()));
     }
     for (const CLI::Option* option : shownOptions(*node.app, false)) {
-      text += fmt::format("complete -c plumbline -n '{}' -l {}{} -d {}\n", condition,
-                          firstLongName(*option).substr(2), takesValue(*option) ? " -r" : "",
-                          fishQuoted(option->get_description()));
+      rules += fmt::format("complete -c plumbline -n '{}' -l {}{} -d {}\n", condition,
+                           firstLongName(*option).substr(2), takesValue(*option) ? " -r" : "",
+                           fishQuoted(option->get_description()));
     }
   }
-  return text;
+  return fmt::format(R"(# fish completion of plumbline
+function __plumbline_is_at
+  set -l path ''
+  for word in (commandline -opc)[2..]
+    if contains -- "$path $word"{}
+      set path "$path $word"
+    end
+  end
+  test "$path" = "$argv[1]"
+end
+{})",
+                     paths, rules);
 }
 
 std::string roff(const std::string& text) {

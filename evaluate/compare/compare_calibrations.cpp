@@ -16,6 +16,7 @@
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/lint.h"
 #include "evaluate/compare/parameters.h"
+#include "evaluate/compare/session_estimate.h"
 #include "evaluate/session/load_session.h"
 #include "evaluate/session/match_cameras.h"
 
@@ -196,6 +197,12 @@ void append(const std::vector<Finding>& more, std::vector<Finding>& findings) {
   findings.insert(findings.end(), more.begin(), more.end());
 }
 
+std::vector<Calibration> calibrationsOf(const std::vector<ComparedFile>& files) {
+  std::vector<Calibration> calibrations;
+  for (const ComparedFile& file : files) calibrations.push_back(file.compared.calibration);
+  return calibrations;
+}
+
 std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<ComparedFile>& files,
                                 const ProgressSink& progress, ComparisonRecord& record) {
   const LoadedSession loaded = loadSession(*request.load, progress);
@@ -208,6 +215,12 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
     all.push_back(scoreOn(loaded, file, request, progress));
   }
   append(lintOnSession(files, loaded.session), record.verdict.findings);
+  if (request.session_estimate) {
+    progress("calibrating the session itself", -1);
+    const TargetMode target = request.load->target_shape ? TargetMode::kKnown : TargetMode::kAuto;
+    record.session_estimate = sessionEstimate(loaded.session, calibrationsOf(files), request.score,
+                                              target, request.thresholds);
+  }
   return all;
 }
 
@@ -264,14 +277,12 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   record.verdict.findings = lintAll(files);
   std::vector<OnSession> on_session;
   if (request.load) on_session = scoreAll(request, files, progress, record);
-  std::vector<Calibration> calibrations;
   for (const ComparedFile& file : files) {
     record.calibrations.push_back(file.compared);
-    calibrations.push_back(file.compared.calibration);
     record.offsets.push_back(offsetSummary(file.compared.label, file.compared.calibration));
   }
   if (record.name.empty()) record.name = record.calibrations.front().label;
-  record.parameters = comparedParameters(calibrations, request.thresholds);
+  record.parameters = comparedParameters(calibrationsOf(files), request.thresholds);
   addScores(on_session, record);
   addMaps(files, on_session, request.maps, record);
   std::vector<Finding> findings = comparisonFindings(record, request.thresholds);

@@ -42,6 +42,7 @@ struct CompareRequest {
   /// Scores every calibration on this recording, and takes uncertainties and entropies from it.
   std::optional<LoadRequest> load;
   ScoreOptions score;
+  bool session_estimate = true;  ///< calibrate the recording itself too: sessionEstimate()
   FrameAlignment alignment = FrameAlignment::kCrossReprojection;
   MapOptions maps;
   ComparisonThresholds thresholds;
@@ -54,7 +55,8 @@ struct CompareRequest {
 /// Reads the calibrations, and with them what stands beside Kalibr's; compares their parameters and
 /// projections; with a recording scores each on it (scoreCalibration()), compares their predictions
 /// view by view, and gives each the entropy of its cameras' parameters, and of T_SC0 and the
-/// time offset, at its own values, under the same corners, noise and list, without a loss. The
+/// time offset, at its own values, under the same corners, noise and list, without a loss; and
+/// compares their parameters with the recording's own estimate (sessionEstimate()). The
 /// verdict is of comparisonFindings(). Throws InputError for bad input: fewer than two
 /// calibrations, labels that are not unique, files that cannot be read, a recording whose cameras a
 /// calibration has not.

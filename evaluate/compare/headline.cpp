@@ -137,13 +137,16 @@ std::string comparisonHeadline(const ComparisonRecord& record,
     text += ".";
   }
   const std::vector<LoneParameter> lone = loneParameters(record, thresholds);
+  const std::vector<LoneParameter> session = loneAgainstSession(record, thresholds);
   for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
-    const std::string names = loneNames(lone, i);
+    std::string names = loneNames(lone, i);
+    if (names.empty()) names = loneNames(session, i);
     if (names.empty()) continue;
     text += fmt::format(
-        " {} stands alone: the others agree, and it differs from each of them by at least "
+        " {} stands alone: the others{} agree, and it differs from each of them by at least "
         "the standard deviations in brackets: {}.",
-        record.calibrations[i].label, names);
+        record.calibrations[i].label,
+        loneNames(lone, i).empty() ? " and what the session itself gives" : "", names);
   }
   return text;
 }

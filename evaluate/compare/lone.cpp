@@ -51,12 +51,10 @@ LoneParameter against(const std::vector<Estimate>& estimates, std::size_t k) {
   return lone;
 }
 
-}  // namespace
-
-std::vector<LoneParameter> loneParameters(const ComparisonRecord& record,
-                                          const ComparisonThresholds& thresholds) {
+std::vector<LoneParameter> loneAmong(const std::vector<ComparedParameter>& parameters,
+                                     const ComparisonThresholds& thresholds) {
   std::vector<LoneParameter> all;
-  for (const ComparedParameter& p : record.parameters) {
+  for (const ComparedParameter& p : parameters) {
     const std::vector<Estimate> estimates = estimatesOf(p);
     if (estimates.size() < kFewest) continue;
     for (std::size_t k = 0; k < estimates.size(); ++k) {
@@ -69,6 +67,59 @@ std::vector<LoneParameter> loneParameters(const ComparisonRecord& record,
   std::stable_sort(all.begin(), all.end(), [](const LoneParameter& a, const LoneParameter& b) {
     return a.calibration != b.calibration ? a.calibration < b.calibration : a.sigmas > b.sigmas;
   });
+  return all;
+}
+
+bool heldOut(const ComparisonRecord& record, std::size_t calibration) {
+  const std::string& label = record.calibrations[calibration].label;
+  return std::any_of(record.scores.begin(), record.scores.end(),
+                     [&](const CalibrationScore& s) { return s.label == label && s.held_out; });
+}
+
+bool othersHeldOut(const ComparisonRecord& record, std::size_t calibration) {
+  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    if (i != calibration && !heldOut(record, i)) return false;
+  }
+  return true;
+}
+
+/// "a stands alone: ...", one for each calibration that does.
+Finding loneFinding(const ComparisonRecord& record, const std::vector<LoneParameter>& lone,
+                    std::size_t i, const ComparisonThresholds& thresholds) {
+  const std::string& label = record.calibrations[i].label;
+  Finding f;
+  double others = 0;
+  for (const LoneParameter& p : lone) {
+    if (p.calibration != i) continue;
+    f.value = std::max(f.value, p.sigmas);
+    others = std::max(others, p.others);
+  }
+  f.level = VerdictLevel::kCaution;
+  f.evidence = fmt::format(
+      "{} stands alone: at least this many standard deviations from each of the others, which "
+      "agree within {:.2g}: {}",
+      label, others, loneNames(lone, i));
+  f.advice = "look at the recording and the options of " + label + " before the others'";
+  f.threshold = thresholds.significance;
+  f.unit = "sigma";
+  return f;
+}
+
+}  // namespace
+
+std::vector<LoneParameter> loneParameters(const ComparisonRecord& record,
+                                          const ComparisonThresholds& thresholds) {
+  return loneAmong(record.parameters, thresholds);
+}
+
+std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record,
+                                              const ComparisonThresholds& thresholds) {
+  if (!record.session_estimate) return {};
+  std::vector<LoneParameter> all;
+  for (LoneParameter& p : loneAmong(record.session_estimate->parameters, thresholds)) {
+    if (p.calibration == 0 || !othersHeldOut(record, --p.calibration)) continue;
+    all.push_back(std::move(p));
+  }
   return all;
 }
 
@@ -86,28 +137,18 @@ std::string loneNames(const std::vector<LoneParameter>& lone, std::size_t calibr
 std::vector<Finding> loneFindings(const ComparisonRecord& record,
                                   const ComparisonThresholds& thresholds) {
   const std::vector<LoneParameter> lone = loneParameters(record, thresholds);
+  const std::vector<LoneParameter> session = loneAgainstSession(record, thresholds);
   std::vector<Finding> findings;
   for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
-    double most = 0, others = 0;
-    for (const LoneParameter& p : lone) {
-      if (p.calibration != i) continue;
-      most = std::max(most, p.sigmas);
-      others = std::max(others, p.others);
-    }
-    if (!(most > 0)) continue;
     const std::string& label = record.calibrations[i].label;
-    Finding f;
-    f.rule = label + " against all others";
-    f.level = VerdictLevel::kCaution;
-    f.evidence = fmt::format(
-        "{} stands alone: at least this many standard deviations from each of the others, which "
-        "agree within {:.2g}: {}",
-        label, others, loneNames(lone, i));
-    f.advice = "look at the recording and the options of " + label + " before the others'";
-    f.value = most;
-    f.threshold = thresholds.significance;
-    f.unit = "sigma";
-    findings.push_back(std::move(f));
+    if (!loneNames(lone, i).empty()) {
+      findings.push_back(loneFinding(record, lone, i, thresholds));
+      findings.back().rule = label + " against all others";
+    }
+    if (!loneNames(session, i).empty()) {
+      findings.push_back(loneFinding(record, session, i, thresholds));
+      findings.back().rule = label + " against all others and the session itself";
+    }
   }
   return findings;
 }

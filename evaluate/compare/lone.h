@@ -26,6 +26,12 @@ struct LoneParameter {
 std::vector<LoneParameter> loneParameters(const ComparisonRecord& record,
                                           const ComparisonThresholds& thresholds = {});
 
+/// The same against the session's own estimate, for two calibrations and more: one stands alone
+/// where the session and all others agree. Only where these others are known not to have been
+/// estimated from that session: those that were agree with it anyway.
+std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record,
+                                              const ComparisonThresholds& thresholds = {});
+
 /// "T_SC0.tx (5.1), T_SC0.ry (4)": the clearest of one calibration's, with their deviations.
 std::string loneNames(const std::vector<LoneParameter>& lone, std::size_t calibration);
 

@@ -10,8 +10,12 @@
 namespace plumbline {
 namespace {
 
-constexpr double kGap = 1.5;        // times the median: half-way to one missing sample
-constexpr std::size_t kRuns = 400;  // that a plot of some 900 pixels tells apart
+constexpr double kGap = 1.5;         // times the median: half-way to one missing sample
+constexpr std::size_t kRuns = 400;   // that a plot of some 900 pixels tells apart
+constexpr std::size_t kBins = 61;    // odd, so that the median lies in mid-bin
+constexpr double kTail = 0.002;      // of the intervals may lie beyond either end of it
+constexpr double kMargin = 1.02;     // so that the quantiles themselves lie within
+constexpr double kEvenShare = 0.01;  // of the median: half the histogram's width at least
 
 std::vector<double> intervalsOf(const std::vector<TimeNs>& stamps) {
   std::vector<double> intervals;
@@ -30,6 +34,29 @@ void keepLongest(std::vector<SampleGap>& gaps) {
   gaps.resize(SampleIntervals::kMostGaps);
   std::sort(gaps.begin(), gaps.end(),
             [](const SampleGap& a, const SampleGap& b) { return a.t < b.t; });
+}
+
+/// Around the median, as wide as all but the tails need: a single gap would else squeeze the rest
+/// into one bin.
+IntervalHistogram histogramOf(const std::vector<double>& intervals, double middle) {
+  const double reach = std::max({kEvenShare * middle, quantile(intervals, 1 - kTail) - middle,
+                                 middle - quantile(intervals, kTail)});
+  IntervalHistogram histogram;
+  if (!(reach > 0)) return histogram;
+  histogram.bin_s = 2 * kMargin * reach / kBins;
+  histogram.first_s = middle - kMargin * reach;
+  histogram.counts.assign(kBins, 0);
+  for (const double interval : intervals) {
+    const double place = std::floor((interval - histogram.first_s) / histogram.bin_s);
+    if (place < 0) {
+      ++histogram.below;
+    } else if (place >= static_cast<double>(kBins)) {
+      ++histogram.above;
+    } else {
+      ++histogram.counts[static_cast<std::size_t>(place)];
+    }
+  }
+  return histogram;
 }
 
 /// The shortest and the longest interval of every run, in the order of time.
@@ -63,6 +90,7 @@ SampleIntervals sampleIntervals(const std::string& sensor, const std::vector<Tim
   result.max_s = *most;
   result.median_s = median(intervals);
   result.spread_s = quantile(intervals, 0.99) - quantile(intervals, 0.01);
+  result.histogram = histogramOf(intervals, result.median_s);
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     if (!(intervals[i] > kGap * result.median_s)) continue;
     const int missing =

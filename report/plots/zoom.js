@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Zoom of plots with two axes of numbers: drag over a range or a box, double-click (or 0) to see all, + and - and the
-// arrows where a plot has the focus. Plots over the same axis of time move together along it.
+// arrows where a plot has the focus; two fingers pinch and move, and one moves a plot that is zoomed. Plots over the
+// same axis of time move together along it.
 (() => {
   const make = (name, attributes, text) => {
     const made = document.createElementNS('http://www.w3.org/2000/svg', name);
@@ -151,6 +152,40 @@
     } else return;
     event.preventDefault();
   };
+  // Two fingers: the values under them stay under them; over time along that axis alone, on image planes equally along both.
+  const pinch = (plot, begun, [a, b]) => {
+    const [, , , , px0, px1, py0, py1] = plot.home, [x0, x1, y0, y1] = begun.axes;
+    const [p, q] = begun.at, wide = Math.abs(q.x - p.x), tall = Math.abs(q.y - p.y);
+    const both = Math.hypot(q.x - p.x, q.y - p.y) / Math.max(1, Math.hypot(b.x - a.x, b.y - a.y));
+    // A direction in which the fingers were side by side is moved, not scaled.
+    const scale = (was, is, other) => plot.axis || isSquare(plot) ? both : was < 3 * LEAST ? 1 : was < other / 4 ? both : was / Math.max(1, is);
+    const sx = scale(wide, Math.abs(b.x - a.x), tall), sy = scale(tall, Math.abs(b.y - a.y), wide);
+    const mid = {x: (a.x + b.x) / 2, y: (a.y + b.y) / 2}, was = {x: (p.x + q.x) / 2, y: (p.y + q.y) / 2};
+    const range = (from, to, p0, p1, then, now, by) => {
+      const span = (to - from) * by, value = from + (then - p0) / (p1 - p0) * (to - from), start = value - (now - p0) / (p1 - p0) * span;
+      return [start, start + span].sort((m, n) => m - n);
+    };
+    zoom(plot, range(x0, x1, px0, px1, was.x, mid.x, sx), plot.axis ? null : range(y0, y1, py0, py1, was.y, mid.y, sy));
+  };
+  // One finger moves a plot that is zoomed; else the page scrolls.
+  const touch = (plot, place) => {
+    const {svg} = plot;
+    let begun = null;
+    const fingers = (event) => [...event.touches].slice(0, 2).map(place);
+    const begin = (event) => { begun = event.touches.length > 0 ? {at: fingers(event), axes: [...plot.axes]} : null; };
+    svg.addEventListener('touchstart', begin, {passive: true});
+    svg.addEventListener('touchend', begin, {passive: true});
+    svg.addEventListener('touchcancel', begin, {passive: true});
+    svg.addEventListener('touchmove', (event) => {
+      const now = fingers(event);
+      if (!begun || now.length !== begun.at.length || (now.length === 1 && isHome(plot))) return;
+      if (event.cancelable) event.preventDefault();
+      // A second finger that stands still against the first: a move.
+      const aside = ({x, y}) => ({x: x + 100, y});
+      const pair = (at) => at.length === 1 ? [at[0], aside(at[0])] : at;
+      pinch(plot, {at: pair(begun.at), axes: begun.axes}, pair(now));
+    }, {passive: false});
+  };
   const start = (plot) => {
     const {svg} = plot;
     const place = (event) => new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
@@ -195,10 +230,11 @@
       zoomTo(plot, begun, at);
     });
     svg.addEventListener('pointercancel', stop);
+    touch(plot, place);
     svg.addEventListener('dblclick', () => reset(plot));
     svg.addEventListener('keydown', (event) => onKey(plot, event));
     svg.setAttribute('tabindex', 0);
-    svg.setAttribute('aria-description', 'Plus and minus zoom, arrows move, 0 shows all.');
+    svg.setAttribute('aria-description', 'Plus and minus zoom, arrows move, 0 shows all; so do two fingers.');
     svg.classList.add('zooms');
   };
   plots.forEach(start);

@@ -59,6 +59,24 @@ void fields(V& v, ComparedParameter& p) {
   v("levels", p.levels, "of the significance: `caution` from 2, `bad` from 3 sigma");
 }
 
+/// What the session that calibrations are scored on gives when it is calibrated itself.
+struct SessionEstimate {
+  std::string session;
+  Calibration calibration;  ///< without cameras: none, `problem` says why
+  /// The first entry of every list is the session's own estimate, then one per calibration.
+  std::vector<ComparedParameter> parameters;
+  std::string problem;
+};
+
+template <class V>
+void fields(V& v, SessionEstimate& e) {
+  v("session", e.session, "its name");
+  v.ifSet("problem", e.problem, "why there is none, or none of camera and IMU");
+  fields(v, e.calibration);
+  v.ifSet("parameters", e.parameters,
+          "the first entry of each list is the session's own estimate, then one per calibration");
+}
+
 /// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:
 /// u = c (width - 1) / (columns - 1), v = r (height - 1) / (rows - 1).
 struct ImageMap {
@@ -146,6 +164,7 @@ struct ComparisonRecord {
   Verdict verdict;  ///< the findings of all lints, and of the scores
   std::vector<ComparedCalibration> calibrations;
   std::vector<ComparedParameter> parameters;
+  std::optional<SessionEstimate> session_estimate;  ///< with a session, unless not asked for
   std::vector<CalibrationScore> scores;
   std::vector<PairedPrediction> paired;  ///< to the first calibration, on the same session
   std::vector<ImageMap> differences;     ///< to the first calibration
@@ -162,6 +181,7 @@ void fields(V& v, ComparisonRecord& r) {
   v("calibrations", r.calibrations, "those compared; the first is the reference");
   v("parameters", r.parameters, "each under all calibrations, in one convention");
   v("offsets", r.offsets, "time offsets in Kalibr's sign");
+  v("session_estimate", r.session_estimate, "what the session gives when it is calibrated itself");
   v("scores", r.scores, "each calibration on each session");
   v("paired", r.paired, "which predicts a camera's corners better, on the same views");
   v("differences", r.differences, "maps over the image, to the first calibration");

@@ -25,6 +25,24 @@ void fields(V& v, SampleGap& g) {
   v("missing", g.missing, "1", "samples that the median interval would have put there");
 }
 
+/// How often intervals had which length: equal bins, bin i covers
+/// [first_s + i bin_s, first_s + (i + 1) bin_s). What lies beyond either end counts in `below` and
+/// `above`.
+struct IntervalHistogram {
+  double first_s = 0, bin_s = 0;
+  std::size_t below = 0, above = 0;
+  std::vector<std::size_t> counts;  ///< empty: fewer than two samples
+};
+
+template <class V>
+void fields(V& v, IntervalHistogram& h) {
+  v("first_s", h.first_s, "s", "where the first bin begins");
+  v("bin_s", h.bin_s, "s", "width of a bin");
+  v("below", h.below, "1", "intervals shorter than the first bin's");
+  v("above", h.above, "1", "intervals longer than the last bin's");
+  v.ifSet("counts", h.counts, "intervals in each bin");
+}
+
 /// How evenly a sensor's samples follow each other, by its own stamps.
 struct SampleIntervals {
   static constexpr std::size_t kMostGaps = 100;  ///< that are listed
@@ -36,6 +54,7 @@ struct SampleIntervals {
   std::size_t missing = 0;  ///< in all gaps
   std::size_t gap_count = 0;
   std::vector<SampleGap> gaps;  ///< the longest ones, in the order of time
+  IntervalHistogram histogram;  ///< of all intervals
 };
 
 inline std::string partName(const SampleIntervals& s) { return s.sensor; }
@@ -51,6 +70,7 @@ void fields(V& v, SampleIntervals& s) {
   v("missing", s.missing, "1", "samples that would have fitted into the gaps");
   v("gap_count", s.gap_count, "1", "intervals above 1.5 times the median");
   v.ifSet("gaps", s.gaps, "the longest of them (100 at most), in the order of time");
+  v("histogram", s.histogram, "how often they had which length");
 }
 
 /// An interval as a plot over time shows it.

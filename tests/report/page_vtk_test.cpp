@@ -129,8 +129,9 @@ TEST(CalibrationPage, GivesEveryPlotAnIdOfItsOwn) {
     ++plots;
   }
   // Scene; a single view; correlations, frames and four figures of two cameras for two stages;
-  // coverage; six of inertial residuals, two of biases, two of readings, one of intervals.
-  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U + 2U + 1U);
+  // coverage; six of inertial residuals, two of biases, two of readings; one of intervals, and one
+  // for each sensor.
+  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U + 2U + 1U + 3U);
 }
 
 TEST(CalibrationPage, IsTheSameWhenMadeFromTheStore) {

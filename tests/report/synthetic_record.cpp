@@ -222,7 +222,9 @@ void addRecording(CalibrationRecord& record, std::mt19937& random) {
     const bool imu = sensor == 2;
     const double median = imu ? 0.005 : 0.05;
     SampleIntervals s{
-        imu ? "imu" : "cam" + std::to_string(sensor), 0, median, median, median, 0, 0, 0, {}};
+        imu ? "imu" : "cam" + std::to_string(sensor), 0, median, median, median, 0, 0, 0, {}, {}};
+    const double half = imu ? 2e-4 : 5e-4;
+    s.histogram = {median - half, 2 * half / 41, 0, 0, std::vector<std::size_t>(41, 0)};
     TimeNs t = frames.front().t;
     while (t < frames.back().t) {
       const bool gap = imu && s.samples == 200;
@@ -230,6 +232,11 @@ void addRecording(CalibrationRecord& record, std::mt19937& random) {
       if (gap) s.gaps.push_back({t, interval, 3});
       t += toNanoseconds(interval);
       record.shown_intervals.push_back({sensor, t, interval});
+      const double place = (interval - s.histogram.first_s) / s.histogram.bin_s;
+      const bool inside = place >= 0 && place < 41;
+      ++(inside      ? s.histogram.counts[static_cast<std::size_t>(place)]
+         : place < 0 ? s.histogram.below
+                     : s.histogram.above);
       s.min_s = std::min(s.min_s, interval);
       s.max_s = std::max(s.max_s, interval);
       ++s.samples;

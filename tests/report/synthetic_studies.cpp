@@ -269,6 +269,11 @@ ComparisonRecord syntheticComparison() {
   r.parameters[3].values[2].reset();
   r.parameters[3].difference[2].reset();
   addScores(r);
+  r.session_estimate = SessionEstimate{
+      "session", r.calibrations[0].calibration, {parameter("cam0.fu", "px", 458.61, 0.09, 4)}, ""};
+  ComparedParameter& own = r.session_estimate->parameters[0];
+  own.values.emplace_back(458.7), own.std.emplace_back(0.1), own.difference.emplace_back(0.09);
+  own.significance.emplace_back(0.7), own.levels.resize(own.values.size());
   r.differences = {map("cam0", "kalibr - plumbline", true), map("cam1", "yac - plumbline", true)};
   r.uncertainties = {map("cam0", "plumbline", false)};
   r.offsets = {{"plumbline", 3.2e-6, 4.1e-6, {3.2e-6, 5.5e-6}},

@@ -2,7 +2,9 @@
 #include "report/html/calibration/intervals_section.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -107,6 +109,40 @@ Figure intervalFigure(const CalibrationRecord& record) {
       true};
 }
 
+/// Differences from the median: in microseconds where all are below a millisecond.
+Figure histogramFigure(const SampleIntervals& sensor, std::size_t index) {
+  const IntervalHistogram& h = sensor.histogram;
+  const bool small = std::abs(h.first_s - sensor.median_s) < 1e-3;
+  const double scale = small ? 1e6 : 1e3;
+  const char* unit = small ? "\u00b5s" : "ms";
+  Histogram plot;
+  plot.frame.title = fmt::format("{}: distribution of intervals", sensor.sensor);
+  plot.frame.width = 440;
+  plot.frame.height = 300;
+  plot.frame.x.label = fmt::format("interval - median [{}]", unit);
+  plot.frame.y.label = "intervals";
+  plot.first = scale * (h.first_s - sensor.median_s);
+  plot.bin_width = scale * h.bin_s;
+  plot.series = {{sensor.sensor, {h.counts.begin(), h.counts.end()}, seriesColour(index)}};
+  std::string beyond = "All intervals are shown.";
+  if (h.below + h.above > 0) {
+    beyond = fmt::format("Off-scale: {} shorter, {} longer intervals.", grouped(h.below),
+                         grouped(h.above));
+  }
+  return {toSvg(plot, fmt::format("sample-intervals-{}", index)),
+          fmt::format("Median {} ms. {}", milliseconds(sensor.median_s), beyond), false};
+}
+
+std::vector<Figure> intervalFigures(const CalibrationRecord& record) {
+  std::vector<Figure> figures;
+  if (!record.shown_intervals.empty()) figures.push_back(intervalFigure(record));
+  for (std::size_t i = 0; i < record.sample_intervals.size(); ++i) {
+    if (record.sample_intervals[i].histogram.counts.empty()) continue;
+    figures.push_back(histogramFigure(record.sample_intervals[i], i));
+  }
+  return figures;
+}
+
 }  // namespace
 
 Section intervalsSection(const CalibrationRecord& record) {
@@ -116,9 +152,8 @@ Section intervalsSection(const CalibrationRecord& record) {
                   {},
                   {}};
   section.blocks.push_back({"", "", sensorTable(record.sample_intervals), {}, {}});
-  if (!record.shown_intervals.empty()) {
-    section.blocks.push_back({"", "", {}, {}, {intervalFigure(record)}});
-  }
+  std::vector<Figure> figures = intervalFigures(record);
+  if (!figures.empty()) section.blocks.push_back({"", "", {}, {}, std::move(figures)});
   const std::vector<NamedGap> gaps = longestGaps(record.sample_intervals);
   if (!gaps.empty()) {
     section.blocks.push_back({"The longest gaps", "", gapTable(gaps, timeOrigin(record)), {}, {}});

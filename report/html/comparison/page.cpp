@@ -56,10 +56,12 @@ std::vector<Card> cardsOf(const ComparisonRecord& record) {
 }
 
 std::vector<Section> sectionsOf(const ComparisonRecord& record) {
-  std::vector<Section> sections = {calibrationsSection(record), comparedParametersSection(record),
-                                   transformsSection(record),   offsetsSection(record),
-                                   scoresSection(record),       entropySection(record),
-                                   differenceSection(record),   uncertaintySection(record)};
+  std::vector<Section> sections = {
+      calibrationsSection(record),    comparedParametersSection(record),
+      sessionEstimateSection(record), transformsSection(record),
+      offsetsSection(record),         scoresSection(record),
+      entropySection(record),         differenceSection(record),
+      uncertaintySection(record)};
   if (!record.trajectories) return sections;
   for (Section& section : trajectorySections(*record.trajectories)) {
     section.title = "Trajectories: " + section.title;

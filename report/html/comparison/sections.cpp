@@ -74,29 +74,60 @@ Cell significanceCell(const ComparedParameter& p, std::size_t k) {
   return number("\u2013 (no std)");
 }
 
-std::vector<Column> parameterColumns(const ComparisonRecord& record) {
-  std::vector<Column> columns = {{"Parameter", Cell::Kind::kCode}, {"Unit"}};
-  for (std::size_t k = 0; k < record.calibrations.size(); ++k) {
-    const std::string& label = record.calibrations[k].label;
-    columns.push_back({label, kNumber});
-    if (k == 0) continue;
-    columns.push_back({"Difference", kNumber});
+/// What a table shows of each calibration but the first: its values too, or what differs alone.
+enum class Shown { kValues, kDifferences };
+
+std::vector<Column> parameterColumns(const std::vector<std::string>& labels, Shown shown) {
+  std::vector<Column> columns = {
+      {"Parameter", Cell::Kind::kCode}, {"Unit"}, {labels.front(), kNumber}};
+  for (std::size_t k = 1; k < labels.size(); ++k) {
+    if (shown == Shown::kValues) columns.push_back({labels[k], kNumber});
+    columns.push_back({shown == Shown::kValues ? "Difference" : "\u0394 " + labels[k], kNumber});
     columns.push_back({"Significance", kNumber});
   }
   return columns;
 }
 
-std::vector<Cell> parameterRow(const ComparedParameter& p, std::size_t calibrations) {
+std::vector<Cell> parameterRow(const ComparedParameter& p, std::size_t calibrations, Shown shown) {
   const auto [unit, factor] = readable(p.unit);
-  std::vector<Cell> row = {code(p.name), {unit}};
-  for (std::size_t k = 0; k < calibrations; ++k) {
-    row.push_back(number(estimateText(p, k, factor)));
-    if (k == 0) continue;
+  std::vector<Cell> row = {code(p.name), {unit}, number(estimateText(p, 0, factor))};
+  for (std::size_t k = 1; k < calibrations; ++k) {
+    if (shown == Shown::kValues) row.push_back(number(estimateText(p, k, factor)));
     const auto difference = at(p.difference, k);
     row.push_back(number(difference ? fmt::format("{:+.3g}", factor * *difference) : kDash));
     row.push_back(significanceCell(p, k));
   }
   return row;
+}
+
+/// A table for each camera, and for the IMU.
+std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& parameters,
+                                   const std::vector<std::string>& labels, Shown shown) {
+  std::vector<Block> blocks;
+  for (const ComparedParameter& p : parameters) {
+    const std::string owner = ownerOf(p.name);
+    if (blocks.empty() || blocks.back().heading != owner) {
+      blocks.push_back({owner, "", Table{parameterColumns(labels, shown), {}}, {}, {}});
+    }
+    blocks.back().table->rows.push_back(parameterRow(p, labels.size(), shown));
+  }
+  return blocks;
+}
+
+std::vector<std::string> labelsOf(const ComparisonRecord& record) {
+  std::vector<std::string> labels;
+  for (const ComparedCalibration& c : record.calibrations) labels.push_back(c.label);
+  return labels;
+}
+
+/// "ours and kalibr": those that are not known to be of other data than the session.
+std::string notHeldOut(const ComparisonRecord& record) {
+  std::string names;
+  for (const CalibrationScore& s : record.scores) {
+    if (s.part != "all" || s.held_out) continue;
+    names += (names.empty() ? "" : ", ") + s.label;
+  }
+  return names;
 }
 
 /// One column a calibration: the offset as a tool writes it.
@@ -167,12 +198,30 @@ Section comparedParametersSection(const ComparisonRecord& record) {
       "Without standard deviations of both there is none.",
       {},
       {}};
-  for (const ComparedParameter& p : record.parameters) {
-    const std::string owner = ownerOf(p.name);
-    if (section.blocks.empty() || section.blocks.back().heading != owner) {
-      section.blocks.push_back({owner, "", Table{parameterColumns(record), {}}, {}, {}});
-    }
-    section.blocks.back().table->rows.push_back(parameterRow(p, record.calibrations.size()));
+  section.blocks = parameterBlocks(record.parameters, labelsOf(record), Shown::kValues);
+  return section;
+}
+
+Section sessionEstimateSection(const ComparisonRecord& record) {
+  Section section{"session-estimate",
+                  "Against the session's own estimate",
+                  "The session was calibrated itself, with the first calibration's camera models. "
+                  "\u0394 is each calibration less that estimate.",
+                  {},
+                  {}};
+  if (!record.session_estimate) return section;
+  const SessionEstimate& own = *record.session_estimate;
+  if (!own.problem.empty()) section.blocks.push_back({"", "None: " + own.problem, {}, {}, {}});
+  const std::string same = notHeldOut(record);
+  if (!same.empty()) {
+    section.lead +=
+        " Not known to be of other data: " + same +
+        ". An estimate from the same session shares its corners, and agrees with it anyway.";
+  }
+  std::vector<std::string> labels = {"the session itself"};
+  for (std::string& label : labelsOf(record)) labels.push_back(std::move(label));
+  for (Block& block : parameterBlocks(own.parameters, labels, Shown::kDifferences)) {
+    section.blocks.push_back(std::move(block));
   }
   return section;
 }

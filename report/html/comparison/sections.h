@@ -10,6 +10,8 @@ namespace plumbline::html_internal {
 Section calibrationsSection(const ComparisonRecord& record);
 /// Every parameter side by side; significance in words and colour.
 Section comparedParametersSection(const ComparisonRecord& record);
+/// The same against what the session gives when it is calibrated itself; empty without a session.
+Section sessionEstimateSection(const ComparisonRecord& record);
 Section transformsSection(const ComparisonRecord& record);
 Section offsetsSection(const ComparisonRecord& record);
 

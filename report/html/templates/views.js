@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Single views: draws the corners of the one that is picked with their errors, over its image where the page has it,
-// and tells its moment and camera to the plots and the scene. Zoom: drag, double-click, keys.
+// and tells its moment and camera to the plots and the scene. Zoom: drag, double-click, keys, two fingers.
 (() => {
   const node = (parent, name, attributes, text) => {
     const made = document.createElementNS('http://www.w3.org/2000/svg', name);
@@ -40,6 +40,22 @@
       if (share > 0.02) apply((begun.x + to.x) / 2, (begun.y + to.y) / 2, share);
     });
     svg.addEventListener('pointercancel', stop);
+    // Two fingers pinch and move: what is under them stays there. One moves what is zoomed; else the page scrolls.
+    let touched = null;
+    const fingers = ({touches}) => {
+      const r = svg.getBoundingClientRect(), at = [...touches].slice(0, 2).map((t) => [(t.clientX - r.left) / r.width, (t.clientY - r.top) / r.height]);
+      const sum = at.reduce((s, p) => [s[0] + p[0], s[1] + p[1]], [0, 0]);
+      return {count: at.length, middle: sum.map((s) => s / at.length), apart: at.length === 2 ? Math.hypot((at[0][0] - at[1][0]) * r.width, (at[0][1] - at[1][1]) * r.height) : 1};
+    };
+    const begin = (event) => { touched = event.touches.length > 0 ? {...fingers(event), box: now()} : null; };
+    for (const kind of ['touchstart', 'touchend', 'touchcancel']) svg.addEventListener(kind, begin, {passive: true});
+    svg.addEventListener('touchmove', (event) => {
+      const at = fingers(event);
+      if (!touched || at.count !== touched.count || (at.count === 1 && now()[2] >= whole()[2])) return;
+      if (event.cancelable) event.preventDefault();
+      const [x, y, w, h] = touched.box, by = Math.min(whole()[2] / w, touched.apart / Math.max(1, at.apart));
+      apply(x + w * (touched.middle[0] + by * (0.5 - at.middle[0])), y + h * (touched.middle[1] + by * (0.5 - at.middle[1])), by * w / whole()[2]);
+    }, {passive: false});
     svg.addEventListener('dblclick', () => setBox(...whole()));
     svg.addEventListener('keydown', (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;

@@ -147,6 +147,16 @@ TEST_F(CommandCompare, WithARecordingBothAreScored) {
   // The same corners, noise and list at nearly the same values.
   EXPECT_NEAR(d["scores"][0]["entropy_nats"].get<double>(),
               d["scores"][1]["entropy_nats"].get<double>(), 0.1);
+  // The session itself gives what `calibrate` made of it, and the truth is within its deviations.
+  const json& own = d["session_estimate"];
+  ASSERT_FALSE(own.contains("problem")) << own["problem"];
+  for (const json& p : own["parameters"]) {
+    ASSERT_EQ(p["values"].size(), 3u);
+    if (p["std"][0].is_null()) continue;
+    EXPECT_NEAR(p["difference"][1].get<double>(), 0, 1e-6 * p["std"][0].get<double>()) << p["name"];
+    EXPECT_LT(std::abs(p["difference"][2].get<double>()), 4 * p["std"][0].get<double>())
+        << p["name"];
+  }
   ASSERT_EQ(d["paired"].size(), 2u);
   EXPECT_GT(d["paired"][0]["difference_px2"].get<double>(), 0);  // in sample, ours fits the noise
   EXPECT_EQ(d["uncertainties"].size(), 4u);
@@ -159,6 +169,17 @@ TEST_F(CommandCompare, WithARecordingBothAreScored) {
       EXPECT_LT(map["values_px"][i].get<double>(), 5 * 0.2 * std) << map["camera"] << i;
     }
   }
+}
+
+TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {
+  ASSERT_EQ(compare(ours() + " " + truth() +
+                    " --labels ours,truth --range inf --grid 5x3 "
+                    "--no-session-estimate --session " +
+                    session().string())
+                .exit_code,
+            0);
+  EXPECT_FALSE(document().contains("session_estimate") &&
+               !document()["session_estimate"].is_null());
 }
 
 TEST_F(CommandCompare, RefusesWhatItCannotCompare) {

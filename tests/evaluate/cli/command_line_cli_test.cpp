@@ -84,6 +84,67 @@ TEST_F(CommandLine, CompletionKnowsEveryCommandAndItsOptions) {
   EXPECT_EQ(plumbline("completion tcsh").exit_code, 2);
 }
 
+// A shell that is not installed cannot be asked: said aloud, and no success.
+#define NEED_SHELL(name)                                                             \
+  if (shell("command -v " name).exit_code != 0) {                                    \
+    GTEST_SKIP() << name " is missing: its completion is NOT tested; install " name; \
+  }
+
+TEST_F(CommandLine, FishCompletesCommandsAndOptions) {
+  NEED_SHELL("fish");
+  fs::create_directories(scratch());
+  const fs::path file = scratch() / "plumbline.fish";
+  write(file, plumbline("completion fish").text);
+  const auto completed = [&](const std::string& line) {
+    // Candidates, each with its description after a tab.
+    const Outcome out = shell("HOME=" + scratch().string() + " fish --no-config -c 'source " +
+                              file.string() + "; complete -C \"plumbline " + line + "\"'");
+    return out.text;
+  };
+  EXPECT_THAT(completed("calib"), testing::StartsWith("calibrate\tCalibrate"));
+  EXPECT_THAT(completed("evaluate calibration --fol"), testing::StartsWith("--folds\t"));
+  EXPECT_THAT(completed("evaluate traj"), HasSubstr("trajectory\t"));
+  EXPECT_EQ(completed("evaluate calibration --part"), "");  // simulate study's
+  EXPECT_THAT(completed("simulate study --part"), testing::StartsWith("--participants\t"));
+  EXPECT_EQ(completed("study --part"), "") << "the command study is not simulate study";
+}
+
+TEST_F(CommandLine, ZshCompletesCommandsAndOptions) {
+  NEED_SHELL("zsh");
+  fs::create_directories(scratch() / "functions");
+  write(scratch() / "functions" / "_plumbline", plumbline("completion zsh").text);
+  write(scratch() / "sourced.zsh", plumbline("completion zsh").text);
+  // A terminal in which a line is typed, a tab, and what then stands there is printed.
+  const auto completed = [&](const std::string& line, bool sourced) {
+    const std::string folder = scratch().string();
+    const std::string load =
+        sourced
+            ? "autoload -Uz compinit; compinit -u -d " + folder + "/dump1; source " + folder +
+                  "/sourced.zsh"
+            : "fpath=(" + folder + "/functions $fpath); autoload -Uz compinit; compinit -u -d " +
+                  folder + "/dump2";
+    write(scratch() / "ask.zsh",
+          "zmodload zsh/zpty\nzpty line zsh -f -i\n"
+          "zpty -w line 'PS1=; TERM=dumb; unsetopt zle_bracketed_paste; " +
+              load +
+              "; show() { print -r -- \"<$BUFFER>\"; BUFFER=; zle accept-line }; zle -N show; "
+              "bindkey \"^I\" complete-word \"^X\" show; print ready'\n"
+              "zpty -r line out '*ready*ready*'\n"
+              "zpty -w -n line $'plumbline " +
+              line +
+              "\\t\\x18'\n"
+              "zpty -r line out '*<*>*'\nprint -r -- \"${${out##*<}%%>*}\"\nzpty -d line\n");
+    return shell("cd " + folder + " && timeout 60 zsh -f ask.zsh").text;
+  };
+  for (const bool sourced : {true, false}) {
+    EXPECT_EQ(completed("calib", sourced), "plumbline calibrate \n");
+    EXPECT_EQ(completed("evaluate calibration --fol", sourced),
+              "plumbline evaluate calibration --folds \n");
+    EXPECT_EQ(completed("simulate study --part", sourced),
+              "plumbline simulate study --participants \n");
+  }
+}
+
 TEST_F(CommandLine, FailOnTurnsTheVerdictIntoTheExitCode) {
   const auto codeOf = [&](const std::string& words) {
     return calibrate(session(), "--no-imu --no-report " + words).exit_code;

@@ -78,5 +78,41 @@ TEST(LoneParameters, AreFoundAndSaid) {
               Not(HasSubstr("alone")));
 }
 
+/// Two calibrations, a and b, and what the session itself gives.
+ComparisonRecord onSession(double a, double b, double session, bool a_held_out, bool b_held_out) {
+  ComparisonRecord record = comparison({a, b}, 0.001);
+  record.session_estimate.emplace();
+  record.session_estimate->parameters = comparison({session, a, b}, 0.001).parameters;
+  for (const bool held_out : {a_held_out, b_held_out}) {
+    CalibrationScore& score = record.scores.emplace_back();
+    score.label = record.calibrations[record.scores.size() - 1].label;
+    score.held_out = held_out;
+  }
+  return record;
+}
+
+TEST(LoneAgainstSession, OfTwoTheSessionTellsWhichIsOff) {
+  const ComparisonRecord record = onSession(0.010, 0.018, 0.0101, true, true);
+  const auto lone = loneAgainstSession(record);
+  ASSERT_THAT(lone, SizeIs(1));
+  EXPECT_EQ(lone[0].calibration, 1U);
+  EXPECT_NEAR(lone[0].sigmas, 7.9 / std::sqrt(2), 1e-9);
+  EXPECT_THAT(comparisonHeadline(record), HasSubstr("b stands alone"));
+  const auto findings = loneFindings(record, {});
+  ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_THAT(findings[0].rule, HasSubstr("the session itself"));
+}
+
+TEST(LoneAgainstSession, AnEstimateFromTheSameSessionIsNoWitness) {
+  // a agrees with the session because it comes from it; nothing is said of b.
+  EXPECT_THAT(loneAgainstSession(onSession(0.010, 0.018, 0.0101, false, true)), IsEmpty());
+  // b stands alone although a's agreement counts: b's own origin does not matter.
+  EXPECT_THAT(loneAgainstSession(onSession(0.010, 0.018, 0.0101, true, false)), SizeIs(1));
+}
+
+TEST(LoneAgainstSession, ASessionThatDiffersFromBothNamesNeither) {
+  EXPECT_THAT(loneAgainstSession(onSession(0.010, 0.0101, 0.018, true, true)), IsEmpty());
+}
+
 }  // namespace
 }  // namespace plumbline

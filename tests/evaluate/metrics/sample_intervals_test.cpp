@@ -3,6 +3,7 @@
 #include "evaluate/metrics/sample_intervals.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -67,12 +68,40 @@ TEST(SampleIntervals, OfManyGapsTheLongestAreListedAndAllAreCounted) {
                              [](const SampleGap& a, const SampleGap& b) { return a.t < b.t; }));
 }
 
+std::size_t sumOf(const IntervalHistogram& h) {
+  return std::accumulate(h.counts.begin(), h.counts.end(), h.below + h.above);
+}
+
+TEST(SampleIntervals, TheHistogramCountsEveryInterval) {
+  std::vector<TimeNs> t = stamps(20'001);
+  for (std::size_t i = 1; i < t.size(); i += 2) t[i] += 400'000;  // 5.4 and 4.6 ms in turn
+  t.erase(t.begin() + 777);                                       // two of them become 10 ms
+  const IntervalHistogram h = sampleIntervals("imu", t).histogram;
+  EXPECT_EQ(sumOf(h), 19'999U);
+  EXPECT_EQ(h.below, 0U);
+  EXPECT_EQ(h.above, 1U) << "a gap does not make the others too narrow to tell apart";
+  const auto countAt = [&](double interval_s) {
+    return h.counts.at(static_cast<std::size_t>((interval_s - h.first_s) / h.bin_s));
+  };
+  EXPECT_EQ(countAt(0.0054), 9'999U);
+  EXPECT_EQ(countAt(0.0046), 9'999U);
+  EXPECT_LT(h.bin_s, 0.1e-3);
+}
+
+TEST(SampleIntervals, TheHistogramOfAnEvenStreamIsOneBinInItsMiddle) {
+  const IntervalHistogram h = sampleIntervals("cam0", stamps(101)).histogram;
+  ASSERT_EQ(h.counts.size() % 2, 1U);
+  EXPECT_EQ(h.counts[h.counts.size() / 2], 100U);
+  EXPECT_NEAR(h.first_s + h.bin_s * static_cast<double>(h.counts.size()) / 2, 0.005, 1e-9);
+}
+
 TEST(SampleIntervals, OfFewerThanTwoSamplesThereAreNone) {
   for (const int count : {0, 1}) {
     const SampleIntervals s = sampleIntervals("cam0", stamps(count));
     EXPECT_EQ(s.samples, static_cast<std::size_t>(count));
     EXPECT_EQ(s.median_s, 0);
     EXPECT_EQ(s.gap_count, 0U);
+    EXPECT_TRUE(s.histogram.counts.empty());
   }
 }
 

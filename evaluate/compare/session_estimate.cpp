@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/session_estimate.h"
+
+#include <algorithm>
+
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/metrics/failure_text.h"
+
+namespace plumbline {
+namespace {
+
+bool canBeCalibrated(const Calibration& calibration) {
+  return std::all_of(calibration.cameras.begin(), calibration.cameras.end(),
+                     [](const CameraCalibration& camera) {
+                       return canBeCalibrated(camera.intrinsics.projection_model,
+                                              camera.intrinsics.distortion_model);
+                     });
+}
+
+CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options) {
+  options.models.clear();
+  options.start.clear();
+  for (const CameraCalibration& camera : calibration.cameras) {
+    options.models.push_back(
+        {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+  }
+  return options;
+}
+
+}  // namespace
+
+SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
+                                const ScoreOptions& options, TargetMode target,
+                                const ComparisonThresholds& thresholds) {
+  SessionEstimate own;
+  own.session = session.name;
+  if (!canBeCalibrated(calibrations.front())) {
+    own.problem = "the first calibration's camera models can be scored, but not calibrated";
+    return own;
+  }
+  CameraStageOptions camera = withModelsOf(calibrations.front(), options.camera);
+  camera.target = target;
+  const auto cameras = calibrateCameras(session, camera);
+  if (!cameras) {
+    own.problem = problemOf(cameras.failure());
+    return own;
+  }
+  own.calibration.cameras = cameras->cameras;
+  session.target.shape = cameras->target;
+  const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
+                               [](const Calibration& c) { return c.imu.has_value(); });
+  if (imu && options.use_imu && session.imu) {
+    const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
+    if (stage) {
+      own.calibration.imu = stage->imu;
+    } else {
+      own.problem = "camera-IMU: " + problemOf(stage.failure());
+    }
+  }
+  std::vector<Calibration> all = {own.calibration};
+  all.insert(all.end(), calibrations.begin(), calibrations.end());
+  own.parameters = comparedParameters(all, thresholds);
+  return own;
+}
+
+}  // namespace plumbline
