@@ -73,7 +73,9 @@ RULES = {"Spikes of the IMU": "spike", "Gaps in the IMU's samples": "gap", "View
          "Noise density of the accelerometer": "density"}
 REFUSALS = {"stamped in bursts": "burst", "gravity comes out": "gravity", "wanders": "stamps-wander",
             "disagree about scale": "target-size", "cut off": "clip",
-            "jump of the gyroscope's bias": "gyro-bias-jump", "jump of the accelerometer's bias": "accel-bias-jump"}
+            "jump of the gyroscope's bias": "gyro-bias-jump", "jump of the accelerometer's bias": "accel-bias-jump",
+            "changes of the time offset": "stamps-wander", "step of the time offset": "clock-step",
+            "drift of the IMU's clock": "clock-drift"}
 FLOOR = {"mm": 0.5, "deg": 0.02, "ms": 0.05}
 START, END = "<!-- fault matrix: begin -->", "<!-- fault matrix: end -->"
 

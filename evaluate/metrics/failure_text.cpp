@@ -143,7 +143,7 @@ void addDerived(const Failure& f, Words& words) {
       const bool found = f.values.count("fault") > 0;
       words.push_back(fmt::arg(
           "found",
-          found ? "; where it stopped, the residuals are explained best by a " + wordOf(f, "fault")
+          found ? "; where it stopped, one fault explains the residuals best: " + wordOf(f, "fault")
                 : ""));
       words.push_back(
           fmt::arg("mend", found ? wordOf(f, "cure")

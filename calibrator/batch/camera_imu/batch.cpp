@@ -265,11 +265,9 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   if (options.diagnose_faults) faults = diagnoseFaults(problem, solution);
   seconds.checks = watch.lap();
   // Offsets that wander so far that no test at the optimum reaches them show in the rates alone.
-  const bool clock_found =
-      faults && std::any_of(faults->causes.begin(), faults->causes.end(),
-                            [](auto& cause) { return isOfClock(cause.fault); });
+  const bool explained = faults && !faults->causes.empty();
   const auto wandering = wanderingStamps(start->parts);
-  if (wandering && !clock_found) return *wandering;
+  if (wandering && !explained) return *wandering;
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   seconds.covariance = watch.lap();

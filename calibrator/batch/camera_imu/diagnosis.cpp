@@ -98,6 +98,12 @@ bool isSignificant(const FaultTest& test, const DiagnosisOptions& options) {
   return test.significance > (test.since ? options.significance_since : options.significance);
 }
 
+/// Faults of the stamps, each of which looks like the others.
+bool isOfClock(UnmodelledFault fault) {
+  return fault == UnmodelledFault::kClockDrift || fault == UnmodelledFault::kClockStep ||
+         fault == UnmodelledFault::kStampsWander;
+}
+
 /// Whether a fault is one of its own beside causes that were found. What begins when a cause does
 /// is the same event, whose instant is known to a block. Where the first cause moves the
 /// calibration far, its own terms of second order look like other faults.
@@ -144,11 +150,6 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
 }
 
 }  // namespace
-
-bool isOfClock(UnmodelledFault fault) {
-  return fault == UnmodelledFault::kClockDrift || fault == UnmodelledFault::kClockStep ||
-         fault == UnmodelledFault::kStampsWander;
-}
 
 void DiagnosisOptions::check() const {
   requirePositive("DiagnosisOptions.block_s", block_s);

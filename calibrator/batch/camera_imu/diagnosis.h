@@ -21,9 +21,6 @@ struct DiagnosisOptions {
   void check() const;
 };
 
-/// Whether it is a fault of the stamps (drift, step, wander), each of which looks like the others.
-bool isOfClock(UnmodelledFault fault);
-
 /// Score (Lagrange multiplier) tests at the optimum of the camera-IMU batch: one more block of
 /// information for each fault, no new solution. With s the gradient and I the information about a
 /// fault's parameters theta, all states and calibration parameters adapting (effectiveScores()),
