@@ -3,6 +3,8 @@
 # Runs every fuzzer of tests/fuzz for some seconds, as many at a time as there are processors. Usage:
 #   scripts/fuzz.sh [SECONDS [PARSER...]]    (default: 10 s each, all parsers)
 #   scripts/fuzz.sh --runs RUNS [PARSER...]  so many executions each
+# FUZZ_SEED=1 (a whole number above 0) in the environment: the same inputs every time, as long as the corpora are
+# the same. Otherwise others every time.
 # What they find grows in build-sanitized/fuzz/PARSER/corpus, from run to run. An input that makes a parser
 # crash, throw anything but InputError, take more than a second or more than 512 MB is kept in
 # build-sanitized/fuzz/PARSER/findings; exit 1. docs/fuzzing.md says what to do then.
@@ -35,7 +37,7 @@ fuzz_one() {
   local corpora=("$at/corpus" "$at/seeds")
   [ ! -d "tests/fuzz/regressions/$2" ] || corpora+=("tests/fuzz/regressions/$2")
   if "build-sanitized/tests/fuzzers/fuzz_$2" -dict="$at/words" -artifact_prefix="$at/findings/" \
-    -timeout=5 -report_slow_units=1 -rss_limit_mb=512 -malloc_limit_mb=256 \
+    -seed="${FUZZ_SEED:-0}" -timeout=5 -report_slow_units=1 -rss_limit_mb=512 -malloc_limit_mb=256 \
     -print_final_stats=1 "${@:3}" "${corpora[@]}" >"$at/log" 2>&1 &&
     [ -z "$(ls "$at/findings")" ]; then
     printf '%-18s %s\n' "$2" "$(awk '/^stat::number_of_executed_units/ {runs = $2} / cov: / {cov = $4}

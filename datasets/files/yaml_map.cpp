@@ -55,19 +55,22 @@ void refuseText(const std::string& path, std::string_view text, const std::strin
   if (!isUtf8(text)) refuse("is not UTF-8");
 }
 
-/// Counts a text's documents, and finds where the second one that holds something begins.
+/// Counts a text's documents, finds where the second one that holds something begins, and the first
+/// scalar whose escapes (half of a surrogate pair) make it no UTF-8.
 class Documents : public YAML::EventHandler {
  public:
   int count() const { return count_; }
   const std::optional<YAML::Mark>& second() const { return second_; }
+  const std::optional<YAML::Mark>& unreadable() const { return unreadable_; }
 
   void OnDocumentStart(const YAML::Mark& /*mark*/) override { ++count_; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { found(mark); }
   void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {
+                const std::string& value) override {
     found(mark);
+    if (!unreadable_ && !isUtf8(value)) unreadable_ = mark;
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/,
                        YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {
@@ -87,17 +90,23 @@ class Documents : public YAML::EventHandler {
 
   int count_ = 0;
   std::optional<YAML::Mark> second_;
+  std::optional<YAML::Mark> unreadable_;
 };
 
 // An empty one is no more than a mark at the end. After some faults of syntax yaml-cpp (0.7) finds
 // document after document where there is no text any more, and LoadAll never ends: so it is not
 // asked for more than a few.
-void refuseFurther(const std::string& path, const std::string& text) {
+void refuseUnreadable(const std::string& path, const std::string& text) {
   constexpr int kMost = 16;
   std::istringstream stream(text);
   YAML::Parser parser(stream);
   Documents documents;
   while (parser.HandleNextDocument(documents)) {
+    if (documents.unreadable()) {
+      throw badInput(path, documents.unreadable()->line + 1,
+                     {InputFault::kSyntax, "an escape in this text gives no character of Unicode",
+                      "text in UTF-8", "write the character itself"});
+    }
     if (!documents.second() && documents.count() <= kMost) continue;
     const int line = documents.second() ? documents.second()->line + 1 : 0;
     throw badInput(path, line,
@@ -129,7 +138,7 @@ YamlMap YamlMap::parse(std::string_view text, const std::string& path, const std
   YAML::Node top;
   try {
     const std::string copy(text);
-    refuseFurther(path, copy);
+    refuseUnreadable(path, copy);
     top = YAML::Load(copy);
   } catch (const YAML::Exception& error) {
     throw badInput(

@@ -72,6 +72,16 @@ TEST_F(YamlLimits, SizeDepthAndCodingAreBounded) {
   EXPECT_TRUE(refused("a: na\xefve\n"));
 }
 
+TEST_F(YamlLimits, AnEscapeThatGivesNoUtf8IsRefusedWithItsLine) {
+  for (const char* escape : {"\\N", "\\_"}) {  // yaml-cpp 0.7 decodes both to a single byte
+    const auto refusal = refused("a: 1\nb: \"/imu" + std::string(escape) + "0\"\n");
+    ASSERT_TRUE(refusal) << escape;
+    EXPECT_EQ(refusal->line(), 2);
+    EXPECT_THAT(refusal->what(), HasSubstr("gives no character"));
+  }
+  EXPECT_FALSE(refused("a: \"/imu\\u00e9\\x41\\L0\"\n"));
+}
+
 // Each name stands for nine of the one before: 9^25 values if they were copied.
 TEST_F(YamlLimits, AnAliasBombIsReadInNoTime) {
   std::string bomb = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
