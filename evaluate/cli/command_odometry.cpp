@@ -28,6 +28,7 @@ namespace {
 struct OdometryCommandOptions {
   OdometryRequest request;
   std::string with = "builtin";
+  std::string estimate = toString(HintKind::kNone);
   TrajectoryMetricWords metrics;
   double max_ate_m = 0;
   double memory_mb = 0;
@@ -54,9 +55,11 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_flag("--sensitivity", r.sensitivity,
                "builtin: also move every parameter by itself, by its deviation and to the other "
                "calibrations' values, and tell what each does to the ATE (some 60 runs)");
-  app.add_flag("--estimate-offset", r.estimate_offset,
-               "builtin: also tell the time offset that the odometry would choose, as a hint (5 to "
-               "20 further runs)");
+  app.add_option("--estimate", o.estimate,
+                 "builtin: also tell what the odometry itself would choose, as a hint: the time "
+                 "offset (3 to 15 further runs), or the extrinsics: offset and T_SC0 (36 to 180)")
+      ->check(CLI::IsMember({"none", "offset", "extrinsics"}))
+      ->capture_default_str();
   app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
       ->check(numberFrom(0))
       ->capture_default_str();
@@ -89,6 +92,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   if (!request.runner && !request.executable.empty()) {
     throw InputError("--executable: the built-in odometry has none; choose a system by --with");
   }
+  request.hint = *enumFrom<HintKind>(o.estimate);
   request.memory_bytes = static_cast<std::size_t>(o.memory_mb * 1e6);
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.how.truth_w_first = o.metrics.truth_w_first;

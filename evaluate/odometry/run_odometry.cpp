@@ -20,7 +20,6 @@
 #include "evaluate/metrics/trajectory/run_comparison.h"
 #include "evaluate/odometry/external_run.h"
 #include "evaluate/odometry/judged_run.h"
-#include "evaluate/odometry/offset_hint.h"
 #include "evaluate/odometry/sensitivity.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/results/text.h"
@@ -115,18 +114,22 @@ void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
   r.closure_deg = poses.front().q.angularDistance(poses.back().q) * 180 / std::numbers::pi;
 }
 
-/// What the odometry would choose for the time offset.
-void addOffsetHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord& r) {
+/// What the odometry would choose for the time offset, and for T_SC0.
+void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord& r) {
   const Calibration calibration = withNoise(plan);
   r.offset_calibrated_s = calibration.imu->timeOffset();
-  const auto hint = offsetHint([&](double change_s) {
-    Calibration moved = calibration;
-    for (TimeOffset& offset : moved.imu->time_offsets) offset.s += change_s;
-    return runBuiltin(*plan.sequence, moved, request.builtin).result.innovations;
-  });
+  const auto run = [&](const Eigen::VectorXd& change) {
+    return runBuiltin(*plan.sequence, changed(calibration, change), request.builtin)
+        .result.innovations;
+  };
+  const bool alone = request.sequences.size() * request.calibrations.size() == 1;
+  const auto hint = calibrationHint(request.hint, run, alone ? request.threads : 1);
   if (!hint) return;
-  r.offset_hint_s = *r.offset_calibrated_s + hint->change_s;
-  r.offset_hint_std_s = hint->std_s;
+  r.offset_hint_s = *r.offset_calibrated_s + hint->change[0];
+  r.offset_hint_std_s = hint->std[0];
+  if (request.hint != HintKind::kExtrinsics) return;
+  r.T_SC0_hint = Vector6d(hint->change.tail<6>());
+  r.T_SC0_hint_std = Vector6d(hint->std.tail<6>());
 }
 
 Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
@@ -140,7 +143,7 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
   r.losses = run.result.losses.size();
   r.mean_landmarks = run.result.mean_landmarks;
   addConsistency(run, r);
-  if (request.estimate_offset) addOffsetHint(plan, request, r);
+  if (request.hint != HintKind::kNone) addHint(plan, request, r);
   if (run.skipped > 0) {
     outcome.remarks.push_back(
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));
@@ -266,8 +269,11 @@ std::vector<CalibrationSensitivity> sensitivities(
   return list;
 }
 
-void checkSensitivity(const OdometryRequest& request,
+void checkBuiltinOnly(const OdometryRequest& request,
                       const std::vector<NamedCalibration>& calibrations) {
+  if (request.runner && request.hint != HintKind::kNone) {
+    throw InputError("the hint is that of the built-in odometry, not of " + request.runner->name);
+  }
   if (!request.sensitivity) return;
   if (request.runner) {
     throw InputError("the sensitivity is that of the built-in odometry, not of " +
@@ -311,7 +317,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
     }
   }
   const std::vector<NamedCalibration> calibrations = readCalibrations(request);
-  checkSensitivity(request, calibrations);
+  checkBuiltinOnly(request, calibrations);
   const std::vector<Plan> plans = plansOf(sequences, calibrations, runsOf(request));
   std::vector<TrajectoryRun> runs(plans.size());
   std::mutex telling;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluate/odometry/builtin_run.h"
+#include "evaluate/odometry/calibration_hint.h"
 #include "evaluate/odometry/runner.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/trajectory/evaluate_runs.h"
@@ -26,7 +27,7 @@ struct OdometryRequest {
   std::optional<std::string> truth;       ///< file, or a pattern with {sequence}; empty: found
                                           ///< beside the sensors
   bool sensitivity = false;               ///< also move every parameter by itself (sensitivity.h)
-  bool estimate_offset = false;           ///< the built-in one's hint of the time offset, too
+  HintKind hint = HintKind::kNone;        ///< what the built-in one would choose itself, too
   BuiltinOptions builtin;
   double run_seconds = 3600;     ///< wall time of another system's run
   std::size_t memory_bytes = 0;  ///< and its address space; 0: no limit

@@ -153,6 +153,8 @@ struct OdometryRunRecord {
   /// Time offset of the cameras that the odometry itself would choose, with its deviation: a hint.
   std::optional<double> offset_hint_s, offset_hint_std_s;
   std::optional<double> offset_calibrated_s;  ///< the one that was used
+  /// Change of T_SC0 that it would choose (3 m, 3 rad of the left tangent): a hint.
+  std::optional<Vector6d> T_SC0_hint, T_SC0_hint_std;
   /// Time of a frame, image read included: its quantiles, and the longest.
   std::optional<double> frame_p50_ms, frame_p95_ms, frame_p99_ms, frame_max_ms;
 };
@@ -174,6 +176,9 @@ void fields(V& v, OdometryRunRecord& r) {
   v("offset_calibrated_s", r.offset_calibrated_s, "s", "time offset t_d that was used");
   v("offset_hint_s", r.offset_hint_s, "s", "t_d that predicts the tracks best: a hint");
   v("offset_hint_std_s", r.offset_hint_std_s, "s", "its standard deviation");
+  v("T_SC0_hint", r.T_SC0_hint, "m, rad",
+    "change of T_SC0 that predicts the tracks best: 3 of the translation, 3 of the left tangent");
+  v("T_SC0_hint_std", r.T_SC0_hint_std, "m, rad", "its standard deviations");
   v("frame_p50_ms", r.frame_p50_ms, "ms", "time of a frame, image read included: median");
   v("frame_p95_ms", r.frame_p95_ms, "ms", "its 95th percentile");
   v("frame_p99_ms", r.frame_p99_ms, "ms", "its 99th percentile");

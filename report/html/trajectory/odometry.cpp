@@ -29,6 +29,28 @@ Cell hintCell(const OdometryRunRecord& o) {
                             twoDigits(1e3 * *o.offset_hint_std_s)));
 }
 
+/// What the odometry would change of T_SC0, by component.
+Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
+  Table table{{{"Run"}}, {}};
+  for (const char* axis : {"x", "y", "z"})
+    table.columns.push_back({std::string("t") + axis + " [mm]", kNumber});
+  for (const char* axis : {"x", "y", "z"})
+    table.columns.push_back({std::string("r") + axis + " [\u00b0]", kNumber});
+  for (const TrajectoryRun& run : runs) {
+    if (!run.odometry || !run.odometry->T_SC0_hint || !run.odometry->T_SC0_hint_std) continue;
+    std::vector<Cell> row{{runName(run)}};
+    for (int i = 0; i < 6; ++i) {
+      const double unit = i < 3 ? 1e3 : kDegrees;
+      const double std = unit * (*run.odometry->T_SC0_hint_std)[i];
+      row.push_back(number(fmt::format("{} \u00b1 {}",
+                                       withPrecisionOf(unit * (*run.odometry->T_SC0_hint)[i], std),
+                                       twoDigits(std))));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 std::string stepText(const ParameterSensitivity& p) {
   const ReadableUnit unit = readable(p.unit);
   return fmt::format("{} {}", twoDigits(unit.factor * p.step), unit.unit);
@@ -91,8 +113,8 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
       "epipolar lines of the first. Innovation: median error of sightings at the pose that the IMU "
       "predicts. Closure: the last pose against the first; an error only where the rig ended where "
       "it began. The hint of t_d is the time offset under which the IMU predicts the tracks best, "
-      "with "
-      "its deviation; wrong extrinsics move it, too. Lower is better between calibrations of one "
+      "with its deviation; alone, wrong extrinsics move it, too. Lower is better between "
+      "calibrations of one "
       "recording, but none of these is an "
       "error of the trajectory.",
       {},
@@ -124,7 +146,18 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
                           given(o.frame_p99_ms, "{:.1f}"),
                           given(o.frame_max_ms, "{:.1f}")});
   }
-  return withTable(std::move(section), withoutEmptyColumns(std::move(table)));
+  section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
+  Table extrinsics = extrinsicsTable(runs);
+  if (extrinsics.rows.empty()) return section;
+  section.blocks.push_back(
+      {"Extrinsics, the odometry's hint",
+       "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, lets the IMU predict "
+       "the tracks best, with its standard deviations. No run that is judged uses it; wrong "
+       "intrinsics move it.",
+       std::move(extrinsics),
+       {},
+       {}});
+  return section;
 }
 
 Section sensitivitySection(const std::vector<CalibrationSensitivity>& list) {

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/calibration_hint.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/transform.h"
+#include "calibrator/simulate/random_stream.h"
+#include "calibrator/simulate/simulate_session.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::VectorXd;
+
+/// Innovations that are a quadratic: in each unit a curvature of its own, the first two correlated.
+std::vector<FrameInnovation> quadratic(const VectorXd& change, const VectorXd& minimum,
+                                       const VectorXd& units, std::uint64_t seed) {
+  std::vector<FrameInnovation> frames;
+  RandomStream random(seed, RandomPurpose::kTracks);
+  for (int k = 0; k < 400; ++k) {
+    VectorXd x = (change - minimum).cwiseQuotient(units);
+    // The frame's own minimum scatters by 2 units.
+    for (double& value : x) value -= 2 * random.normal();
+    const double along = x.size() > 1 ? x[0] * x[1] : 0;
+    frames.push_back({50'000'000LL * k, 100 + x.squaredNorm() + along, 100});
+  }
+  return frames;
+}
+
+VectorXd units(HintKind kind) {
+  if (kind == HintKind::kOffset) return VectorXd::Constant(1, 1e-3);
+  VectorXd units(7);
+  units << 1e-3, 0.03, 2e-3, 2e-3, 1e-3, 2e-3, 5e-4;  // a factor of 15 between axes
+  return units;
+}
+
+// Frames whose minima scatter by 2 units: 400 of them say 0.1 unit, and so do the deviations;
+// whatever the curvature of an axis, to which the steps are fitted.
+TEST(CalibrationHint, DeviationsAreThoseOfManyTrials) {
+  constexpr int kTrials = 200;
+  for (const HintKind kind : {HintKind::kOffset, HintKind::kExtrinsics}) {
+    const VectorXd unit = units(kind), minimum = -1.5 * unit;
+    VectorXd squares = VectorXd::Zero(unit.size()), stated = squares;
+    for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+      const auto hint = calibrationHint(
+          kind, [&](const VectorXd& change) { return quadratic(change, minimum, unit, seed); });
+      ASSERT_TRUE(hint.has_value()) << toString(kind) << seed;
+      squares += (hint->change - minimum).cwiseQuotient(unit).cwiseAbs2() / kTrials;
+      stated += hint->std.cwiseQuotient(unit).cwiseAbs2() / kTrials;
+    }
+    for (Eigen::Index i = 0; i < unit.size(); ++i) {
+      EXPECT_NEAR(std::sqrt(squares[i]), 0.1, 0.025) << toString(kind) << i;
+      EXPECT_NEAR(std::sqrt(stated[i]), 0.1, 0.025) << toString(kind) << i;
+    }
+  }
+}
+
+TEST(CalibrationHint, DoesNotDependOnThreads) {
+  const VectorXd unit = units(HintKind::kExtrinsics);
+  const auto run = [&](const VectorXd& change) { return quadratic(change, unit, unit, 3); };
+  const auto one = calibrationHint(HintKind::kExtrinsics, run, 1);
+  const auto two = calibrationHint(HintKind::kExtrinsics, run, 2);
+  ASSERT_TRUE(one && two);
+  EXPECT_EQ(one->change, two->change);
+  EXPECT_EQ(one->std, two->std);
+}
+
+TEST(CalibrationHint, NothingWithoutAMinimum) {
+  const VectorXd unit = units(HintKind::kOffset), far = 50 * unit;
+  const auto nothing = [](const VectorXd&) { return std::vector<FrameInnovation>{}; };
+  EXPECT_FALSE(calibrationHint(HintKind::kOffset, nothing));
+  EXPECT_FALSE(calibrationHint(
+      HintKind::kOffset, [&](const VectorXd& change) { return quadratic(change, far, unit, 1); }));
+}
+
+// T_SC0 moves by its tangent, and with it all cameras; every camera's offset moves alike.
+TEST(CalibrationHint, ChangesTheCalibrationByItsTangent) {
+  const Calibration before = simulatedRig("euroc").calibration;
+  VectorXd change(7);
+  change << 0.002, 0.01, -0.02, 0.03, 0.004, -0.005, 0.006;
+  const Calibration after = changed(before, change);
+  EXPECT_TRUE(boxminus(after.imu->T_SC0, before.imu->T_SC0).isApprox(change.tail<6>(), 1e-12));
+  EXPECT_NEAR(after.imu->timeOffset() - before.imu->timeOffset(), 0.002, 1e-15);
+  EXPECT_TRUE(after.cameras[1].T_C0Ci.matrix() == before.cameras[1].T_C0Ci.matrix());
+}
+
+}  // namespace
+}  // namespace plumbline
