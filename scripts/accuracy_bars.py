@@ -82,8 +82,8 @@ def rows_of(results):
         ("imu_april's cameras on cam_april, flat board [px RMS]", results.scored("whole", results.cam, "flat"), 0.24),
         ("the same, cam_april's own board [px RMS]", results.scored("whole", results.cam, shape), 0.10),
         ("cam_april, own board, itself [px RMS]", camera["rmse_px"], 0.070),
-        ("the same, unseen frames [px RMS]", camera["target_fit"]["held_out_px"], 0.074),
-        ("cam_april, imu_april's board, unseen frames [px RMS]", given["flat_held_out_px"], 0.080),
+        ("the same, held-out frames [px RMS]", camera["target_fit"]["held_out_px"], 0.074),
+        ("cam_april, imu_april's board, held-out frames [px RMS]", given["flat_held_out_px"], 0.080),
     ]
 
 

@@ -143,7 +143,7 @@ void CameraGuide::State::tryStart(Decision& d) {
     next_start = kept.size() +
                  std::max(static_cast<std::size_t>(options.views.start_frames), kept.size() / 4);
     d.reason = GuideReason::kInitialiseFailed;
-    note(d, fmt::format("{} frames do not start the estimate: tried again with {}", kept.size(),
+    note(d, fmt::format("initialisation failed with {} frames: tried again with {}", kept.size(),
                         next_start));
     d.failure = start.failure();
     return;
@@ -179,7 +179,7 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
 
 /// What was kept does not explain the frames that follow.
 void CameraGuide::State::startWasWrong(Decision& d, const std::string& why) {
-  note(d, why + ": the stage starts anew");
+  note(d, why + ": the stage restarts");
   d.reason = GuideReason::kInitialiseFailed;
   for (const KeptFrame& frame : kept) d.withdrawn.push_back(frame.index);
   if (open) {
@@ -308,7 +308,7 @@ std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   for (const std::size_t i : byGainPerSecond(judge.worthwhileGains(round), round.reach_s)) {
     if (judge.seesTargetBetween(*d.T_FC0, round.T_FC0[i])) return i;
   }
-  note(d, "on no way to a candidate view the target stays in view: the best of them is asked for");
+  note(d, "the target leaves the view on the way to every candidate: the best one is suggested");
   return best;
 }
 

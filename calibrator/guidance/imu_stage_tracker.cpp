@@ -177,7 +177,7 @@ void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recordin
   const std::optional<int> waiting = std::exchange(held_, std::nullopt);
   if (end == WindowEnd::kWaiting) {
     held_ = frame.index;
-    note(decision, prefix(frame, decision) + "waits for the next frame to tell its velocity");
+    note(decision, prefix(frame, decision) + "waits for the next frame to determine its velocity");
   }
   if (end == WindowEnd::kSolved) return;
   if (waiting) leaveOut(*waiting, "the frame after it gave no velocity", recording, decision);

@@ -138,7 +138,7 @@ Calibration readCalibration(const std::string& path) {
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
   if (file.has("schema") && file.has("cameras")) return readOurs(file);
   throw badInput(path, 1,
-                 {InputFault::kUnknownFile, "this is no calibration that is known", what, ""});
+                 {InputFault::kUnknownFile, "this is not a known calibration format", what, ""});
 }
 
 bool statesImuNoise(const std::string& path) {

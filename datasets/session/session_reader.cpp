@@ -185,7 +185,7 @@ void SessionReadOptions::check() const {
   }
   if (!(from_s >= 0) || !(to_s > from_s)) {
     refuse(
-        fmt::format("from {:g} to {:g} is no interval; expected 0 <= from < to, in seconds "
+        fmt::format("from {:g} to {:g} is not an interval; expected 0 <= from < to, in seconds "
                     "after the first frame; correct them",
                     from_s, to_s));
   }

@@ -43,7 +43,7 @@ Transform fromRows(const TextTable& table, const std::vector<double>& n) {
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (off > kUnitTolerance || R.determinant() < 0) {
-    throw table.fault({InputFault::kNotRigid, "the upper left 3x3 of T_FC0 is no rotation",
+    throw table.fault({InputFault::kNotRigid, "the upper left 3x3 of T_FC0 is not a rotation",
                        "orthonormal rows", "write the matrix row by row"});
   }
   return Transform::fromMatrix(T);

@@ -76,7 +76,7 @@ void TrajectoryBuilder::add(const StampedPose& pose, int line) {
 void TrajectoryBuilder::checkOrder(const StampedPose& pose, int line) {
   constexpr TimeNs kFarthest = TimeNs{1} << 62;  // so that every difference of two is a TimeNs
   if (pose.t < -kFarthest || pose.t > kFarthest) {
-    throw source_.fault(line, {InputFault::kOutOfRange, "the stamp is no time",
+    throw source_.fault(line, {InputFault::kOutOfRange, "the stamp is not a time",
                                "a stamp within 146 years of 0", "repair or delete this line"});
   }
   if (poses().empty() || pose.t > poses().back().t) return;

@@ -19,7 +19,7 @@ std::vector<TimeNs> readTimes(const std::string& path) {
   while (table.nextRow()) {
     const std::optional<TimeNs> t = parseStamp(table.row(), 9);
     if (!t) {
-      throw table.fault({InputFault::kBadNumber, "is no stamp", "one number of seconds a line",
+      throw table.fault({InputFault::kBadNumber, "is not a stamp", "one number of seconds a line",
                          "give KITTI's times.txt of the same sequence"});
     }
     times.push_back(*t);
@@ -37,7 +37,7 @@ StampedPose poseOf(const TextTable& table, const NumberRow& row) {
                        "12 finite numbers", "the estimator diverged here: delete these rows"});
   }
   if (!(deviation <= kOrthonormal && R.determinant() > 0)) {
-    throw table.fault({InputFault::kNotRigid, "the 3x3 block is no rotation",
+    throw table.fault({InputFault::kNotRigid, "the 3x3 block is not a rotation",
                        "an orthonormal matrix", "are the numbers the 3x4 matrix row by row?"});
   }
   return {0, T.col(3), Eigen::Quaterniond(R).normalized()};

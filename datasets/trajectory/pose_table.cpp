@@ -170,7 +170,7 @@ class TableReader {
     const std::optional<TimeNs> t = parseStamp(row.stamp, power);
     if (!t) {
       throw table_.fault({InputFault::kBadNumber,
-                          fmt::format("the stamp '{}' is no time", row.stamp),
+                          fmt::format("the stamp '{}' is not a time", row.stamp),
                           "a decimal number within 146 years of 0", "repair or delete this line"});
     }
     const StampedPose pose = poseOf(row, layout, *t);

@@ -65,9 +65,9 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
   const int power = evidence.stated.value_or(evidence.usual);
   const std::optional<int> epoch = powerOfEpoch(evidence.first);
   if (!epoch || *epoch == power) return {power, {}};
-  const std::string what =
-      fmt::format("the stamp {:.17g} is no time of our century in {}: it looks like {} since 1970",
-                  evidence.first, unitName(power), unitName(*epoch));
+  const std::string what = fmt::format(
+      "the stamp {:.17g} is not a time of this century in {}: it looks like {} since 1970",
+      evidence.first, unitName(power), unitName(*epoch));
   if (evidence.stated) {
     throw source.fault(evidence.line, {InputFault::kWrongUnit, what,
                                        fmt::format("{}, as the header states", unitName(power)),

@@ -76,9 +76,9 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
   for (const ModelChoice& m : models) {
     add(text, "Lens model of {}: {}-{} ({})", m.camera, toString(m.projection),
         toString(m.distortion),
-        m.reason == ModelReason::kStated ? "as stated; none predicts unseen frames better"
+        m.reason == ModelReason::kStated ? "as stated; none predicts held-out frames better"
         : m.reason == ModelReason::kSmallest
-            ? "the smallest of those that predict unseen frames best"
+            ? "the smallest of those that predict held-out frames best"
             : "others were not tested");
     for (const ModelCandidate& c : m.candidates) {
       if (c.projection != m.projection || c.distortion != m.distortion) continue;
@@ -91,7 +91,8 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
 // What was found of the board, where that was asked for.
 void addTarget(Text& text, const TargetFit& fit, bool kept) {
   if (fit.finding == TargetFinding::kKnown || fit.finding == TargetFinding::kOther) {
-    add(text, "Target: {}; unseen frames {:.4f} px with the given shape, {:.4f} px with its own\n",
+    add(text,
+        "Target: {}; held-out frames {:.4f} px with the given shape, {:.4f} px with its own\n",
         fit.finding == TargetFinding::kKnown ? "known from another session"
                                              : "not the one of the given file",
         fit.flat_held_out_px, fit.held_out_px);
@@ -102,7 +103,7 @@ void addTarget(Text& text, const TargetFit& fit, bool kept) {
     return;
   }
   add(text,
-      "Target: {:.2f} mm RMS off the even grid{}; unseen frames {:.4f} px with its own shape, "
+      "Target: {:.2f} mm RMS off the even grid{}; held-out frames {:.4f} px with its own shape, "
       "{:.4f} "
       "px without\n",
       1e3 * fit.shape.terms.head<kTargetTerms - 1>().norm(),

@@ -11,6 +11,7 @@
 
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/calibration/view_images.h"
+#include "evaluate/metrics/calibration/score_verdict.h"
 #include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/session/check_session.h"
 #include "evaluate/session/load_session.h"
@@ -81,6 +82,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     record.held->scores.push_back(
         scoreHeldOut(scoredOn(other.session), other.session, asked.score));
   }
+  record.verdict = scoreVerdict(record);
   return record;
 }
 

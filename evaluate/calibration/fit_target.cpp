@@ -73,9 +73,9 @@ std::string agreementText(BoardAgreement agreement) {
     case BoardAgreement::kSame:
       return "shows the same board";
     case BoardAgreement::kSamePredicted:
-      return "differs by more than chance, but its own shape predicts unseen frames no better";
+      return "differs by more than chance, but its own shape predicts held-out frames no better";
     case BoardAgreement::kOther:
-      return "differs, and its own shape predicts unseen frames better: another board, one that "
+      return "differs, and its own shape predicts held-out frames better: another board, one that "
              "has changed, or a lens that its model misfits";
   }
   return "";

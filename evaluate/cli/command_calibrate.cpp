@@ -44,8 +44,8 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_flag("--joint", o.joint, "The camera-IMU stage refines the cameras too");
   app.add_option("--imu-shift-ms", o.imu_shift_ms, "Add this to every IMU stamp first [ms]");
   app.add_option("--select-views", o.select_views,
-                 "Keep only some views: mi:0.2bits (those that tell enough, as Kalibr) or "
-                 "predicted-error:2% (few that leave little error; default: all views)");
+                 "Select views: mi:0.2bits (by information gain, as Kalibr) or predicted-error:2% "
+                 "(few that leave little error; default: all views)");
   app.add_option("--resample", o.resamples,
                  "Solve again on N draws of time segments and report the bootstrap std")
       ->check(CLI::IsMember({0}) | numberFrom(2));

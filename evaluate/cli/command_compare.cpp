@@ -19,6 +19,7 @@
 #include "evaluate/cli/terminal.h"
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/compare/summary.h"
+#include "evaluate/results/input_hash.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
@@ -73,7 +74,7 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
       ->allow_extra_args(false);
   o.session.declareOptional(app);
   app.add_flag("--no-session-estimate", o.no_session_estimate,
-               "Do not calibrate the session itself, as what the parameters are compared with too");
+               "Do not compare with the session's own estimate");
   declareMaps(app, o);
   o.measurements.declare(app);
   app.add_option("--runs", o.runs.runs,
@@ -164,12 +165,16 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   return evaluateRuns(request);
 }
 
-OutputRequest comparisonOutput(const CompareOptions& o) {
+std::vector<std::string> filesBesideSession(const CompareOptions& o) {
   std::vector<std::string> inputs = o.calibrations;
   for (const std::string& pattern : {o.runs.runs, o.runs.truth}) {
     for (std::string& file : filesOf(pattern)) inputs.push_back(std::move(file));
   }
-  return o.output.request("comparison", o.session, std::move(inputs));
+  return inputs;
+}
+
+OutputRequest comparisonOutput(const CompareOptions& o) {
+  return o.output.request("comparison", o.session, filesBesideSession(o));
 }
 
 int compare(const CompareOptions& o, const CLI::App& app) {
@@ -179,6 +184,8 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(request, bar.sink());
   record.trajectories = std::move(trajectories);
+  record.provenance.input_hash =
+      inputFilesHash(record.provenance.input_hash, filesBesideSession(o));
   bar.clear();
   const std::string runs =
       record.trajectories ? runsSummary(*record.trajectories) + "\n" : std::string();

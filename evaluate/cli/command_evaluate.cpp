@@ -15,6 +15,7 @@
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/metrics/headline.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/calibration/page.h"
@@ -51,13 +52,13 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.remove_option(app.get_option("--cameras"));
   app.get_option("--no-imu")->description("Score the cameras only");
   app.add_option("--held-out", o.held_out,
-                 "Folders of further sessions, which the calibration has not seen")
+                 "Folders of further sessions, held out from the calibration")
       ->delimiter(',');
-  app.add_option("--folds", o.folds,
-                 "K: recalibrate K times without a K-th of the session, with the calibration's "
-                 "models, and score that part")
+  app.add_option(
+         "--folds", o.folds,
+         "K-fold validation: recalibrate K times without a K-th of the session and score that part")
       ->check(CLI::Range(2, kMostFolds));
-  o.output.declareResult(app, false);
+  o.output.declareResult(app);
 }
 
 EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
@@ -92,13 +93,13 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
     return kFailed;
   }
   return out.finish(*result, {{"evaluation.json", documentOf(*result)}}, renderCalibrationPage,
-                    evaluationSummary(*result));
+                    evaluationSummary(*result) + "\n" + verdictText(result->verdict));
 }
 
 }  // namespace
 
 Command evaluateCommand() {
-  return {"evaluate", "Judge results against what is known better",
+  return {"evaluate", "Evaluate a calibration or trajectories against references",
           "plumbline evaluate trajectory estimate.txt groundtruth.csv", [](CLI::App& app) {
             app.require_subcommand(1);
             std::map<std::string, std::function<int()>> handlers;

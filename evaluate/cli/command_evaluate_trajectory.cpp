@@ -16,6 +16,9 @@
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/trajectory/verdict.h"
+#include "evaluate/results/input_hash.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
@@ -69,6 +72,7 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
 void writeStudy(OutputFolder& out, const TrajectoryEvaluation& evaluation,
                 const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
+  record.verdict = trajectoryVerdict(record);
   auto given = givenOptions(app);
   std::erase_if(given, [](const auto& option) {
     return option.first == "estimate" || option.first == "truth";
@@ -77,6 +81,7 @@ void writeStudy(OutputFolder& out, const TrajectoryEvaluation& evaluation,
   record.provenance.input =
       fmt::format("{} against {}", std::filesystem::path(o.estimate).filename().string(),
                   std::filesystem::path(o.truth).filename().string());
+  record.provenance.input_hash = inputFilesHash({o.estimate, o.truth});
   writeResults(out, record,
                {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                renderTrajectoryPage(record));
@@ -116,7 +121,7 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
       ->required();
   app.add_option("--truth", o.request.truth, "Ground truths, with {sequence}; or one file")
       ->required();
-  o.output.declareResult(app, false);
+  o.output.declareResult(app);
   declareCoverage(app, o.metrics);
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: what never moving would reach)")
@@ -145,14 +150,16 @@ int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App&
   const RunsRequest request = evaluateTrajectoriesRequest(o);
   std::vector<std::string> inputs = filesOf(request.runs);
   for (std::string& file : filesOf(request.truth)) inputs.push_back(std::move(file));
-  ResultWriter out(o.output, o.output.request("errors of trajectories", std::move(inputs)));
+  ResultWriter out(o.output, o.output.request("errors of trajectories", inputs));
   TrajectoryRecord record = evaluateRuns(request);
+  record.verdict = trajectoryVerdict(record);
   record.name = std::filesystem::path(o.output.out).filename().string();
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
   record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
+  record.provenance.input_hash = inputFilesHash(inputs);
   return out.finish(
       record, {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-      renderTrajectoryPage, runsSummary(record));
+      renderTrajectoryPage, runsSummary(record) + "\n" + verdictText(record.verdict));
 }
 
 }  // namespace

@@ -16,7 +16,10 @@
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/run_odometry.h"
+#include "evaluate/results/input_hash.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/trajectory/summary.h"
 #include "report/html/trajectory/page.h"
@@ -53,11 +56,11 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_option("--truth", r.truth,
                  "Ground truth, with {sequence} for several; default: found, else without");
   app.add_flag("--sensitivity", r.sensitivity,
-               "builtin: also move every parameter by itself, by its deviation and to the other "
-               "calibrations' values, and tell what each does to the ATE (some 60 runs)");
+               "builtin: also the sensitivity of the ATE to each parameter, moved by its std and "
+               "to the other calibrations' values (about 60 runs)");
   app.add_option("--estimate", o.estimate,
-                 "builtin: also tell what the odometry itself would choose, as a hint: the time "
-                 "offset (3 to 15 further runs), or the extrinsics: offset and T_SC0 (36 to 180)")
+                 "builtin: also estimate, as a hint, what the odometry prefers: the time offset (3 "
+                 "to 15 further runs), or the extrinsics: offset and T_SC0 (36 to 180)")
       ->check(CLI::IsMember({"none", "offset", "extrinsics"}))
       ->capture_default_str();
   app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
@@ -75,7 +78,7 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_option("--threads", r.threads, "Runs at once (0: all cores)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  o.output.declareResult(app, false);
+  o.output.declareResult(app);
   declareCoverage(app, o.metrics);
   declareTrajectoryMetrics(app, o.metrics);
 }
@@ -106,23 +109,26 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   const OdometryRequest request = odometryRequest(o);
   std::vector<std::string> inputs = request.sequences;
   inputs.insert(inputs.end(), request.calibrations.begin(), request.calibrations.end());
-  ResultWriter out(o.output, o.output.request("odometry", std::move(inputs)));
+  ResultWriter out(o.output, o.output.request("odometry", inputs));
   ProgressBar bar;
   TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());
   bar.clear();
+  record.verdict = trajectoryVerdict(record);
   record.name = std::filesystem::path(o.output.out).filename().string();
   record.provenance = makeProvenance("odometry", givenOptions(app));
+  record.provenance.input_hash = inputFilesHash(inputs);
   record.provenance.input = std::filesystem::path(request.sequences.front()).filename().string();
-  return out.finish(record,
-                    {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-                    renderTrajectoryPage, runsSummary(record) + odometrySummary(record));
+  return out.finish(
+      record, {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
+      renderTrajectoryPage,
+      runsSummary(record) + odometrySummary(record) + "\n" + verdictText(record.verdict));
 }
 
 }  // namespace
 
 Command odometryCommand() {
   return {
-      "odometry", "Runs an odometry with each calibration and compares its trajectory errors",
+      "odometry", "Run an odometry with each calibration and compare trajectory errors",
       "plumbline odometry MH_01 --calibration ours/calibration.json --calibration kalibr.yaml "
       "--out loop",
       [](CLI::App& app) {

@@ -94,7 +94,7 @@ void declareViews(CLI::App& app, ViewGuideOptions& o) {
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--start-anew-after", o.start_anew_after,
-                 "Frames in a row without plausible pose after which a start was wrong")
+                 "Restart after so many frames in a row without a plausible pose")
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--window", o.window, "Views in the camera stage's window")
@@ -129,7 +129,7 @@ void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
   app.add_option("--trajectory-s", o.duration_s, "Duration of a trajectory [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--trajectory-amplitude", o.amplitude, "Multiplies the trajectories' size")
+  app.add_option("--trajectory-amplitude", o.amplitude, "Scale of the trajectories")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--max-speed", o.max_speed_m_s, "Limit of a trajectory [m/s]")
@@ -143,10 +143,11 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--criterion", criterion,
-                 "Views are chosen and the stage stops by mi or by predicted-error")
+                 "Criterion to choose views and to stop: mi or predicted-error")
       ->capture_default_str();
-  app.add_option("--later-use", later_use,
-                 "Where the error is predicted: all over the image, or as the frames seen so far")
+  app.add_option(
+         "--later-use", later_use,
+         "Where the error is predicted: image (everywhere) or seen (as in the frames so far)")
       ->capture_default_str();
   app.add_option("--stop-excess", stop_excess_percent,
                  "By predicted-error, the stage stops when it adds no more than this [%]")
@@ -221,16 +222,16 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
   app.add_option("--random-orders", o.random_orders, "Random orders among the counterfactuals")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--seed", o.seed, "Of the first random order")
+  app.add_option("--seed", o.seed, "Seed of the first random order")
       ->check(seedFrom(1))
       ->capture_default_str();
-  app.add_flag("--no-counterfactuals", o.no_counterfactuals, "Try no other choices of views");
+  app.add_flag("--no-counterfactuals", o.no_counterfactuals, "Skip the other orders of views");
   app.add_option("--stop-tolerance-s", o.stop_tolerance_s,
-                 "A stop this much after the views were enough is still right [s]")
+                 "A stop up to this long after the views sufficed counts as right [s]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   o.output.declareResult(app);
-  app.add_flag("--no-images", o.no_images, "Keep no small copies of the images for the page");
+  app.add_flag("--no-images", o.no_images, "Do not embed images in the page");
 }
 
 ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {

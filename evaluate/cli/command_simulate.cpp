@@ -56,11 +56,10 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
                  "t_imu = t_cam + this [ms] (default: the rig's)");
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px], not for images")
       ->capture_default_str();
-  app.add_option("--outliers", s.outlier_fraction, "Share of grossly wrong corners")
+  app.add_option("--outliers", s.outlier_fraction, "Fraction of outlier corners")
       ->capture_default_str();
   app.add_option("--fault", o.faults,
-                 "What is wrong with the recording, e.g. gyro-delay=5ms; may be repeated; list: "
-                 "prints them all")
+                 "Inject a fault, e.g. gyro-delay=5ms; may be repeated; list: prints them all")
       ->allow_extra_args(false);
   app.add_option("--target-shape", o.target_shape,
                  "The board's own shape, which target.yaml does not state, e.g. "
@@ -114,7 +113,7 @@ int simulate(SimulateOptions o) {
 }  // namespace
 
 Command simulateCommand() {
-  return {"simulate", "Make a recording whose truth is known",
+  return {"simulate", "Simulate a recording with known truth",
           "plumbline simulate --out session --rig euroc --seed 7 --images", [](CLI::App& app) {
             auto options = std::make_shared<SimulateOptions>();
             declareSimulate(app, *options);

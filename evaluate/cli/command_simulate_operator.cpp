@@ -27,23 +27,26 @@ struct SkillFigure {
 };
 
 constexpr SkillFigure kFigures[] = {
-    {"--reaction-s", &OperatorSkill::reaction_s, 1, "From what is shown to what is done [s]"},
-    {"--speed", &OperatorSkill::speed_m_s, 1, "Of the hand [m/s]"},
-    {"--turn", &OperatorSkill::turn_rad_s, kDegree, "Likewise [deg/s]"},
+    {"--reaction-s", &OperatorSkill::reaction_s, 1, "Reaction time [s]"},
+    {"--speed", &OperatorSkill::speed_m_s, 1, "Speed of the hand [m/s]"},
+    {"--turn", &OperatorSkill::turn_rad_s, kDegree, "Turning speed of the hand [deg/s]"},
     {"--position-error-mm", &OperatorSkill::position_error_m, 1e-3,
-     "With which a suggested view is met at first, std [mm]"},
-    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree, "Likewise [deg]"},
-    {"--correction-s", &OperatorSkill::correction_s, 1, "In which errors are corrected [s]"},
+     "First error at a suggested view: position, std [mm]"},
+    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree,
+     "First error at a suggested view: rotation, std [deg]"},
+    {"--correction-s", &OperatorSkill::correction_s, 1,
+     "Time constant with which errors are corrected [s]"},
     {"--overshoot", &OperatorSkill::overshoot, 1,
-     "Share of the way by which a suggested view is passed"},
-    {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, "Of the hand, std [mm]"},
-    {"--tremor", &OperatorSkill::tremor_rad, kDegree, "Likewise [deg]"},
+     "Overshoot of a suggested view, as a fraction of the way"},
+    {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, "Tremor of the hand: position, std [mm]"},
+    {"--tremor", &OperatorSkill::tremor_rad, kDegree, "Tremor of the hand: rotation, std [deg]"},
     {"--off-axis", &OperatorSkill::off_axis_rad, kDegree,
-     "The board's centre is kept so near the axis of camera 0 [deg]"},
+     "Largest angle of the board's centre off the axis of camera 0 [deg]"},
     {"--fatigue", &OperatorSkill::fatigue_per_min, 1,
-     "Per minute: growth of tremor, and of slowness"},
-    {"--compliance", &OperatorSkill::compliance, 1, "Share of the suggestions that are followed"},
-    {"--patience-s", &OperatorSkill::patience_s, 1, "Gives up then [s]"},
+     "Fatigue per minute: growth of tremor and of slowness"},
+    {"--compliance", &OperatorSkill::compliance, 1,
+     "Fraction of the suggestions that are followed"},
+    {"--patience-s", &OperatorSkill::patience_s, 1, "Time after which the operator gives up [s]"},
 };
 
 struct SimulateOperatorOptions {
@@ -105,7 +108,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
                  "What the guide knows of the board's shape: measured (all), flat (nothing)")
       ->check(CLI::IsMember({"measured", "flat"}))
       ->capture_default_str();
-  app.add_flag("--judge", s.judge, "Also find out when the recording was enough");
+  app.add_flag("--judge", s.judge, "Also find when the recording was sufficient");
 }
 
 OperatorSkill skillFrom(const std::string& word) {
@@ -166,7 +169,7 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
 }  // namespace
 
 Command simulateOperatorCommand() {
-  return {"operator", "Make a recording by a simulated person, guided or not, whose truth is known",
+  return {"operator", "Simulate an operator's recording, guided or not, with known truth",
           "plumbline simulate operator --skill novice --out session", [](CLI::App& app) {
             auto options = std::make_shared<SimulateOperatorOptions>();
             declareSimulateOperator(app, *options);

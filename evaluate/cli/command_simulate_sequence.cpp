@@ -35,10 +35,11 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
   app.add_option("--pace", s.flight.pace, "Multiplies every frequency of the motion")
       ->capture_default_str();
   app.add_option("--first-rest", s.flight.first_rest_s,
-                 "It stands so long before it flies [s] (0: begins in motion)")
+                 "Rest before take-off [s] (0: begins in motion)")
       ->capture_default_str();
-  app.add_option("--rests", s.flight.rests, "Rests on the way, 1.5 s each")->capture_default_str();
-  app.add_option("--turns", s.flight.turns, "Fast turns of 80 degrees in 0.9 s")
+  app.add_option("--rests", s.flight.rests, "Number of rests on the way, 1.5 s each")
+      ->capture_default_str();
+  app.add_option("--turns", s.flight.turns, "Number of fast turns of 80 degrees in 0.9 s")
       ->capture_default_str();
   app.add_option("--time-offset-ms", o.time_offset_ms,
                  "t_imu = t_cam + this [ms] (default: the rig's)");
@@ -46,12 +47,13 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
       ->capture_default_str();
   app.add_option("--track-sigma", s.tracks.sigma_px, "Noise of tracks [px], not for images")
       ->capture_default_str();
-  app.add_option("--outliers", s.tracks.outlier_share, "Share of sightings that lie anywhere")
+  app.add_option("--outliers", s.tracks.outlier_share, "Fraction of outlier sightings")
       ->capture_default_str();
   app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
   app.add_option("--exposure-ms", o.exposure_ms, "Exposure of images, which blurs [ms]")
       ->capture_default_str();
-  app.add_option("--drop-outs", s.motion_capture.drop_outs, "Gaps of the motion capture, 0.6 s")
+  app.add_option("--drop-outs", s.motion_capture.drop_outs,
+                 "Number of gaps of the motion capture, 0.6 s each")
       ->capture_default_str();
   app.add_option("--threads", s.images.threads, "Threads that render (0: all cores)")
       ->check(CLI::Range(0, 1024))
@@ -81,7 +83,7 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
 }  // namespace
 
 Command simulateSequenceCommand() {
-  return {"sequence", "Make a flight through a room for odometry, whose truth is known",
+  return {"sequence", "Simulate a flight through a room for odometry, with known truth",
           "plumbline simulate sequence --duration 40 --images --out flight", [](CLI::App& app) {
             auto options = std::make_shared<SimulateSequenceOptions>();
             declareSimulateSequence(app, *options);

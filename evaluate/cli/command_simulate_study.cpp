@@ -76,7 +76,7 @@ int simulateStudyFolder(SimulateStudyOptions o) {
 }  // namespace
 
 Command simulateStudyCommand() {
-  return {"study", "Make a user study whose truth is known: people, guided and not",
+  return {"study", "Simulate a user study, guided and not, with known truth",
           "plumbline simulate study --participants 4 --duration 10 --out study", [](CLI::App& app) {
             auto options = std::make_shared<SimulateStudyOptions>();
             declareSimulateStudy(app, *options);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "calibrator/base/time.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
@@ -37,6 +39,8 @@ struct StudyOptions {
   int recheck = 0;
   SlurmOptions slurm;
   int merge_round = 0;  // of a job that merges what the arrays did
+  JsonOption json;
+  FailOnOption fail_on;
 };
 
 // Where its words stand for something that the command itself checks later.
@@ -150,11 +154,23 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
 
 int exitCodeOf(const NightOutcome& outcome) { return outcome.alarms.empty() ? kDone : kRegression; }
 
+/// Of every night the same file: a study's own, which the next night replaces.
+std::optional<OutputFile> reserveJson(const StudyOptions& o) {
+  OutputOptions output;
+  output.force = true;
+  return o.json.reserve(output, {o.study}, o.out, kDocumentMark);
+}
+
 int finish(const PreparedNight& night, const StepResults& results, double seconds,
-           const std::string& folder) {
+           const StudyOptions& o, std::optional<OutputFile>& json) {
   const NightOutcome outcome = finishNight(night, results, seconds);
-  say("{}", nightSummary(outcome, folder));
-  return exitCodeOf(outcome);
+  if (json) json->write(outcome.document);
+  if (o.json.piped()) {
+    writeDocument(outcome.document);
+  } else {
+    say("{}", nightSummary(outcome, o.out));
+  }
+  return outcome.alarms.empty() ? o.fail_on.exitCode(outcome.level) : kRegression;
 }
 
 int runSlurm(const StudyOptions& o, PreparedNight night, double seconds) {
@@ -174,7 +190,12 @@ int runSlurm(const StudyOptions& o, PreparedNight night, double seconds) {
 
 int study(const StudyOptions& o, const CLI::App& app) {
   const Stopwatch watch;
-  PreparedNight night = prepareNight(nightRequest(o, app));
+  if (o.engine != "local" && (o.json.file || o.fail_on.level != "never")) {
+    throw InputError("--json and --fail-on belong to --engine local; leave them out");
+  }
+  const NightRequest request = nightRequest(o, app);
+  std::optional<OutputFile> json = reserveJson(o);
+  PreparedNight night = prepareNight(request);
   if (o.engine == "commands") {
     say("{}", commandList(night.folder, night.steps, o.study, o.out));
     return kDone;
@@ -185,7 +206,7 @@ int study(const StudyOptions& o, const CLI::App& app) {
   local.jobs = o.jobs;
   const StepResults results = runLocally(night.folder, night.steps, local, teller.sink());
   teller.clear();
-  return finish(night, results, watch.seconds(), o.out);
+  return finish(night, results, watch.seconds(), o, json);
 }
 
 std::function<int()> configureRunStep(CLI::App& app) {
@@ -278,6 +299,8 @@ void declareStudy(CLI::App& app, StudyOptions& o) {
       ->capture_default_str();
   app.add_option("--slurm-options", o.slurm.options,
                  "Further options of sbatch, e.g. '--partition=short --account=lab'");
+  o.json.declare(app);
+  o.fail_on.declare(app);
   app.add_option("--merge-round", o.merge_round, "")->group("");
 }
 
@@ -297,7 +320,7 @@ Command studyCommand() {
             auto options = std::make_shared<StudyOptions>();
             declareStudy(app, *options);
             std::vector<std::pair<CLI::App*, std::function<int()>>> parts;
-            addPart(app, "accept", "Mark changes against earlier nights as right", "Subcommands",
+            addPart(app, "accept", "Accept changes against earlier nights", "Subcommands",
                     configureAccept, parts);
             addPart(app, "run-step", "Do steps of a plan", "", configureRunStep, parts);
             addPart(app, "run-pack", "Do the steps of a task", "", configureRunPack, parts);

@@ -98,12 +98,12 @@ void declareFit(CLI::App& app, FitOptions& o) {
   app.add_option("--target", o.target, "Kalibr's target.yaml (default: in each session)");
   app.add_option(
       "--models", o.models,
-      "Lens model for all cameras (default: auto, chosen by the error of unseen frames)");
+      "Lens model for all cameras (default: auto, chosen by the error of held-out frames)");
   app.add_option("--loss", o.loss, "none, or cauchy:SCALE [px]")->capture_default_str();
   app.add_option("--threads", o.threads, "Threads (0: all cores); results do not depend on it")
       ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--cache", o.cache, "Folder in which found corners are kept");
+  app.add_option("--cache", o.cache, "Cache of detected corners");
   o.output.declare(app, "target_shape.yaml to write")->required();
 }
 

@@ -13,6 +13,8 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include "calibrator/base/number_text.h"
+
 namespace plumbline {
 
 namespace {
@@ -62,7 +64,7 @@ const char* colourOf(std::string_view line) {
 }  // namespace
 
 void saySummary(std::string_view summary) {
-  const std::string shown = shownText(summary);
+  const std::string shown = withoutNegativeZeros(shownText(summary));
   if (!isColoured()) return writeOut(shown);
   std::istringstream lines(shown);
   for (std::string line; std::getline(lines, line);) {

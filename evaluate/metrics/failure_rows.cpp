@@ -90,15 +90,17 @@ const FailureRow kRows[] = {
      "check that camera and IMU stamps are of one clock and one recording; a known shift can be "
      "given by --imu-shift-ms"},
     {Code::kClockTooFewRates,
-     "the clock offset cannot be told: the estimate has {rates} angular rates, at least {needed} "
+     "the clock offset cannot be determined: the estimate has {rates} angular rates, at least "
+     "{needed} "
      "are needed",
      "give more poses, widen --clock-range, or bring the clocks close by --time-offset"},
     {Code::kClockNoOverlap,
-     "the clock offset cannot be told: estimate and truth share too little time within "
+     "the clock offset cannot be determined: estimate and truth share too little time within "
      "+-{range_s:g} s",
      "give more poses, widen --clock-range, or bring the clocks close by --time-offset"},
     {Code::kClockNoRotation,
-     "the {trajectory} does not turn enough to tell the clock offset: its angular rate varies by "
+     "the {trajectory} does not turn enough to determine the clock offset: its angular rate varies "
+     "by "
      "{rms:.4f} rad/s (RMS), {needed} are needed",
      "record with brisk turns about several axes, or give the offset by --clock-offset SECONDS"},
     {Code::kClockRatesDoNotCorrelate,
@@ -126,7 +128,7 @@ const FailureRow kRows[] = {
     {Code::kNoFramePose, "none of {frames} frames gives a plausible pose of the target",
      "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models"},
     {Code::kInformationNotFinite, "the information of the cameras is not finite",
-     "check --pixel-sigma and the scale of --loss: one of them is out of all measure"},
+     "check --pixel-sigma and the scale of --loss: one of them is far out of range"},
     {Code::kFocalLengthFree,
      "not observable: the focal length of {camera} cannot be told apart from the distance to the "
      "target: all views are nearly parallel to it (free direction along {direction})",
@@ -166,7 +168,8 @@ const FailureRow kRows[] = {
      kOneClock},
     {Code::kTooFewLinkedFrames, "the segments hold fewer than two linked frames",
      "use longer segments"},
-    {Code::kOffsetLeftSamples, "the time offset ran off the IMU samples during the optimisation",
+    {Code::kOffsetLeftSamples,
+     "the time offset left the range of the IMU samples during the optimisation",
      "record the IMU for longer than the cameras, or give frames well inside"},
     {Code::kNoDescent, "the camera-IMU optimisation found no step that lowers the cost",
      "check the target, the intrinsics and the units of the IMU"},
@@ -212,7 +215,7 @@ const FailureRow kRows[] = {
     {Code::kStageNotBegun, "the guide never began its {stage} stage",
      "record longer, or see decisions.jsonl for what it waited for"},
     {Code::kNoFrameOfPart, "no frame of the {part} has a plausible pose of the target",
-     "record longer, or part the frames in shorter blocks"},
+     "record longer, or split the frames into shorter blocks"},
     {Code::kPoolUnobservable,
      "the frames of the pool do not determine the cameras, though all frames do",
      "record longer, with the target tilted, rolled, and all over the image"},

@@ -71,7 +71,7 @@ Runner runnerFrom(const YamlMap& file) {
   const std::string tool = file.text("settings", "a tool of plumbline export");
   runner.settings = exportToolFrom(tool);
   if (runner.settings) return runner;
-  throw file.fault("settings", {InputFault::kUnknownWord, "'" + tool + "' is no tool of export",
+  throw file.fault("settings", {InputFault::kUnknownWord, "'" + tool + "' is not a tool of export",
                                 "kalibr, orbslam3, openvins, vins-fusion, okvis2 or basalt", ""});
 }
 

@@ -103,7 +103,7 @@ Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
 }
 
 void FrameSplitOptions::check() const {
-  if (!(block_s > 1e-3)) throw InputError("frames are parted in blocks of more than 1 ms");
+  if (!(block_s > 1e-3)) throw InputError("frames are split into blocks of more than 1 ms");
   if (held_out_every < 2) {
     throw InputError("of every 2 or more blocks one can be held out, not of fewer");
   }

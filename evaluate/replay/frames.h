@@ -44,7 +44,7 @@ struct FrameSplit {
 };
 
 struct FrameSplitOptions {
-  double block_s = 1;      ///< frames are parted in blocks of this length [s]
+  double block_s = 1;      ///< frames are split into blocks of this length [s]
   int held_out_every = 3;  ///< of so many blocks the last is held out; at least 2
   double guard_s = 0.1;    ///< pool frames this close to a held-out block are in neither [s]
 

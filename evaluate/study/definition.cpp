@@ -43,9 +43,9 @@ fs::path calibrationIn(const YamlMap& map, const std::string& key) {
   std::sort(chains.begin(), chains.end(),
             [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
   if (!chains.empty()) return chains.front();
-  throw map.fault(
-      key, {InputFault::kMissingFile, path.string() + " is no calibration and no folder with one",
-            "a calibration, or a folder of Kalibr's with *camchain*.yaml", ""});
+  throw map.fault(key, {InputFault::kMissingFile,
+                        path.string() + " is neither a calibration nor a folder with one",
+                        "a calibration, or a folder of Kalibr's with *camchain*.yaml", ""});
 }
 
 void readOthers(const YamlMap& map, SessionEntry& entry) {
@@ -198,7 +198,7 @@ RecordingEntry recordingEntryOf(const YamlMap& entry, bool with_truth) {
       recording.path = pathOf(entry, "path");
       if (fs::is_directory(recording.path)) return;
       throw entry.fault("path",
-                        {InputFault::kMissingFile, recording.path.string() + " is no folder",
+                        {InputFault::kMissingFile, recording.path.string() + " is not a folder",
                          "the folder of a recording", ""});
     });
     faults.attempt([&] { recording.truth = fileOf(entry, "truth"); });

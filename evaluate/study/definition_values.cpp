@@ -62,7 +62,8 @@ std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
   std::vector<std::string> words;
   const YAML::Node list = map.node(key);
   const auto refuse = [&] {
-    return map.fault(key, {InputFault::kUnknownWord, key + " is no list of words", expected, ""});
+    return map.fault(key,
+                     {InputFault::kUnknownWord, key + " is not a list of words", expected, ""});
   };
   if (!list.IsSequence()) throw refuse();
   for (const YAML::Node& entry : list) {
@@ -85,7 +86,7 @@ fs::path pathOf(const YamlMap& map, const std::string& key) {
 fs::path fileOf(const YamlMap& map, const std::string& key) {
   const fs::path path = pathOf(map, key);
   if (fs::is_regular_file(path)) return path;
-  throw map.fault(key, {InputFault::kMissingFile, path.string() + " is no file",
+  throw map.fault(key, {InputFault::kMissingFile, path.string() + " is not a file",
                         "a file, its path relative to the study's", ""});
 }
 

@@ -207,10 +207,12 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   addStatistics(record);
   addFurtherFindings(record);
   writeRecords(night.folder, record);
-  writeFileAtomically((night.folder / kSummaryFile).string(), documentOf(record));
+  NightOutcome outcome;
+  outcome.level = record.verdict.level;
+  outcome.document = documentOf(record);
+  writeFileAtomically((night.folder / kSummaryFile).string(), outcome.document);
   writeFileAtomically((night.folder / kIndexFile).string(), renderStudyPage(record));
   store.save();
-  NightOutcome outcome;
   outcome.night = number;
   outcome.sessions = record.nights.back().sessions;
   outcome.sessions_failed = record.nights.back().failed;

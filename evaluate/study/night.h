@@ -43,6 +43,8 @@ struct NightOutcome {
   std::size_t steps = 0;
   int steps_failed = 0, steps_missing = 0;
   std::vector<StudyAlarm> alarms;  ///< not accepted
+  VerdictLevel level = VerdictLevel::kGood;
+  std::string document;  ///< summary.json
 };
 
 /// Merges the results, compares them with the nights before, and writes records.sqlite,

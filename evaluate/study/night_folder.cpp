@@ -53,13 +53,14 @@ std::string studyIn(const fs::path& mark) {
 void refuseForeign(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) {
-    throw badInput(folder.string(), 0, {InputFault::kForeignFiles, "is no folder", "a folder", ""});
+    throw badInput(folder.string(), 0,
+                   {InputFault::kForeignFiles, "is not a folder", "a folder", ""});
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
     throw badInput(folder.string(), 0,
                    {InputFault::kForeignFiles,
-                    "holds " + entry.path().filename().string() + " and is no study's folder", "",
-                    "give another place for the results"});
+                    "holds " + entry.path().filename().string() + " and is not a study's folder",
+                    "", "give another place for the results"});
   }
 }
 

@@ -120,8 +120,9 @@ std::vector<RunFile> findRuns(const std::string& pattern,
   const Matcher known = matcherOf(pattern, sequences), any = matcherOf(pattern, {});
   const Reach reach = reachOf(pattern);
   if (!fs::is_directory(reach.folder)) {
-    throw InputError(reach.folder, 0,
-                     fmt::format("is no folder; it stands before the first field of {}", pattern));
+    throw InputError(
+        reach.folder, 0,
+        fmt::format("is not a folder; it stands before the first field of {}", pattern));
   }
   std::vector<RunFile> files;
   for (auto it = fs::recursive_directory_iterator(reach.folder);

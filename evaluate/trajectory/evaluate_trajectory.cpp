@@ -199,7 +199,7 @@ TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path)
   if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
     throw InputError(
         path.string(), 0,
-        "is no TUM file with quaternions; --truth-w-first and --estimate-w-first apply "
+        "is not a TUM file with quaternions; --truth-w-first and --estimate-w-first apply "
         "to TUM files only; leave out the option");
   }
   for (StampedPose& pose : file.trajectory.poses) pose.q = fromWFirst(pose.q);

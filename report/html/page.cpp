@@ -2,9 +2,11 @@
 #include "report/html/page.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/number_text.h"
 #include "generated/report/embedded.h"
 #include "report/html/page_data.h"
 
@@ -43,6 +45,23 @@ void setPlayer(data& page, const std::optional<PagePlayer>& player) {
 
 }  // namespace
 
+namespace {
+
+/// Programs and data in script elements stay as they are.
+std::string withoutNegativeZerosInText(const std::string& page) {
+  std::string out;
+  std::size_t from = 0;
+  while (from < page.size()) {
+    const std::size_t script = std::min(page.find("<script", from), page.size());
+    out += withoutNegativeZeros(std::string_view(page).substr(from, script - from));
+    from = std::min(page.find("</script>", script), page.size());
+    out += page.substr(script, from - script);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string renderPage(const Page& study) {
   std::vector<Section> sections = study.sections;
   std::erase_if(sections, [](const Section& s) { return s.blocks.empty(); });
@@ -69,7 +88,7 @@ std::string renderPage(const Page& study) {
   page.set("appendix", blocksData(study.appendix));
   page.set("footer", "Made by Plumbline " + study.provenance.version + " from its records alone." +
                          study.notice);
-  return renderTemplate(embedded::page(), page);
+  return withoutNegativeZerosInText(renderTemplate(embedded::page(), page));
 }
 
 }  // namespace plumbline::html_internal

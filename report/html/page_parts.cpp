@@ -162,18 +162,19 @@ std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
 }
 
 std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
-  const double std = std_s.value_or(0);
-  const std::string same = withPrecisionOf(offset, std) + " s";
+  const double std = std_s.value_or(0), minus = 0.0 - offset;  // 0 has no sign
+  const std::string number = fmt::format("{:.6g}", offset);
+  const std::string same = scaledSeconds(offset, std);
   const auto nanoseconds = static_cast<long long>(std::llround(1e9 * offset));
   return {
-      {"Plumbline", "time_offset_s", same, std > 0 ? "std " + twoDigits(std) + " s" : ""},
-      {"Kalibr", "timeshift_cam_imu", same, "one per camera"},
-      {"OpenVINS", "timeshift_cam_imu", same, "one scalar is used"},
-      {"VINS-Fusion", "td", same, ""},
-      {"Basalt", "cam_time_offset_ns", fmt::format("{} ns", nanoseconds), "integer nanoseconds"},
-      {"OKVIS2", "image_delay", withPrecisionOf(-offset, std) + " s", "opposite sign"},
-      {"ORB-SLAM3", "none", withPrecisionOf(offset, std) + " s",
-       "no field: add this to every image timestamp"}};
+      {"Plumbline", "time_offset_s", number, same, std > 0 ? "std " + scaledSeconds(std, std) : ""},
+      {"Kalibr", "timeshift_cam_imu", number, same, "one per camera"},
+      {"OpenVINS", "timeshift_cam_imu", number, same, "one scalar is used"},
+      {"VINS-Fusion", "td", number, same, ""},
+      {"Basalt", "cam_time_offset_ns", std::to_string(nanoseconds), same, "integer nanoseconds"},
+      {"OKVIS2", "image_delay", fmt::format("{:.6g}", minus), scaledSeconds(minus, std),
+       "opposite sign"},
+      {"ORB-SLAM3", "none", number, same, "no field: add this to every image timestamp"}};
 }
 
 std::vector<Pair> provenanceRows(const Provenance& p) {

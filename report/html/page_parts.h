@@ -33,9 +33,10 @@ struct ParameterGroup {
 /// One group per camera, per extrinsic transform, and for the IMU.
 std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record);
 
-/// The time offset as each tool writes it.
+/// The time offset as each tool writes it: `number` is what stands in its field, `value` the same
+/// in a unit that people read.
 struct OffsetRow {
-  std::string tool, field, value, note;
+  std::string tool, field, number, value, note;
 };
 std::vector<OffsetRow> offsetRows(double time_offset_s, std::optional<double> std_s);
 

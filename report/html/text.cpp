@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,6 +24,18 @@ std::string twoDigits(double value) {
   if (!(value > 0) || !std::isfinite(value)) return "\u2013";
   if (value < 1e-4 || value >= 1e4) return fmt::format("{:.1e}", value);
   return withPrecisionOf(value, value);
+}
+
+std::string scaledSeconds(double seconds, double std) {
+  const double size = std::max(std::abs(seconds), std::isfinite(std) ? std : 0);
+  const auto [factor, unit] = size >= 1 || !(size > 0) ? std::pair(1.0, "s")
+                              : size >= 1e-3           ? std::pair(1e3, "ms")
+                              : size >= 1e-6           ? std::pair(1e6, "\u00b5s")
+                                                       : std::pair(1e9, "ns");
+  if (std > 0 && std::isfinite(std)) {
+    return fmt::format("{} {}", withPrecisionOf(factor * seconds, factor * std), unit);
+  }
+  return fmt::format("{:.3g} {}", factor * seconds, unit);
 }
 
 std::string grouped(std::size_t count) {

@@ -17,6 +17,10 @@ std::string withPrecisionOf(double value, double std);
 /// Two significant digits ("0.080", "1.2e-05").
 std::string twoDigits(double value);
 
+/// Seconds in the unit that leaves one to three digits before the point ("13.6 \u00b5s"), with as
+/// many decimals as show two digits of `std`; three significant digits where std is not positive.
+std::string scaledSeconds(double seconds, double std);
+
 /// Thousands apart by thin spaces ("358 210").
 std::string grouped(std::size_t count);
 

@@ -15,7 +15,7 @@
 
 namespace plumbline {
 
-/// How the stamps of estimate and truth were paired, and what was odd about them.
+/// How the stamps of estimate and truth were paired, and their anomalies.
 struct AssociationRecord {
   std::string rule;     ///< "one-to-one", "interpolate", "evo", "rpg", "ov_eval"
   double max_dt_s = 0;  ///< largest difference that pairs
@@ -58,7 +58,7 @@ struct AlignmentRecord {
 struct RelativeErrorRecord {
   double delta = 0;
   std::string unit;                 ///< "frames", "m", "s"
-  std::string pairs = "plumbline";  ///< whose rule chose the pieces: also "evo", "rpg", ...
+  std::string pairs = "plumbline";  ///< whose rule selected the pairs: also "evo", "rpg", ...
   SampleStatistics translation_m;
   SampleStatistics rotation_deg;
 };
@@ -67,7 +67,7 @@ template <class V>
 void fields(V& v, RelativeErrorRecord& r) {
   v("delta", r.delta, "distance in `unit`");
   v("unit", r.unit, "`frames`, `m`, `s`");
-  v("pairs", r.pairs, "whose rule chose the pieces: `plumbline`, `evo`, `rpg`, ...");
+  v("pairs", r.pairs, "whose rule selected the pairs: `plumbline`, `evo`, `rpg`, ...");
   v("translation_m", r.translation_m, "m", "errors of the translation");
   v("rotation_deg", r.rotation_deg, "deg", "errors of the rotation");
 }

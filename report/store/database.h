@@ -35,7 +35,7 @@ auto readStore(const std::filesystem::path& path, const Work& work) {
     throw;
   } catch (const std::exception& error) {  // SQLite's, JSON's and the unpackers' complaints
     throw InputError(path.string(), 0,
-                     std::string("is damaged or no store (") + error.what() +
+                     std::string("is damaged or not a store (") + error.what() +
                          "); expected a store that Plumbline wrote; run the command again that "
                          "made it");
   }

@@ -184,7 +184,7 @@ StudyStore::StudyStore(fs::path path)
   } catch (const SQLite::Exception& error) {
     throw InputError(
         path_.string(), 0,
-        std::string("is damaged or no store (") + error.what() +
+        std::string("is damaged or not a store (") + error.what() +
             "); restore it from a backup, or move it away: the next night begins a new "
             "history");
   }

@@ -147,16 +147,25 @@ TEST(OffsetRows, TurnTheSignWhereAToolDoes) {
   const auto rows = html_internal::offsetRows(0.0123, 1e-5);
   const auto value = [&](const std::string& tool) {
     for (const auto& row : rows) {
-      if (row.tool == tool) return row.value;
+      if (row.tool == tool) return row.number + " = " + row.value;
     }
     return std::string("missing");
   };
-  EXPECT_EQ(value("Kalibr"), "0.012300 s");
-  EXPECT_EQ(value("OpenVINS"), "0.012300 s");
-  EXPECT_EQ(value("VINS-Fusion"), "0.012300 s");
-  EXPECT_EQ(value("Basalt"), "12300000 ns");
-  EXPECT_EQ(value("OKVIS2"), "-0.012300 s");
-  EXPECT_EQ(value("ORB-SLAM3"), "0.012300 s");
+  EXPECT_EQ(value("Kalibr"), "0.0123 = 12.300 ms");
+  EXPECT_EQ(value("OpenVINS"), "0.0123 = 12.300 ms");
+  EXPECT_EQ(value("VINS-Fusion"), "0.0123 = 12.300 ms");
+  EXPECT_EQ(value("Basalt"), "12300000 = 12.300 ms");
+  EXPECT_EQ(value("OKVIS2"), "-0.0123 = -12.300 ms");
+  EXPECT_EQ(value("ORB-SLAM3"), "0.0123 = 12.300 ms");
+}
+
+TEST(OffsetRows, SmallOffsetsAreScaledAndZeroHasNoSign) {
+  EXPECT_EQ(html_internal::offsetRows(1.3e-6, 4e-7)[0].value, "1.30 \u00b5s");
+  EXPECT_EQ(html_internal::offsetRows(1.3e-6, std::nullopt)[1].value, "1.3 \u00b5s");
+  for (const auto& row : html_internal::offsetRows(0, std::nullopt)) {
+    EXPECT_EQ(row.number, "0") << row.tool;
+    EXPECT_EQ(row.value, "0 s") << row.tool;
+  }
 }
 
 TEST(ParameterList, NamesEachByOwnerAndUnit) {

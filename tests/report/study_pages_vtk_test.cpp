@@ -339,9 +339,9 @@ TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
 
 TEST(ComparisonPage, TurnsTheOffsetsSignWhereAToolDoes) {
   const std::string& page = comparisonPage();
-  EXPECT_THAT(page, HasSubstr("0.0123 s"));
-  EXPECT_THAT(page, HasSubstr("-0.0123 s"));
-  EXPECT_THAT(page, HasSubstr("12300000 ns"));
+  EXPECT_THAT(page, HasSubstr("0.0123 (12.3 ms)"));
+  EXPECT_THAT(page, HasSubstr("-0.0123 (-12.3 ms)"));
+  EXPECT_THAT(page, HasSubstr("12300000 (12.3 ms)"));
 }
 
 TEST(ComparisonPage, StatesRangeAlignmentAndMethodOfItsMaps) {

@@ -71,7 +71,7 @@ CameraModelPair modelOf(const Intrinsics& lens) {
   return {lens.projection_model, lens.distortion_model};
 }
 
-/// A model on trial: its lens, and what it left of unseen frames.
+/// A model on trial: its lens, and what it left of held-out frames.
 struct Trialled {
   CameraModelPair model;
   std::optional<Intrinsics> lens;
@@ -89,7 +89,7 @@ struct Trialled {
 };
 
 /// Models with more coefficients than the lens asks for have flat valleys: how far along them a
-/// solution has come is nothing that unseen frames would show.
+/// solution has come is nothing that held-out frames would show.
 MinimiserOptions trialSolver() {
   MinimiserOptions solver = roughSolver();
   solver.max_iterations = 30;
@@ -97,7 +97,8 @@ MinimiserOptions trialSolver() {
   return solver;
 }
 
-/// Scores a model on unseen frames of one camera; leaves it without error where it has no solution.
+/// Scores a model on held-out frames of one camera; leaves it without error where it has no
+/// solution.
 void score(const AprilGrid& board, const CameraPart& mono, int frames, Trialled& trial) {
   trial.error.reset();
   if (!trial.lens) return;

@@ -35,7 +35,7 @@ CameraEstimate withOtherLenses(CameraEstimate estimate) {
 }
 
 /// Whether the board's terms hide what the lens model leaves: the other lens model, with terms of
-/// its own, predicts unseen frames better. Board and lens cannot be told apart then. In EuRoC's
+/// its own, predicts held-out frames better. Board and lens cannot be told apart then. In EuRoC's
 /// imu_april radtan with terms leaves 0.38 px and moves the focal length by 5 px; equidistant with
 /// terms leaves 0.32 px.
 bool otherLensIsBetter(const AprilGrid& board, const CameraProblem& problem,

@@ -27,7 +27,7 @@ StampedPose poseOf(TextTable& table) {
   const NumberRow row = table.numbers();
   table.expectColumns(row, 8);
   const auto t = parseStamp(row.stamp, 0);
-  if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is no time", kRow, ""});
+  if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is not a time", kRow, ""});
   const double* const v = &row.values[1];
   if (!std::all_of(v, v + 7, [](double value) { return std::isfinite(value); })) {
     throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)", kRow, ""});

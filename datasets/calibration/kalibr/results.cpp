@@ -187,7 +187,7 @@ KalibrResults readKalibrResults(const std::string& path) {
   KalibrResults results;
   results.path = path;
   if (!lines.next() || !lines.startsWith("Calibration results")) {
-    throw lines.fault("this is no results text of Kalibr",
+    throw lines.fault("this is not a results text of Kalibr",
                       "'Calibration results' in its first line", InputFault::kUnknownFile);
   }
   const bool cameras = file.text().find("Camera-system parameters") != std::string_view::npos;

@@ -200,7 +200,7 @@ KalibrRun readKalibrRun(const std::string& path) {
   if (!folder && !kalibrFileKind(path)) {
     (void)MappedFile(path);  // a missing file says so
     throw badInput(path, 0,
-                   {InputFault::kUnknownFile, "this is no output of Kalibr",
+                   {InputFault::kUnknownFile, "this is not an output of Kalibr",
                     "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv", ""});
   }
   Files files = filesIn(folder ? fs::path(path) : fs::absolute(path).parent_path());

@@ -173,7 +173,7 @@ double instantFrom(const std::string& spec, const FaultDescription& d, const Wor
   }
   if (count == 0) return 0;
   const auto at = amountFrom(words.instants.front(), Quantity::kTime);
-  if (!at) refuse(spec, d, fmt::format("'{}' is no instant", words.instants.front()));
+  if (!at) refuse(spec, d, fmt::format("'{}' is not an instant", words.instants.front()));
   return at->value();
 }
 

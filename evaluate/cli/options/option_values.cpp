@@ -104,8 +104,8 @@ constexpr std::size_t kMostAmounts = 10'000;
 double numberOf(const std::string& option, const std::string& word) {
   if (const auto value = number(word.rfind('+', 0) == 0 ? word.substr(1) : word)) return *value;
   throw InputError(fmt::format(
-      "{}: '{}' is no number; expected numbers and ranges FROM:STEP:TO separated by commas", option,
-      word));
+      "{}: '{}' is not a number; expected numbers and ranges FROM:STEP:TO separated by commas",
+      option, word));
 }
 
 double cleaned(double value) { return std::strtod(fmt::format("{:.12g}", value).c_str(), nullptr); }
@@ -276,7 +276,7 @@ std::vector<double> amountsFrom(const std::string& option, const std::string& wo
     } else if (parts.size() == 3) {
       addRange(option, parts, amounts);
     } else {
-      throw InputError(fmt::format("{}: '{}' is no range; expected FROM:STEP:TO", option, word));
+      throw InputError(fmt::format("{}: '{}' is not a range; expected FROM:STEP:TO", option, word));
     }
   }
   if (amounts.size() > kMostAmounts) {

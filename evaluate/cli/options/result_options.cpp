@@ -24,21 +24,24 @@ std::optional<OutputFile> JsonOption::reserve(const OutputOptions& output,
   return std::optional<OutputFile>(std::in_place, output.file(*file, std::move(inputs)), mark);
 }
 
-void ResultOptions::declareResult(CLI::App& app, bool with_verdict) {
-  declare(app)->required();
-  json.declare(app);
-  app.add_flag("--no-report", no_report, "Write no report.html");
-  if (!with_verdict) return;
-  app.add_option("--fail-on", fail_on,
+void FailOnOption::declare(CLI::App& app) {
+  app.add_option("--fail-on", level,
                  "End with exit code 4 where the verdict is that bad: caution, bad, or never")
       ->check(CLI::IsMember({"caution", "bad", "never"}))
       ->capture_default_str();
 }
 
-int ResultOptions::exitCode(VerdictLevel level) const {
-  if (fail_on == "never") return kDone;
-  const VerdictLevel least = fail_on == "bad" ? VerdictLevel::kBad : VerdictLevel::kCaution;
-  return level >= least ? kVerdict : kDone;
+int FailOnOption::exitCode(VerdictLevel verdict) const {
+  if (level == "never") return kDone;
+  const VerdictLevel least = level == "bad" ? VerdictLevel::kBad : VerdictLevel::kCaution;
+  return verdict >= least ? kVerdict : kDone;
+}
+
+void ResultOptions::declareResult(CLI::App& app) {
+  declare(app)->required();
+  json.declare(app);
+  app.add_flag("--no-report", no_report, "Write no report.html");
+  fail_on.declare(app);
 }
 
 ResultWriter::ResultWriter(const ResultOptions& options, const OutputRequest& request)
@@ -50,12 +53,12 @@ int ResultWriter::tell(const ResultFile& document, const std::string& summary, V
   if (json_) json_->write(document.text);
   if (options_.json.piped()) {
     writeDocument(document.text);
-    return options_.exitCode(level);
+    return options_.fail_on.exitCode(level);
   }
   saySummary(summary);
   say("\n{}: {}/{}\n", options_.no_report ? "Result" : "Report", options_.out,
       options_.no_report ? document.name : kPageFile);
-  return options_.exitCode(level);
+  return options_.fail_on.exitCode(level);
 }
 
 }  // namespace plumbline

@@ -32,16 +32,23 @@ struct JsonOption {
                                     const std::string& folder, const std::string& mark) const;
 };
 
+/// --fail-on, the same in every command with a verdict.
+struct FailOnOption {
+  std::string level = "never";
+
+  void declare(CLI::App& app);
+  /// The exit code of a result with this verdict: kVerdict where --fail-on asks for it.
+  int exitCode(VerdictLevel verdict) const;
+};
+
 /// What a command that writes a folder of results leaves, and how it ends.
 struct ResultOptions : OutputOptions {
   JsonOption json;
   bool no_report = false;
-  std::string fail_on = "never";
+  FailOnOption fail_on;
 
-  /// --out (required), --force, --json and --no-report; with a verdict, --fail-on.
-  void declareResult(CLI::App& app, bool with_verdict = true);
-  /// The exit code of a result with this verdict: kVerdict where --fail-on asks for it.
-  int exitCode(VerdictLevel level) const;
+  /// --out (required), --force, --json, --no-report and --fail-on.
+  void declareResult(CLI::App& app);
 };
 
 /// A folder of results and the file of --json, both reserved before work starts.

@@ -107,15 +107,14 @@ void SessionOptions::declareDetails(CLI::App& app) {
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--sync-tolerance-ms", sync_tolerance_ms,
-                 "Views of different cameras this close belong together [ms]")
+                 "Largest time between the views of one frame [ms]")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")
       ->check(numberWithin(0, kMostThreads))
       ->capture_default_str();
-  auto* kept = app.add_option("--cache", cache,
-                              "Folder in which found corners are kept (default: the user's)");
-  app.add_flag("--no-cache", no_cache, "Keep no corners")->excludes(kept);
+  auto* kept = app.add_option("--cache", cache, "Cache of detected corners (default: the user's)");
+  app.add_flag("--no-cache", no_cache, "Do not cache corners")->excludes(kept);
   app.add_option("--border-bits", border_bits, "Black border of the tags: 2 (Kalibr) or 1")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
@@ -187,8 +186,8 @@ MeasurementModel MeasurementOptions::chosen() const {
 void EstimationOptions::declare(CLI::App& app) {
   app.add_option("--models", models,
                  choose_models
-                     ? "Lens models: auto (chosen for each camera by the error of unseen "
-                       "frames; the default), or " +
+                     ? "Lens models: auto (chosen for each camera by the error of held-out frames; "
+                       "the default), or " +
                            calibratedModelWords() + ", one for each camera"
                      : calibratedModelWords() + ", one for each camera (default: sensor.yaml)");
   app.add_option("--cameras", cameras,

@@ -75,7 +75,7 @@ double valueOf(const std::string& words, const Word& word, const std::string& te
   const auto [at, error] = std::from_chars(text.data(), end, value);
   const std::string unit(at, end);
   if (error != std::errc() || !std::isfinite(value)) {
-    refuse(words, fmt::format("'{}' is no number", text));
+    refuse(words, fmt::format("'{}' is not a number", text));
   }
   if (word.is_length ? unit != "mm" && unit != "m" : unit != "%" && !unit.empty()) {
     refuse(words, fmt::format("{} needs {}", word.name,

@@ -31,8 +31,8 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
   if (check.factor < kPessimisticFactor) {
     rule.bound.caution = kPessimisticFactor;
     rule.advice =
-        "The density in imu.yaml is larger than this recording needs: its inertial data get less "
-        "weight than they could bear.";
+        "The density in imu.yaml is larger than this recording needs: its inertial data are "
+        "under-weighted.";
     level = VerdictLevel::kCaution;
   }
   findings.push_back(finding(
@@ -143,16 +143,16 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
   findings.push_back(
       untested({"Gravity by the linear fit", "-", t.gravity, ""},
                std::abs(check.gravity_m_s2 / assumed_m_s2 - 1),
-               fmt::format("measured {:.3f} m/s^2, assumed {:.3f}; what differs was not tested",
+               fmt::format("measured {:.3f} m/s^2, assumed {:.3f}; the cause was not tested",
                            check.gravity_m_s2, assumed_m_s2)));
   // Where the fit leaves more than noise, its scale says nothing of the target.
   if (check.residual_ratio > t.inertial_fit.caution) return findings;
   findings.push_back(untested(
       {"Scale by the linear fit", "-", t.target_scale, ""},
       std::max(0.0, std::abs(check.target_scale - 1) - 2 * check.target_scale_std),
-      fmt::format("{:.4f} (+- {:.4f}) metres per stated metre of the target; what differs was not "
-                  "tested",
-                  check.target_scale, check.target_scale_std)));
+      fmt::format(
+          "{:.4f} (+- {:.4f}) metres per stated metre of the target; the cause was not tested",
+          check.target_scale, check.target_scale_std)));
   return findings;
 }
 

@@ -150,7 +150,7 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                   "Use a flatter and more even target, or one on glass or aluminium."};
   const std::string found = fmt::format(
       "the board departs from the grid of target.yaml by {:.2f} mm (RMS over its "
-      "corners; {:.2f} mm in height); frames that the fit did not see are predicted to "
+      "corners; {:.2f} mm in height); held-out frames are predicted to "
       "{:.4f} px with its own shape and to {:.4f} px without",
       rms_mm, 1e3 * fit.shape.terms.segment<3>(8).norm(), fit.held_out_px, fit.flat_held_out_px);
   switch (fit.finding) {
@@ -167,8 +167,8 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
       return {above(rule, rms_mm, found + "; estimated with the cameras")};
     case TargetFinding::kKnown:
       return {finding(rule, VerdictLevel::kGood, 0,
-                      fmt::format("known from another session; frames that the fit did not see are "
-                                  "predicted to {:.4f} px with it, and no better with a shape of "
+                      fmt::format("known from another session; held-out frames are predicted to "
+                                  "{:.4f} px with it, and no better with a shape of "
                                   "this session's own ({:.4f} px)",
                                   fit.flat_held_out_px, fit.held_out_px))};
     case TargetFinding::kOther: {
@@ -177,23 +177,22 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
           "The file is of another board, or the board has changed since: run again with "
           "--target-shape auto, or estimate the shape from a session of the same day.";
       return {finding(other, VerdictLevel::kCaution, rms_mm,
-                      fmt::format("not the one of the file that was given: frames that the fit did "
-                                  "not see are predicted to {:.4f} px with a shape of this "
+                      fmt::format("not the one of the file that was given: held-out frames are "
+                                  "predicted to {:.4f} px with a shape of this "
                                   "session's own and to {:.4f} px with the file's",
                                   fit.held_out_px, fit.flat_held_out_px))};
     }
     case TargetFinding::kAsStated:
-      return {
-          finding(rule, VerdictLevel::kGood, 0,
-                  fmt::format("no difference from target.yaml that frames which the fit did not "
-                              "see would confirm ({:.4f} px with a shape of its own, {:.4f} px "
-                              "without)",
-                              fit.held_out_px, fit.flat_held_out_px))};
+      return {finding(rule, VerdictLevel::kGood, 0,
+                      fmt::format("no difference from target.yaml that held-out frames confirm "
+                                  "({:.4f} px with a shape of its own, {:.4f} px "
+                                  "without)",
+                                  fit.held_out_px, fit.flat_held_out_px))};
     case TargetFinding::kLensMisfits: {
       Rule lens = rule;
       lens.advice = "Run again with the other lens model, or with --models auto.";
       return {finding(lens, VerdictLevel::kCaution, rms_mm,
-                      "the other lens model predicts frames that the fit did not see better than "
+                      "the other lens model predicts held-out frames better than "
                       "this one does, so that the board's shape cannot be told from what this "
                       "lens model leaves; taken as target.yaml states it")};
     }

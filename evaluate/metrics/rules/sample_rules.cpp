@@ -119,7 +119,7 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
       {"Frames against the IMU", "times", t.frames_against_imu,
        "Frames' poses and the IMU's motion contradict each other by more than the noise of both: "
        "see the rules on stamps, faults and noise densities; T_SC0 and the time offset are less "
-       "sure than their deviations say."},
+       "certain than their standard deviations state."},
       ratio,
       fmt::format("the poses of single frames err as corners of {:.3f} px would make them, and "
                   "corners err by {:.3f} px where each frame takes its own pose: {:.2f} times",
@@ -160,7 +160,8 @@ Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThre
     const double ratio = rms / (check.expected_rms * check.factor);
     findings.push_back(above(
         {fmt::format("Residuals of the {} over the whole recording", sensor), "-", t.long_residuals,
-         "The recording does not hang together though its segments do: look for a jump of a "
+         "Segments of the recording are consistent in themselves, but not with each other: look "
+         "for a jump of a "
          "bias, a knock, a mount that gave way, a moving target; calibrate its parts apart."},
         ratio, fmt::format("{:.1f} times what its noise within segments explains", ratio)));
   };

@@ -130,12 +130,12 @@ Section heldScoresSection(const HeldCalibration& held) {
     section.blocks.push_back(blockOf("This recording", "", own));
   }
   if (const Scores others = chosen(held.scores, false, true); !others.empty()) {
-    section.blocks.push_back(blockOf("Recordings that it has not seen", "", others));
+    section.blocks.push_back(blockOf("Held-out recordings", "", others));
   }
   if (const Scores folds = chosen(held.scores, true, false); !folds.empty()) {
     section.blocks.push_back(
         blockOf("K-fold validation",
-                "This recording calibrated anew without one part at a time, with the same camera "
+                "This recording calibrated again without one part at a time, with the same camera "
                 "models; each part is scored by the calibration that has not seen it.",
                 folds));
   }

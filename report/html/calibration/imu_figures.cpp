@@ -99,11 +99,11 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
                       std::exp(-0.5 * x * x / (sigma * sigma)));
   }
   plot.curves = {std::move(curve)};
-  return {
-      toSvg(plot, id),
-      "The curve is what the assumed noise, of corners and samples, lets expect. Wider than it: "
-      "some of that noise is too small; narrower: too large.",
-      false};
+  return {toSvg(plot, id),
+          "The curve is the density expected under the assumed noise of corners and samples. Wider "
+          "than it: "
+          "some of that noise is too small; narrower: too large.",
+          false};
 }
 
 Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "report/html/text.h"
+
 namespace plumbline::html_internal {
 namespace {
 
@@ -17,12 +19,14 @@ std::string reasonText(const ModelChoice& choice) {
   switch (choice.reason) {
     case ModelReason::kStated:
       return fmt::format(
-          "{}: {}, as the recording states it: no model predicts unseen frames better by more than "
+          "{}: {}, as the recording states it: no model predicts held-out frames better by more "
+          "than "
           "one standard error.",
           choice.camera, nameOf(choice));
     case ModelReason::kSmallest:
       return fmt::format(
-          "{}: {}, the one with fewest parameters of the models that predict unseen frames as well "
+          "{}: {}, the one with fewest parameters of the models that predict held-out frames as "
+          "well "
           "as the best, within one standard error.",
           choice.camera, nameOf(choice));
     case ModelReason::kNotTested:
@@ -36,7 +40,7 @@ Table candidateTable(const ModelChoice& choice) {
   Table table{{{"Model", Cell::Kind::kCode},
                {"Parameters", kNumber},
                {"Frames", kNumber},
-               {"Unseen frames, RMS [px]", kNumber},
+               {"Held-out frames, RMS [px]", kNumber},
                {"Above the best [px\u00b2]", kNumber},
                {"Std error [px\u00b2]", kNumber}},
               {}};
@@ -63,14 +67,15 @@ Table halvesTable(const HalvesCheck& check) {
                {"Std", kNumber}},
               {}};
   for (const HalvesBlock& b : check.blocks) {
-    const std::string unit = b.unit == "-" ? "" : " " + b.unit;
+    const auto [shown, factor] = readable(b.unit);
+    const std::string unit = b.unit == "-" ? "" : " " + shown;
     Cell name{b.name};
     name.level = b.agree() ? VerdictLevel::kGood : VerdictLevel::kCaution;
     table.rows.push_back({name, number(fmt::format("{:.1f}", b.chi2)),
                           number(fmt::format("{}", b.parameters)),
                           number(fmt::format("{:.1f}", b.limit)), code(b.worst),
-                          number(fmt::format("{:+.3g}{}", b.difference, unit)),
-                          number(fmt::format("{:.2g}{}", b.std, unit))});
+                          number(fmt::format("{:+.3g}{}", factor * b.difference, unit)),
+                          number(fmt::format("{:.2g}{}", factor * b.std, unit))});
   }
   return table;
 }

@@ -226,9 +226,14 @@ Section parametersSection(const CalibrationRecord& record) {
 }
 
 Section offsetSection(const ImuCalibration& imu) {
-  Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}, {"Value", kNumber}, {"Note"}}, {}};
+  Table table{{{"Tool"},
+               {"Field", Cell::Kind::kCode},
+               {"As written", kNumber},
+               {"Value", kNumber},
+               {"Note"}},
+              {}};
   for (const OffsetRow& r : offsetRows(imu.timeOffset(), imu.time_offset_std_s)) {
-    table.rows.push_back({{r.tool}, code(r.field), number(r.value), {r.note}});
+    table.rows.push_back({{r.tool}, code(r.field), number(r.number), number(r.value), {r.note}});
   }
   return withTable({"time-offset",
                     "Time offset in every tool's sign",
@@ -309,7 +314,7 @@ std::string renderCalibrationPage(const CalibrationRecord& record) {
             keyFigures(record),
             sectionsOf(record),
             record.assumptions};
-  if (record.held) page.verdict.reset();
+  if (record.held && record.verdict.findings.empty()) page.verdict.reset();
   page.more_rows = calibrationRows(record);
   page.appendix = timings(record);
   page.script = embedded::scene_viewer_bundle_js() + embedded::views_js();

@@ -154,13 +154,11 @@ Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::st
   const auto n = static_cast<double>(errors.size());
   const double deviation = std::max(1e-9, std::sqrt(squares / std::max(1.0, 2 * n)));
   plot.curves = {normalCurve("normal, same RMS", deviation, range, n * plot.bin_width)};
-  return {
-      toSvg(plot, id),
-      fmt::format("Components of the error beside a normal density of the same RMS ({:.3f} px). "
-                  "A sharper peak with long tails means outliers: a robust loss is then worth "
-                  "having.",
-                  deviation),
-      false};
+  return {toSvg(plot, id),
+          fmt::format("Components of the error beside a normal density of the same RMS ({:.3f} "
+                      "px). A sharper peak with long tails means outliers: use a robust loss.",
+                      deviation),
+          false};
 }
 
 VectorField errorField(const StageView& stage, int camera, const std::string& name) {

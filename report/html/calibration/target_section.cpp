@@ -24,30 +24,30 @@ std::string foundText(const TargetFit& fit, bool kept) {
   switch (fit.finding) {
     case TargetFinding::kBent:
       return fmt::format(
-          "The board is not what target.yaml says. Frames that the fit did not see are predicted "
-          "to {:.4f} px with the board's own shape, and to {:.4f} px with the stated one. {}",
+          "The board is not what target.yaml says. Held-out frames are predicted to {:.4f} px with "
+          "the board's own shape, and to {:.4f} px with the stated one. {}",
           fit.held_out_px, fit.flat_held_out_px,
           kept ? "The calibration stands on the estimated shape."
                : "The calibration stands on the stated one, as it was asked to.");
     case TargetFinding::kKnown:
       return fmt::format(
           "The board is known from another session; what that left open was estimated with the "
-          "cameras. With it, frames that the fit did not see are predicted to {:.4f} px; a shape "
+          "cameras. With it, held-out frames are predicted to {:.4f} px; a shape "
           "of this session's own does no better ({:.4f} px).",
           fit.flat_held_out_px, fit.held_out_px);
     case TargetFinding::kOther:
       return fmt::format(
-          "The board is not the one of the file that was given. Frames that the fit did not see "
-          "are predicted to {:.4f} px with a shape of this session's own, which is shown here, and "
-          "to {:.4f} px with the file's, on which the calibration stands.",
+          "The board is not the one of the file that was given. Held-out frames are predicted to "
+          "{:.4f} px with a shape of this session's own, shown here, and to {:.4f} px with the "
+          "file's, on which the calibration stands.",
           fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kAsStated:
       return fmt::format(
-          "The board is as target.yaml says: with a shape of its own, frames that the fit did not "
-          "see are predicted no better ({:.4f} px) than without ({:.4f} px).",
+          "The board is as target.yaml says: with a shape of its own, held-out frames are "
+          "predicted no better ({:.4f} px) than without ({:.4f} px).",
           fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kLensMisfits:
-      return "The other lens model predicts frames that the fit did not see better than this one "
+      return "The other lens model predicts held-out frames better than this one "
              "does, so that the board's shape cannot be told from what this lens model leaves: it "
              "is taken as target.yaml says.";
     case TargetFinding::kUndetermined:

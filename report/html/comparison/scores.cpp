@@ -117,10 +117,10 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   plot.frame.x.label = "camera";
   plot.frame.y.label = "RMSE [px]";
   return {toSvg(plot, "score-bars"),
-          held_out ? "Corners that no calibration here was made from; pooled over the held-out "
-                     "parts."
-                   : "None of these scores is held out: a calibration is flattered by the "
-                     "recording that it was made from.",
+          held_out
+              ? "Corners that no calibration here was estimated from; pooled over the held-out "
+                "parts."
+              : "None of these scores is held out: in-sample errors are optimistic.",
           true};
 }
 

@@ -144,7 +144,9 @@ Table offsetTable(const ComparisonRecord& record) {
   for (std::size_t i = 0; i < tools.size(); ++i) {
     std::vector<Cell> cells = {{tools[i].tool}, code(tools[i].field)};
     for (const auto& column : rows) {
-      cells.push_back(number(column.empty() ? "\u2013 (no IMU)" : column[i].value));
+      cells.push_back(number(column.empty()
+                                 ? "\u2013 (no IMU)"
+                                 : fmt::format("{} ({})", column[i].number, column[i].value)));
     }
     cells.push_back({tools[i].note});
     table.rows.push_back(std::move(cells));

@@ -147,12 +147,13 @@ Section heldOutSection(const StudyRecord& record) {
 }
 
 Section entropySection(const StudyRecord& record) {
-  Section section{"entropies",
-                  "Entropies",
-                  "Of the calibrations' parameters; lower is better known. They compare only under "
-                  "the same noise and parameters.",
-                  {},
-                  {}};
+  Section section{
+      "entropies",
+      "Entropies",
+      "Of the calibrations' parameters; lower: better determined. They compare only under "
+      "the same noise and parameters.",
+      {},
+      {}};
   const BoxPlot cameras = methodBoxes(
       record, [](const StudySession& s) { return s.camera_entropy_nats; }, "{:.2f} nat");
   const BoxPlot imu = methodBoxes(

@@ -117,7 +117,7 @@ struct Recovered {
 
 Section resultsSection(const StudyRecord& record) {
   Section section{"results",
-                  "What the study says",
+                  "Results",
                   "The participant is the unit; the first method is the baseline.",
                   {},
                   {}};
@@ -141,7 +141,7 @@ Section resultsSection(const StudyRecord& record) {
        {},
        {}});
   section.blocks.push_back(
-      {"Beside them",
+      {"Further intervals and tests",
        "The same effects by the BCa bootstrap, and by signed ranks, which know "
        "no period.",
        besideTable(record),

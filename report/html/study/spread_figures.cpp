@@ -99,7 +99,7 @@ Figure spreadFigure(const StudyRecord& record) {
 
 Section spreadSection(const StudyRecord& record) {
   Section section{"spread",
-                  "Are the stated deviations true?",
+                  "Stated deviations against the spread over sessions",
                   "Sessions of one rig should spread as far as each of them states. Ratio: "
                   "sqrt(chi\u00b2 / (n \u2212 1)) about the weighted mean; above its interval the "
                   "deviations are too small, below too large.",

@@ -34,7 +34,7 @@ Cell named(const StudyRecord& record, const std::string& session) {
   return s ? linkTo(*s) : tight(session);
 }
 
-/// What went wrong with a session; empty if nothing did.
+/// Failures and bad verdicts with a session; empty if nothing did.
 std::string problemOf(const StudySession& s) {
   if (s.status == StudyStatus::kFailed) return "failed at " + s.failed_step;
   if (!s.finished) return "gave up";
@@ -195,7 +195,7 @@ Section failuresSection(const StudyRecord& record) {
     table.rows.push_back({linkTo(s), {s.participant}, {s.method}, {problem}, why});
   }
   return withTable({"failures",
-                    "What went wrong",
+                    "Failures and bad verdicts",
                     "Sessions without a calibration, with a bad verdict, or whose participant gave "
                     "up.",
                     {},

@@ -113,13 +113,14 @@ Table relativeTable(const std::vector<TrajectoryRun>& runs) {
 }  // namespace
 
 Section relativeSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"rpe",
-                  "Relative errors by distance",
-                  "Error of the motion over pieces of each length: whiskers at 5 and 95 %, box "
-                  "from 25 to 75 %, line at the median over the pieces; of several runs the median "
-                  "of each of these.",
-                  {},
-                  {}};
+  Section section{
+      "rpe",
+      "Relative errors by distance",
+      "Error of the motion over segments of each length: whiskers at 5 and 95 %, box from 25 to 75 "
+      "%, line at the median over the segments; of several runs the median "
+      "of each of these.",
+      {},
+      {}};
   if (Table table = relativeTable(runs); !table.rows.empty()) {
     section.blocks.push_back({"", "", std::move(table), {}, {}});
   }

@@ -192,7 +192,7 @@ Section neesSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"nees",
                   "Consistency (NEES)",
                   "Mean normalised estimation error squared against its two-sided chi-square "
-                  "bounds: are the covariances that the estimate carries honest?",
+                  "bounds: are the estimate's covariances consistent with its errors?",
                   {},
                   {}};
   Table table{{{"Run"},
@@ -212,7 +212,7 @@ Section neesSection(const std::vector<TrajectoryRun>& runs) {
 Section associationSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"association",
                   "Pairing and alignment",
-                  "How the stamps of estimate and truth were paired, and what was odd about them. "
+                  "How the stamps of estimate and truth were paired, and their anomalies. "
                   "A median difference far from zero points at a clock offset.",
                   {},
                   {}};

@@ -94,7 +94,7 @@ TEST_F(Summary, AStageThatStartedAnewStartedThen) {
   decisions_[30].reason = GuideReason::kNotInformative;
   const ReplayStageSummary never = summariseCameraStage(run(), {});
   EXPECT_FALSE(never.ran);
-  EXPECT_EQ(never.problem, "frame 20: the stage starts anew");
+  EXPECT_EQ(never.problem, "frame 20: the stage restarts");
 }
 
 TEST_F(Summary, SaysWhyNoFrameCameToTheCameraImuStage) {

@@ -65,8 +65,8 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
   };
   const Case cases[] = {
       {"colour: red\n", ":10:", "unknown key 'colour'"},
-      {"target: missing.yaml\n", ":10:", "is no file"},
-      {"target_shape: bent\n", ":10:", "is no file"},
+      {"target: missing.yaml\n", ":10:", "is not a file"},
+      {"target_shape: bent\n", ":10:", "is not a file"},
       {"limit_s: -1\n", ":10:", "seconds, 0 to 86400"},
       {"limit_s: 600000\n", ":10:", "limit_s is 600000"},
       {"calibrate: {colour: red}\n", ":10:", "no option --colour"},
@@ -76,10 +76,10 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
       {"thresholds: {regression_sigma: 0}\n", ":10:", "above 0"},
       {"limits: {step_mb: 1}\n", ":10:", "256 or more"},
       {"cross: perhaps\n", ":10:", "true or false"},
-      {"sequences: [{name: s, path: eval, truth: t.csv}]\n", ":10:", "t.csv is no file"},
+      {"sequences: [{name: s, path: eval, truth: t.csv}]\n", ":10:", "t.csv is not a file"},
       {"trajectories: {pattern: 'x/{calibration}.txt'}\n", ":10:", "no sequences"},
       {kSequence + "trajectories: {command: a, odometry: builtin}\n", ":11:", "one of pattern"},
-      {kSequence + "trajectories: {odometry: mine}\n", ":11:", "is no file"},
+      {kSequence + "trajectories: {odometry: mine}\n", ":11:", "is not a file"},
       {kSequence + "trajectories: {odometry: builtin, runs: 3}\n", ":11:", "built-in odometry"},
       {kSequence + "trajectories: {command: a, runs: 3}\n", ":11:", "is of an odometry"},
       {kSequence + "trajectories: {odometry: openvins, runs: 0}\n", ":11:", "runs of each"},
@@ -146,15 +146,12 @@ TEST_F(DefinitionTest, SaysAllThatIsWrongAtOnceInTheOrderOfTheLines) {
     ASSERT_EQ(found.size(), 9u) << errors.what();
     EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
                                [](const auto& a, const auto& b) { return a.first < b.first; }));
-    const std::vector<std::pair<int, std::string>> expected = {{4, "cannot name a folder"},
-                                                               {4, "unknown method 'best'"},
-                                                               {4, "period is 0"},
-                                                               {4, "nowhere"},
-                                                               {10, "unknown key 'colour'"},
-                                                               {11, "seconds, 0 to 86400"},
-                                                               {12, "true or false"},
-                                                               {13, "unknown key 'speed'"},
-                                                               {14, "is no file"}};
+    const std::vector<std::pair<int, std::string>> expected = {
+        {4, "cannot name a folder"},  {4, "unknown method 'best'"},
+        {4, "period is 0"},           {4, "nowhere"},
+        {10, "unknown key 'colour'"}, {11, "seconds, 0 to 86400"},
+        {12, "true or false"},        {13, "unknown key 'speed'"},
+        {14, "is not a file"}};
     for (std::size_t i = 0; i < expected.size(); ++i) {
       EXPECT_EQ(found[i].first, expected[i].first) << found[i].second;
       EXPECT_THAT(found[i].second, HasSubstr(expected[i].second));

@@ -12,7 +12,7 @@ TEST_F(StudyDisk, AnOutputThatCannotBeWrittenIsNamed) {
   write(scratch_ / "file", "");
   const Outcome outcome = study(root_ / "data", scratch_ / "file");
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.text, HasSubstr("is no folder"));
+  EXPECT_THAT(outcome.text, HasSubstr("is not a folder"));
 }
 
 // From the n-th write of every process on there is no space.

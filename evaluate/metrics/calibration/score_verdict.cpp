@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/calibration/score_verdict.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/rules/rules.h"
+
+namespace plumbline {
+namespace {
+
+void append(Findings more, FindingSubject subject, Findings& findings) {
+  for (Finding& f : more) {
+    f.subject = subject;
+    findings.push_back(std::move(f));
+  }
+}
+
+void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings) {
+  for (const CalibrationScore& s : scores) {
+    if (s.problem.empty()) continue;
+    Finding f;
+    f.rule = fmt::format("Score on {}, {}", s.session, s.part);
+    f.level = s.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad;
+    f.evidence = s.problem;
+    findings.push_back(std::move(f));
+  }
+}
+
+/// "0.36 px RMSE on euroc (0.40 px with the IMU), 0.37 px in all 5 folds (held out)".
+std::string scoreWords(const std::vector<CalibrationScore>& scores) {
+  std::string text;
+  for (const CalibrationScore& s : scores) {
+    const bool pooled = s.part.starts_with("all");
+    if (!pooled || s.reprojection.count == 0) continue;
+    text += fmt::format("{}{:.2f} px RMSE {} {}", text.empty() ? "" : ", ", s.reprojection.rmse_px,
+                        s.part == "all" ? "on" : "in", s.part == "all" ? s.session : s.part);
+    if (s.camera_imu) text += fmt::format(" ({:.2f} px with the IMU)", s.camera_imu->rmse_px);
+    if (s.held_out) text += ", held out";
+  }
+  return text;
+}
+
+}  // namespace
+
+Verdict scoreVerdict(const CalibrationRecord& record, const VerdictThresholds& thresholds) {
+  Findings findings;
+  if (record.camera) {
+    const CameraStageResult& stage = *record.camera;
+    append(judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", thresholds),
+           FindingSubject::kCameras, findings);
+  }
+  if (record.camera_imu) {
+    const CameraImuStageResult& stage = *record.camera_imu;
+    append(
+        judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", thresholds),
+        FindingSubject::kExtrinsics, findings);
+  }
+  addUnscored(record.held->scores, findings);
+  Verdict verdict = makeVerdict(std::move(findings));
+  verdict.headline = fmt::format("{} leaves {}; only poses move.", record.held->file,
+                                 scoreWords(record.held->scores));
+  if (const std::string worst = worstFinding(verdict); !worst.empty()) {
+    verdict.headline += " " + worst;
+  }
+  return verdict;
+}
+
+}  // namespace plumbline

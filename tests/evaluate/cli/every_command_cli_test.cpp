@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What holds in every command that writes: --force, --json, --fail-on, provenance, NO_COLOR. The
+// list of commands is the program's own: one that is not in the table here is a failure.
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluate/cli/command_line.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+/// The names under "Subcommands:" in a help text.
+std::vector<std::string> within(const std::string& help) {
+  std::istringstream lines(help);
+  std::string line;
+  while (std::getline(lines, line) && line != "Subcommands:") {
+  }
+  std::vector<std::string> names;
+  while (std::getline(lines, line) && line.rfind("  ", 0) == 0) {
+    if (line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return names;
+}
+
+/// Every command that does something: "evaluate trajectory"; those that have others below them too.
+std::set<std::string> allCommands() {
+  std::set<std::string> all;
+  for (const std::string& name : within(plumbline("--help").text)) {
+    const auto parts = within(plumbline(name + " --help").text);
+    for (const std::string& part : parts) all.insert(name + " " + part);
+    if (name != "evaluate" && name != "target") all.insert(name);
+  }
+  return all;
+}
+
+enum class Writes {
+  kFiles,     ///< neither a document nor a verdict
+  kDocument,  ///< --json
+  kVerdict    ///< --json and --fail-on
+};
+
+struct Case {
+  std::string words;      ///< the command
+  std::string arguments;  ///< without --out
+  Writes writes = Writes::kFiles;
+  std::string out = "out";  ///< name of what is written
+};
+
+class EveryCommand : public CommandLine {
+ protected:
+  static void SetUpTestSuite() {
+    CommandLine::SetUpTestSuite();
+    const auto make = [](const std::string& words) {
+      const Outcome outcome = plumbline(words);
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+    };
+    make("simulate --rig d435i --seed 2 --duration 1 --images --out " + at("images"));
+    make("simulate sequence --seed 2 --duration 8 --out " + at("flight"));
+    make("calibrate " + at("session") + " --no-cache --no-report --out " + at("result"));
+    make("simulate study --participants 2 --duration 8 --sequences 0 --held-out 1 --seed 3 --out " +
+         at("study"));
+  }
+  static std::string at(const std::string& name) { return (root_ / name).string(); }
+
+  static std::vector<Case> cases() {
+    const std::string s = at("session") + " --no-cache", short_s = s + " --to 6";
+    const std::string ours = at("result/calibration.json");
+    const std::string truth = at("session/truth/camchain-imucam.yaml");
+    const std::string flown = at("flight/truth/trajectory.csv");
+    const auto verdict = Writes::kVerdict;
+    const auto document = Writes::kDocument;
+    return {
+        {"simulate", "--seed 1 --duration 1"},
+        {"simulate operator", "--seed 1 --method free --duration 8"},
+        {"simulate sequence", "--seed 1 --duration 1"},
+        {"simulate study", "--participants 2 --duration 6 --sequences 0 --held-out 1"},
+        {"detect", at("images") + " --no-cache", document},
+        {"calibrate", short_s + " --no-imu", verdict},
+        {"evaluate calibration", truth + " " + short_s + " --no-imu", verdict},
+        {"evaluate trajectory", flown + " " + flown, document},
+        {"evaluate trajectories", "'" + at("flight/{run}/{sequence}.csv") + "' --truth " + flown,
+         verdict},
+        {"compare", ours + " " + truth + " --labels ours,truth --grid 5x3", verdict},
+        {"odometry",
+         at("flight") + " --calibration " + at("flight/truth/camchain-imucam.yaml") + " --truth " +
+             flown,
+         verdict},
+        {"export", ours + " --to openvins", document},
+        {"target fit", s, Writes::kFiles, "shape.yaml"},
+        {"target print", "--rows 2 --cols 2 --tag-size 40mm", Writes::kFiles, "sheet.pdf"},
+        {"perturb", short_s + " --offsets-ms 10", verdict},
+        {"replay", short_s + " --no-counterfactuals", verdict},
+        {"report", at("result"), document, "page.html"},
+    };
+  }
+  Outcome run(const Case& c, const std::string& more) const {
+    return plumbline(c.words + " " + c.arguments + " --out " + (scratch() / c.out).string() + more);
+  }
+};
+
+TEST_F(EveryCommand, IsInTheTable) {
+  std::set<std::string> known = {"study", "study accept", "completion", "man"};  // see below
+  for (const Case& c : cases()) known.insert(c.words);
+  EXPECT_EQ(allCommands(), known);
+}
+
+TEST_F(EveryCommand, ReplacesAResultOnlyWhenForced) {
+  for (const Case& c : cases()) {
+    fs::create_directories(scratch());
+    const Outcome first = run(c, "");
+    EXPECT_EQ(first.exit_code, 0) << c.words << ": " << first.text;
+    EXPECT_TRUE(fs::exists(scratch() / c.out)) << c.words;
+    EXPECT_THAT(first.text, Not(HasSubstr("\033["))) << c.words << ": colours in a pipe";
+    const Outcome again = run(c, "");
+    EXPECT_EQ(again.exit_code, 2) << c.words << ": " << again.text;
+    EXPECT_THAT(again.text, HasSubstr("--force")) << c.words;
+    const Outcome forced = run(c, " --force");
+    EXPECT_EQ(forced.exit_code, 0) << c.words << ": " << forced.text;
+    fs::remove_all(scratch());
+  }
+}
+
+TEST_F(EveryCommand, GivesItsDocumentWithItsOriginAndItsVerdictAsExitCode) {
+  for (const Case& c : cases()) {
+    const bool verdict = c.writes == Writes::kVerdict;
+    const std::string help = plumbline(c.words + " --help").text;
+    EXPECT_EQ(help.find("--json") != std::string::npos, c.writes != Writes::kFiles) << c.words;
+    EXPECT_EQ(help.find("--fail-on") != std::string::npos, verdict) << c.words;
+    if (c.writes == Writes::kFiles) continue;
+    fs::create_directories(scratch());
+    const Outcome piped =
+        run(c, std::string(" --json -") + (verdict ? " --fail-on caution" : "") + " 2>/dev/null");
+    const json document = json::parse(piped.text, nullptr, false);
+    EXPECT_FALSE(document.is_discarded()) << c.words << ": " << piped.text.substr(0, 300);
+    if (!verdict || document.is_discarded()) {
+      EXPECT_EQ(piped.exit_code, 0) << c.words;
+      fs::remove_all(scratch());
+      continue;
+    }
+    const std::string level = document["verdict"]["level"];
+    EXPECT_EQ(piped.exit_code, level == "good" ? 0 : 4) << c.words << ": " << level;
+    EXPECT_THAT(document["verdict"]["headline"], Not(testing::IsEmpty())) << c.words;
+    const json& origin = document["provenance"];
+    EXPECT_THAT(origin["command"], HasSubstr("plumbline " + c.words + " ")) << c.words;
+    EXPECT_THAT(origin["command"], HasSubstr("--json -")) << c.words << ": all of the arguments";
+    EXPECT_THAT(origin["plumbline"], testing::MatchesRegex("[0-9.]+( \\([0-9a-f+dirty-]+\\))?"));
+    EXPECT_THAT(origin["input_hash"], HasSubstr("xxh64:")) << c.words;
+    fs::remove_all(scratch());
+  }
+}
+
+TEST_F(EveryCommand, AStudyHasThemToo) {
+  const std::string study = "study " + at("study/STUDY.yaml") + " --out " + at("night");
+  const Outcome night = plumbline(study + " --json - --fail-on caution 2>/dev/null");
+  const json document = json::parse(night.text, nullptr, false);
+  ASSERT_FALSE(document.is_discarded()) << night.text.substr(0, 300);
+  EXPECT_EQ(night.exit_code, document["verdict"]["level"] == "good" ? 0 : 4);
+  EXPECT_EQ(night.text, read(root_ / "night/summary.json"));
+  EXPECT_THAT(document["provenance"]["command"], HasSubstr("--fail-on caution"));
+  const Outcome packed = plumbline(study + " --engine commands --json -");
+  EXPECT_EQ(packed.exit_code, 2) << packed.text;
+}
+
+// On a terminal a verdict has a colour, unless NO_COLOR says otherwise.
+TEST_F(EveryCommand, ColoursStandOnTerminalsAlone) {
+  if (shell("command -v script").exit_code != 0) {
+    GTEST_SKIP() << "script (bsdutils) is missing: terminals are NOT tested";
+  }
+  fs::create_directories(scratch());
+  const auto onTerminal = [&](const std::string& environment) {
+    return shell(environment + " script -qec '" + std::string(PLUMBLINE_BINARY) + " calibrate " +
+                 at("session") + " --no-imu --no-cache --no-report --force --out " +
+                 (scratch() / "out").string() + "' /dev/null")
+        .text;
+  };
+  EXPECT_THAT(onTerminal("env -u NO_COLOR"), HasSubstr("\033[3"));
+  EXPECT_THAT(onTerminal("NO_COLOR=1"), Not(HasSubstr("\033[3")));
+}
+
+}  // namespace
+}  // namespace plumbline

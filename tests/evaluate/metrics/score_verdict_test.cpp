@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/calibration/score_verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+CalibrationScore score(const std::string& session, const std::string& part, double rmse) {
+  CalibrationScore s;
+  s.session = session;
+  s.part = part;
+  s.reprojection.rmse_px = rmse;
+  s.reprojection.count = 1000;
+  return s;
+}
+
+CalibrationRecord record(std::vector<CalibrationScore> scores) {
+  CalibrationRecord r;
+  r.held = HeldCalibration{"camchain.yaml", std::move(scores)};
+  return r;
+}
+
+TEST(ScoreVerdict, SaysTheErrorOfEverySessionAndFoldTogether) {
+  CalibrationScore own = score("euroc", "all", 0.36), fold = score("euroc", "fold 1 of 2", 9);
+  own.camera_imu = ErrorStatistics{};
+  own.camera_imu->rmse_px = 0.41;
+  CalibrationScore folds = score("euroc", "all 2 folds", 0.37);
+  folds.held_out = true;
+  const Verdict v = scoreVerdict(record({own, fold, folds}));
+  EXPECT_EQ(v.headline,
+            "camchain.yaml leaves 0.36 px RMSE on euroc (0.41 px with the IMU), 0.37 px RMSE in "
+            "all 2 folds, held out; only poses move.");
+  EXPECT_EQ(v.level, VerdictLevel::kGood);
+}
+
+TEST(ScoreVerdict, WhatCouldNotBeScoredIsSaid) {
+  CalibrationScore none = score("other", "all", 0);
+  none.reprojection.count = 0;
+  none.problem = "no frame's pose is determined";
+  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36), none}));
+  EXPECT_EQ(v.level, VerdictLevel::kBad);
+  EXPECT_THAT(v.headline, HasSubstr("Score on other, all: no frame's pose is determined"));
+}
+
+TEST(ScoreVerdict, ACalibrationThatDoesNotFitTheRecordingIsBad) {
+  CalibrationRecord r = record({score("euroc", "all", 3)});
+  CameraStageResult stage;
+  stage.cameras.resize(1);
+  stage.cameras[0].name = "cam0";
+  stage.cameras[0].intrinsics.resolution = {752, 480};
+  ErrorStatistics errors;
+  errors.rmse_px = 3;
+  errors.count = 1000;
+  stage.summary.per_camera = {errors};
+  r.camera = stage;
+  const Verdict v = scoreVerdict(r);
+  EXPECT_EQ(v.level, VerdictLevel::kBad);
+  EXPECT_THAT(v.headline, HasSubstr("Reprojection error of cam0"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the verdict of trajectories says first, and which level it has.
+#include "evaluate/metrics/trajectory/verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+
+TrajectoryRun completeRun(const std::string& calibration, const std::string& run) {
+  TrajectoryRun r;
+  r.sequence = "MH_01";
+  r.calibration = calibration;
+  r.run = run;
+  r.coverage = 0.98;
+  r.association.matches = 2310;
+  r.alignment.kind = "se3";
+  r.ate_translation_m.rmse = 0.0543;
+  r.ate_translation_m.n = 2310;
+  return r;
+}
+
+TrajectoryStudy studyOf(std::vector<TrajectoryRun> runs) {
+  TrajectoryStudy study;
+  RunsSummary all;
+  all.calibration = runs.front().calibration;
+  for (const TrajectoryRun& r : runs) {
+    ++all.expected;
+    ++(r.status == RunStatus::kComplete  ? all.complete
+       : r.status == RunStatus::kPartial ? all.partial
+                                         : all.failed);
+  }
+  all.level = all.failed > 0    ? VerdictLevel::kBad
+              : all.partial > 0 ? VerdictLevel::kCaution
+                                : VerdictLevel::kGood;
+  all.ate_median_m = 0.0543;
+  study.summary = {all};
+  study.runs = std::move(runs);
+  return study;
+}
+
+TEST(TrajectoryVerdict, OfOneRunSaysHowFarItIsFromTheTruth) {
+  const Verdict v = trajectoryVerdict(studyOf({completeRun("", "1")}));
+  EXPECT_EQ(v.level, VerdictLevel::kGood);
+  EXPECT_EQ(v.headline,
+            "The estimate is 0.0543 m RMSE from the truth (se3 alignment, 2310 pairs, 98 % of the "
+            "truth's time).");
+}
+
+TEST(TrajectoryVerdict, AFailedRunIsBadAndNamedWithItsReason) {
+  TrajectoryRun failed = completeRun("ours", "2");
+  failed.status = RunStatus::kFailed;
+  failed.problem = "diverged: ATE 9.100 m";
+  const Verdict v = trajectoryVerdict(studyOf({completeRun("ours", "1"), failed}));
+  EXPECT_EQ(v.level, VerdictLevel::kBad);
+  EXPECT_THAT(v.headline, HasSubstr("Median ATE of ours 0.0543 m"));
+  EXPECT_THAT(v.headline, HasSubstr("1 of 2 complete"));
+  EXPECT_THAT(v.headline, HasSubstr("diverged: ATE 9.100 m"));
+}
+
+TEST(TrajectoryVerdict, ACalibrationIsBetterOnlyBeyondItsInterval) {
+  TrajectoryStudy study = studyOf({completeRun("ours", "1"), completeRun("ours", "2")});
+  PairedDifference d;
+  d.a = "kalibr", d.b = "ours", d.pairs = 6, d.mean_m = -0.02;
+  study.paired = {d};
+  EXPECT_THAT(trajectoryVerdict(study).headline,
+              HasSubstr("ours and kalibr were not shown to differ"));
+  study.paired[0].low_m = -0.03, study.paired[0].high_m = -0.01, study.paired[0].better = "ours";
+  EXPECT_THAT(trajectoryVerdict(study).headline,
+              HasSubstr("ours is better than kalibr by 0.02 m (95 % interval 0.01 to 0.03)"));
+}
+
+TEST(TrajectoryVerdict, ACureThatIsAnOptionIsCautionAndSaidOnce) {
+  TrajectoryRun run = completeRun("ours", "1");
+  run.remarks = {"the poses are 0.05 s apart",
+                 "rotations are left out: run again with --truth-inverted"};
+  TrajectoryRun other = run;
+  other.run = "2";
+  const Verdict v = trajectoryVerdict(studyOf({run, other}));
+  EXPECT_EQ(v.level, VerdictLevel::kCaution);
+  EXPECT_THAT(v.headline, HasSubstr("--truth-inverted"));
+  EXPECT_THAT(v.findings, SizeIs(2));
+  EXPECT_THAT(v.headline, Not(HasSubstr("apart")));
+}
+
+TEST(TrajectoryVerdict, CovariancesThatAreTooSmallAreCaution) {
+  TrajectoryRun run = completeRun("", "1");
+  NeesRecord nees;
+  nees.mean = 9, nees.lower = 2.9, nees.upper = 3.1;
+  run.nees = {nees};
+  const Verdict v = trajectoryVerdict(studyOf({run}));
+  EXPECT_EQ(v.level, VerdictLevel::kCaution);
+  EXPECT_THAT(v.headline, HasSubstr("2.9 times"));
+  run.nees[0].mean = 3;
+  EXPECT_EQ(trajectoryVerdict(studyOf({run})).level, VerdictLevel::kGood);
+}
+
+}  // namespace
+}  // namespace plumbline
