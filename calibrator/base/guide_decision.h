@@ -76,7 +76,7 @@ struct Suggestion {
   Transform T_FC0;              ///< the view; for a trajectory, its start
   std::vector<Transform> path;  ///< T_FC0 along a trajectory; empty for a view
   double mi_nats = 0;           ///< predicted gain
-  /// Predicted error in later use with it [px]; empty for a trajectory, or before it is known.
+  /// Predicted error in later use with it [px]; empty before it is known.
   std::optional<double> error_px;
   /// Predicted time until it is reached [s]; empty where nothing is known of the operator's pace.
   std::optional<double> reach_s;
@@ -110,10 +110,10 @@ struct Decision {
   std::optional<double> mi_nats;  ///< its gain; infinite: the views before left parameters free
   std::optional<double> entropy_nats;  ///< of the calibration parameters, after the frame
   double threshold_nats = 0;           ///< what the gain was held against
-  /// Predicted error in later use (information/predicted_error.h), sqrt(E), of the views kept after
-  /// the frame, and with this frame [px]; empty: not known.
+  /// Predicted error in later use, sqrt(E) (information/predicted_error.h; of points that the IMU
+  /// predicts), of the views kept after the frame, and with this frame [px]; empty: not known.
   std::optional<double> error_px, error_with_px;
-  /// What error_with_px was held against; empty where the criterion is the gain.
+  /// What it was held against (error_px in the camera-IMU stage); empty: the gain decides.
   std::optional<double> error_bound_px;
   std::optional<double> excess;  ///< share by which E raises the error of a corner
   /// Predicted RMS over the image by which projections of the worst camera are off, after the frame

@@ -53,7 +53,11 @@ struct CameraImuGuide::State {
   void beginEvaluator();
   void track(PosedFrame frame, Decision& d);
   void report(Decision& d);
+  void predictError(const WindowKnowledge& known, Decision& d);
   void evaluate(Decision& d);
+  bool byError() const { return stage().criterion == ViewCriterion::kPredictedError; }
+  bool stopsByError() const { return stage().stop_reprojection_px > 0; }
+  double worth(const CandidateRound& round, std::size_t i) const;
   void judge(CandidateRound round, Decision& d);
   void finish(Decision& d);
   std::size_t askedFor(CandidateRound& round, const Decision& d);
@@ -72,6 +76,7 @@ struct CameraImuGuide::State {
   int without_view = 0;
   bool finished = false;
   std::optional<double> entropy_nats;
+  std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
   FrameGate gate;
 };
@@ -164,9 +169,9 @@ void CameraImuGuide::State::beginEvaluator() {
       lissajousTrajectories(lissajousShapes(), rig.target, tracker->window().estimate().T_SC0,
                             lissajousOptions(stage())),
       cameras);
-  evaluator.emplace(
-      std::move(scorer),
-      EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s, options.threads});
+  evaluator.emplace(std::move(scorer),
+                    EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s,
+                                    options.threads, stage().criterion});
 }
 
 void CameraImuGuide::State::track(PosedFrame frame, Decision& d) {
@@ -188,7 +193,34 @@ void CameraImuGuide::State::report(Decision& d) {
   // What the frame gained in fact, not a prediction: the decrease of the entropy.
   if (entropy_nats) d.mi_nats = *entropy_nats - *entropy;
   d.entropy_nats = entropy_nats = entropy;
-  if (evaluator->isDue(d.t)) evaluator->ask(d.t, *known);
+  predictError(*known, d);
+}
+
+/// What points that the IMU predicts are expected to be off by. Where the residuals have more noise
+/// than was assumed, that counts; not where they have less, for then the IMU's noise is what is
+/// left, and it stays as it is. Trajectories are asked for on the same knowledge.
+void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision& d) {
+  const double scale = std::max(1.0, 0.5 * std::pow(*d.rmse_px / stage().pixel_sigma, 2));
+  const auto E = evaluator->squaredPx(known);
+  if (E) d.error_px = std::sqrt(scale * *E);
+  if (stopsByError()) d.error_bound_px = stage().stop_reprojection_px;
+  if (evaluator->isDue(d.t)) {
+    evaluator->ask(d.t, known, scale);
+    asked_error_px = d.error_px;
+  }
+  if (stopsByError() && d.error_px && *d.error_px <= *d.error_bound_px) finish(d);
+}
+
+/// What a trajectory promises, by the criterion: nats of its gain, or the logarithm by which it
+/// lowers the predicted error. NaN: it is not worth asking for.
+double CameraImuGuide::State::worth(const CandidateRound& round, std::size_t i) const {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const double gain = round.mi_nats[i];
+  if (!byError()) return stopsByError() || gain >= stage().threshold_nats ? gain : none;
+  if (!asked_error_px) return std::numeric_limits<double>::infinity();
+  const double lowering = std::log(*asked_error_px / round.error_px[i]);
+  const double least = -0.5 * std::log1p(-stage().least_lowering);
+  return stopsByError() || lowering >= least ? lowering : none;
 }
 
 void CameraImuGuide::State::evaluate(Decision& d) {
@@ -199,7 +231,7 @@ void CameraImuGuide::State::evaluate(Decision& d) {
 void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
   if (round.best < 0) {
     note(d, "no trajectory could be scored");
-  } else if (round.mi_nats[static_cast<std::size_t>(round.best)] < stage().threshold_nats) {
+  } else if (std::isnan(worth(round, static_cast<std::size_t>(round.best)))) {
     finish(d);
   } else if (!suggestion && d.event == SuggestionEvent::kNone &&
              (!executing_until || d.t >= *executing_until)) {
@@ -224,9 +256,7 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decisio
   if (!options.pace.isKnown() || !d.T_FC0) return static_cast<std::size_t>(round.best);
   std::vector<double> gains, seconds;
   for (std::size_t i = 0; i < round.names.size(); ++i) {
-    const double gain = round.mi_nats[i];
-    const bool worth = gain >= stage().threshold_nats;
-    gains.push_back(worth ? gain : std::numeric_limits<double>::quiet_NaN());
+    gains.push_back(worth(round, i));
     round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, round.T_FC0[i]) + stage().reached_s);
     seconds.push_back(round.reach_s.back() + evaluator->trajectories()[i].durationS());
   }
@@ -242,6 +272,7 @@ void CameraImuGuide::State::open(const CandidateRound& round, std::size_t asked,
   s.T_FC0 = round.T_FC0[asked];
   s.path = evaluator->trajectories()[asked].path(kPathPoints);
   s.mi_nats = round.mi_nats[asked];
+  if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
   SimulationOptions seen;
   seen.target = rig.target;
@@ -287,7 +318,7 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
   // arrive with it may open the next.
   follow(frame, d);
   if (tracker && d.accepted) report(d);
-  if (tracker) evaluate(d);
+  if (tracker && !finished) evaluate(d);
 }
 
 CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,

@@ -40,6 +40,10 @@ void TrajectoryGuideOptions::check() const {
   requireOption(window >= 2, "trajectories.window", window, "2 or more");
   requireOption(min_corners >= 4, "trajectories.min_corners", min_corners, "4 or more");
   requireOption(threshold_nats >= 0, "trajectories.threshold_nats", threshold_nats, "0 or more");
+  requireOption(least_lowering > 0 && least_lowering < 1, "trajectories.least_lowering",
+                least_lowering, "a share between 0 and 1");
+  requireOption(stop_reprojection_px >= 0, "trajectories.stop_reprojection_px",
+                stop_reprojection_px, "0 (not asked for) or more");
   requireOption(evaluate_every_s > 0, "trajectories.evaluate_every_s", evaluate_every_s,
                 "a positive time");
   requireOption(reached_px > 0, "trajectories.reached_px", reached_px, "a positive distance");

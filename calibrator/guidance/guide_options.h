@@ -57,7 +57,14 @@ struct TrajectoryGuideOptions : MeasurementModel {
   int window = 3;         ///< states in the fixed-lag window
   int min_corners = 16;
   double threshold_nats = kGuideThresholdNats;
-  bool score_offset = false;    ///< the time offset counts beside T_SC0
+  bool score_offset = false;  ///< the time offset counts beside T_SC0
+  /// By which trajectories are chosen. Of kPredictedError: by which share one must lower E, the
+  /// squared error of points that the IMU predicts (ImuReprojection), to be worth asking for.
+  ViewCriterion criterion = ViewCriterion::kMutualInformation;
+  double least_lowering = 0.05;
+  /// Whatever the criterion: if positive, the stage is over when, and only when, sqrt(E) is no more
+  /// than this [px].
+  double stop_reprojection_px = 0;
   double evaluate_every_s = 1;  ///< the evaluator starts again this long after its last start [s]
   double reached_px = 50;       ///< distance to a trajectory's start [px] ...
   double reached_s = 1;         ///< ... held for so long [s]

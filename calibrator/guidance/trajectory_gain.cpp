@@ -110,7 +110,10 @@ void TrajectoryRecording::check() const {
 TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
                                    std::vector<LissajousTrajectory> trajectories,
                                    const std::vector<CameraCalibration>& cameras)
-    : recording_(recording), trajectories_(std::move(trajectories)), cameras_(cameras) {
+    : recording_(recording),
+      trajectories_(std::move(trajectories)),
+      cameras_(cameras),
+      reprojection_(cameras) {
   recording.check();
   for (const LissajousTrajectory& trajectory : trajectories_) {
     prepared_.push_back(prepare(trajectory));
@@ -188,33 +191,45 @@ std::optional<Eigen::MatrixXd> TrajectoryScorer::informationWith(
   addCarried(carried, normals->chain);
   const auto solved = solveChain(normals->chain);
   if (!solved) return std::nullopt;
-  return calibrationInformation(solved->border_information, recording_.score_offset);
+  return solved->border_information;
 }
 
-std::vector<double> TrajectoryScorer::gainsNats(const WindowKnowledge& now, int threads) const {
-  std::vector<double> gains(trajectories_.size(), std::numeric_limits<double>::quiet_NaN());
+std::optional<double> TrajectoryScorer::squaredPx(const WindowKnowledge& now) const {
+  const auto information = calibrationInformation(now.information, true);
+  if (!information) return std::nullopt;
+  return reprojection_.expectedError(*information, now.estimate.T_SC0);
+}
+
+TrajectoryScores TrajectoryScorer::scores(const WindowKnowledge& now, int threads) const {
+  const std::vector<double> unknown(trajectories_.size(), std::numeric_limits<double>::quiet_NaN());
+  TrajectoryScores scores{unknown, unknown};
   const auto before = calibrationInformation(now.information, recording_.score_offset);
   const auto carried = carriedInformation(now, recording_);
-  if (!before || !carried) return gains;
+  if (!before || !carried) return scores;
   // Each trajectory on a thread of its own, its own chunk: no sum crosses trajectories.
-  forChunks(static_cast<int>(gains.size()), 1, threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(unknown.size()), 1, threads, [&](const Chunk& chunk) {
     const auto i = static_cast<std::size_t>(chunk.begin);
-    const auto after = informationWith(prepared_[i], now, *carried);
+    const auto border = informationWith(prepared_[i], now, *carried);
+    if (!border) return;
+    const auto after = calibrationInformation(*border, recording_.score_offset);
     const auto gain = after ? mutualInformationNats(*before, *after) : std::nullopt;
-    if (gain) gains[i] = *gain;
+    if (gain) scores.gain_nats[i] = *gain;
+    const auto all = calibrationInformation(*border, true);
+    const auto E = all ? reprojection_.expectedError(*all, now.estimate.T_SC0) : std::nullopt;
+    if (E) scores.squared_px[i] = *E;
   });
-  return gains;
+  return scores;
 }
 
 namespace {
 
-/// Index of the highest score that is one; -1 where none is.
-int bestOf(const std::vector<double>& gains) {
+/// Index of the highest score that is one, or with a negative sign of the lowest; -1 where none is.
+int bestOf(const std::vector<double>& scores, double sign) {
   int best = -1;
-  for (int i = 0; i < static_cast<int>(gains.size()); ++i) {
-    const double gain = gains[static_cast<std::size_t>(i)];
-    if (std::isnan(gain)) continue;
-    if (best < 0 || gain > gains[static_cast<std::size_t>(best)]) best = i;
+  for (int i = 0; i < static_cast<int>(scores.size()); ++i) {
+    const double score = sign * scores[static_cast<std::size_t>(i)];
+    if (std::isnan(score)) continue;
+    if (best < 0 || score > sign * scores[static_cast<std::size_t>(best)]) best = i;
   }
   return best;
 }
@@ -225,22 +240,23 @@ TrajectoryEvaluator::TrajectoryEvaluator(TrajectoryScorer scorer, const Evaluato
     : scorer_(std::make_shared<TrajectoryScorer>(std::move(scorer))), timing_(timing) {}
 
 bool TrajectoryEvaluator::isDue(TimeNs t) const {
-  if (gains_.valid()) return false;
+  if (scores_.valid()) return false;
   return !asked_ || t >= *asked_ + toNanoseconds(timing_.every_s);
 }
 
-void TrajectoryEvaluator::ask(TimeNs t, WindowKnowledge now) {
+void TrajectoryEvaluator::ask(TimeNs t, WindowKnowledge now, double error_scale) {
   assert(isDue(t));
   asked_ = t;
+  error_scale_ = error_scale;
   const bool beside = timing_.threads > 1 && timing_.latency_s > 0;
-  gains_ = std::async(beside ? std::launch::async : std::launch::deferred,
-                      [scorer = scorer_, now = std::move(now), threads = timing_.threads] {
-                        return scorer->gainsNats(now, threads);
-                      });
+  scores_ = std::async(beside ? std::launch::async : std::launch::deferred,
+                       [scorer = scorer_, now = std::move(now), threads = timing_.threads] {
+                         return scorer->scores(now, threads);
+                       });
 }
 
 std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
-  if (!gains_.valid()) return std::nullopt;
+  if (!scores_.valid()) return std::nullopt;
   const TimeNs answered = *asked_ + toNanoseconds(timing_.latency_s);
   if (t < answered) return std::nullopt;
   CandidateRound round;
@@ -250,8 +266,11 @@ std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
     round.names.push_back(trajectory.name());
     round.T_FC0.push_back(trajectory.cameraAt(0).T_FB);
   }
-  round.mi_nats = gains_.get();
-  round.best = bestOf(round.mi_nats);
+  TrajectoryScores scores = scores_.get();
+  round.mi_nats = std::move(scores.gain_nats);
+  for (const double E : scores.squared_px) round.error_px.push_back(std::sqrt(error_scale_ * E));
+  round.best = timing_.criterion == ViewCriterion::kPredictedError ? bestOf(round.error_px, -1)
+                                                                   : bestOf(round.mi_nats, 1);
   return round;
 }
 

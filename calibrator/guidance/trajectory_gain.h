@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
+#include "calibrator/guidance/imu_reprojection.h"
 #include "calibrator/guidance/lissajous.h"
+#include "calibrator/information/predicted_error.h"
 #include "calibrator/window/camera_imu_window.h"
 
 namespace plumbline {
@@ -29,6 +31,14 @@ struct TrajectoryRecording {
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;
+};
+
+/// Of trajectories, in their order. NaN: nothing can be said.
+struct TrajectoryScores {
+  std::vector<double> gain_nats;  ///< expected information gain
+  /// What points that the IMU predicts are expected to be off by with the trajectory, squared:
+  /// E = tr(M S) [px^2] (ImuReprojection), the time offset always included.
+  std::vector<double> squared_px;
 };
 
 /// What a trajectory's measurements would add, about T_SC0 (and the time offset), to what is known
@@ -52,7 +62,9 @@ class TrajectoryScorer {
 
   /// Of each trajectory; NaN where nothing can be said: too few corners along it, or something is
   /// not determined. Equal for any number of threads.
-  std::vector<double> gainsNats(const WindowKnowledge& now, int threads = 1) const;
+  TrajectoryScores scores(const WindowKnowledge& now, int threads = 1) const;
+  /// E of what is known now [px^2]; empty where the time offset, or T_SC0, is not determined.
+  std::optional<double> squaredPx(const WindowKnowledge& now) const;
 
  private:
   /// A trajectory without what depends on the estimate.
@@ -73,6 +85,7 @@ class TrajectoryScorer {
   TrajectoryRecording recording_;
   std::vector<LissajousTrajectory> trajectories_;
   std::vector<CameraCalibration> cameras_;
+  ImuReprojection reprojection_;
   std::vector<Prepared> prepared_;
 };
 
@@ -81,6 +94,7 @@ struct EvaluatorTiming {
   double every_s = 1;    ///< from one start to the next
   double latency_s = 0;  ///< from the frame whose estimate is scored to the answer
   int threads = 1;       ///< 2 or more: scores are computed beside the frames that follow
+  ViewCriterion criterion = ViewCriterion::kMutualInformation;  ///< what makes a trajectory best
 };
 
 /// Scores all trajectories on snapshots of the estimate. What comes out, and when, depends on the
@@ -93,7 +107,12 @@ class TrajectoryEvaluator {
   /// Whether a new evaluation should start with the frame at `t`: the last one was answered, and it
   /// was asked for long enough ago.
   bool isDue(TimeNs t) const;
-  void ask(TimeNs t, WindowKnowledge now);
+  /// Predicted errors are multiplied by `error_scale`.
+  void ask(TimeNs t, WindowKnowledge now, double error_scale = 1);
+  /// E of what is known now [px^2], without scale; see TrajectoryScorer.
+  std::optional<double> squaredPx(const WindowKnowledge& now) const {
+    return scorer_->squaredPx(now);
+  }
   /// The scores, once, with the first frame at or after their time.
   std::optional<CandidateRound> answerAt(TimeNs t);
 
@@ -101,7 +120,8 @@ class TrajectoryEvaluator {
   std::shared_ptr<const TrajectoryScorer> scorer_;
   EvaluatorTiming timing_;
   std::optional<TimeNs> asked_;  // the last one
-  std::future<std::vector<double>> gains_;
+  double error_scale_ = 1;       // of the last one
+  std::future<TrajectoryScores> scores_;
 };
 
 }  // namespace plumbline

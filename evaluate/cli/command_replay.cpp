@@ -132,6 +132,10 @@ void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
   app.add_option("--trajectory-amplitude", o.amplitude, "Scale of the trajectories")
       ->check(positiveNumber())
       ->capture_default_str();
+  app.add_option("--trajectory-held-s", o.reached_s,
+                 "A trajectory's start is reached when it was held for so long [s]")
+      ->check(numberFrom(0))
+      ->capture_default_str();
   app.add_option("--max-speed", o.max_speed_m_s, "Limit of a trajectory [m/s]")
       ->check(positiveNumber())
       ->capture_default_str();
@@ -143,7 +147,7 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--criterion", criterion,
-                 "Criterion to choose views and to stop: mi or predicted-error")
+                 "Criterion to choose views and trajectories, and to stop: mi or predicted-error")
       ->capture_default_str();
   app.add_option(
          "--later-use", later_use,
@@ -170,6 +174,12 @@ void GuideOptionSet::declare(CLI::App& app) {
                  "predicted to be off by no more than this [px] (0: by the criterion)")
       ->check(numberWithin(0, 100))
       ->capture_default_str();
+  app.add_option(
+         "--stop-reprojection-px", guide.trajectories.stop_reprojection_px,
+         "The camera-IMU stage is over when, and only when, points that the IMU predicts are "
+         "expected to be off by no more than this [px] (0: by the criterion)")
+      ->check(numberWithin(0, 100))
+      ->capture_default_str();
   app.add_option("--operator-speed", guide.pace.speed_m_s,
                  "Suggestions are chosen by gain per second at this speed of the hand [m/s] (0: by "
                  "gain alone)")
@@ -188,7 +198,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   GuideOptions o = guide;
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
-  o.views.criterion = viewCriterionFrom(criterion);
+  o.views.criterion = o.trajectories.criterion = viewCriterionFrom(criterion);
   o.views.later_use = laterUseFrom(later_use);
   o.views.stop_excess = stop_excess_percent / 100;
   o.trajectories.expires_s = o.views.expires_s;

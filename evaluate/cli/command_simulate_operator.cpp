@@ -82,6 +82,23 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
                  "predicted to be off by no more than this [px] (0: by the criterion)")
       ->check(numberWithin(0, 100))
       ->capture_default_str();
+  app.add_option(
+         "--stop-reprojection-px", s.guide.trajectories.stop_reprojection_px,
+         "The camera-IMU stage is over when, and only when, points that the IMU predicts are "
+         "expected to be off by no more than this [px] (0: by the criterion)")
+      ->check(numberWithin(0, 100))
+      ->capture_default_str();
+  app.add_option("--trajectory-s", s.guide.trajectories.duration_s, "Duration of a trajectory [s]")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--trajectory-amplitude", s.guide.trajectories.amplitude,
+                 "Multiplies the trajectories' size")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--trajectory-held-s", s.guide.trajectories.reached_s,
+                 "A trajectory's start is reached when it was held for so long [s]")
+      ->check(numberFrom(0))
+      ->capture_default_str();
   app.add_option("--operator-speed", s.guide.pace.speed_m_s,
                  "The guide chooses by gain per second at this speed of the hand [m/s] (0: by gain "
                  "alone)")
@@ -128,7 +145,7 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   OperatorSimulationOptions s = o.simulation;
   s.method = *enumFrom<OperatorMethod>(o.method);
   s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
-  s.guide.views.criterion = viewCriterionFrom(o.criterion);
+  s.guide.views.criterion = s.guide.trajectories.criterion = viewCriterionFrom(o.criterion);
   s.skill = skillFrom(o.skill);
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     if (o.figures[i]) s.skill.*kFigures[i].figure = kFigures[i].unit * *o.figures[i];

@@ -86,6 +86,10 @@ Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operat
           {"trajectories", o.trajectories},
           {"operator_speed_m_s", o.guide.pace.speed_m_s},
           {"stop_projection_px", o.guide.views.stop_projection_px},
+          {"stop_reprojection_px", o.guide.trajectories.stop_reprojection_px},
+          {"trajectory_s", o.guide.trajectories.duration_s},
+          {"trajectory_amplitude", o.guide.trajectories.amplitude},
+          {"trajectory_held_s", o.guide.trajectories.reached_s},
           {"skill", toJson(operated.skill)}};
 }
 

@@ -14,7 +14,6 @@ constexpr double kArrived_m = 0.08, kArrived_rad = 0.12;  // an own view is left
 constexpr double kTurn_m = 0.01, kTurn_rad = 0.02;        // a view was passed far enough
 constexpr double kSmooth_s = 0.25;                        // in which a hand changes its speed
 constexpr double kApproach_s = 0.35;                      // in which it slows down before a goal
-constexpr double kPathDuration_s = 5;  // of a suggested trajectory, as the guide shows it
 
 Eigen::Vector3d limited(const Eigen::Vector3d& v, double most) {
   const double norm = v.norm();
@@ -47,13 +46,14 @@ void SimulatedOperator::show(const std::optional<Suggestion>& suggestion, double
   following_since_s_.reset();
 }
 
-void SimulatedOperator::go(double t_s) {
-  if (shown_ && !shown_->path.empty() && ignored_ != shown_->id)
-    following_since_s_ = t_s + skill_.reaction_s;
+void SimulatedOperator::go(double t_s, double duration_s) {
+  if (!shown_ || shown_->path.empty() || ignored_ == shown_->id) return;
+  following_since_s_ = t_s + skill_.reaction_s;
+  following_for_s_ = duration_s;
 }
 
 bool SimulatedOperator::hasFollowed(double t_s) const {
-  return following_since_s_ && t_s >= *following_since_s_ + kPathDuration_s + kApproach_s;
+  return following_since_s_ && t_s >= *following_since_s_ + following_for_s_ + kApproach_s;
 }
 
 Eigen::Vector3d SimulatedOperator::normal(double std) {
@@ -97,7 +97,7 @@ Transform SimulatedOperator::goal() {
 
 Transform SimulatedOperator::suggestedGoal() {
   if (following_since_s_ && t_s_ >= *following_since_s_) {
-    const double share = std::min(1.0, (t_s_ - *following_since_s_) / kPathDuration_s);
+    const double share = std::min(1.0, (t_s_ - *following_since_s_) / following_for_s_);
     const auto& path = pursued_->path;
     return path[static_cast<std::size_t>(share * static_cast<double>(path.size() - 1))];
   }

@@ -27,7 +27,8 @@
 
   const errorText = (f) => {
     const {error, excess} = data.table;
-    return known(error[f]) ? `${error[f].toFixed(4)} px (+${(100 * excess[f]).toFixed(1)} %)` : NONE;
+    if (!known(error[f])) return NONE;
+    return `${error[f].toFixed(4)} px${known(excess[f]) ? ` (+${(100 * excess[f]).toFixed(1)} %)` : ''}`;
   };
 
   /** Why a frame was kept or not, in a sentence. */

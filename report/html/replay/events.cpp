@@ -41,6 +41,10 @@ std::string finishedText(const Decision& d) {
     return text +
            fmt::format(": projections are predicted to be off by {:.3f} px", *d.projection_px);
   }
+  if (d.stage == GuideStage::kCameraImu && d.error_px && d.error_bound_px) {
+    return text + fmt::format(": points that the IMU predicts are expected to be off by {:.3f} px",
+                              *d.error_px);
+  }
   if (d.error_bound_px && d.excess) {
     return text + fmt::format(": the predicted error raises that of a corner by {:.1f} %",
                               100 * *d.excess);

@@ -39,7 +39,7 @@ std::vector<Pair> pairsOf(int k) {
   how.imu_noise = true;
   const auto six = lissajousTrajectories(lissajousShapes(), AprilGrid{}, now.estimate.T_SC0, {});
   const TrajectoryScorer scorer(testing::plannedRecording(r, how), six, r.truth.cameras);
-  const auto gains = scorer.gainsNats(now);
+  const auto gains = scorer.scores(now).gain_nats;
   const auto alone = testing::solvedWithOffsetHeld(r.problem, r.truth);
   const auto before = testing::batchInformation(r.problem, alone);
   std::vector<Pair> pairs;

@@ -48,7 +48,7 @@ TEST(TrajectoryGain, IsTheInformationThatOneProblemWithTheTrajectoryHasMore) {
   for (const bool offset : {false, true}) {
     TrajectoryRecording planned = testing::plannedRecording(recording(), how);
     planned.score_offset = offset;
-    const auto gains = scorer(planned).gainsNats(now);
+    const auto gains = scorer(planned).scores(now).gain_nats;
     const auto before = calibrationInformation(now.information, offset);
     for (std::size_t i = 0; i < gains.size(); ++i) {
       const auto joint = testing::jointProblem(
@@ -60,20 +60,67 @@ TEST(TrajectoryGain, IsTheInformationThatOneProblemWithTheTrajectoryHasMore) {
   }
 }
 
+TEST(TrajectoryGain, PredictedErrorIsThatOfOneProblemWithTheTrajectory) {
+  const WindowKnowledge now = knowledgeAtTheTruth();
+  const testing::RecordedTrajectoryOptions how;
+  const auto scores = scorer(testing::plannedRecording(recording(), how)).scores(now);
+  const ImuReprojection reprojection(recording().truth.cameras);
+  const double before = *scorer(testing::plannedRecording(recording(), how)).squaredPx(now);
+  for (std::size_t i = 0; i < scores.squared_px.size(); ++i) {
+    const auto joint =
+        testing::jointProblem(recording(), testing::recordAlong(six()[i], recording(), now.t, how));
+    const auto after = testing::batchInformation(joint.problem, joint.truth, true);
+    const double E = *reprojection.expectedError(after, joint.truth.T_SC0);
+    EXPECT_NEAR(scores.squared_px[i], E, 5e-3 * E) << i;
+    EXPECT_LT(scores.squared_px[i], 0.9 * before) << i;
+  }
+}
+
+/// The round that an evaluator answers, by a criterion.
+CandidateRound roundBy(ViewCriterion criterion, const WindowKnowledge& now) {
+  EvaluatorTiming timing;
+  timing.criterion = criterion;
+  TrajectoryEvaluator evaluator(scorer(testing::plannedRecording(recording(), {})), timing);
+  evaluator.ask(now.t, now, 4);
+  return *evaluator.answerAt(now.t);
+}
+
+// One axis of T_SC0's translation is hardly known, and nearly every trajectory makes it known.
+// Information counts by ratios: it takes the one that adds most to all the rest as well. In
+// pixels the axis is all that is left, and the one that settles it best is asked for.
+TEST(TrajectoryGain, CriteriaDisagreeWhereOneErrorIsMostOfTheShift) {
+  WindowKnowledge now = knowledgeAtTheTruth();
+  const int axis = kChainBlock + 1;
+  now.information.row(axis) *= 0.01;
+  now.information.col(axis) *= 0.01;
+  const CandidateRound gain = roundBy(ViewCriterion::kMutualInformation, now);
+  const CandidateRound error = roundBy(ViewCriterion::kPredictedError, now);
+  EXPECT_EQ(gain.error_px, error.error_px);
+  EXPECT_NE(gain.best, error.best);
+  const auto at = [](const std::vector<double>& scores, int i) {
+    return scores[static_cast<std::size_t>(i)];
+  };
+  EXPECT_GT(at(gain.mi_nats, gain.best), at(gain.mi_nats, error.best));
+  EXPECT_LT(at(gain.error_px, error.best), 0.98 * at(gain.error_px, gain.best));
+  // Squared errors were scaled by 4.
+  const auto scores = scorer(testing::plannedRecording(recording(), {})).scores(now);
+  EXPECT_NEAR(error.error_px[0], 2 * std::sqrt(scores.squared_px[0]), 1e-12);
+}
+
 TEST(TrajectoryGain, DoesNotDependOnTheNumberOfThreads) {
   const WindowKnowledge now = knowledgeAtTheTruth();
   const TrajectoryScorer s = scorer(testing::plannedRecording(recording(), {}));
-  const auto one = s.gainsNats(now, 1);
-  EXPECT_EQ(one, s.gainsNats(now, 2));
-  EXPECT_EQ(one, s.gainsNats(now, 5));
+  const auto one = s.scores(now, 1).gain_nats;
+  EXPECT_EQ(one, s.scores(now, 2).gain_nats);
+  EXPECT_EQ(one, s.scores(now, 5).gain_nats);
 }
 
 TEST(TrajectoryGain, FallsAsMoreIsKnown) {
   WindowKnowledge now = knowledgeAtTheTruth();
   const TrajectoryScorer s = scorer(testing::plannedRecording(recording(), {}));
-  const auto first = s.gainsNats(now);
+  const auto first = s.scores(now).gain_nats;
   now.information *= 10;
-  const auto later = s.gainsNats(now);
+  const auto later = s.scores(now).gain_nats;
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_LT(later[i], 0.6 * first[i]);
     EXPECT_GT(later[i], 0);
@@ -83,14 +130,14 @@ TEST(TrajectoryGain, FallsAsMoreIsKnown) {
 TEST(TrajectoryGain, FallsWithTheNoiseOfCornersAndImu) {
   const WindowKnowledge now = knowledgeAtTheTruth();
   TrajectoryRecording planned = testing::plannedRecording(recording(), {});
-  const auto first = scorer(planned).gainsNats(now);
+  const auto first = scorer(planned).scores(now).gain_nats;
   TrajectoryRecording pixels = planned;
   pixels.pixel_sigma *= 3;
   TrajectoryRecording imu = planned;
   imu.noise.accel_density *= 5;
   imu.noise.gyro_density *= 5;
-  const auto with_pixels = scorer(pixels).gainsNats(now);
-  const auto with_imu = scorer(imu).gainsNats(now);
+  const auto with_pixels = scorer(pixels).scores(now).gain_nats;
+  const auto with_imu = scorer(imu).scores(now).gain_nats;
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_LT(with_pixels[i], 0.9 * first[i]);
     EXPECT_LT(with_imu[i], 0.9 * first[i]);
@@ -103,9 +150,9 @@ TEST(TrajectoryGain, WithoutCornersOrKnowledgeThereIsNoScore) {
   WindowKnowledge now = knowledgeAtTheTruth();
   TrajectoryRecording blind = testing::plannedRecording(recording(), {});
   blind.min_corners = 1000;
-  for (const double gain : scorer(blind).gainsNats(now)) EXPECT_TRUE(std::isnan(gain));
+  for (const double gain : scorer(blind).scores(now).gain_nats) EXPECT_TRUE(std::isnan(gain));
   now.information.setZero();
-  const auto gains = scorer(testing::plannedRecording(recording(), {})).gainsNats(now);
+  const auto gains = scorer(testing::plannedRecording(recording(), {})).scores(now).gain_nats;
   EXPECT_EQ(gains.size(), 6u);
   for (const double gain : gains) EXPECT_TRUE(std::isnan(gain));
 }

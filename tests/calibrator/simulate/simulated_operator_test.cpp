@@ -103,7 +103,7 @@ TEST(SimulatedOperator, FollowsATrajectoryOnceTheGuideSaysGo) {
   p.show(s, 0);
   for (int k = 0; k < 80; ++k) p.next();
   EXPECT_LT((p.next().t - s.T_FC0.t).norm(), 2e-3) << "waits at its start";
-  p.go(8);
+  p.go(8, 5);
   EXPECT_FALSE(p.hasFollowed(9));
   for (int k = 0; k < 80; ++k) p.next();
   EXPECT_LT((p.next().t - s.path.back().t).norm(), 0.01);

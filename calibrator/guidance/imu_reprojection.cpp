@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/imu_reprojection.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "calibrator/base/lie.h"
+#include "calibrator/camera/camera.h"
+#include "calibrator/residuals/tangent.h"
+
+namespace plumbline {
+namespace {
+
+/// Mean of J^T J over the grid and the distances.
+Matrix6d meanTwistGram(const Intrinsics& camera, const ImuUse& use) {
+  Matrix6d sum = Matrix6d::Zero();
+  int count = 0;
+  for (int k = 0; k < use.columns * use.rows; ++k) {
+    const int column = k % use.columns;
+    const int row = k / use.columns;
+    const Eigen::Vector2d uv(
+        column * (camera.resolution.width - 1.0) / std::max(1, use.columns - 1),
+        row * (camera.resolution.height - 1.0) / std::max(1, use.rows - 1));
+    const auto ray = unproject(camera, uv);
+    if (!ray) continue;
+    for (const double range_m : use.ranges_m) {
+      const Eigen::Vector3d p = range_m * *ray;
+      const auto projection = projectWithJacobians(camera, p);
+      if (!projection) continue;
+      Eigen::Matrix<double, 2, 6> J;
+      J << projection->J_point, -projection->J_point * skew(p);
+      sum += J.transpose() * J;
+      ++count;
+    }
+  }
+  return count > 0 ? Matrix6d(sum / count) : sum;
+}
+
+/// B: the twist in A of a twist in B's frame.
+Matrix6d adjoint(const Transform& T_AB) {
+  Matrix6d B = Matrix6d::Zero();
+  B.topLeftCorner<3, 3>() = B.bottomRightCorner<3, 3>() = T_AB.R;
+  B.topRightCorner<3, 3>() = skew(T_AB.t) * T_AB.R;
+  return B;
+}
+
+}  // namespace
+
+ImuReprojection::ImuReprojection(const std::vector<CameraCalibration>& cameras, const ImuUse& use)
+    : use_(use) {
+  assert(!cameras.empty());
+  for (const CameraCalibration& camera : cameras) {
+    cameras_.push_back({camera.T_C0Ci, meanTwistGram(camera.intrinsics, use)});
+  }
+}
+
+Matrix7d ImuReprojection::gram(const Transform& T_SC0) const {
+  Vector6d motion;  // mean squares along each axis
+  motion << Eigen::Vector3d::Constant(use_.speed_m_s * use_.speed_m_s / 3),
+      Eigen::Vector3d::Constant(use_.rate_rad_s * use_.rate_rad_s / 3);
+  Matrix7d M = Matrix7d::Zero();
+  for (const Camera& camera : cameras_) {
+    const Matrix6d A = cameraImuChain(Transform(), T_SC0, camera.T_C0Ci).A_SC0;
+    const Matrix6d B = adjoint((T_SC0 * camera.T_C0Ci).inverse());
+    M.topLeftCorner<6, 6>() += A.transpose() * camera.H * A;
+    M(6, 6) += motion.dot((B.transpose() * camera.H * B).diagonal());
+  }
+  return M / static_cast<double>(cameras_.size());
+}
+
+std::optional<double> ImuReprojection::expectedError(const Eigen::MatrixXd& information,
+                                                     const Transform& T_SC0) const {
+  assert(information.rows() == 7 && information.cols() == 7);
+  const Eigen::LLT<Matrix7d> llt{Matrix7d(information)};
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const double E = llt.solve(gram(T_SC0)).trace();
+  return std::isfinite(E) ? std::optional(E) : std::nullopt;
+}
+
+}  // namespace plumbline

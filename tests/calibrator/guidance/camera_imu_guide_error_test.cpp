@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The camera-IMU stage by predicted error: what it asks for, when it stops, and whether points that
+// the IMU predicts are off by what it says.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibrator/guidance/guide.h"
+#include "calibrator/guidance/imu_reprojection.h"
+#include "tests/calibrator/guidance/imu_guide_replay.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kSigma = 0.2;  // [px]
+
+SimulatedSession simulated(double duration_s, std::uint64_t seed) {
+  SimulationOptions options;
+  options.duration_s = duration_s;
+  options.corner_sigma_px = kSigma;
+  options.seed = options.trajectory.seed = seed;
+  return simulateSession(simulatedRig("euroc"), options);
+}
+
+const SimulatedSession& recording() {
+  static const SimulatedSession s = simulated(8, 1);
+  return s;
+}
+
+GuideOptions byError() {
+  GuideOptions options;
+  options.trajectories.pixel_sigma = kSigma;
+  options.trajectories.cauchy_px = 0;
+  options.trajectories.criterion = ViewCriterion::kPredictedError;
+  return options;
+}
+
+std::vector<Decision> replayed(const GuideOptions& options) {
+  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, options);
+  return testing::replay(guide, testing::framesOf(recording().session));
+}
+
+TEST(CameraImuGuideByError, AsksForTheTrajectoryThatLeavesLeast) {
+  GuideOptions options = byError();
+  options.trajectories.least_lowering = 1e-6;
+  std::optional<double> first, last;
+  int rounds = 0, opened = 0;
+  for (const Decision& d : replayed(options)) {
+    if (d.error_px) last = d.error_px;
+    if (!first) first = last;
+    if (d.opened) {
+      EXPECT_EQ(*d.opened->error_px, d.round->error_px[static_cast<std::size_t>(d.round->best)]);
+      EXPECT_LT(*d.opened->error_px, *d.error_px);
+      ++opened;
+    }
+    if (!d.round) continue;
+    ++rounds;
+    const auto& errors = d.round->error_px;
+    ASSERT_EQ(errors.size(), d.round->mi_nats.size());
+    EXPECT_EQ(errors[static_cast<std::size_t>(d.round->best)],
+              *std::min_element(errors.begin(), errors.end()));
+  }
+  EXPECT_GE(rounds, 5);
+  EXPECT_GE(opened, 1);
+  EXPECT_LT(*last, 0.5 * *first);  // eight seconds of motion sharpen it
+}
+
+TEST(CameraImuGuideByError, StopsWhereNoTrajectoryLowersTheErrorByAsMuchAsAskedFor) {
+  GuideOptions options = byError();
+  options.trajectories.least_lowering = 0.5;
+  const auto decisions = replayed(options);
+  const auto end = std::find_if(decisions.begin(), decisions.end(),
+                                [](const Decision& d) { return d.mode == GuideMode::kFinished; });
+  ASSERT_NE(end, decisions.end());
+  ASSERT_TRUE(end->round);
+  EXPECT_GT(end->frame, 40);
+  // The round before it was worth a suggestion, this one was not.
+  for (auto d = decisions.begin(); d <= end; ++d) {
+    if (!d->round) continue;
+    const double with = d->round->error_px[static_cast<std::size_t>(d->round->best)];
+    const double share = std::pow(with / *d->error_px, 2);
+    if (d == end) {
+      EXPECT_GT(share, 0.5);
+    } else {
+      EXPECT_LE(share, 0.5);
+    }
+  }
+}
+
+TEST(CameraImuGuideByError, StopsWhenAndOnlyWhenTheErrorIsWhatWasAskedFor) {
+  for (const auto criterion : {ViewCriterion::kMutualInformation, ViewCriterion::kPredictedError}) {
+    GuideOptions options = byError();
+    options.trajectories.criterion = criterion;
+    options.trajectories.threshold_nats = 5;     // by which it would stop at once,
+    options.trajectories.least_lowering = 0.99;  // or by this
+    options.trajectories.stop_reprojection_px = 0.3;
+    bool finished = false;
+    for (const Decision& d : replayed(options)) {
+      if (finished || !d.error_px) continue;
+      EXPECT_EQ(d.mode == GuideMode::kFinished, *d.error_px <= 0.3);
+      EXPECT_EQ(*d.error_bound_px, 0.3);
+      finished = d.mode == GuideMode::kFinished;
+    }
+    EXPECT_TRUE(finished);
+  }
+}
+
+/// Squared error of a batch over 4 s, through M, over what was predicted: mean of 12 recordings.
+double errorOverPrediction(double assumed_px) {
+  constexpr int kSeeds = 12;
+  double sum = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const SimulatedSession s = simulated(4, static_cast<std::uint64_t>(seed));
+    GuideOptions options = byError();
+    options.trajectories.pixel_sigma = assumed_px;
+    options.trajectories.stop_reprojection_px = 1e-9;  // never
+    CameraImuGuide guide(testing::rigOf(s), s.truth.cameras, options);
+    const auto decisions = testing::replay(guide, testing::framesOf(s.session));
+    const auto result = guide.batch();
+    if (!result) return std::numeric_limits<double>::quiet_NaN();
+    Eigen::Matrix<double, 7, 1> error;
+    error << boxminus(result->imu.T_SC0, s.truth.imu->T_SC0),
+        result->imu.timeOffset() - s.truth.imu->timeOffset();
+    const Matrix7d M = ImuReprojection(s.truth.cameras).gram(s.truth.imu->T_SC0);
+    sum += error.dot(M * error) / std::pow(*decisions.back().error_px, 2);
+  }
+  return sum / kSeeds;
+}
+
+// Mean of 12 of about 3 degrees of freedom each: std 0.24. Too large a sigma hardly matters, for
+// the IMU's noise is most of it; where it is too small the residuals tell.
+TEST(CameraImuGuideByError, PointsAreOffByWhatWasPredicted) {
+  EXPECT_NEAR(errorOverPrediction(kSigma), 1, 0.6);
+  EXPECT_NEAR(errorOverPrediction(5 * kSigma), 1, 0.6);
+  const double cautious = errorOverPrediction(0.5 * kSigma);
+  EXPECT_LT(cautious, 1);
+  EXPECT_GT(cautious, 0.1);
+}
+
+}  // namespace
+}  // namespace plumbline
