@@ -47,7 +47,7 @@ class Guide {
 /// Start: a batch over the first frames that moved against each other; where it fails (too few
 /// views, not observable), again with more, and the decision says why it failed. A start under
 /// which the frames that follow have no plausible pose is given up, its frames withdrawn, and the
-/// stage starts anew; so is one that leaves 1.25 times the RMSE, on the frames after it, of an
+/// stage restarts; so is one that leaves 1.25 times the RMSE, on the frames after it, of an
 /// estimate made from those alone (10, 20 and 40 that moved against each other). From then on each
 /// frame gets a pose from its own corners and the cameras as they are, and is scored against the
 /// information of all views kept (fixed-lag window and its prior, CameraWindow): below the

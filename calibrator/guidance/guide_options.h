@@ -25,7 +25,7 @@ struct ViewGuideOptions : MeasurementModel {
   int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
   double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
   /// So many frames in a row without plausible pose, before as many had one: the start was wrong,
-  /// and the stage starts anew.
+  /// and the stage restarts.
   int start_anew_after = 10;
   int window = 10;                              ///< views in the fixed-lag window
   int min_corners = 16;                         ///< of one camera, for its view to count

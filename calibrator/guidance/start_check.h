@@ -22,7 +22,7 @@ class StartCheck {
   bool isDue(const GuideFrame& frame, const FrameCorners& corners);
   /// What speaks against the cameras; empty: nothing.
   std::optional<std::string> against(const std::vector<CameraCalibration>& cameras) const;
-  /// The stage starts anew.
+  /// The stage restarts.
   void forget() { frames_.clear(); }
 
  private:

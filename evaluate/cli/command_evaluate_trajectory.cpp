@@ -159,7 +159,8 @@ int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App&
   record.provenance.input_hash = inputFilesHash(inputs);
   return out.finish(
       record, {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-      renderTrajectoryPage, runsSummary(record) + "\n" + verdictText(record.verdict));
+      renderTrajectoryPage,
+      runsSummary(record) + "\n" + verdictText(record.verdict, kCompleteWord));
 }
 
 }  // namespace

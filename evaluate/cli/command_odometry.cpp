@@ -118,10 +118,11 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   record.provenance = makeProvenance("odometry", givenOptions(app));
   record.provenance.input_hash = inputFilesHash(inputs);
   record.provenance.input = std::filesystem::path(request.sequences.front()).filename().string();
-  return out.finish(
-      record, {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-      renderTrajectoryPage,
-      runsSummary(record) + odometrySummary(record) + "\n" + verdictText(record.verdict));
+  return out.finish(record,
+                    {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
+                    renderTrajectoryPage,
+                    runsSummary(record) + odometrySummary(record) + "\n" +
+                        verdictText(record.verdict, kCompleteWord));
 }
 
 }  // namespace

@@ -73,8 +73,8 @@ std::string calibrationHeadline(const CalibrationRecord& record) {
   return headlineOf(record.verdict, good);
 }
 
-std::string verdictText(const Verdict& verdict) {
-  std::string word = toString(verdict.level);
+std::string verdictText(const Verdict& verdict, const std::string& good_word) {
+  std::string word = verdict.level == VerdictLevel::kGood ? good_word : toString(verdict.level);
   for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   std::string text = fmt::format("Verdict: {}\n{}", word, verdict.headline);
   if (!verdict.headline.empty()) text += "\n";

@@ -22,7 +22,8 @@ std::string worstFinding(const Verdict& verdict);
 /// shown.
 std::string calibrationHeadline(const CalibrationRecord& record);
 
-/// The end of a summary: "Verdict: CAUTION", the headline, and every finding that is not good.
-std::string verdictText(const Verdict& verdict);
+/// The end of a summary: "Verdict: CAUTION" (or the word for a good one), the headline, and every
+/// finding that is not good.
+std::string verdictText(const Verdict& verdict, const std::string& good_word = "good");
 
 }  // namespace plumbline

@@ -249,8 +249,12 @@ std::vector<CalibrationSensitivity> sensitivities(
     };
     const auto add = [&](const NamedCalibration& of, const std::string& towards,
                          const SensitivitySteps& steps) {
+      const std::string what = of.name + (towards.empty() ? "" : " towards " + towards);
+      const auto told = [&](const std::string& step, double share) {
+        if (progress) progress(step + " of " + what, share);
+      };
       CalibrationSensitivity s =
-          sensitivityOf(withNoise({&sequence, &of, 1}), steps, ate, request.threads, progress);
+          sensitivityOf(withNoise({&sequence, &of, 1}), steps, ate, request.threads, told);
       s.sequence = sequence.name;
       s.calibration = of.name;
       s.towards = towards;

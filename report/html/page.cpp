@@ -70,7 +70,8 @@ std::string renderPage(const Page& study) {
   setPlayer(page, study.player);
   if (study.verdict) {
     setVerdict(page, *study.verdict,
-               study.sentence.empty() ? sentenceOf(*study.verdict) : study.sentence);
+               study.sentence.empty() ? sentenceOf(*study.verdict) : study.sentence,
+               study.good_word);
   } else {
     for (const char* part : {"verdict", "has_concerns", "has_holds"}) page.set(part, flag(false));
   }

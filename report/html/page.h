@@ -28,6 +28,7 @@ struct Page {
   std::optional<Assumptions> assumptions;  ///< stand with the provenance
   std::optional<PagePlayer> player = {};
   std::string sentence = {};         ///< under the verdict; empty: how many rules hold
+  std::string good_word = "good";    ///< what the badge says where all rules hold
   std::vector<Pair> more_rows = {};  ///< of the provenance, after the assumptions
   std::vector<Block> appendix = {};  ///< after the provenance
   std::string script = {};           ///< of a part of a section, e.g. the 3D viewer

@@ -56,17 +56,23 @@ data findingRows(const std::vector<Finding>& findings) {
   return rows;
 }
 
-/// A chip for every subject that findings are about, with the worst level of its own.
+/// A chip for every subject, with the worst level of the findings about it; none where no finding
+/// has a subject.
 data subjectChips(const std::vector<Finding>& findings) {
   data chips{data::type::list};
+  if (std::all_of(findings.begin(), findings.end(),
+                  [](const Finding& f) { return f.subject == FindingSubject::kResult; })) {
+    return chips;
+  }
   for (const FindingSubject subject : {FindingSubject::kCameras, FindingSubject::kExtrinsics,
                                        FindingSubject::kImuNoise, FindingSubject::kRecording}) {
     std::optional<VerdictLevel> worst;
     for (const Finding& f : findings) {
       if (f.subject == subject) worst = std::max(worst.value_or(f.level), f.level);
     }
-    if (!worst) continue;
-    chips.push_back(object({{"level", toString(*worst)}, {"subject", toString(subject)}}));
+    chips.push_back(object({{"level", worst ? toString(*worst) : "not judged"},
+                            {"dot", worst ? toString(*worst) : "neutral"},
+                            {"subject", toString(subject)}}));
   }
   return chips;
 }
@@ -196,9 +202,11 @@ data startPage(const PageHead& head) {
   return page;
 }
 
-void setVerdict(data& page, const Verdict& verdict, const std::string& sentence) {
-  const std::string word = toString(verdict.level);
-  page.set("verdict", word);
+void setVerdict(data& page, const Verdict& verdict, const std::string& sentence,
+                const std::string& good_word) {
+  const bool good = verdict.level == VerdictLevel::kGood;
+  const std::string word = good ? good_word : toString(verdict.level);
+  page.set("verdict", good && word != "good" ? "neutral" : toString(verdict.level));
   page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
   page.set("verdict_sentence", sentence);
   std::vector<Finding> concerns;

@@ -48,8 +48,10 @@ struct PageHead {
 
 /// Head, style and scripts; an empty table of contents.
 data startPage(const PageHead& head);
-/// Badge, sentence, findings that are not good, and those that are.
-void setVerdict(data& page, const Verdict& verdict, const std::string& sentence);
+/// Badge (of a good verdict with this word), sentence, findings that are not good, and those that
+/// are.
+void setVerdict(data& page, const Verdict& verdict, const std::string& sentence,
+                const std::string& good_word);
 /// Entries of the table of contents: id and title.
 void setContents(data& page, const std::vector<Pair>& entries);
 

@@ -413,6 +413,10 @@ void fields(V& v, TrajectoryStudy& s) {
   v("runs", s.runs, "each estimate against its truth");
 }
 
+/// What the verdict of trajectories is called where nothing is amiss: an error has no level, for
+/// what it may be depends on the use.
+constexpr const char* kCompleteWord = "complete";
+
 /// What `evaluate trajectory` found, for one run or many.
 struct TrajectoryRecord : TrajectoryStudy {
   std::string name;

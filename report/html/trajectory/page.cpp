@@ -10,9 +10,16 @@ using namespace html_internal;
 
 std::string renderTrajectoryPage(const TrajectoryRecord& record) {
   std::optional<Verdict> verdict;
-  if (!record.verdict.findings.empty()) verdict = record.verdict;
-  return renderPage({"Trajectories against ground truth", record.name, record.provenance, verdict,
-                     trajectoryCards(record), trajectorySections(record), std::nullopt});
+  if (!record.verdict.headline.empty()) verdict = record.verdict;
+  Page page{"Trajectories against ground truth",
+            record.name,
+            record.provenance,
+            verdict,
+            trajectoryCards(record),
+            trajectorySections(record),
+            std::nullopt};
+  page.good_word = kCompleteWord;
+  return renderPage(page);
 }
 
 }  // namespace plumbline

@@ -45,7 +45,7 @@ TEST(CameraGuide, StartsWhenTheFramesSuffice) {
     if (d.reason != GuideReason::kInitialiseFailed) continue;
     ++failed;
     EXPECT_EQ(i, 4);
-    EXPECT_NE(d.detail.find("5 frames do not start the estimate"), std::string::npos) << d.detail;
+    EXPECT_NE(d.detail.find("initialisation failed with 5 frames"), std::string::npos) << d.detail;
     EXPECT_NE(d.detail.find("tried again with 10"), std::string::npos) << d.detail;
     EXPECT_TRUE(d.failure.has_value());
   }
@@ -254,7 +254,7 @@ TEST(CameraGuide, StartsAnewWhereTheStartExplainsNoneOfTheFramesThatFollow) {
     }
   });
   const auto given_up = std::find_if(decisions.begin(), decisions.end(), [](const Decision& d) {
-    return d.detail.find("starts anew") != std::string::npos;
+    return d.detail.find("restarts") != std::string::npos;
   });
   ASSERT_NE(given_up, decisions.end());
   EXPECT_EQ(given_up->reason, GuideReason::kInitialiseFailed);
@@ -288,7 +288,7 @@ TEST(CameraGuide, StartsAnewWhereARestartFromOtherFramesDisagrees) {
   CameraGuide guide(rig.guideRig(), options);
   const auto decisions = playedFromAWrongStart(guide, rig, 0.8);
   const auto given_up = std::find_if(decisions.begin(), decisions.end(), [](const Decision& d) {
-    return d.detail.find("starts anew") != std::string::npos;
+    return d.detail.find("restarts") != std::string::npos;
   });
   ASSERT_NE(given_up, decisions.end());
   EXPECT_NE(given_up->detail.find("px on 10 frames after its start"), std::string::npos)

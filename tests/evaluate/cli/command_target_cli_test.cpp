@@ -74,7 +74,7 @@ TEST_F(CommandTarget, NamesSessionsWhoseBoardBent) {
     return outcome.text;
   };
   EXPECT_THAT(fit(" " + at("3")), HasSubstr("3: differs by more than chance, but its own"));
-  EXPECT_THAT(fit(" " + at("4")), HasSubstr("4: differs, and its own shape predicts unseen"));
+  EXPECT_THAT(fit(" " + at("4")), HasSubstr("4: differs, and its own shape predicts held-out"));
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ class EveryCommand : public CommandLine {
              flown,
          verdict},
         {"export", ours + " --to openvins", document},
-        {"target fit", s, Writes::kFiles, "shape.yaml"},
+        {"target fit", at("session"), Writes::kFiles, "shape.yaml"},
         {"target print", "--rows 2 --cols 2 --tag-size 40mm", Writes::kFiles, "sheet.pdf"},
         {"perturb", short_s + " --offsets-ms 10", verdict},
         {"replay", short_s + " --no-counterfactuals", verdict},

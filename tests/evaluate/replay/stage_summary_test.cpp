@@ -85,7 +85,7 @@ TEST_F(Summary, ABatchThatTheGuideCouldNotSolveIsTriedFromTheViewsAlone) {
 TEST_F(Summary, AStageThatStartedAnewStartedThen) {
   decisions_[6].reason = decisions_[30].reason = GuideReason::kInitialised;
   decisions_[20].reason = GuideReason::kInitialiseFailed;
-  decisions_[20].detail = "the stage starts anew";
+  decisions_[20].detail = "the stage restarts";
   decisions_[20].withdrawn = {0, 3, 6, 9, 12, 15, 18};
   const ReplayStageSummary anew = summariseCameraStage(run(), {});
   ASSERT_TRUE(anew.started.has_value());

@@ -79,7 +79,7 @@ def check(name, path):
         fail("%s: %.1f MB, %d may be" % (name, size, limit))
     with open(path, encoding="utf-8") as file:
         page = file.read()
-    if not re.search(r'class="verdict (good|caution|bad)".*?<p[^>]*>[^<]{20,}', page, re.S):
+    if not re.search(r'class="verdict (good|caution|bad|neutral)".*?<p[^>]*>[^<]{20,}', page, re.S):
         fail(name + ": the page does not begin with its verdict's sentence")
     zeros = re.findall(r"(?<![\w.\-])[-\u2212]0(?:\.0+)?(?![\d.\w])", text_of(page))
     if zeros:
