@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/lie.h"
 #include "report/html/text.h"
 #include "report/html/trajectory/sections.h"
 
