@@ -2,7 +2,9 @@
 #include "evaluate/metrics/trajectory/verdict.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +17,14 @@ namespace plumbline {
 namespace {
 
 using Findings = std::vector<Finding>;
+
+/// Each calibration over everything: over all sequences, or the only one.
+std::vector<RunsSummary> overAll(const TrajectoryStudy& study) {
+  std::vector<RunsSummary> all;
+  std::copy_if(study.summary.begin(), study.summary.end(), std::back_inserter(all),
+               [](const RunsSummary& s) { return s.sequence.empty(); });
+  return all.empty() ? study.summary : all;
+}
 
 std::string ofCalibration(const std::string& calibration) {
   return calibration.empty() ? "" : " of " + calibration;
@@ -112,8 +122,7 @@ std::string pairedWords(const PairedDifference& d) {
 
 std::string manyRuns(const TrajectoryStudy& study) {
   std::string text;
-  for (const RunsSummary& s : study.summary) {
-    if (!s.sequence.empty()) continue;
+  for (const RunsSummary& s : overAll(study)) {
     text += text.empty() ? "median ATE" : ",";
     if (!s.calibration.empty()) text += " of " + s.calibration;
     text += s.ate_median_m ? fmt::format(" {:.3g} m", *s.ate_median_m) : " unknown";
@@ -126,9 +135,7 @@ std::string manyRuns(const TrajectoryStudy& study) {
 
 Verdict trajectoryVerdict(const TrajectoryStudy& study) {
   Findings findings;
-  for (const RunsSummary& s : study.summary) {
-    if (s.sequence.empty()) findings.push_back(completion(study, s));
-  }
+  for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
   addCures(study, findings);
   addCovariances(study, findings);
   Verdict verdict = makeVerdict(std::move(findings));

@@ -52,6 +52,14 @@ TEST(TrajectoryVerdict, OfOneRunSaysHowFarItIsFromTheTruth) {
             "truth's time).");
 }
 
+TEST(TrajectoryVerdict, OfOneSequenceCountsItsRows) {
+  TrajectoryStudy study = studyOf({completeRun("ours", "1"), completeRun("ours", "2")});
+  study.summary[0].sequence = "MH_01";
+  const Verdict v = trajectoryVerdict(study);
+  EXPECT_THAT(v.findings, SizeIs(1));
+  EXPECT_EQ(v.headline, "Median ATE of ours 0.0543 m.");
+}
+
 TEST(TrajectoryVerdict, AFailedRunIsBadAndNamedWithItsReason) {
   TrajectoryRun failed = completeRun("ours", "2");
   failed.status = RunStatus::kFailed;
