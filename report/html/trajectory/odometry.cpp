@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What an odometry says of itself, and what the parameters of its calibration do to its error.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,10 +14,6 @@ namespace {
 
 Cell given(const std::optional<double>& value, const char* format) {
   return number(value ? fmt::format(fmt::runtime(format), *value) : kDash);
-}
-
-Cell millimetres(const std::optional<double>& metres) {
-  return number(metres ? fmt::format("{:+.2f}", 1e3 * *metres) : kDash);
 }
 
 std::optional<double> scaled(const std::optional<double>& seconds) {
@@ -54,12 +51,23 @@ Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
 
 std::string stepText(const ParameterSensitivity& p) {
   const ReadableUnit unit = readable(p.unit);
-  return fmt::format("{} {}", twoDigits(unit.factor * p.step), unit.unit);
+  const std::string step = twoDigits(unit.factor * p.step);
+  return p.unit == "-" ? step : step + " " + unit.unit;
 }
 
 /// Twice the noise is what a change must exceed to be told from chance.
 bool isTold(const CalibrationSensitivity& s, const ParameterSensitivity& p) {
   return p.change_m && std::abs(*p.change_m) > 2 * s.noise_m;
+}
+
+/// As many digits as chance leaves, to a micrometre.
+std::string millimetres(const CalibrationSensitivity& s, double metres) {
+  const std::string text = withPrecisionOf(1e3 * metres, 1e3 * std::max(s.noise_m, 1e-5));
+  return metres > 0 ? "+" + text : text;
+}
+
+Cell change(const CalibrationSensitivity& s, const std::optional<double>& metres) {
+  return number(metres ? millimetres(s, *metres) : kDash);
 }
 
 std::string sentenceOf(const CalibrationSensitivity& s) {
@@ -69,21 +77,19 @@ std::string sentenceOf(const CalibrationSensitivity& s) {
     if (isTold(s, p) && *p.change_m > 0 && (!worst || *p.change_m > *worst->change_m)) worst = &p;
   }
   if (worst) {
-    text = fmt::format("{} costs most: moved by {} it adds {:.2f} mm to the ATE of {:.2f} mm. ",
-                       worst->name, stepText(*worst), 1e3 * *worst->change_m, 1e3 * s.ate_m);
+    text = fmt::format("{} costs most: moved by {} it adds {} mm to the ATE of {:.2f} mm. ",
+                       worst->name, stepText(*worst), millimetres(s, *worst->change_m).substr(1),
+                       1e3 * s.ate_m);
   } else {
     text = fmt::format("No parameter adds more to the ATE of {:.2f} mm than chance does. ",
                        1e3 * s.ate_m);
   }
-  text +=
-      fmt::format("Chance: {:.2f} mm (one standard deviation); dots mark what exceeds it twice.",
-                  1e3 * s.noise_m);
+  text += fmt::format("Chance: {} mm (one standard deviation); dots mark what exceeds it twice.",
+                      twoDigits(1e3 * s.noise_m));
   if (s.whole_m && s.interaction_m) {
     text += fmt::format(
-        " All moved together: {:+.2f} mm. The single moves add up to {:+.2f} mm; interaction "
-        "leaves "
-        "{:+.2f} mm.",
-        1e3 * *s.whole_m, 1e3 * s.sum_m, 1e3 * *s.interaction_m);
+        " All moved together: {} mm. The single moves add up to {} mm; interaction leaves {} mm.",
+        millimetres(s, *s.whole_m), millimetres(s, s.sum_m), millimetres(s, *s.interaction_m));
   }
   return text;
 }
@@ -96,10 +102,10 @@ Table parametersTable(const CalibrationSensitivity& s) {
                {"Change of the ATE [mm]", kNumber}},
               {}};
   for (const ParameterSensitivity& p : s.parameters) {
-    Cell change = millimetres(p.change_m);
-    if (isTold(s, p)) change.level = VerdictLevel::kCaution;
-    table.rows.push_back({code(p.name), number(stepText(p)), millimetres(p.plus_m),
-                          millimetres(p.minus_m), std::move(change)});
+    Cell mean = change(s, p.change_m);
+    if (isTold(s, p)) mean.level = VerdictLevel::kCaution;
+    table.rows.push_back({code(p.name), number(stepText(p)), change(s, p.plus_m),
+                          change(s, p.minus_m), std::move(mean)});
   }
   return withoutEmptyColumns(std::move(table));
 }
