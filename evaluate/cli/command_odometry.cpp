@@ -58,9 +58,11 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_flag("--sensitivity", r.sensitivity,
                "builtin: also the sensitivity of the ATE to each parameter, moved by its std and "
                "to the other calibrations' values (about 60 runs)");
-  app.add_option("--estimate", o.estimate,
-                 "builtin: also estimate, as a hint, what the odometry prefers: the time offset (3 "
-                 "to 15 further runs), or the extrinsics: offset and T_SC0 (36 to 180)")
+  app.add_option(
+         "--estimate", o.estimate,
+         "Also estimate, as a hint, what the odometry prefers: offset, or extrinsics (offset "
+         "and T_SC0); builtin: by 3 to 15, or 36 to 180 further runs; openvins: by its "
+         "online calibration in a further run")
       ->check(CLI::IsMember({"none", "offset", "extrinsics"}))
       ->capture_default_str();
   app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")

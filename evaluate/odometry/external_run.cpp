@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/odometry/external_run.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <deque>
 #include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -69,6 +71,43 @@ std::string stampsOf(const OdometrySequence& sequence) {
   return fmt::to_string(text);
 }
 
+/// Numbers after `before` in a line, whatever stands between them; empty unless there are `count`.
+std::vector<double> numbersAfter(const std::string& line, const std::string& before,
+                                 std::size_t count) {
+  const std::size_t at = before.empty() ? std::string::npos : line.find(before);
+  if (at == std::string::npos) return {};
+  std::string rest = line.substr(at + before.size());
+  std::replace_if(
+      rest.begin(), rest.end(), [](char c) { return c == ',' || c == '|'; }, ' ');
+  std::istringstream stream(rest);
+  std::vector<double> values;
+  for (double value = 0; values.size() < count && stream >> value;) values.push_back(value);
+  return values.size() == count ? values : std::vector<double>{};
+}
+
+/// A JPL quaternion of the rotation into camera 0 has the numbers of Hamilton's of the one out of
+/// it.
+Transform bodyOfCamera(const std::vector<double>& v) {
+  const Eigen::Quaterniond q_SC0 = Eigen::Quaterniond(v[3], v[0], v[1], v[2]).normalized();
+  return Transform(q_SC0.toRotationMatrix(), q_SC0 * -Eigen::Vector3d(v[4], v[5], v[6]));
+}
+
+void readRefined(const fs::path& log, const OnlineCalibration& online, ExternalRun& run) {
+  std::ifstream stream(log);
+  for (std::string line; std::getline(stream, line);) {
+    for (const double t_d : numbersAfter(line, online.offset, 1)) run.offsets_s.push_back(t_d);
+    const std::vector<double> pose = numbersAfter(line, online.extrinsics, 7);
+    if (!pose.empty()) run.T_SC0.push_back(bodyOfCamera(pose));
+  }
+}
+
+/// A runner's file as the request wants it.
+std::string fileText(const ExternalRequest& request, std::string text) {
+  if (!request.refine) return text;
+  for (const auto& [from, to] : request.runner.online->changes) text = replaceAll(text, from, to);
+  return text;
+}
+
 /// Writes what the runner needs below `folder`; the values of its fields.
 Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
                const Calibration& calibration, const fs::path& folder) {
@@ -81,7 +120,7 @@ Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
     }
   }
   for (const auto& [name, text] : runner.files) {
-    writeNewFile(folder, fs::path("settings") / name, text);
+    writeNewFile(folder, fs::path("settings") / name, fileText(request, text));
   }
   writeNewFile(folder, "times.txt", stampsOf(sequence));
   fs::path data = sequence.root.filename() == "mav0" ? sequence.root.parent_path() : sequence.root;
@@ -159,6 +198,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
       run.problem = error.what();
     }
   }
+  if (request.refine) readRefined(process.log, *request.runner.online, run);
   if (!run.problem.empty()) run.log = lastLinesOf(process.log, kLogLines);
   return run;
 }

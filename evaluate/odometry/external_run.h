@@ -19,6 +19,7 @@ struct ExternalRequest {
   std::filesystem::path calibration;  ///< its file
   bool noise_known = true;            ///< whether the calibration states the IMU's noise
   int run = 1;
+  bool refine = false;           ///< with its online calibration (Runner::online)
   double seconds = 3600;         ///< limit of wall time
   std::size_t memory_bytes = 0;  ///< limit of address space; 0: none
 };
@@ -29,6 +30,9 @@ struct ExternalRun {
   double seconds = 0;
   std::string problem;           ///< how it failed, "" if not
   std::vector<std::string> log;  ///< last lines of what it printed, of a run that failed
+  /// What its online calibration printed, in order; empty unless asked for.
+  std::vector<double> offsets_s;
+  std::vector<Transform> T_SC0;
 };
 
 /// Runs another odometry on a sequence in `folder`, which is there and empty: writes its settings,

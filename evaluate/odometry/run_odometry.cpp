@@ -14,6 +14,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/imu.h"
@@ -161,18 +162,59 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
   return outcome;
 }
 
-Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
+ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bool refine,
+                            const fs::path& out) {
   const fs::path folder =
-      out / "work" / plan.calibration->name / fmt::format("{}_{}", plan.sequence->name, plan.run);
+      out / "work" / plan.calibration->name /
+      fmt::format("{}_{}{}", plan.sequence->name, plan.run, refine ? "_refined" : "");
   fs::create_directories(folder);
   const ExternalRequest external{*request.runner,
                                  request.executable,
                                  plan.calibration->file,
                                  plan.calibration->noise_known || plan.sequence->noise.has_value(),
                                  plan.run,
+                                 refine,
                                  request.run_seconds,
                                  request.memory_bytes};
-  const ExternalRun run = runExternal(external, *plan.sequence, withNoise(plan), folder);
+  return runExternal(external, *plan.sequence, withNoise(plan), folder);
+}
+
+/// By how much the columns moved about the last one over the second half, RMS.
+Eigen::VectorXd movedAtLast(const Eigen::MatrixXd& values) {
+  const Eigen::Index half = (values.cols() + 1) / 2;
+  const Eigen::MatrixXd moved = values.rightCols(half).colwise() - values.rightCols<1>();
+  return (moved.rowwise().squaredNorm() / static_cast<double>(half)).cwiseSqrt();
+}
+
+/// What the other system's online calibration ends at, in a run of its own.
+void addRefined(const Plan& plan, const OdometryRequest& request, const fs::path& out,
+                Outcome& outcome) {
+  const ExternalRun run = runExternalOnce(plan, request, true, out);
+  const ImuCalibration& used = *plan.calibration->calibration.imu;
+  OdometryRunRecord& r = outcome.record;
+  r.offset_calibrated_s = used.timeOffset();
+  if (run.offsets_s.empty() && run.T_SC0.empty()) {
+    outcome.remarks.push_back(
+        fmt::format("the run with online calibration printed nothing of it{}{}",
+                    run.problem.empty() ? "" : ": ", run.problem));
+    return;
+  }
+  if (!run.offsets_s.empty()) {
+    const auto count = static_cast<Eigen::Index>(run.offsets_s.size());
+    r.offset_hint_s = run.offsets_s.back();
+    r.offset_hint_std_s = movedAtLast(Eigen::RowVectorXd::Map(run.offsets_s.data(), count)).value();
+  }
+  if (run.T_SC0.empty() || request.hint != HintKind::kExtrinsics) return;
+  Eigen::MatrixXd changes(6, static_cast<Eigen::Index>(run.T_SC0.size()));
+  for (Eigen::Index i = 0; i < changes.cols(); ++i) {
+    changes.col(i) = boxminus(run.T_SC0[static_cast<std::size_t>(i)], used.T_SC0);
+  }
+  r.T_SC0_hint = Vector6d(changes.rightCols<1>());
+  r.T_SC0_hint_std = Vector6d(movedAtLast(changes));
+}
+
+Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
+  const ExternalRun run = runExternalOnce(plan, request, false, out);
   Outcome outcome;
   outcome.record.system = request.runner->name;
   outcome.record.seconds = run.seconds;
@@ -181,6 +223,7 @@ Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const 
   outcome.problem = run.problem;
   outcome.poses = run.poses;
   if (run.problem.empty()) writeNewFile(out, pathOf(plan), tumText(run.poses));
+  if (request.hint != HintKind::kNone) addRefined(plan, request, out, outcome);
   return outcome;
 }
 
@@ -275,8 +318,10 @@ std::vector<CalibrationSensitivity> sensitivities(
 
 void checkBuiltinOnly(const OdometryRequest& request,
                       const std::vector<NamedCalibration>& calibrations) {
-  if (request.runner && request.hint != HintKind::kNone) {
-    throw InputError("the hint is that of the built-in odometry, not of " + request.runner->name);
+  if (request.runner && request.hint != HintKind::kNone && !request.runner->online) {
+    throw InputError("the runner " + request.runner->name +
+                     " does not say how it calibrates online; leave out --estimate, or add "
+                     "`online` to its file");
   }
   if (!request.sensitivity) return;
   if (request.runner) {

@@ -27,7 +27,7 @@ struct OdometryRequest {
   std::optional<std::string> truth;       ///< file, or a pattern with {sequence}; empty: found
                                           ///< beside the sensors
   bool sensitivity = false;               ///< also move every parameter by itself (sensitivity.h)
-  HintKind hint = HintKind::kNone;        ///< what the built-in one would choose itself, too
+  HintKind hint = HintKind::kNone;        ///< what the odometry itself would choose, too
   BuiltinOptions builtin;
   double run_seconds = 3600;     ///< wall time of another system's run
   std::size_t memory_bytes = 0;  ///< and its address space; 0: no limit

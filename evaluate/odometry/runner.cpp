@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,19 +17,19 @@
 namespace plumbline {
 namespace {
 
-constexpr std::array<const char*, 12> kKeys{"name",  "executable",  "arguments",  "settings",
-                                            "files", "environment", "trajectory", "clock",
-                                            "body",  "imu_stamps",  "least_runs", "notes"};
+using Keys = std::span<const std::string_view>;
+constexpr std::array<std::string_view, 13> kKeys{
+    "name",  "executable", "arguments",  "settings",   "files",  "environment", "trajectory",
+    "clock", "body",       "imu_stamps", "least_runs", "online", "notes"};
+constexpr std::array<std::string_view, 3> kOnlineKeys{"changes", "offset", "extrinsics"};
 
 constexpr const char* kWhat = "a runner: name, executable, arguments";
 
-void checkKeys(const YamlMap& file) {
+void checkKeys(const YamlMap& file, Keys known) {
   for (const std::string& key : file.keys()) {
-    const bool known =
-        std::any_of(kKeys.begin(), kKeys.end(), [&](const char* k) { return key == k; });
-    if (known) continue;
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     throw file.fault(key, {InputFault::kUnknownWord, "the key '" + key + "' is not known",
-                           fmt::format("{}", fmt::join(kKeys, ", ")), "correct it"});
+                           fmt::format("{}", fmt::join(known, ", ")), "correct it"});
   }
 }
 
@@ -54,8 +56,33 @@ std::vector<std::string> wordsOf(const std::string& text) {
   return words;
 }
 
+/// A change to text that no file has would be passed over in silence.
+void checkChanges(const YamlMap& map, const Runner& runner, const OnlineCalibration& online) {
+  for (const auto& change : online.changes) {
+    const std::string& text = change.first;
+    const bool found = std::any_of(runner.files.begin(), runner.files.end(), [&](const auto& file) {
+      return file.second.find(text) != std::string::npos;
+    });
+    if (found) continue;
+    throw map.fault(text, {InputFault::kUnknownWord, "no file of the runner holds '" + text + "'",
+                           "a text of `files`", "correct it"});
+  }
+}
+
+OnlineCalibration onlineOf(const YamlMap& map, const Runner& runner) {
+  checkKeys(map, kOnlineKeys);
+  OnlineCalibration online{textsOf(map, "changes"), map.textOr("offset", ""),
+                           map.textOr("extrinsics", "")};
+  if (online.offset.empty() && online.extrinsics.empty()) {
+    throw map.fault("offset", {InputFault::kMissingKey, "neither offset nor extrinsics is given",
+                               "the text before the printed values", ""});
+  }
+  if (map.has("changes")) checkChanges(map.map("changes", "texts"), runner, online);
+  return online;
+}
+
 Runner runnerFrom(const YamlMap& file) {
-  checkKeys(file);
+  checkKeys(file, kKeys);
   Runner runner;
   runner.name = file.text("name", "a word for the page");
   runner.executable = file.text("executable", "a program");
@@ -67,6 +94,9 @@ Runner runnerFrom(const YamlMap& file) {
   runner.camera_body = isSecond(file, "body", "imu", "camera0");
   runner.needs_shifted_imu = isSecond(file, "imu_stamps", "recorded", "shifted");
   if (file.has("least_runs")) runner.least_runs = file.integer("least_runs", "a number of runs");
+  if (file.has("online")) {
+    runner.online = onlineOf(file.map("online", "changes, offset, extrinsics"), runner);
+  }
   if (!file.has("settings")) return runner;
   const std::string tool = file.text("settings", "a tool of plumbline export");
   runner.settings = exportToolFrom(tool);

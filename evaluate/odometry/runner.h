@@ -10,6 +10,14 @@
 
 namespace plumbline {
 
+/// How another odometry is made to refine the calibration, and how it prints what it arrives at.
+struct OnlineCalibration {
+  std::map<std::string, std::string> changes;  ///< of the runner's files: text, what replaces it
+  std::string offset;                          ///< stands before t_d [s]
+  /// Stands before T_C0S: unit quaternion x, y, z, w in JPL's convention, position [m].
+  std::string extrinsics;
+};
+
 /// How another odometry is run, as third_party_configs/runners/NAME.yaml says (docs/odometry.md).
 /// Words and file names may hold the fields {executable}, {settings} (folder of the exported
 /// files), {calibration} (the file that was given), {sequence} (folder that holds mav0), {times}
@@ -28,6 +36,7 @@ struct Runner {
   bool needs_shifted_imu =
       false;           ///< it knows no time offset: runs on a copy with IMU stamps - t_d
   int least_runs = 1;  ///< fewer say little, as it is not deterministic
+  std::optional<OnlineCalibration> online;  ///< empty: it refines nothing, or prints nothing of it
 };
 
 /// Reads a runner's file; throws InputError with file and line for unknown words.

@@ -26,4 +26,12 @@ inline std::string csvCell(const std::string& text) {
   return quoted + "\"";
 }
 
+/// Every `from`, which is not empty, replaced.
+inline std::string replaceAll(std::string text, const std::string& from, const std::string& to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
 }  // namespace plumbline

@@ -15,6 +15,7 @@
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
+#include "evaluate/results/text.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step_rows.h"
 
@@ -85,13 +86,6 @@ std::string lastMessage(const fs::path& log) {
   std::string message = said.empty() ? last : said;
   if (message.size() > kLongestMessage) message = message.substr(0, kLongestMessage) + "...";
   return isUtf8(message) ? message : "a message that is not UTF-8";
-}
-
-std::string replaceAll(std::string text, const std::string& from, const std::string& to) {
-  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
-    text.replace(at, from.size(), to);
-  }
-  return text;
 }
 
 /// The first input that is not in the state that the plan is of; "": all are.

@@ -174,11 +174,12 @@ void fields(V& v, OdometryRunRecord& r) {
   v("closure_m", r.closure_m, "m", "from the first pose to the last");
   v("closure_deg", r.closure_deg, "deg", "likewise");
   v("offset_calibrated_s", r.offset_calibrated_s, "s", "time offset t_d that was used");
-  v("offset_hint_s", r.offset_hint_s, "s", "t_d that predicts the tracks best: a hint");
-  v("offset_hint_std_s", r.offset_hint_std_s, "s", "its standard deviation");
+  v("offset_hint_s", r.offset_hint_s, "s", "t_d that the odometry itself would choose: a hint");
+  v("offset_hint_std_s", r.offset_hint_std_s, "s",
+    "its standard deviation; of another system: how far its online calibration still moved");
   v("T_SC0_hint", r.T_SC0_hint, "m, rad",
-    "change of T_SC0 that predicts the tracks best: 3 of the translation, 3 of the left tangent");
-  v("T_SC0_hint_std", r.T_SC0_hint_std, "m, rad", "its standard deviations");
+    "change of T_SC0 that it would choose: 3 of the translation, 3 of the left tangent");
+  v("T_SC0_hint_std", r.T_SC0_hint_std, "m, rad", "its standard deviations, likewise");
   v("frame_p50_ms", r.frame_p50_ms, "ms", "time of a frame, image read included: median");
   v("frame_p95_ms", r.frame_p95_ms, "ms", "its 95th percentile");
   v("frame_p99_ms", r.frame_p99_ms, "ms", "its 99th percentile");

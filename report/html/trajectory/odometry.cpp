@@ -120,10 +120,9 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
       "epipolar lines of the first. Innovation: median error of sightings at the pose that the IMU "
       "predicts. Closure: the last pose against the first; an error only where the rig ended where "
       "it began. The hint of t_d is the time offset under which the IMU predicts the tracks best, "
-      "with its deviation; alone, wrong extrinsics move it, too. Lower is better between "
-      "calibrations of one "
-      "recording, but none of these is an "
-      "error of the trajectory.",
+      "with its deviation; alone, wrong extrinsics move it, too. Of another system it is what its "
+      "online calibration ends at, and how far that moved over the second half. Lower is better "
+      "between calibrations of one recording, but none of these is an error of the trajectory.",
       {},
       {}};
   Table table{{{"Run"},

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "calibrator/base/lie.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -177,6 +179,57 @@ TEST_F(OtherOdometry, ARunnerConvertsClockAndBody) {
   const Outcome outcome = odometry(common + (folder_ / "runner.yaml").string());
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.text, HasSubstr("runner.yaml:4: the key 'clok' is not known"));
+}
+
+/// Rotation of a JPL quaternion x, y, z, w (Trawny and Roumeliotis, 2005, eq. 62).
+Eigen::Matrix3d jplRotation(const Eigen::Vector4d& q) {
+  const Eigen::Vector3d v = q.head<3>();
+  return (2 * q[3] * q[3] - 1) * Eigen::Matrix3d::Identity() - 2 * q[3] * skew(v) +
+         2 * v * v.transpose();
+}
+
+// A run of its own refines the calibration; the one that is judged does not.
+TEST_F(OtherOdometry, OnlineCalibrationOfAnotherSystemIsAHint) {
+  const Calibration used = readCalibration(kCalibration.string());
+  const Transform T_C0S = used.imu->T_SC0.inverse();
+  const Eigen::Vector4d q = used.imu->T_SC0.quaternion().coeffs();
+  ASSERT_TRUE(jplRotation(q).isApprox(T_C0S.R, 1e-9));
+  const auto printed = [&](double t_d, double shift) {
+    char text[300];
+    std::snprintf(text, sizeof text,
+                  "echo 'camera-imu timeoffset = %.5f'\n"
+                  "echo 'cam0 extrinsics = %.9f,%.9f,%.9f,%.9f | %.9f,%.9f,%.9f'\n",
+                  t_d, q[0], q[1], q[2], q[3], T_C0S.t.x() + shift, T_C0S.t.y(), T_C0S.t.z());
+    return std::string(text);
+  };
+  write(folder_ / "vio.sh",
+        "cp " + (folder_ / "truth.txt").string() + " $2\ngrep -q 'refine: true' $1 || exit 0\n" +
+            printed(0.009, 0.05) + printed(0.003, 0.012) + printed(0.002, 0.01));
+  const auto runner = [&](const std::string& change) {
+    write(folder_ / "vio.yaml",
+          "name: vio\nexecutable: sh\narguments: " + (folder_ / "vio.sh").string() +
+              " {settings}/vio.yaml {output}/trajectory.txt\nfiles: {vio.yaml: \"refine: false\"}\n"
+              "online:\n  changes: {\"" +
+              change +
+              "\": \"refine: true\"}\n"
+              "  offset: timeoffset =\n  extrinsics: cam0 extrinsics =\n");
+    return odometry((folder_ / "seq").string() + " --calibration " + kCalibration.string() +
+                    " --truth " + (folder_ / "truth.txt").string() + " --with " +
+                    (folder_ / "vio.yaml").string() + " --estimate extrinsics");
+  };
+  const Outcome outcome = runner("refine: false");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json hint = document()["runs"][0]["odometry"];
+  EXPECT_NEAR(hint["offset_hint_s"], 0.002, 1e-9);
+  EXPECT_NEAR(hint["offset_hint_std_s"], std::sqrt(1e-6 / 2), 1e-9);  // 3, 2 ms
+  const Eigen::Vector3d moved = used.imu->T_SC0.R * Eigen::Vector3d(-0.01, 0, 0);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(hint["T_SC0_hint"][i], i < 3 ? moved[i] : 0, 1e-7) << i;
+  const Outcome wrong = runner("refine: no");
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.text, HasSubstr("no file of the runner holds 'refine: no'"));
+  const Outcome none = standIn({"good"}, "--estimate offset");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.text, HasSubstr("does not say how it calibrates online"));
 }
 
 TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
