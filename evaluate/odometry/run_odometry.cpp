@@ -262,6 +262,7 @@ TrajectoryRun judgedPlan(const Plan& plan, const Outcome& outcome, const Odometr
   if (fs::is_regular_file(run.estimate)) {
     run = truth ? judgedByTruth(run, *truth, request)
                 : judgedWithoutTruth(run, *plan.sequence, outcome.poses, request.min_coverage);
+    run.problem = replaceAll(run.problem, out.string() + "/", "");  // which is renamed in the end
   }
   run.without_truth = !truth;
   run.estimate = pathOf(plan);

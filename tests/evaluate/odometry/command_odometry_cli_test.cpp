@@ -8,12 +8,14 @@
 
 #include "calibrator/base/lie.h"
 #include "datasets/calibration/calibration_reader.h"
+#include "evaluate/results/text.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 const fs::path kCalibration =
@@ -246,6 +248,61 @@ TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
   EXPECT_EQ(alone.exit_code, 2) << alone.text;
   EXPECT_THAT(alone.text, HasSubstr("states no standard deviations"));
   EXPECT_EQ(odometry(sequence + calibration + " --executable x").exit_code, 2);
+}
+
+// Four seconds of rendered images, and what may be wrong with them and with the calibration.
+TEST_F(Scratch, RenderedImagesAndWhatTheyMayLack) {
+  const std::string flight = (folder_ / "flight").string();
+  const Outcome made = plumbline(
+      "simulate sequence --images --duration 4 --turns 0 --rests 0 --first-rest 0 --out " + flight);
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  const fs::path truth = flight + "/truth/camchain-imucam.yaml";
+  const auto with = [&](const fs::path& calibration, const std::string& more = "") {
+    return odometry(flight + " --calibration " + calibration.string() + " --truth " + flight +
+                    "/truth/trajectory.csv --clock-offset auto " + more);
+  };
+  const auto edited = [&](const std::string& from, const std::string& to) {
+    write(folder_ / "edited.yaml", replaced(read(truth), from, to));
+    return folder_ / "edited.yaml";
+  };
+  const auto refusedWith = [](const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr(words));
+  };
+  refusedWith(with(edited("752, 480", "640, 480")), "it is one of another rig");
+  write(folder_ / "later.txt", "9000 0 0 0 0 0 0 1\n9001 1 0 0 0 0 0 1\n9002 2 1 0 0 0 0 1\n");
+  const Outcome apart = odometry(flight + " --calibration " + truth.string() + " --truth " +
+                                 (folder_ / "later.txt").string());
+  EXPECT_EQ(apart.exit_code, 0) << apart.text;
+  EXPECT_THAT(document()["runs"][0]["problem"].get<std::string>(),
+              AllOf(testing::StartsWith("runs/camchain-imucam/flight_1.txt against"),
+                    HasSubstr("no overlap in time")));
+
+  fs::remove(*fs::directory_iterator(flight + "/mav0/cam0/data"));
+  ASSERT_EQ(with(truth).exit_code, 0);
+  const json run = document()["runs"][0];
+  EXPECT_EQ(run["odometry"]["frames_skipped"], 1);
+  EXPECT_THAT(run["remarks"].dump(), HasSubstr("1 images are missing or damaged"));
+  EXPECT_LT(run["ate"]["translation_m"]["rmse"], 0.02);
+
+  // The second camera exposes 4 ms later.
+  const fs::path second = flight + "/mav0/cam1";
+  write(second / "data.csv", replaceAll(read(second / "data.csv"), "3456789", "7456789"));
+  fs::rename(second / "data", second / "on_time");
+  fs::create_directories(second / "data");
+  for (const auto& image : fs::directory_iterator(second / "on_time")) {
+    const std::string name = image.path().filename().string();
+    fs::rename(image.path(), second / "data" / replaced(name, "3456789", "7456789"));
+  }
+  refusedWith(with(truth), "expected cameras that expose together");
+  fs::remove_all(second);
+  refusedWith(with(truth), "has 1 cameras, the calibration 2");
+
+  const fs::path samples = flight + "/mav0/imu0/data.csv";
+  const std::string rows = read(samples);
+  const std::size_t third = rows.find('\n', rows.find('\n', rows.size() / 2) + 1) + 1;
+  write(samples, rows.substr(0, third) + rows.substr(rows.find('\n') + 1));
+  refusedWith(with(truth), "data.csv:");
 }
 
 // Nothing but damaged images: more than the two in a hundred that may be skipped.
