@@ -293,7 +293,7 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
                                   {"trajectory.csv", trajectoryCsv(simulated)},
                                   {"truth.json", truthJson(simulated, options)}};
   if (!options.target.shape.isFlat()) {
-    truths.push_back({"target_shape.yaml", targetShapeText(options.target)});
+    truths.push_back({kTargetShapeFile, targetShapeText(options.target)});
   }
   for (const TextFile& file : truths) {
     writeNewFile(folder, fs::path("truth") / file.path, file.text);

@@ -7,7 +7,9 @@
 
 namespace plumbline {
 
-/// target_shape.yaml: the shape of a board, as `plumbline calibrate` leaves it and --target-shape
+constexpr const char* kTargetShapeFile = "target_shape.yaml";
+
+/// kTargetShapeFile: the shape of a board, as `plumbline calibrate` leaves it and --target-shape
 /// takes it. It names the grid that it belongs to (tagRows, tagCols, tagSize, tagSpacing), every
 /// term in millimetres (kTargetTermNames), and their covariance where it is known.
 std::string targetShapeText(const AprilGrid& board);

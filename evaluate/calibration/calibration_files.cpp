@@ -146,7 +146,7 @@ std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool r
       {imu ? "camchain-imucam.yaml" : "camchain.yaml", kalibrCamchainText(calibration)}};
   if (imu) files.push_back({"imu.yaml", kalibrImuText(imu->noise, imu->rostopic)});
   if (!record.target.shape.isFlat()) {
-    files.push_back({"target_shape.yaml", targetShapeText(record.target)});
+    files.push_back({kTargetShapeFile, targetShapeText(record.target)});
   }
   if (residuals) files.push_back({"residuals.csv", residualsTable(record)});
   return files;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "datasets/calibration/calibration_reader.h"
+#include "datasets/session/target_shape.h"
 #include "evaluate/calibration/view_images.h"
 #include "evaluate/metrics/calibration/score_verdict.h"
 #include "evaluate/metrics/sample_intervals.h"
@@ -42,6 +43,13 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
   record.counts = loaded.counts;
   addSampleIntervals(loaded.session, record);
   return record;
+}
+
+/// The board's shape beside the calibration, where none is given; "": there is none.
+std::string unusedShapeOf(const EvaluateCalibrationRequest& asked) {
+  if (asked.load.target_shape) return "";
+  const auto beside = std::filesystem::path(asked.calibration).parent_path() / kTargetShapeFile;
+  return std::filesystem::is_regular_file(beside) ? beside.string() : "";
 }
 
 }  // namespace
@@ -82,7 +90,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     record.held->scores.push_back(
         scoreHeldOut(scoredOn(other.session), other.session, asked.score));
   }
-  record.verdict = scoreVerdict(record);
+  record.verdict = scoreVerdict(record, unusedShapeOf(asked));
   return record;
 }
 

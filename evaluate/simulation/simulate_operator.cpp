@@ -137,7 +137,7 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
   writeNewFile(folder, truth / "camchain-imucam.yaml", kalibrCamchainText(rig.calibration));
   writeNewFile(folder, truth / "poses.csv", posesCsv(made));
   if (!operated.simulation.target.shape.isFlat()) {
-    writeNewFile(folder, truth / "target_shape.yaml", targetShapeText(operated.simulation.target));
+    writeNewFile(folder, truth / kTargetShapeFile, targetShapeText(operated.simulation.target));
   }
   return summary;
 }

@@ -39,9 +39,11 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
   f.rule = "Injected time offsets recovered";
   f.level = levelAbove(error, bounds.offset_error_s);
   f.evidence = fmt::format(
-      "{} injected offsets; the worst, {:+g} ms, is recovered to {:.3g} us (recovered - injected - "
-      "base). Unbroken range around zero: {:+g} to {:+g} ms",
-      shifts.size(), worst.amount, 1e6 * error, basin.from_ms, basin.to_ms);
+      "{} injected offsets; the worst, {:+g} ms, is recovered to {} (recovered - injected - base). "
+      "Unbroken range around zero: {:+g} to {:+g} ms",
+      shifts.size(), worst.amount,
+      error < 1e-9 ? "less than 0.001 us" : fmt::format("{:.4g} us", 1e6 * error), basin.from_ms,
+      basin.to_ms);
   if (f.level != VerdictLevel::kGood) {
     f.advice =
         "the recording hardly ties the clocks together; record brisker rotation about all axes";

@@ -26,7 +26,9 @@ void addRow(Text& text, const PerturbationCase& c, std::size_t parameters) {
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
   const auto worst = largestOtherChange(record.parameters, c);
   if (!worst) return "-";
-  return fmt::format("{} {:+.2g} sigma", record.parameters[*worst], c.changes_sigma[*worst]);
+  const double sigmas = c.changes_sigma[*worst];
+  if (std::abs(sigmas) < 0.005) return fmt::format("{} < 0.01 sigma", record.parameters[*worst]);
+  return fmt::format("{} {:+.2f} sigma", record.parameters[*worst], sigmas);
 }
 
 void addLine(Text& text, const PerturbationRecord& record, const PerturbationCase& c) {

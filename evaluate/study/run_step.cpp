@@ -12,6 +12,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/shown_text.h"
 #include "datasets/files/workplace.h"
+#include "datasets/session/target_shape.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
@@ -53,7 +54,7 @@ class Places {
     const fs::path folder = night_ / field.substr(colon + 1);
     if (field.substr(0, colon) == "result") return folder.string();
     if (field.substr(0, colon) != "shape") return "{" + field + "}";  // a shell's own
-    const fs::path shape = folder / "target_shape.yaml";
+    const fs::path shape = folder / kTargetShapeFile;
     return fs::exists(shape) ? shape.string() : "flat";
   }
 

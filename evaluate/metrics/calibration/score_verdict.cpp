@@ -31,12 +31,26 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
   }
 }
 
+Finding unusedShape(const std::string& file) {
+  Finding f;
+  f.rule = "Shape of the target";
+  f.level = VerdictLevel::kCaution;
+  f.subject = FindingSubject::kRecording;
+  f.evidence =
+      "the board is taken as target.yaml states it; the calibration was estimated with a shape of "
+      "the board, " +
+      file;
+  f.advice = "if this recording shows the same board, run again with --target-shape " + file;
+  return f;
+}
+
 /// "0.36 px RMSE on euroc (0.40 px with the IMU), 0.37 px in all 5 folds (held out)".
 std::string scoreWords(const std::vector<CalibrationScore>& scores) {
   std::string text;
   for (const CalibrationScore& s : scores) {
     const bool pooled = s.part.starts_with("all");
     if (!pooled || s.reprojection.count == 0) continue;
+    if (s.part != "all" && !s.held_out) continue;
     text += fmt::format("{}{:.2f} px RMSE {} {}", text.empty() ? "" : ", ", s.reprojection.rmse_px,
                         s.part == "all" ? "on" : "in", s.part == "all" ? s.session : s.part);
     if (s.camera_imu) text += fmt::format(" ({:.2f} px with the IMU)", s.camera_imu->rmse_px);
@@ -47,7 +61,8 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
 
 }  // namespace
 
-Verdict scoreVerdict(const CalibrationRecord& record, const VerdictThresholds& thresholds) {
+Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
+                     const VerdictThresholds& thresholds) {
   Findings findings;
   if (record.camera) {
     const CameraStageResult& stage = *record.camera;
@@ -61,6 +76,7 @@ Verdict scoreVerdict(const CalibrationRecord& record, const VerdictThresholds& t
         FindingSubject::kExtrinsics, findings);
   }
   addUnscored(record.held->scores, findings);
+  if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));
   Verdict verdict = makeVerdict(std::move(findings));
   verdict.headline = fmt::format("{} leaves {}; only poses move.", record.held->file,
                                  scoreWords(record.held->scores));

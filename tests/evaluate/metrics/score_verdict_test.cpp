@@ -37,6 +37,12 @@ TEST(ScoreVerdict, SaysTheErrorOfEverySessionAndFoldTogether) {
   EXPECT_EQ(v.level, VerdictLevel::kGood);
 }
 
+TEST(ScoreVerdict, TheShapeOfTheBoardThatWasNotUsedIsNamedWithItsCure) {
+  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.46)}), "cal/target_shape.yaml");
+  EXPECT_EQ(v.level, VerdictLevel::kCaution);
+  EXPECT_THAT(v.headline, HasSubstr("run again with --target-shape cal/target_shape.yaml"));
+}
+
 TEST(ScoreVerdict, WhatCouldNotBeScoredIsSaid) {
   CalibrationScore none = score("other", "all", 0);
   none.reprojection.count = 0;
