@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -64,55 +65,148 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
   return f;
 }
 
-/// The difference of a transform or the offset in a person's units.
-void addGeometry(const ComparisonRecord& record, std::size_t i, std::vector<Finding>& findings) {
-  std::vector<std::string> parts;
+/// A difference of a transform or of the offset in a person's units, beside its bound.
+struct Geometry {
+  std::string name;
+  double value = 0;
+  Bound bound;
+  std::string unit;
+  bool explained = false;  ///< no more than the standard deviations under both explain
+};
+
+/// Whether every component of a transform, or the offset, is known under both with its deviation
+/// and differs by no more than `significance` of them.
+bool isExplained(const ComparisonRecord& record, std::size_t i, const std::string& name,
+                 double significance) {
+  std::size_t known = 0;
+  for (const ComparedParameter& p : record.parameters) {
+    const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
+    if (norm || (p.name != name && !p.name.starts_with(name + ".")) || !p.difference[i]) continue;
+    if (!p.significance[i] || *p.significance[i] > significance) return false;
+    ++known;
+  }
+  return known > 0;
+}
+
+std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i,
+                                 const ComparisonThresholds& bounds) {
+  std::vector<Geometry> all;
   for (const ComparedParameter& p : record.parameters) {
     if (!p.name.ends_with(".angle") || !p.difference[i]) continue;
     const std::string name = p.name.substr(0, p.name.size() - 6);
     const ComparedParameter* lever = find(record, name + ".lever");
-    parts.push_back(fmt::format("{} {:.4f} deg and {:.3f} mm", name, *p.difference[i] / kDegree,
-                                1e3 * lever->difference[i].value_or(0)));
+    const bool explained = isExplained(record, i, name, bounds.significance);
+    all.push_back({name, *p.difference[i] / kDegree, bounds.angle_deg, "deg", explained});
+    all.push_back({name, 1e3 * lever->difference[i].value_or(0), bounds.lever_mm, "mm", explained});
   }
   if (const auto* offset = find(record, "time_offset"); offset && offset->difference[i]) {
-    parts.push_back(fmt::format("time offset {:+.2f} us", 1e6 * *offset->difference[i]));
+    all.push_back({"time offset", 1e3 * std::abs(*offset->difference[i]), bounds.offset_ms, "ms",
+                   isExplained(record, i, "time_offset", bounds.significance)});
   }
-  if (parts.empty()) return;
+  return all;
+}
+
+std::string geometryWords(const std::vector<Geometry>& all) {
+  std::vector<std::string> parts;
+  for (const Geometry& g : all) {
+    parts.push_back(fmt::format("{} {:.3g} {}{}", g.name, g.value, g.unit,
+                                g.value > g.bound.caution && g.explained
+                                    ? " (within the standard deviations of both)"
+                                    : ""));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+/// All transforms and the offset are one finding: its value is the one furthest beyond its bound.
+void addGeometry(const ComparisonRecord& record, std::size_t i, const ComparisonThresholds& bounds,
+                 std::vector<Finding>& findings) {
+  const std::vector<Geometry> all = geometryOf(record, i, bounds);
+  if (all.empty()) return;
+  const auto rank = [](const Geometry& g) {
+    return std::pair(!g.explained, g.value / g.bound.caution);
+  };
+  const Geometry& worst =
+      *std::max_element(all.begin(), all.end(),
+                        [rank](const Geometry& a, const Geometry& b) { return rank(a) < rank(b); });
   Finding f;
   f.rule = "Transforms and offset of " + pairName(record, i);
-  f.evidence = fmt::format("{}", fmt::join(parts, "; "));
+  f.level = worst.explained ? VerdictLevel::kGood : levelAbove(worst.value, worst.bound);
+  f.evidence = geometryWords(all);
+  if (f.level != VerdictLevel::kGood) {
+    f.advice =
+        "evaluate both on a session that neither was calibrated on (compare --session): it tells "
+        "which of them its corners and its IMU contradict";
+  }
+  f.value = worst.value;
+  f.threshold = worst.bound.caution;
+  f.unit = worst.unit;
   findings.push_back(std::move(f));
 }
 
-Finding differenceFinding(const ImageMap& map, const ComparisonThresholds& bounds) {
-  double worst = 0;
+/// A difference map: its largest value, and that at the centre [px].
+struct MapDifference {
+  std::string place;
+  double worst = 0, centre = 0;
+};
+
+MapDifference mapDifference(const ImageMap& map) {
+  MapDifference d;
   for (const double v : map.values) {
-    if (std::isfinite(v)) worst = std::max(worst, v);
+    if (std::isfinite(v)) d.worst = std::max(d.worst, v);
   }
-  const auto at = [&map](int row, int column) {
-    return map.values[static_cast<std::size_t>(row * map.columns + column)];
-  };
-  double corner = 0;
-  for (const int row : {0, map.rows - 1}) {
-    for (const int column : {0, map.columns - 1}) {
-      if (std::isfinite(at(row, column))) corner = std::max(corner, at(row, column));
-    }
+  d.centre = map.values[static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2)];
+  d.place = fmt::format(
+      "{} at {}", map.camera,
+      std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : std::string("infinity"));
+  return d;
+}
+
+/// Which of a pair predicts the corners of every camera better, as far as that is clear; else "".
+std::string betterOf(const ComparisonRecord& record, const std::string& label) {
+  std::string better;
+  for (const PairedPrediction& p : record.paired) {
+    if (p.label != label) continue;
+    const double sigmas = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
+    if (std::abs(sigmas) <= kPredictionSigmas) return "";
+    const std::string& here = sigmas < 0 ? label : record.calibrations[0].label;
+    if (!better.empty() && better != here) return "";
+    better = here;
   }
+  return better;
+}
+
+std::string projectionAdvice(const ComparisonRecord& record, const std::string& label) {
+  const std::string better = betterOf(record, label);
+  const std::string where = "corners near the image's border decide where the two differ most";
+  if (better.empty()) return "compare the recordings: " + where;
+  return fmt::format(
+      "{} predicts the corners better; record more of them there before either is "
+      "used at the image's border: {}",
+      better, where);
+}
+
+/// All cameras and ranges of a pair are one finding: one cause, several places.
+void addProjection(const ComparisonRecord& record, std::size_t i,
+                   const ComparisonThresholds& bounds, std::vector<Finding>& findings) {
+  const std::string& label = record.calibrations[i].label;
+  const std::string pair = label + " - " + record.calibrations[0].label;
+  std::vector<std::string> places;
   Finding f;
-  const std::string range =
-      std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : "infinity";
-  f.rule = fmt::format("Projection of {} at {}, {}", map.camera, range, map.label);
-  f.level = levelAbove(worst, bounds.difference_px);
-  f.evidence =
-      fmt::format("{:.3f} px at the centre, {:.3f} px at the worst corner, {:.3f} px at most",
-                  at(map.rows / 2, map.columns / 2), corner, worst);
-  if (f.level != VerdictLevel::kGood) {
-    f.advice = "compare the recordings: corners near the image's border decide there";
+  for (const ImageMap& map : record.differences) {
+    if (map.label != pair) continue;
+    const MapDifference d = mapDifference(map);
+    f.value = std::max(f.value, d.worst);
+    places.push_back(
+        fmt::format("{} {:.3g} px at most, {:.2g} px at the centre", d.place, d.worst, d.centre));
   }
-  f.value = worst;
+  if (places.empty()) return;
+  f.rule = "Projection of " + pairName(record, i);
+  f.level = levelAbove(f.value, bounds.difference_px);
+  f.evidence = fmt::format("{}", fmt::join(places, "; "));
+  if (f.level != VerdictLevel::kGood) f.advice = projectionAdvice(record, label);
   f.threshold = bounds.difference_px.caution;
   f.unit = "px";
-  return f;
+  findings.push_back(std::move(f));
 }
 
 Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p) {
@@ -179,11 +273,11 @@ std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
   for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
     addModels(record, i, findings);
     findings.push_back(significantFinding(record, i, thresholds));
-    addGeometry(record, i, findings);
+    addGeometry(record, i, thresholds, findings);
   }
   for (Finding& f : loneFindings(record, thresholds)) findings.push_back(std::move(f));
-  for (const ImageMap& map : record.differences) {
-    findings.push_back(differenceFinding(map, thresholds));
+  for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
+    addProjection(record, i, thresholds, findings);
   }
   for (const PairedPrediction& p : record.paired) {
     findings.push_back(predictionFinding(record, p));

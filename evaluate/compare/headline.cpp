@@ -58,8 +58,9 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   };
   const double half = kPredictionSigmas * p.std_px2;
   double low = rmseChange(p.difference_px2 - half), high = rmseChange(p.difference_px2 + half);
-  const std::string corners =
-      score->held_out ? "held-out corners" : "the corners of " + record.name;
+  const std::string corners = score->held_out
+                                  ? "held-out corners"
+                                  : fmt::format("the corners of {} (not held out)", record.name);
   if (low <= 0 && high >= 0) {
     return fmt::format(
         "{} and {} predict {} equally well within the 95 % interval of their difference, {:+.2g} "

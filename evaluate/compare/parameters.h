@@ -20,6 +20,10 @@ struct ComparisonThresholds {
   double notable = 2;         ///< of a parameter's difference, caution from [standard deviations]
   double significance = 3;    ///< and bad from; above it the findings name the parameter
   Bound difference_px{1, 5};  ///< worst projection difference
+  // Of transforms and offset, as far as stated deviations do not explain the difference.
+  Bound lever_mm{5, 20};      ///< of a translation
+  Bound angle_deg{0.2, 1.0};  ///< of a rotation
+  Bound offset_ms{0.5, 5.0};  ///< of the time offset
 
   /// Of a parameter's difference in standard deviations.
   VerdictLevel levelOf(double sigmas) const;

@@ -60,9 +60,14 @@ Colour divergingColour(double u) {
   return between(kStops, u);
 }
 
+// Viridis (van der Walt and Smith, 2015) backwards, without its palest quarter, which is not seen
+// as a line on white: what is far off is dark.
 Colour errorColour(double u) {
-  static constexpr std::array<Colour, 3> kStops = {
-      {{20, 140, 110, 255}, {226, 160, 30, 255}, {192, 32, 40, 255}}};
+  static constexpr std::array<Colour, 5> kStops = {{{94, 201, 98, 255},
+                                                    {33, 165, 133, 255},
+                                                    {42, 120, 142, 255},
+                                                    {65, 68, 135, 255},
+                                                    {68, 1, 84, 255}}};
   return between(kStops, u);
 }
 

@@ -5,11 +5,11 @@
 
 namespace plumbline::internal {
 
-/// Pale yellow-green to deep blue, lightness falling steadily; 0 <= u <= 1 (clamped).
+/// Deep blue to yellow, lightness rising steadily; 0 <= u <= 1 (clamped).
 Colour sequentialColour(double u);
 
 /// Blue over white (u = 0.5) to red; clamped.
 Colour divergingColour(double u);
-Colour errorColour(double u);  ///< green, amber, red: lines on white
+Colour errorColour(double u);  ///< green to dark violet: lines on white
 
 }  // namespace plumbline::internal
