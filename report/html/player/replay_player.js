@@ -189,6 +189,7 @@
   });
 
   const layout = () => { shown.forEach((s) => s.layout()); show(); };
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', layout);
   new ResizeObserver(layout).observe(root.querySelector('.player-body'));
   window.addEventListener('hashchange', () => fromHash());
   const fromHash = () => { const wanted = /^#frame=(\d+)$/.exec(location.hash); if (wanted) jump(Number(wanted[1])); };

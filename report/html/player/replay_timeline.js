@@ -4,7 +4,10 @@
 (() => {
   const LEFT = 46, RIGHT = 10, TOP = 15, BOTTOM = 16;
   const BANDS = {reached: 'rgba(20,121,79,.16)', expired: 'rgba(179,32,44,.12)', withdrawn: 'rgba(92,20,120,.1)', none: 'rgba(217,138,0,.17)'};
-  const INK = '#1d232b', SOFT = '#5a6472', GRID = '#e4e8ed', KEPT = '#14794f', NOT = '#9aa5b1', DROPPED = '#e3b9a4', BAD = '#b3202c', END = '#5c1478';
+  const LIGHT = {ink: '#1d232b', soft: '#5a6472', grid: '#e4e8ed', kept: '#14794f', not: '#9aa5b1', dropped: '#e3b9a4', bad: '#b3202c', end: '#5c1478', halo: 'rgba(255,255,255,.85)', now: '#005ea2'};
+  const DARK = {ink: '#e6e9ed', soft: '#a3adba', grid: '#343b45', kept: '#4fc38a', not: '#7b8794', dropped: '#a5806b', bad: '#ff8a90', end: '#c7a3f0', halo: 'rgba(27,32,39,.85)', now: '#74b4ec'};
+  const scheme = matchMedia('(prefers-color-scheme: dark)');
+  let inks = scheme.matches ? DARK : LIGHT;
 
   const roundStep = (span, most) => {
     const raw = span / most, power = 10 ** Math.floor(Math.log10(raw));
@@ -55,9 +58,10 @@
         canvas.width = Math.round(this.width * this.ratio);
         canvas.height = Math.round(this.height * this.ratio);
       }
+      inks = scheme.matches ? DARK : LIGHT;
       const ctx = this.still.getContext('2d');
       ctx.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-      ctx.font = '11px Inter, "Helvetica Neue", Arial, "Liberation Sans", sans-serif';
+      ctx.font = '12px Inter, "Helvetica Neue", Arial, "Liberation Sans", sans-serif';
       this.drawGround(ctx);
       this.drawValues(ctx);
       this.drawEnds(ctx);
@@ -70,7 +74,7 @@
       ctx.clearRect(0, 0, this.canvas.width, this.canvas.height);
       ctx.drawImage(this.still, 0, 0);
       ctx.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-      ctx.fillStyle = '#005ea2';
+      ctx.fillStyle = inks.now;
       ctx.fillRect(this.x(frame) - 0.75, TOP - 1, 1.5, this.height - TOP - BOTTOM + 3);
     }
 
@@ -79,10 +83,10 @@
         ctx.fillStyle = BANDS[s.end] || BANDS.none;
         ctx.fillRect(this.x(s.from), TOP, Math.max(1.5, this.x(s.to) - this.x(s.from)), this.height - TOP - BOTTOM);
       }
-      ctx.strokeStyle = GRID;
+      ctx.strokeStyle = inks.grid;
       ctx.strokeRect(LEFT + 0.5, TOP + 0.5, this.width - LEFT - RIGHT - 1, this.height - TOP - BOTTOM - 1);
       this.drawTimes(ctx);
-      for (const part of this.parts.slice(1)) this.rule(ctx, part.from, SOFT, [2, 3], '');
+      for (const part of this.parts.slice(1)) this.rule(ctx, part.from, inks.soft, [2, 3], '');
     }
 
     drawTimes(ctx) {
@@ -91,7 +95,7 @@
       if (!(most > 0)) return;
       const step = roundStep(most, Math.max(2, this.width / 90));
       let due = 0;
-      ctx.fillStyle = SOFT;
+      ctx.fillStyle = inks.soft;
       ctx.textAlign = 'center';
       for (let f = 0; f < frames; ++f) {
         if (offsets[f] / 1e9 < due) continue;
@@ -118,22 +122,22 @@
     halo(ctx, text, x, y) {
       const colour = ctx.fillStyle;
       ctx.lineWidth = 3;
-      ctx.strokeStyle = 'rgba(255,255,255,.85)';
+      ctx.strokeStyle = inks.halo;
       ctx.strokeText(text, x, y);
       ctx.fillStyle = colour;
       ctx.fillText(text, x, y);
     }
 
-    drawEnds(ctx) { for (const f of this.ends) this.rule(ctx, f, END, [], 'finish'); }
+    drawEnds(ctx) { for (const f of this.ends) this.rule(ctx, f, inks.end, [], 'finish'); }
 
     tick(ctx, unit, label, from, to) {
-      ctx.strokeStyle = GRID;
+      ctx.strokeStyle = inks.grid;
       ctx.lineWidth = 1;
       ctx.beginPath();
       ctx.moveTo(from, this.y(unit));
       ctx.lineTo(to, this.y(unit));
       ctx.stroke();
-      ctx.fillStyle = SOFT;
+      ctx.fillStyle = inks.soft;
       ctx.textAlign = 'right';
       ctx.fillText(label, LEFT - 5, this.y(unit) + 4);
     }
@@ -149,7 +153,7 @@
     dotSize() { return Math.min(2.6, Math.max(1.3, 2 * (this.x(1) - this.x(0)))); }
 
     name(ctx, text) {
-      ctx.fillStyle = INK;
+      ctx.fillStyle = inks.ink;
       ctx.textAlign = 'left';
       ctx.fillText(text, LEFT, TOP - 4);
     }
@@ -170,8 +174,8 @@
         for (let f = 0; f < frames; ++f) {
           const accepted = this.data.stays(f);
           if (Boolean(round) !== accepted) continue;
-          if (table.reason[f] === this.busy) { ctx.fillStyle = DROPPED; ctx.fillRect(this.x(f) - 0.5, this.y(0) - 4, 1.2, 4); }
-          if (!Number.isNaN(table.mi[f])) this.dot(ctx, f, this.unit(table.mi[f] / Math.LN2), accepted ? KEPT : NOT, accepted ? size : 0.65 * size);
+          if (table.reason[f] === this.busy) { ctx.fillStyle = inks.dropped; ctx.fillRect(this.x(f) - 0.5, this.y(0) - 4, 1.2, 4); }
+          if (!Number.isNaN(table.mi[f])) this.dot(ctx, f, this.unit(table.mi[f] / Math.LN2), accepted ? inks.kept : inks.not, accepted ? size : 0.65 * size);
         }
       }
       const nats = table.threshold.find((v) => v > 0);
@@ -180,7 +184,7 @@
 
     drawThreshold(ctx) {
       const {table} = this.data;
-      ctx.strokeStyle = BAD;
+      ctx.strokeStyle = inks.bad;
       ctx.setLineDash([5, 4]);
       ctx.lineWidth = 1.2;
       for (const part of this.parts) {
@@ -211,7 +215,7 @@
       const margin = 0.08 * (high - low);
       const unit = (v) => (v - low + margin) / (high - low + 2 * margin);
       this.drawTicks(ctx, part, k, {low, high, unit});
-      ctx.strokeStyle = KEPT;
+      ctx.strokeStyle = inks.kept;
       ctx.lineWidth = 1.6;
       ctx.beginPath();
       let pen = false;
@@ -224,7 +228,7 @@
       ctx.stroke();
       const size = this.dotSize();
       for (let f = part.from; k === 0 && f <= part.to; ++f) {
-        if (this.data.stays(f) && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), KEPT, 0.8 * size);
+        if (this.data.stays(f) && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), inks.kept, 0.8 * size);
       }
     }
 
@@ -233,11 +237,11 @@
       for (let v = step * Math.ceil(scale.low / step); v <= scale.high + 1e-9; v += step) {
         const label = `${+v.toPrecision(6)}`;
         if (k === 0) { this.tick(ctx, scale.unit(v), label, this.x(part.from), this.x(part.to)); continue; }
-        ctx.fillStyle = SOFT;
+        ctx.fillStyle = inks.soft;
         ctx.textAlign = 'right';
         this.halo(ctx, label, this.x(part.to) - 3, this.y(scale.unit(v)) + 4);
       }
-      if (k > 0) { ctx.fillStyle = INK; ctx.textAlign = 'left'; this.halo(ctx, `${this.data.words.stage[part.stage]}, own scale`, this.x(part.from) + 5, this.height - BOTTOM - 5); }
+      if (k > 0) { ctx.fillStyle = inks.ink; ctx.textAlign = 'left'; this.halo(ctx, `${this.data.words.stage[part.stage]}, own scale`, this.x(part.from) + 5, this.height - BOTTOM - 5); }
     }
   }
 
