@@ -177,12 +177,11 @@ std::string betterOf(const ComparisonRecord& record, const std::string& label) {
 
 std::string projectionAdvice(const ComparisonRecord& record, const std::string& label) {
   const std::string better = betterOf(record, label);
-  const std::string where = "corners near the image's border decide where the two differ most";
-  if (better.empty()) return "compare the recordings: " + where;
+  if (better.empty()) return "compare the recordings: corners near the image's border decide there";
   return fmt::format(
-      "{} predicts the corners better; record more of them there before either is "
-      "used at the image's border: {}",
-      better, where);
+      "prefer {}, which predicts the corners better; record more corners near the "
+      "image's border, where the two differ most",
+      better);
 }
 
 /// All cameras and ranges of a pair are one finding: one cause, several places.

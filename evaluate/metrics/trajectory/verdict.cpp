@@ -121,11 +121,15 @@ std::string pairedWords(const PairedDifference& d) {
 }
 
 std::string manyRuns(const TrajectoryStudy& study) {
+  const std::vector<RunsSummary> all = overAll(study);
+  const auto known = [](const RunsSummary& s) { return s.ate_median_m.has_value(); };
+  if (!all.empty() && std::none_of(all.begin(), all.end(), known)) return "no run is complete";
   std::string text;
-  for (const RunsSummary& s : overAll(study)) {
+  for (const RunsSummary& s : all) {
     text += text.empty() ? "median ATE" : ",";
     if (!s.calibration.empty()) text += " of " + s.calibration;
-    text += s.ate_median_m ? fmt::format(" {:.3g} m", *s.ate_median_m) : " unknown";
+    text +=
+        s.ate_median_m ? fmt::format(" {:.3g} m", *s.ate_median_m) : " unknown (no complete run)";
   }
   for (const PairedDifference& d : study.paired) text += pairedWords(d);
   return text.empty() ? "no run has an error" : text;

@@ -141,23 +141,30 @@ Figure viewFigure(const TrajectoryRun& run, const View& view, const Range& error
   return {toSvg(plot, id + "-" + view.id), "", false};
 }
 
-/// Colours up to the 99th percentile, so that one stray pose does not pale the rest.
-Range colourRange(const TrajectoryRun& run) {
-  std::vector<double> known;
-  for (const double e : run.error_m) {
-    if (std::isfinite(e)) known.push_back(e);
+/// Colours up to the 99th percentile, so that one stray pose does not pale the rest; runs of one
+/// sequence have one scale, the largest of those that did not fail.
+Range colourRange(const std::vector<TrajectoryRun>& runs, const TrajectoryRun& run) {
+  Range range{0, 0};
+  for (const TrajectoryRun& other : runs) {
+    const bool failed = other.status == RunStatus::kFailed && run.status != RunStatus::kFailed;
+    if (other.sequence != run.sequence || failed) continue;
+    std::vector<double> known;
+    for (const double e : other.error_m) {
+      if (std::isfinite(e)) known.push_back(e);
+    }
+    if (!known.empty()) range.max = std::max({range.max, 1e-9, quantile(known, 0.99)});
   }
-  return {0, known.empty() ? 1 : std::max(1e-9, quantile(known, 0.99))};
+  if (range.max == 0) range.max = 1;
+  return range;
 }
 
-Block overlayBlock(const TrajectoryRun& run, std::size_t index) {
+Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t index) {
   Block block;
   block.heading = runName(run);
   block.text = fmt::format("ATE RMSE {:.4f} m over {} pairs{}.", run.ate_translation_m.rmse,
                            run.association.matches, run.problem.empty() ? "" : "; " + run.problem);
   for (const View& view : kViews) {
-    block.figures.push_back(
-        viewFigure(run, view, colourRange(run), fmt::format("overlay-{}", index)));
+    block.figures.push_back(viewFigure(run, view, colours, fmt::format("overlay-{}", index)));
   }
   return block;
 }
@@ -236,8 +243,9 @@ Section errorSection(const std::vector<TrajectoryRun>& runs) {
 Section overlaySection(const std::vector<TrajectoryRun>& runs) {
   Section section{"overlays",
                   "Overlays",
-                  "The aligned estimate in the colour of its position error (colours end at the "
-                  "99th percentile), the truth in thin grey. Both axes of a view have the same "
+                  "The aligned estimate in the colour of its position error (one scale for the "
+                  "runs of a sequence, which ends at their largest 99th percentile), the truth in "
+                  "thin grey. Both axes of a view have the same "
                   "scale; z points up where the truth's frame does.",
                   {},
                   {}};
@@ -245,7 +253,7 @@ Section overlaySection(const std::vector<TrajectoryRun>& runs) {
   for (const TrajectoryRun& run : runs) {
     if (!drawable(run)) continue;
     if (drawn < kOverlays) {
-      section.blocks.push_back(overlayBlock(run, drawn++));
+      section.blocks.push_back(overlayBlock(run, colourRange(runs, run), drawn++));
     } else {
       ++more;
     }

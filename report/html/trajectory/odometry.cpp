@@ -51,7 +51,9 @@ Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
 
 std::string stepText(const ParameterSensitivity& p) {
   const ReadableUnit unit = readable(p.unit);
-  const std::string step = twoDigits(unit.factor * p.step);
+  // Towards another calibration's value a step has a sign; rounding is no step.
+  const double size = std::abs(unit.factor * p.step);
+  const std::string step = size < 1e-6 ? "0" : (p.step < 0 ? "-" : "") + twoDigits(size);
   return p.unit == "-" ? step : step + " " + unit.unit;
 }
 

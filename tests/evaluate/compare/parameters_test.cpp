@@ -187,9 +187,9 @@ TEST(ComparisonFindings, ProjectionsOfAPairAreOneFindingWithItsPlaces) {
   EXPECT_NE(f.evidence.find("cam0 at 1 m"), std::string::npos) << f.evidence;
   EXPECT_NE(f.evidence.find("cam1 at 1 m"), std::string::npos) << f.evidence;
   EXPECT_EQ(f.value, 6);
-  EXPECT_EQ(f.advice.rfind("a predicts the corners better", 0), 0u) << f.advice;
+  EXPECT_EQ(f.advice.rfind("prefer a, which predicts the corners better", 0), 0u) << f.advice;
   record.paired[1].difference_px2 = -0.19;  // each camera says another: nobody is named
-  EXPECT_EQ(find(comparisonFindings(record), "Projection of b")->advice.find("better"),
+  EXPECT_EQ(find(comparisonFindings(record), "Projection of b")->advice.find("prefer"),
             std::string::npos);
 }
 

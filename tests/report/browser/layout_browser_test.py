@@ -7,7 +7,7 @@ usage: layout_browser_test.py WRITE_PAGE WRITE_REPLAY_PAGE [PAGE.html ...]
 Proves in the document's own measures, at 1400, 800 and 390 px, in light and dark: the page is no wider than
 the window; no text is cut off by its plot or its box, none lies over another of the same plot, none is smaller
 than 12 px (11 px in narrow windows); text stands out from its ground (WCAG AA, 4.5:1, large text 3:1); no
-section or table is empty; every control can be used, and nothing is said on the console; a calibration is printed
+section or table is empty; the contents are there or unfold; every control can be used, and nothing is said on the console; a calibration is printed
 on eight sheets at most. With PAGE.html given, those pages are measured instead.
 """
 import os
@@ -97,6 +97,18 @@ const checkEmpty = () => {
     if (visible(f) && (r.width < 100 || r.height < 40)) say('no room for a figure', nameOf(f));
   }
 };
+// The list of contents is there where there is room, and unfolds where there is none.
+const checkContents = () => {
+  const fold = document.querySelector('.toc details'), handle = fold && fold.querySelector('summary');
+  if (!fold) return;
+  const links = () => [...fold.querySelectorAll('a')].filter(visible).length;
+  if (!links() && !visible(handle)) { say('no contents', `${innerWidth} px`); return; }
+  if (innerWidth <= 900 && !visible(handle)) say('contents cannot be folded', `${innerWidth} px`);
+  const was = fold.open;
+  fold.open = true;
+  if (!links()) say('contents do not unfold', `${innerWidth} px`);
+  fold.open = was;
+};
 const colour = (text) => {
   const n = (text.match(/[\\d.]+/g) || []).map(Number);
   return text.startsWith('color(srgb') ? [n[0] * 255, n[1] * 255, n[2] * 255, n[3] ?? 1] : [n[0], n[1], n[2], n[3] ?? 1];
@@ -167,6 +179,7 @@ setTimeout(() => {
   checkPlots();
   checkBoxes();
   checkEmpty();
+  checkContents();
   checkContrast(all);
   if (location.hash === '#use') use();
   setTimeout(finish, 600);

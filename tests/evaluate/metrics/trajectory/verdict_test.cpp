@@ -52,6 +52,18 @@ TEST(TrajectoryVerdict, OfOneRunSaysHowFarItIsFromTheTruth) {
             "truth's time).");
 }
 
+TEST(TrajectoryVerdict, WithoutACompleteRunSaysSo) {
+  TrajectoryRun run = completeRun("ours", "1");
+  run.status = RunStatus::kPartial;
+  run.problem = "covers 80.0 % of the truth's time, less than 90 %";
+  TrajectoryStudy study = studyOf({run, run});
+  study.summary[0].ate_median_m.reset();
+  const Verdict v = trajectoryVerdict(study);
+  EXPECT_EQ(v.level, VerdictLevel::kCaution);
+  EXPECT_EQ(v.headline.rfind("No run is complete.", 0), 0u) << v.headline;
+  EXPECT_THAT(v.headline, Not(HasSubstr("unknown")));
+}
+
 TEST(TrajectoryVerdict, OfOneSequenceCountsItsRows) {
   TrajectoryStudy study = studyOf({completeRun("ours", "1"), completeRun("ours", "2")});
   study.summary[0].sequence = "MH_01";
