@@ -36,6 +36,7 @@ struct EvaluateTrajectoryOptions {
   TrajectoryMetricWords metrics;
   JsonOption json;
   OutputOptions output;
+  FailOnOption fail_on;
 };
 
 void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
@@ -50,6 +51,7 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   app.add_option("--body", o.body, "Rigid body of a motion-capture export");
   o.json.declare(app);
   o.output.declare(app, "Folder for the report, the figures and the records");
+  o.fail_on.declare(app);
 }
 
 TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) {
@@ -69,10 +71,15 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
   return request;
 }
 
-void writeStudy(OutputFolder& out, const TrajectoryEvaluation& evaluation,
-                const EvaluateTrajectoryOptions& o, const CLI::App& app) {
+TrajectoryRecord judged(const TrajectoryEvaluation& evaluation,
+                        const EvaluateTrajectoryOptions& o) {
   TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
   record.verdict = trajectoryVerdict(record);
+  return record;
+}
+
+void writeStudy(OutputFolder& out, TrajectoryRecord record, const EvaluateTrajectoryOptions& o,
+                const CLI::App& app) {
   auto given = givenOptions(app);
   std::erase_if(given, [](const auto& option) {
     return option.first == "estimate" || option.first == "truth";
@@ -95,16 +102,19 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   std::optional<OutputFile> json = o.json.reserve(o.output, inputs, o.output.out, kTrajectoryMark);
   const Result<TrajectoryEvaluation> result = evaluateTrajectory(request);
   if (!result) return tellFailure(result.failure());
-  if (out) writeStudy(*out, *result, o, app);
+  const TrajectoryRecord record = judged(*result, o);
+  const VerdictLevel level = record.verdict.level;
+  if (out) writeStudy(*out, record, o, app);
   if (json) json->write(documentOf(result->run));
   if (o.json.piped()) {
     writeDocument(documentOf(result->run));
-    return kDone;
+    return o.fail_on.exitCode(level);
   }
   say("{}", trajectorySummary(*result));
+  if (level != VerdictLevel::kGood) say("\n{}", verdictText(record.verdict, kCompleteWord));
   if (json) say("\nFigures: {}\n", *o.json.file);
   if (out) say("\nReport: {}/report.html\n", o.output.out);
-  return kDone;
+  return o.fail_on.exitCode(level);
 }
 
 struct EvaluateTrajectoriesOptions {

@@ -99,6 +99,7 @@
       ctx.textAlign = 'center';
       for (let f = 0; f < frames; ++f) {
         if (offsets[f] / 1e9 < due) continue;
+        ctx.textAlign = f === 0 ? 'left' : 'center';  // apart from the ordinate's least
         ctx.fillText(f === 0 ? '0 s' : `${+(step * Math.floor(offsets[f] / 1e9 / step + 1e-9)).toFixed(3)}`, this.x(f), this.height - 4);
         due = step * (Math.floor(offsets[f] / 1e9 / step + 1e-9) + 1);
       }

@@ -182,6 +182,13 @@ TEST_F(CommandTrajectory, AnEstimateThatStartsLateIsPartialUnlessItsStartUpIsLef
   EXPECT_EQ(from_first["status"], "complete");
   EXPECT_NEAR(from_first["coverage"], 1, 1e-9);
   expectRefusal(run("--coverage-from end"), 2, HasSubstr("first-pose"));
+  // The verdict is the exit code where asked, and stands in the terminal with its cure.
+  const Outcome failed = run("--fail-on caution");
+  EXPECT_EQ(failed.exit_code, 4);
+  EXPECT_THAT(failed.text, HasSubstr("--coverage-from first-pose"));
+  EXPECT_EQ(run("--fail-on caution --json -").exit_code, 4);
+  EXPECT_EQ(run("--fail-on bad").exit_code, 0);
+  EXPECT_EQ(run("--fail-on caution --coverage-from first-pose").exit_code, 0);
 }
 
 TEST_F(CommandTrajectory, HelpHasAnExample) {
