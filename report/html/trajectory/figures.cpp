@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -158,30 +159,32 @@ Range colourRange(const std::vector<TrajectoryRun>& runs, const TrajectoryRun& r
   return range;
 }
 
-Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t index) {
-  Block block;
-  block.heading = runName(run);
-  block.text = fmt::format("ATE RMSE {:.4f} m over {} pairs{}.", run.ate_translation_m.rmse,
-                           run.association.matches, run.problem.empty() ? "" : "; " + run.problem);
-  for (const View& view : kViews) {
-    block.figures.push_back(viewFigure(run, view, colours, fmt::format("overlay-{}", index)));
-  }
-  return block;
-}
+/// An error of every pair: which, and how it is named.
+struct PairError {
+  std::vector<double> TrajectoryRun::*values;
+  const char* title;
+  const char* label;
+};
 
-Series errorSeries(const TrajectoryRun& run, std::size_t colour, TimeNs start) {
+constexpr PairError kPositionError{&TrajectoryRun::error_m, "Position error over time",
+                                   "position error [m]"};
+constexpr PairError kRotationError{&TrajectoryRun::error_deg, "Rotation error over time",
+                                   "rotation error [\u00b0]"};
+
+Series timeSeries(const TrajectoryRun& run, const std::vector<double>& values, Colour colour,
+                  TimeNs start) {
   Series series;
-  series.colour = seriesColour(colour);
+  series.colour = colour;
   series.width = 1.2;
   for (std::size_t i = 0; i < run.t.size(); ++i) {
     series.x.push_back(1e-9 * static_cast<double>(run.t[i] - start));
-    series.y.push_back(run.error_m[i]);
+    series.y.push_back(values[i]);
   }
   return series;
 }
 
 Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& sequence,
-                  const std::string& id) {
+                  const PairError& error, const std::string& id) {
   const std::vector<std::string> names = calibrationsOf(runs);
   LinePlot plot;
   TimeNs start = std::numeric_limits<TimeNs>::max();
@@ -191,21 +194,54 @@ Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& seq
   std::vector<bool> named(names.size(), false);
   double top = 0;
   for (const TrajectoryRun& run : runs) {
-    if (run.sequence != sequence || !drawable(run)) continue;
+    const std::vector<double>& values = run.*error.values;
+    if (run.sequence != sequence || !drawable(run) || values.size() != run.t.size()) continue;
     const std::size_t k = placeOf(names, run.calibration);
-    plot.series.push_back(errorSeries(run, k, start));
+    plot.series.push_back(timeSeries(run, values, seriesColour(k), start));
     if (!named[k]) plot.series.back().name = names[k];
     named[k] = true;
-    for (const double e : run.error_m) top = std::isfinite(e) ? std::max(top, e) : top;
+    for (const double e : values) top = std::isfinite(e) ? std::max(top, e) : top;
   }
   if (plot.series.empty()) return {};
-  plot.frame.title = sequence.empty() ? "Position error over time" : sequence;
+  plot.frame.title = sequence.empty() ? error.title : fmt::format("{}: {}", sequence, error.title);
   plot.frame.width = 960;
   plot.frame.height = 260;
   plot.frame.x.label = "time since the first pair [s]";
-  plot.frame.y.label = "position error [m]";
+  plot.frame.y.label = error.label;
   plot.frame.y.range = Range{0, top > 0 ? 1.06 * top : 1};
   return {toSvg(plot, id), "", true};
+}
+
+/// x, y and z of the aligned estimate over time, each with the truth's.
+Figure positionFigure(const TrajectoryRun& run, const std::string& id) {
+  LinePlot plot;
+  for (int axis = 0; axis < 3; ++axis) {
+    plot.series.push_back(timeSeries(run, component(run.truth_m, axis), kTruth, run.t.front()));
+    plot.series.back().width = 2.4;
+    if (axis == 0) plot.series.back().name = "truth";
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    plot.series.push_back(timeSeries(run, component(run.estimate_m, axis),
+                                     seriesColour(static_cast<std::size_t>(axis)), run.t.front()));
+    plot.series.back().name = std::string(1, "xyz"[axis]);
+  }
+  plot.frame.title = "position over time";
+  plot.frame.width = 960;
+  plot.frame.height = 260;
+  plot.frame.x.label = "time since the first pair [s]";
+  plot.frame.y.label = "position [m]";
+  return {toSvg(plot, id), "", true};
+}
+
+Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t index) {
+  Block block;
+  block.heading = runName(run);
+  block.text = fmt::format("ATE RMSE {:.4f} m over {} pairs{}.", run.ate_translation_m.rmse,
+                           run.association.matches, run.problem.empty() ? "" : "; " + run.problem);
+  const std::string id = fmt::format("overlay-{}", index);
+  for (const View& view : kViews) block.figures.push_back(viewFigure(run, view, colours, id));
+  block.figures.push_back(positionFigure(run, id + "-time"));
+  return block;
 }
 
 }  // namespace
@@ -274,8 +310,12 @@ Section timeSection(const std::vector<TrajectoryRun>& runs) {
   Block block;
   std::size_t index = 0;
   for (const std::string& sequence : sequencesOf(runs)) {
-    Figure figure = timeFigure(runs, sequence, fmt::format("error-time-{}", index++));
-    if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
+    for (const auto& [error, id] :
+         {std::pair(kPositionError, "error-time"), std::pair(kRotationError, "rotation-time")}) {
+      Figure figure = timeFigure(runs, sequence, error, fmt::format("{}-{}", id, index));
+      if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
+    }
+    ++index;
   }
   if (!block.figures.empty()) section.blocks.push_back(std::move(block));
   return section;
