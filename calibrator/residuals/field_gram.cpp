@@ -197,21 +197,6 @@ void computeWith(InstructionSet set, const gram::Input& in, const FieldInput& f,
   computeBaseline<Model, kRobust>(in, f, out);
 }
 
-gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                    const GramOptions& options) {
-  gram::Input in;
-  in.T_CF = T_CF;
-  // Models of the kernel are pinholes: no coefficient stands before fu.
-  in.fu = camera.projection[0];
-  in.fv = camera.projection[1];
-  in.pu = camera.projection[2];
-  in.pv = camera.projection[3];
-  in.k = camera.distortion.data();
-  in.view = view;
-  if (options.cauchy_px > 0) in.inverse_c2 = 1 / (options.cauchy_px * options.cauchy_px);
-  return in;
-}
-
 /// Corner by corner, for models that the kernel is not compiled for.
 class PlainSum {
  public:
@@ -288,7 +273,7 @@ FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const Packe
                     const FieldBox& box, FieldSquares squares, const GramOptions& options) {
   assert(box.half.minCoeff() > 0);
   FieldGram out;
-  const gram::Input in = inputOf(camera, T_CF, view, options);
+  const gram::Input in = gram::viewInput(camera, T_CF, view, options);
   const FieldInput f{box, squares == FieldSquares::kKeep};
   std::visit(
       [&]<class Model>(Model) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Internal to view_gram.cpp: one view's Gram matrix with W lanes. Everything is always_inline, so
-// that the function into which it is inlined decides on the instruction set, and no symbol compiled
-// for a richer set can stand in for one that is not.
+// Internal to view_gram.cpp and field_gram.cpp: one view's Gram matrix with W lanes. Everything is
+// always_inline, so that the function into which it is inlined decides on the instruction set, and
+// no symbol compiled for a richer set can stand in for one that is not.
 
 #include <cmath>
 
@@ -25,6 +25,22 @@ struct Input {
   double inverse_c2 = 0;                  ///< 1/c^2 of the loss [1/px^2]
   double triggs_clamp = 0;
 };
+
+/// Of a view under a camera and a loss, without board and clamp.
+[[gnu::always_inline]] inline Input viewInput(const Intrinsics& camera, const Transform& T_CF,
+                                              const PackedView& view, const GramOptions& options) {
+  Input in;
+  in.T_CF = T_CF;
+  // Models of the kernel are pinholes: no coefficient stands before fu.
+  in.fu = camera.projection[0];
+  in.fv = camera.projection[1];
+  in.pu = camera.projection[2];
+  in.pv = camera.projection[3];
+  in.k = camera.distortion.data();
+  in.view = view;
+  if (options.cauchy_px > 0) in.inverse_c2 = 1 / (options.cauchy_px * options.cauchy_px);
+  return in;
+}
 
 /// Columns of the Gram matrix. S shared ones (pose, shape) come first; then the error e; then, of
 /// each row's own, the image-plane coordinate m (derivative in focal length) and 1 (in principal

@@ -76,16 +76,7 @@ gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const Packe
                     const GramOptions& options) {
   assert(options.cauchy_px == 0 || options.cauchy_px >= 1e-3);
   assert(options.triggs_clamp >= 0 && options.triggs_clamp <= 2);
-  gram::Input in;
-  in.T_CF = T_CF;
-  // Models of the kernel are pinholes: no coefficient stands before fu.
-  in.fu = camera.projection[0];
-  in.fv = camera.projection[1];
-  in.pu = camera.projection[2];
-  in.pv = camera.projection[3];
-  in.k = camera.distortion.data();
-  in.view = view;
-  if (options.cauchy_px > 0) in.inverse_c2 = 1 / (options.cauchy_px * options.cauchy_px);
+  gram::Input in = gram::viewInput(camera, T_CF, view, options);
   in.triggs_clamp = options.triggs_clamp;
   return in;
 }

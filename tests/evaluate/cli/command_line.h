@@ -9,7 +9,9 @@
 #include <iterator>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -71,6 +73,19 @@ inline std::string replaced(std::string text, const std::string& from, const std
   EXPECT_NE(at, std::string::npos) << from;
   if (at != std::string::npos) text.replace(at, from.size(), to);
   return text;
+}
+
+/// The names under "Subcommands:" in a help text.
+inline std::vector<std::string> listedCommands(const std::string& help) {
+  std::istringstream lines(help);
+  std::string line;
+  while (std::getline(lines, line) && line != "Subcommands:") {
+  }
+  std::vector<std::string> names;
+  while (std::getline(lines, line) && line.rfind("  ", 0) == 0) {
+    if (line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return names;
 }
 
 /// A simulated session of corners, made once; tests that spoil it work on copies.

@@ -22,19 +22,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// The names under "Subcommands:" in a help text.
-std::vector<std::string> listedCommands(const std::string& help) {
-  std::istringstream lines(help);
-  std::string line;
-  while (std::getline(lines, line) && line != "Subcommands:") {
-  }
-  std::vector<std::string> names;
-  while (std::getline(lines, line) && line.rfind("  ", 0) == 0) {
-    if (line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
-  }
-  return names;
-}
-
 // Expects help with an example of `words` and of all commands within; how many do something.
 int expectHelp(const std::string& words) {
   const Outcome outcome = plumbline(words + " --help");

@@ -17,24 +17,11 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-/// The names under "Subcommands:" in a help text.
-std::vector<std::string> within(const std::string& help) {
-  std::istringstream lines(help);
-  std::string line;
-  while (std::getline(lines, line) && line != "Subcommands:") {
-  }
-  std::vector<std::string> names;
-  while (std::getline(lines, line) && line.rfind("  ", 0) == 0) {
-    if (line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
-  }
-  return names;
-}
-
 /// Every command that does something: "evaluate trajectory"; those that have others below them too.
 std::set<std::string> allCommands() {
   std::set<std::string> all;
-  for (const std::string& name : within(plumbline("--help").text)) {
-    const auto parts = within(plumbline(name + " --help").text);
+  for (const std::string& name : listedCommands(plumbline("--help").text)) {
+    const auto parts = listedCommands(plumbline(name + " --help").text);
     for (const std::string& part : parts) all.insert(name + " " + part);
     if (name != "evaluate" && name != "target") all.insert(name);
   }
