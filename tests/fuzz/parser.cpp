@@ -57,7 +57,11 @@ bool sameText(const std::string& a, const std::string& b) {
       char* end_b = nullptr;
       const double x = std::strtod(&a[i], &end_a);
       const double y = std::strtod(&b[j], &end_b);
-      if (!(x == y || std::abs(x - y) <= 1e-9 * std::max(1.0, std::abs(x)))) return false;
+      const bool same_words =  // "-nan", say, which equals no number
+          std::equal(a.data() + i, static_cast<const char*>(end_a), b.data() + j,
+                     static_cast<const char*>(end_b));
+      const bool close = x == y || std::abs(x - y) <= 1e-9 * std::max(1.0, std::abs(x));
+      if (!same_words && !close) return false;
       // A minus sign alone is no number.
       i = std::max(i + 1, static_cast<std::size_t>(end_a - a.data()));
       j = std::max(j + 1, static_cast<std::size_t>(end_b - b.data()));
