@@ -92,7 +92,8 @@ const char* classOf(Cell::Kind kind) {
 }
 
 data cellData(const Cell& cell) {
-  data d = object({{"class", classOf(cell.kind)}, {"content", cell.text}});
+  data d = object({{"class", classOf(cell.kind) + std::string(cell.best ? " best" : "")},
+                   {"content", cell.text}});
   d.set("level", cell.level ? data{toString(*cell.level)} : flag(false));
   d.set("link", textOrNothing(cell.link));
   return d;

@@ -18,6 +18,7 @@ struct Cell {
   Kind kind = Kind::kText;
   std::optional<VerdictLevel> level = {};  ///< a dot of its colour before the text
   std::string link = {};                   ///< relative address that the text leads to
+  bool best = false;                       ///< the best of its row: bold
 };
 
 inline constexpr auto kNumber = Cell::Kind::kNumber;

@@ -313,6 +313,16 @@ TEST(TrajectoryPage, PutsTruthAndEstimateOnTheirPixelsWithEqualAxes) {
   EXPECT_NEAR(across, up, 0.01 * across);
 }
 
+// a has an error in both sequences, and one value a row is the smallest.
+TEST(TrajectoryPage, SetsOffTheBestOfEachSequence) {
+  const std::string page = trajectoryPage();
+  EXPECT_THAT(page, HasSubstr("Sequences and calibrations"));
+  std::size_t best = 0;
+  const std::string mark = "class=\"number best\"";
+  for (auto at = page.find(mark); at != std::string::npos; at = page.find(mark, at + 1)) ++best;
+  EXPECT_EQ(best, 2u);
+}
+
 TEST(TrajectoryPage, SurvivesRunsThatAllFailed) {
   TrajectoryRecord record = test::syntheticTrajectories();
   record.runs = {record.runs[5]};

@@ -26,16 +26,6 @@ bool drawable(const TrajectoryRun& run) {
          run.estimate_m.size() == run.t.size() && run.error_m.size() == run.t.size();
 }
 
-std::vector<std::string> sequencesOf(const std::vector<TrajectoryRun>& runs) {
-  std::vector<std::string> names;
-  for (const TrajectoryRun& run : runs) {
-    if (std::find(names.begin(), names.end(), run.sequence) == names.end()) {
-      names.push_back(run.sequence);
-    }
-  }
-  return names;
-}
-
 std::size_t placeOf(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
@@ -245,6 +235,16 @@ Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t i
 }
 
 }  // namespace
+
+std::vector<std::string> sequencesOf(const std::vector<TrajectoryRun>& runs) {
+  std::vector<std::string> names;
+  for (const TrajectoryRun& run : runs) {
+    if (std::find(names.begin(), names.end(), run.sequence) == names.end()) {
+      names.push_back(run.sequence);
+    }
+  }
+  return names;
+}
 
 void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& label) {
   plot.frame.title = title;

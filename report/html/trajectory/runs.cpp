@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What became of every run.
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -90,6 +92,41 @@ Table completionTable(const TrajectoryStudy& study) {
   return withoutEmptyColumns(std::move(table));
 }
 
+std::optional<double> medianOf(const std::vector<TrajectoryRun>& runs, const std::string& sequence,
+                               const std::string& calibration) {
+  std::vector<double> rmse;
+  for (const TrajectoryRun& run : runs) {
+    if (run.sequence == sequence && run.calibration == calibration &&
+        run.status == RunStatus::kComplete && run.ate_translation_m.n > 0) {
+      rmse.push_back(run.ate_translation_m.rmse);
+    }
+  }
+  if (rmse.empty()) return std::nullopt;
+  return quantile(rmse, 0.5);
+}
+
+/// Sequences by calibrations; the smallest of a row of several is set off.
+Table sequencesTable(const std::vector<TrajectoryRun>& runs) {
+  const std::vector<std::string> calibrations = calibrationsOf(runs);
+  Table table{{{"Sequence"}}, {}};
+  for (const std::string& c : calibrations) table.columns.push_back({c + " [m]", kNumber});
+  for (const std::string& sequence : sequencesOf(runs)) {
+    std::vector<std::optional<double>> medians;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::string& c : calibrations) {
+      medians.push_back(medianOf(runs, sequence, c));
+      least = std::min(least, medians.back().value_or(least));
+    }
+    std::vector<Cell> row{nameCell(sequence)};
+    for (const std::optional<double>& m : medians) {
+      row.push_back(number(m ? metres(*m) : kDash));
+      row.back().best = m && *m == least;
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 constexpr std::size_t kNamed = 4;  // runs that share a remark and are named
 
 /// Each remark once, with the runs that it is about.
@@ -152,6 +189,15 @@ Section runsSection(const TrajectoryStudy& study) {
   if (runs.empty()) return section;
   if (runs.size() > 1) {
     section.blocks.push_back({"Completion", "", completionTable(study), {}, {}});
+  }
+  if (calibrationsOf(runs).size() > 1) {
+    section.blocks.push_back(
+        {"Sequences and calibrations",
+         "Median ATE RMSE of complete runs; the smallest of a sequence is "
+         "bold, whether or not chance explains it (paired differences, below).",
+         sequencesTable(runs),
+         {},
+         {}});
   }
   section.blocks.push_back(
       {runs.size() > 1 ? "All runs" : "",

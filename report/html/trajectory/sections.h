@@ -41,4 +41,7 @@ Table withoutEmptyColumns(Table table);
 /// Names of the calibrations, in order of appearance.
 std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs);
 
+/// The sequences of runs, in their order.
+std::vector<std::string> sequencesOf(const std::vector<TrajectoryRun>& runs);
+
 }  // namespace plumbline::html_internal
