@@ -125,8 +125,8 @@ Calibration readOurs(const YamlMap& file) {
 }
 
 constexpr const char* kKnownCalibrations =
-    "a calibration: Kalibr's camchain*.yaml (cam0: ...), our calibration.json, a result of yac, or "
-    "Basalt's calibration.json";
+    "a calibration: Kalibr's camchain*.yaml (cam0: ...), Plumbline's calibration.json, a result of "
+    "yac, or Basalt's calibration.json";
 
 }  // namespace
 

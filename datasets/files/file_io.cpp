@@ -104,7 +104,7 @@ std::string readStandardInput() {
     if (size > kMostBytes) {
       throw badInput(
           name, 0,
-          {InputFault::kOutOfRange, "brings more than 1 GB", "less", "write it into a file"});
+          {InputFault::kOutOfRange, "delivers more than 1 GB", "less", "write it into a file"});
     }
   }
 }

@@ -55,14 +55,14 @@ BadInput refusal(InputFault code, const std::string& path, const std::string& wh
   return badInput(path, 0, {code, what, "", cure});
 }
 
-constexpr const char* kElsewhere = "give another place for the results";
+constexpr const char* kElsewhere = "choose another output";
 
 void refuseHolding(const OutputRequest& request, const fs::path& final_path,
                    const std::string& input) {
   const auto output = statusOf(final_path);
   if (!(output ? isWithin(input, *output) : isWithinNamed(input, final_path))) return;
   throw refusal(InputFault::kInputInTheWay, request.path,
-                fmt::format("holds {}, which is read or kept and never removed", input),
+                fmt::format("contains {}, an input or a cache, which is never removed", input),
                 kElsewhere);
 }
 
@@ -72,9 +72,9 @@ void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
     const auto status = statusOf(input);
     if (status && isWithin(final_path, *status)) {
       const auto output = statusOf(final_path);
-      const char* where = output && isSame(*output, *status) ? "is" : "lies in";
+      const char* where = output && isSame(*output, *status) ? "is" : "is inside";
       throw refusal(InputFault::kInputInTheWay, request.path,
-                    fmt::format("{} {}, which is read and never written to", where, input),
+                    fmt::format("{} {}, an input, which is never written to", where, input),
                     kElsewhere);
     }
     refuseHolding(request, final_path, input);
@@ -94,7 +94,7 @@ fs::path finalPath(const OutputRequest& request) {
   if (!path.has_filename()) path = path.parent_path();
   std::error_code error;
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
-    throw refusal(InputFault::kUnwritable, request.path, "is a link to nothing", kElsewhere);
+    throw refusal(InputFault::kUnwritable, request.path, "is a broken link", kElsewhere);
   }
   const fs::path resolved = fs::weakly_canonical(path, error);
   if (error) {
@@ -132,14 +132,14 @@ void refuseForeign(const fs::path& folder, const Manifest& manifest) {
   throw refusal(InputFault::kForeignFiles, foreign->path.string(),
                 foreign->changed ? "was changed after plumbline wrote it"
                                  : "was not written by plumbline, which never removes it",
-                "move it elsewhere, or give another place for the results");
+                "move it elsewhere, or choose another output");
 }
 
 void refuseFolder(const OutputRequest& request, const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return;
   if (!fs::is_directory(path, error)) {
-    throw refusal(InputFault::kUnwritable, request.path, "is in the way; expected a folder",
+    throw refusal(InputFault::kUnwritable, request.path, "is not a folder; expected a folder",
                   kElsewhere);
   }
   refuseFixedFolder(request, path);
@@ -147,24 +147,25 @@ void refuseFolder(const OutputRequest& request, const fs::path& path) {
   const auto manifest = readManifest(path);
   refuseForeign(path, manifest.value_or(Manifest{}));
   if (!manifest) {
-    throw refusal(InputFault::kForeignFiles, path.string(), "holds a manifest that is not ours",
-                  kElsewhere);
+    throw refusal(InputFault::kForeignFiles, path.string(),
+                  "contains a manifest that plumbline did not write", kElsewhere);
   }
   if (request.replace) return;
   throw refusal(InputFault::kResultExists, request.path,
-                fmt::format("holds an earlier result ({})", manifest->kind), kElsewhere);
+                fmt::format("contains an earlier result ({})", manifest->kind), kElsewhere);
 }
 
 void refuseFile(const OutputRequest& request, const std::string& mark, const fs::path& path) {
   if (readManifest(path.parent_path())) {
     throw refusal(InputFault::kUnwritable, request.path,
-                  "lies in a folder of results, whose files belong together", kElsewhere);
+                  "is inside a results folder, whose files belong together", kElsewhere);
   }
   const auto status = statusOf(path);
   if (!status) return;
   if (!S_ISREG(status->st_mode)) {
     throw refusal(InputFault::kUnwritable, request.path,
-                  "is in the way; expected the name of a regular file", "give another name");
+                  "is not a regular file; expected the name of a regular file",
+                  "give another name");
   }
   if (MappedFile(path.string()).text().find(mark) == std::string_view::npos) {
     throw refusal(InputFault::kForeignFiles, request.path,

@@ -73,8 +73,8 @@ BadInput unmakeable(const std::string& path, int error) {
   return badInput(
       path, 0,
       {InputFault::kUnwritable, fmt::format("cannot be written ({})", std::strerror(error)),
-       "a place in a writable folder with free space",
-       "check the folder, its permissions and the disk, or give another place"});
+       "a path in a writable folder with free space",
+       "check the folder, its permissions and the disk, or choose another output"});
 }
 
 // Removes a result, whole or half made, that has not got its name. A whole one is removed as its

@@ -50,7 +50,7 @@ void refuseText(const std::string& path, std::string_view text, const std::strin
     throw badInput(path, 0, {InputFault::kSyntax, fault, what, "correct the file"});
   };
   if (text.size() > kMostBytes) {
-    refuse(fmt::format("holds {} bytes, more than {}", text.size(), kMostBytes));
+    refuse(fmt::format("has {} bytes, more than {}", text.size(), kMostBytes));
   }
   if (!isUtf8(text)) refuse("is not UTF-8");
 }
@@ -103,15 +103,16 @@ void refuseUnreadable(const std::string& path, const std::string& text) {
   Documents documents;
   while (parser.HandleNextDocument(documents)) {
     if (documents.unreadable()) {
-      throw badInput(path, documents.unreadable()->line + 1,
-                     {InputFault::kSyntax, "an escape in this text gives no character of Unicode",
-                      "text in UTF-8", "write the character itself"});
+      throw badInput(
+          path, documents.unreadable()->line + 1,
+          {InputFault::kSyntax, "an escape sequence in this text is not a Unicode character",
+           "text in UTF-8", "write the character itself"});
     }
     if (!documents.second() && documents.count() <= kMost) continue;
     const int line = documents.second() ? documents.second()->line + 1 : 0;
     throw badInput(path, line,
-                   {InputFault::kSyntax, "a second YAML document begins here", "one document",
-                    "write each into a file of its own"});
+                   {InputFault::kSyntax, "a second YAML document starts here", "one document",
+                    "write each into a separate file"});
   }
 }
 

@@ -188,7 +188,7 @@ std::vector<ImageFile> listImages(const std::string& folder) {
     if (!fs::is_directory(fs::path(folder) / "data")) {
       throw badInput(folder, 0,
                      {InputFault::kEmpty,
-                      "holds neither corners.csv nor the images (data/) that its data.csv lists",
+                      "contains neither corners.csv nor the images (data/) that its data.csv lists",
                       "corners.csv, or data/<ns>.png", "copy the recording again"});
     }
     const MappedFile file(list.string());
@@ -208,7 +208,7 @@ std::vector<ImageFile> listImages(const std::string& folder) {
   std::vector<ImageFile> images = imagesByName(fs::path(folder) / "data");
   if (images.empty()) {
     throw badInput(folder + "/data", 0,
-                   {InputFault::kEmpty, "holds no image", "<nanoseconds>.png or .jpg",
+                   {InputFault::kEmpty, "contains no image", "<nanoseconds>.png or .jpg",
                     "copy the images there, or give corners.csv beside it"});
   }
   checkUnit(folder + "/data", images);

@@ -69,7 +69,7 @@ class ViewBuilder {
       throw table_.fault(
           {InputFault::kOutOfRange,
            fmt::format("track_id {} is not between 0 and {}", id, limits_.corner_count - 1),
-           "tracks counted from 0", "number them anew"});
+           "tracks counted from 0", "renumber them"});
     }
     if (id < 0 || id >= limits_.corner_count) {
       throw table_.fault({InputFault::kOutOfRange,

@@ -21,14 +21,15 @@ constexpr const char* kImuKeys =
     "gyroscope_noise_density, gyroscope_random_walk (continuous-time densities), flat or below "
     "imu0:";
 constexpr const char* kRefusedModel =
-    "IMU scale and misalignment are not supported yet (they would be ignored silently)";
+    "IMU scale and misalignment are not supported yet (they would be silently ignored)";
 
 double positive(const YamlMap& imu, const std::string& key, const std::string& unit) {
   const double value = imu.number(key, "a positive number [" + unit + "]");
   if (value > 0) return value;
-  throw imu.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value),
-                        "a positive number [" + unit + "]",
-                        "take it from the data sheet or an Allan deviation; it weighs the IMU"});
+  throw imu.fault(
+      key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value),
+            "a positive number [" + unit + "]",
+            "take it from the data sheet or an Allan deviation; it sets the weight of the IMU"});
 }
 
 bool isIdentity(const std::vector<std::vector<double>>& rows) {

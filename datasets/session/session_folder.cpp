@@ -109,8 +109,8 @@ SessionFolder findSession(const std::string& path) {
   folder.cameras = camerasIn(folder.root);
   if (folder.cameras.empty()) {
     throw badInput(folder.root, 0,
-                   {InputFault::kEmpty, "holds no camera folder (cam0, cam1, ...)", kLayout,
-                    "give the folder that holds cam0"});
+                   {InputFault::kEmpty, "contains no camera folder (cam0, cam1, ...)", kLayout,
+                    "give the folder that contains cam0"});
   }
   const fs::path imu = fs::path(folder.root) / "imu0";
   if (fs::is_directory(imu)) folder.imu = imu.string();

@@ -28,7 +28,7 @@ std::string targetPath(const SessionFolder& folder, const SessionReadOptions& op
                  {InputFault::kNoTarget, "does not exist",
                   "Kalibr's target.yaml (target_type: aprilgrid, tagRows, tagCols, tagSize, "
                   "tagSpacing)",
-                  "put it into the session's folder or name it by itself"});
+                  "put it into the session's folder or give its path"});
 }
 
 CameraDescription descriptionOf(const std::string& camera, const SessionReadOptions& options) {
@@ -41,7 +41,7 @@ CameraDescription descriptionOf(const std::string& camera, const SessionReadOpti
   if (description.resolution) return description;
   throw badInput(path, 0,
                  {InputFault::kNoResolution, "the camera's resolution is not known",
-                  "resolution: [width, height]", "write it there"});
+                  "resolution: [width, height]", "add it"});
 }
 
 // Adds the frames that the list names and the corners do not: they saw no target.
@@ -80,7 +80,7 @@ void readCamera(const std::string& path, const SessionReadOptions& options, Reco
     for (const ImageFile& image : images) camera.views.push_back({image.t, {}});
   } else {
     throw badInput(path, 0,
-                   {InputFault::kEmpty, "holds neither corners nor images",
+                   {InputFault::kEmpty, "contains neither corners nor images",
                     "corners.csv, or data.csv and data/<ns>.png",
                     "copy the recording again or delete this camera's folder"});
   }
@@ -97,7 +97,7 @@ ImuStream readImu(const SessionFolder& folder, const SessionReadOptions& options
         folder.beside.front() + "/imu.yaml", 0,
         {InputFault::kNoImuNoise, "does not exist, nor does " + *folder.imu + "/sensor.yaml",
          "the IMU's noise densities, as Kalibr's imu.yaml has them",
-         "put imu.yaml into the session's folder or name it by itself"});
+         "put imu.yaml into the session's folder or give its path"});
   }
   ImuDescription description = readImuDescription(*path);
   return {std::move(description.rostopic), description.noise,
@@ -112,7 +112,7 @@ void refuseMissingImu(const SessionFolder& folder, const SessionReadOptions& opt
   throw badInput(
       folder.root + "/imu0/data.csv", 0,
       {InputFault::kNoImuSamples, "does not exist, though " + *described + " describes an IMU",
-       "the IMU's samples", "copy the recording again, or leave the IMU out"});
+       "the IMU's samples", "copy the recording again, or disable the IMU"});
 }
 
 }  // namespace
@@ -190,10 +190,10 @@ void SessionReadOptions::check() const {
                     from_s, to_s));
   }
   if (!(imu_margin_s >= 0) || sync_tolerance < 0) {
-    refuse("the IMU's margin and the tolerance of frames are 0 or more");
+    refuse("the IMU's margin and the tolerance of frames must be 0 or more");
   }
   if (resolution && (resolution->width < 1 || resolution->height < 1)) {
-    refuse("the resolution is two positive numbers of pixels");
+    refuse("the resolution must be two positive numbers of pixels");
   }
 }
 
@@ -213,8 +213,8 @@ void selectFrames(Recording& recording, const SessionReadOptions& options) {
   if (left == 0) {
     const double length = secondsBetween(frames.front().t, frames.back().t);
     throw BadInput(InputFault::kNothingSelected,
-                   fmt::format("from {:g} to {:g} leaves no frame; expected an interval "
-                               "within the recording's {:.1f} s; correct them",
+                   fmt::format("from {:g} to {:g} contains no frame; expected an interval within "
+                               "the recording's {:.1f} s; correct them",
                                options.from_s, options.to_s, length));
   }
   const bool whole = options.from_s == 0 && std::isinf(options.to_s);

@@ -221,7 +221,7 @@ std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz
 
 void SimulatedSessionFormat::check() const {
   if (threads >= 0) return;
-  throw BadInput(InputFault::kBadOption, "the number of threads is 0 (all cores) or more");
+  throw BadInput(InputFault::kBadOption, "the number of threads must be 0 (all cores) or more");
 }
 
 void writeSession(const Session& session, double camera_rate_hz, ViewFormat views,
@@ -284,8 +284,8 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
     checkRendered(options.faults);
     if (!options.target.shape.isFlat()) {
       throw BadInput(InputFault::kUnsupported,
-                     "images are rendered of a flat and even board only; write corners, or leave "
-                     "out the board's shape");
+                     "images can be rendered only of a flat board with an even grid; write "
+                     "corners, or omit the board's shape");
     }
   }
   writeSession(simulated.session, simulated.camera_rate_hz, format.views, folder);

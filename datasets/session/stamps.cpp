@@ -41,7 +41,7 @@ void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, 
                  {InputFault::kWrongUnit,
                   fmt::format("the {} are {} ns apart, so the stamps look like {}", things, middle,
                               likelyUnit(middle, shortest)),
-                  "stamps in nanoseconds", "multiply them to nanoseconds"});
+                  "stamps in nanoseconds", "convert them to nanoseconds"});
 }
 
 }  // namespace plumbline

@@ -76,7 +76,7 @@ TargetCovariance readCovariance(const YamlMap& file) {
   if (square && out.allFinite() && out.isApprox(out.transpose(), 1e-9) && definite()) return out;
   throw file.fault(kKey, {InputFault::kOutOfRange, "this is not a covariance of the terms",
                           "12 rows of 12 numbers, symmetric and positive semi-definite",
-                          "take the file as the program wrote it, or leave the key out"});
+                          "use the file as the program wrote it, or delete the key"});
 }
 
 }  // namespace

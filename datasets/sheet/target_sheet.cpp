@@ -182,7 +182,8 @@ void SheetOptions::check() const {
   if (!(target.tag_size > 0) || !(target.spacing > 0) || target.spacing > 10) {
     throw InputError("the tags need a size, and a gap between them of up to ten times it");
   }
-  if (border_bits != 1 && border_bits != 2) throw InputError("the tags' border has 1 or 2 bits");
+  if (border_bits != 1 && border_bits != 2)
+    throw InputError("the tags' border must have 1 or 2 bits");
   const Layout l = sized(target);
   const double fits = std::max(room(l, paper), room(l, {paper.height_mm, paper.width_mm}));
   if (fits >= 1) return;

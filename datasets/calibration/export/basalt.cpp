@@ -133,16 +133,16 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
 std::vector<std::string> warningsOf(const Calibration& calibration) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   warnings.push_back(
-      "Basalt's estimators carry the line that would add cam_time_offset_ns as a comment in the "
-      "sources looked at: check yours, and otherwise add " +
+      "In the Basalt sources looked at, the line that would add cam_time_offset_ns is commented "
+      "out: check yours; if it is, add " +
       secondsText(calibration.imu->timeOffset()) +
       " to every image stamp and set cam_time_offset_ns to 0.");
   for (const CameraCalibration& camera : calibration.cameras) {
     if (!isPinhole(camera.intrinsics, DistortionModel::kRadtan)) continue;
     warnings.push_back(
         "radtan is written as pinhole-radtan8 with k3 to k6 zero, which is the same projection; "
-        "older versions of basalt-headers do not have that model (they have pinhole, kb4, ds, eucm "
-        "and ucm).");
+        "older versions of basalt-headers lack that model (they have pinhole, kb4, ds, eucm and "
+        "ucm).");
     break;
   }
   return warnings;

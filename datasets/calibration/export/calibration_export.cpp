@@ -117,7 +117,7 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1) {
       throw BadInput(InputFault::kUnknownCamera, path, 0,
-                     fmt::format("camera '{}' is asked for twice", name));
+                     fmt::format("camera '{}' is requested twice", name));
     }
     const CameraCalibration& camera = named(calibration, name, path);
     indices.push_back(static_cast<std::size_t>(&camera - calibration.cameras.data()));

@@ -53,12 +53,13 @@ std::vector<std::string> warningsOf(const Calibration& calibration) {
   std::vector<std::string> warnings;
   if (calibration.cameras.size() > 1) {
     warnings.emplace_back(
-        "camera_info holds one camera: the transforms between cameras are not in these files. R is "
-        "the identity and P = [K 0]: not rectified for stereo.");
+        "camera_info describes one camera: the transforms between cameras are not in these files. "
+        "R is the identity and P = [K 0]: not rectified for stereo.");
   }
   if (calibration.imu) {
     warnings.emplace_back(
-        "camera_info holds no IMU: its transform, time offset and noise are not in these files.");
+        "camera_info describes no IMU: its transform, time offset and noise are not in these "
+        "files.");
   }
   return warnings;
 }
@@ -73,8 +74,7 @@ ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptio
     const std::string name = plainName(camera.name) + ".yaml";
     for (const ExportFile& file : out.files) {
       if (file.name == name)
-        checks.refuse(InputFault::kDuplicate, "two cameras are called " + camera.name,
-                      "rename one");
+        checks.refuse(InputFault::kDuplicate, "two cameras are named " + camera.name, "rename one");
     }
     out.files.push_back({name, commentHeader(options, out.warnings) +
                                    cameraText(camera, distortionOf(camera, checks))});

@@ -115,7 +115,7 @@ ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& 
   const ImuCalibration& imu = checks.neededImu();
   ExportedFiles out;
   const std::vector<std::string> notes{
-      "OKVIS2 takes the time offset with the other sign: image_delay is minus our time offset.",
+      "OKVIS2 uses the time offset with the opposite sign: image_delay is minus our time offset.",
       "a_max and g_max are those of the tool's EuRoC example: set them to your IMU's range, or "
       "samples beyond them count as saturated."};
   out.warnings = unlikeOffsets(calibration);

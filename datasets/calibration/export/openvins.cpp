@@ -21,8 +21,8 @@ const char* distortionWord(const CameraCalibration& camera, const ExportChecks& 
 std::vector<std::string> warningsOf(const Calibration& calibration) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   warnings.push_back(
-      fmt::format("Belongs into estimator_config.yaml, which is not written here: max_cameras: "
-                  "{}, gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "
+      fmt::format("To set in estimator_config.yaml, which is not written here: max_cameras: {}, "
+                  "gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "
                   "relative_config_imucam: \"kalibr_imucam_chain.yaml\".",
                   calibration.cameras.size(), yamlNumber(calibration.imu->gravity_m_s2)));
   warnings.emplace_back(
@@ -83,15 +83,14 @@ ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions
   std::vector<std::string> notes = out.warnings;
   notes.insert(notes.begin(),
                "T_imu_cam maps camera to IMU; t_imu = t_cam + timeshift_cam_imu, of which OpenVINS "
-               "reads cam0's alone.");
+               "reads only cam0's.");
   std::string cameras = opencvHeader(options, notes) + "\n";
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
     cameras += cameraText(calibration, i, checks);
   }
   const std::string densities =
       "Continuous-time noise densities; scale, misalignment and gravity sensitivity are those of "
-      "an IMU without any. model \"kalibr\" in place of \"calibrated\" lets OpenVINS refine "
-      "them.";
+      "an ideal IMU. model \"kalibr\" instead of \"calibrated\" lets OpenVINS refine them.";
   out.files = {{"kalibr_imucam_chain.yaml", cameras},
                {"kalibr_imu_chain.yaml", opencvHeader(options, {densities}) + "\n" + imuText(imu)}};
   return out;

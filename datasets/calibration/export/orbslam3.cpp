@@ -89,7 +89,8 @@ std::string cameraText(const CameraCalibration& camera, int number) {
 }
 
 std::string overlapText(const Calibration& calibration) {
-  std::string text = "# Columns that both cameras see: all of them, until you know better.\n";
+  std::string text =
+      "# Columns that both cameras see: set to all columns, narrow them if you know the overlap.\n";
   for (int i = 1; i <= 2; ++i) {
     text += fmt::format("Camera{0}.overlappingBegin: 0\nCamera{0}.overlappingEnd: {1}\n", i,
                         calibration.cameras.front().intrinsics.resolution.width - 1);
@@ -109,8 +110,8 @@ std::string stereoText(const Calibration& calibration) {
 std::string imageText(const Calibration& calibration, const ExportOptions& options) {
   const Resolution& size = calibration.cameras.front().intrinsics.resolution;
   return fmt::format(
-      "Camera.width: {}\nCamera.height: {}\n# A whole number, or the tool stops.\nCamera.fps: "
-      "{}\nCamera.RGB: 1\n",
+      "Camera.width: {}\nCamera.height: {}\n# Must be a whole number, otherwise the tool "
+      "stops.\nCamera.fps: {}\nCamera.RGB: 1\n",
       size.width, size.height, std::lround(options.camera_rate_hz.value_or(kAssumedRate)));
 }
 

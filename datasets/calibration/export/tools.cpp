@@ -52,7 +52,7 @@ void ExportChecks::refuse(InputFault code, const std::string& what, const std::s
 void ExportChecks::atMostCameras(std::size_t count) const {
   if (calibration_.cameras.size() <= count) return;
   refuse(InputFault::kTooManyCameras,
-         fmt::format("it takes at most {} cameras, this calibration has {}", count,
+         fmt::format("it supports at most {} cameras, this calibration has {}", count,
                      calibration_.cameras.size()),
          "choose the cameras, e.g. cam0 and cam1");
 }
@@ -63,7 +63,7 @@ void ExportChecks::oneResolution() const {
     const Resolution& size = camera.intrinsics.resolution;
     if (size == first) continue;
     refuse(InputFault::kTooManyCameras,
-           fmt::format("it takes one image size, {} has {}x{} and {} has {}x{}",
+           fmt::format("it supports one image size, {} has {}x{} and {} has {}x{}",
                        calibration_.cameras.front().name, first.width, first.height, camera.name,
                        size.width, size.height),
            "export one camera");
@@ -75,7 +75,7 @@ void ExportChecks::oneModel() const {
   for (const CameraCalibration& camera : calibration_.cameras) {
     if (modelName(camera.intrinsics) == modelName(first.intrinsics)) continue;
     refuse(InputFault::kTooManyCameras,
-           fmt::format("it takes one camera model, {} is {} and {} is {}", first.name,
+           fmt::format("it supports one camera model, {} is {} and {} is {}", first.name,
                        modelName(first.intrinsics), camera.name, modelName(camera.intrinsics)),
            "calibrate both cameras with the same model, or export one camera");
   }
@@ -95,14 +95,14 @@ void ExportChecks::knownNoise() const {
   if (!options_.noise_known) {
     refuse(InputFault::kNoImuNoise,
            "it needs the IMU's noise densities, and this file does not state them",
-           "give Kalibr's imu.yaml with it");
+           "give Kalibr's imu.yaml in addition");
   }
   const ImuNoise& n = calibration_.imu->noise;
   const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
                         n.accel_random_walk > 0 && n.rate_hz > 0;
   if (!positive) {
     refuse(InputFault::kNoImuNoise, "a noise density or the IMU's rate is not positive",
-           "correct the calibration, or give Kalibr's imu.yaml with it");
+           "correct the calibration, or give Kalibr's imu.yaml in addition");
   }
 }
 
@@ -110,7 +110,7 @@ void ExportChecks::refuseModel(const CameraCalibration& camera, const std::strin
   refuse(InputFault::kUnsupported,
          fmt::format("it cannot represent {}, which is {}; it has {}", camera.name,
                      modelName(camera.intrinsics), known),
-         "calibrate this camera with a model that it has, or export to another tool "
+         "calibrate this camera with a model that the tool has, or export to another tool "
          "(docs/export.md)");
 }
 
@@ -186,7 +186,7 @@ std::vector<std::string> unlikeOffsets(const Calibration& calibration) {
     if (!hasOwnOffset(calibration.imu->time_offsets, i)) continue;
     const double shift = calibration.imu->timeOffset(i) - calibration.imu->timeOffset();
     warnings.push_back(fmt::format(
-        "The cameras are not synchronised, and this tool takes one time offset, that of {}: add {} "
+        "The cameras are not synchronised, but this tool uses one time offset, that of {}: add {} "
         "to the image stamps of {} first.",
         calibration.cameras.front().name, secondsText(shift), calibration.cameras[i].name));
   }

@@ -101,11 +101,11 @@ std::vector<std::string> warningsOf(const Calibration& calibration) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   warnings.emplace_back(
       "VINS-Fusion squares acc_n, gyr_n, acc_w and gyr_w and multiplies by dt^2, with no factor of "
-      "the rate, so continuous-time densities must not be copied. Written is the density times the "
-      "root of the IMU's rate: for acc_n and gyr_n the standard deviation of one sample, for acc_w "
-      "and gyr_w the number whose random walk is that of the density. Its mid-point rule takes the "
-      "ends of a step for independent and so counts half of a sample's variance: times sqrt(2) "
-      "makes up for it.");
+      "the rate, so continuous-time densities must not be copied. The values here are the density "
+      "times the root of the IMU's rate: for acc_n and gyr_n the standard deviation of one sample, "
+      "for acc_w and gyr_w the number whose random walk is that of the density. Its mid-point rule "
+      "treats the ends of a step as independent and so counts half of a sample's variance; a "
+      "factor of sqrt(2) compensates.");
   return warnings;
 }
 

@@ -105,7 +105,7 @@ Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibrati
   const auto& T_C0S = chain.cameras.front().T_cam_imu;
   if (T_C0S && camera.T_cam_imu) return *T_C0S * camera.T_cam_imu->inverse();
   throw badInput(chain.path, camera.line,
-                 {InputFault::kMissingKey, "neither T_cn_cnm1 nor T_cam_imu is there", kMatrixRows,
+                 {InputFault::kMissingKey, "neither T_cn_cnm1 nor T_cam_imu is given", kMatrixRows,
                   "without one of them this camera's place is unknown"});
 }
 

@@ -94,14 +94,14 @@ void requireLooking(const std::string& path, const Trajectory& trajectory) {
   throw badInput(
       path, 0,
       {InputFault::kContradiction,
-       fmt::format("{:.0f} % of the cameras look at the target, {:.2f} m apart{}", 100 * aim.share,
-                   aim.spread_m,
+       fmt::format("{:.0f} % of the camera poses look at the target, at points {:.2f} m apart{}",
+                   100 * aim.share, aim.spread_m,
                    other_is_better
-                       ? fmt::format("; as the header says, {:.2f} m apart", other.spread_m)
+                       ? fmt::format("; read as the header says, {:.2f} m apart", other.spread_m)
                        : std::string()),
        "quaternions as Kalibr writes them: x, y, z, w of the conjugate, under a header that says "
        "w, x, y, z",
-       "if another tool wrote this file, or its columns were put right, read it as a trajectory"});
+       "if another tool wrote this file, or its columns were corrected, read it as a trajectory"});
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ Trajectory readKalibrPoses(const std::string& path) {
     }
   }
   if (trajectory.poses.empty())
-    throw badInput(path, 0, {InputFault::kEmpty, "holds no poses", kRow, ""});
+    throw badInput(path, 0, {InputFault::kEmpty, "contains no poses", kRow, ""});
   requireLooking(path, trajectory);
   return trajectory;
 }

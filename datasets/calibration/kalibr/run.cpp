@@ -145,9 +145,10 @@ std::optional<KalibrCamchain> chainOf(const std::vector<std::string>& paths,
       if (belongs(text, chain)) return chain;
     }
   }
-  throw badInput(path, 0,
-                 {InputFault::kAmbiguous, "holds several runs of Kalibr (" + namesOf(paths) + ")",
-                  "one run", "name the camchain that is meant"});
+  throw badInput(
+      path, 0,
+      {InputFault::kAmbiguous, "contains several runs of Kalibr (" + namesOf(paths) + ")",
+       "one run", "name the camchain that is meant"});
 }
 
 void addStandardDeviations(Calibration& calibration, const KalibrResults& text) {
@@ -210,7 +211,7 @@ KalibrRun readKalibrRun(const std::string& path) {
   run.cameras = chainOf(files[Kind::kCamchain], named);
   if (!run.camera_imu && !run.cameras) {
     throw badInput(path, 0,
-                   {InputFault::kUnknownFile, "no camchain of Kalibr is here", "camchain*.yaml",
+                   {InputFault::kUnknownFile, "there is no camchain of Kalibr", "camchain*.yaml",
                     "a results text is rounded: the values are in the YAML"});
   }
   if (run.cameras) {

@@ -77,7 +77,7 @@ TEST_F(YamlLimits, AnEscapeThatGivesNoUtf8IsRefusedWithItsLine) {
     const auto refusal = refused("a: 1\nb: \"/imu" + std::string(escape) + "0\"\n");
     ASSERT_TRUE(refusal) << escape;
     EXPECT_EQ(refusal->line(), 2);
-    EXPECT_THAT(refusal->what(), HasSubstr("gives no character"));
+    EXPECT_THAT(refusal->what(), HasSubstr("is not a Unicode character"));
   }
   EXPECT_FALSE(refused("a: \"/imu\\u00e9\\x41\\L0\"\n"));
 }

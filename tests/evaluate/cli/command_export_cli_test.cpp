@@ -81,7 +81,7 @@ TEST_F(CommandExport, ReplacesItsOwnFolderOnlyIfToldToAndNoOthers) {
   const auto first = contents(out());
   const Outcome again = exportedSource("--to basalt");
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_THAT(again.text, AllOf(HasSubstr("holds an earlier result"), HasSubstr("--force")));
+  EXPECT_THAT(again.text, AllOf(HasSubstr("contains an earlier result"), HasSubstr("--force")));
   EXPECT_EQ(exportedSource("--to orbslam3 --force").exit_code, 0);
   EXPECT_EQ(contents(out()).count("orbslam3.yaml"), 1U);
   EXPECT_EQ(contents(out()).size(), 1U);
