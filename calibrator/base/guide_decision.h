@@ -143,11 +143,11 @@ inline void note(Decision& decision, const std::string& text) {
 inline void withdraw(int frame, const std::string& why, Decision& decision) {
   if (frame == decision.frame) {
     decision.accepted = false;
-    note(decision, why + ": left out");
+    note(decision, why + ": excluded");
     return;
   }
   decision.withdrawn.push_back(frame);
-  note(decision, "frame " + std::to_string(frame) + ": " + why + ": left out");
+  note(decision, "frame " + std::to_string(frame) + ": " + why + ": excluded");
 }
 
 }  // namespace plumbline

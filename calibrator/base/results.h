@@ -11,6 +11,7 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
+#include "calibrator/base/robust_covariance.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
@@ -124,6 +125,7 @@ struct FaultDiagnosis {
   /// formal ones under the same assumptions.
   Eigen::Matrix<double, 7, 1> robust_std = Eigen::Matrix<double, 7, 1>::Zero();
   Eigen::Matrix<double, 7, 1> formal_std = Eigen::Matrix<double, 7, 1>::Zero();
+  std::optional<Eigen::VectorXd> robust_dof;  ///< degrees of freedom of the squares of `robust_std`
   /// How T_SC0 and the offset follow the cameras that the batch holds, to first order: 7 rows, and
   /// columns for all intrinsics, all T_C0Ci and the board's terms but tag_edge, each as its stage's
   /// covariance lists it. Empty where the cameras are free.
@@ -185,6 +187,8 @@ struct StageSummary {
   /// few blocks of time tell. Of the camera-IMU stage T_SC0 and the time offset through both stages
   /// (batch/two_stages.h).
   std::optional<Eigen::VectorXd> robust_std;
+  /// Degrees of freedom of their squares, by which they make intervals (halfWidth90()).
+  std::optional<Eigen::VectorXd> robust_dof;
   /// Whether the recording's halves agree, where that was asked for and both have a solution.
   std::optional<HalvesCheck> halves;
   double entropy_nats = 0;  ///< 0.5 log((2 pi e)^n |Sigma|) of `covariance`
@@ -265,7 +269,7 @@ struct CameraStageResult {
   std::vector<BiasRatio> bias;          ///< one per camera
   /// Cluster-robust, of the parameters in the order of `summary.covariance`, then of the board's
   /// terms where they were estimated; empty where too few blocks of time tell. Not stored.
-  Eigen::MatrixXd robust_covariance;
+  std::optional<RobustCovariance> robust_covariance;
   StageSummary summary;
 };
 

@@ -2,29 +2,51 @@
 #include "calibrator/batch/two_stages.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace plumbline {
 
-std::optional<Eigen::Matrix<double, 7, 7>> covarianceOfCameras(const CameraImuStageResult& stage,
-                                                               const Eigen::MatrixXd& C) {
+namespace {
+
+/// J for so many parameters, of the cameras or of these and the board's terms.
+std::optional<Eigen::MatrixXd> responseTo(const CameraImuStageResult& stage, Eigen::Index n) {
   constexpr Eigen::Index kBoard = kTargetTerms - 1;  // tag_edge moves no pose
   if (!stage.faults || stage.faults->by_cameras.size() == 0) return std::nullopt;
   const Eigen::MatrixXd& J = stage.faults->by_cameras;
   const Eigen::Index cameras = J.cols() - kBoard;
-  Eigen::Index n = 0;
-  if (C.rows() == cameras) n = cameras;
-  if (C.rows() == cameras + kTargetTerms) n = J.cols();
-  if (n == 0) return std::nullopt;
-  return J.leftCols(n) * C.topLeftCorner(n, n) * J.leftCols(n).transpose();
+  if (n != cameras && n != cameras + kTargetTerms) return std::nullopt;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(J.rows(), n);
+  const Eigen::Index moving = std::min(n, J.cols());
+  out.leftCols(moving) = J.leftCols(moving);
+  return out;
 }
 
-std::optional<Eigen::VectorXd> robustStdOfBothStages(const CameraStageResult& camera,
-                                                     const CameraImuStageResult& camera_imu) {
-  const auto added = covarianceOfCameras(camera_imu, camera.robust_covariance);
-  if (!added) return std::nullopt;
-  const Eigen::Matrix<double, 7, 1> own = camera_imu.faults->robust_std.cwiseAbs2();
-  return Eigen::VectorXd((own + added->diagonal()).cwiseSqrt());
+}  // namespace
+
+std::optional<Eigen::Matrix<double, 7, 7>> covarianceOfCameras(const CameraImuStageResult& stage,
+                                                               const Eigen::MatrixXd& C) {
+  const auto J = responseTo(stage, C.rows());
+  if (!J) return std::nullopt;
+  return *J * C * J->transpose();
+}
+
+std::optional<RobustDeviations> robustDeviationsOfBothStages(
+    const CameraStageResult& camera, const CameraImuStageResult& camera_imu) {
+  if (!camera.robust_covariance) return std::nullopt;
+  const RobustCovariance& cameras = *camera.robust_covariance;
+  const auto J = responseTo(camera_imu, cameras.matrix.rows());
+  if (!J || !camera_imu.faults->robust_dof) return std::nullopt;
+  const FaultDiagnosis& own = *camera_imu.faults;
+  RobustDeviations out{Eigen::VectorXd(J->rows()), Eigen::VectorXd(J->rows())};
+  for (Eigen::Index k = 0; k < J->rows(); ++k) {
+    const double v = own.robust_std(k) * own.robust_std(k);
+    const EstimatedVariance both =
+        sumOf({v, (*own.robust_dof)(k)}, cameras.variance(J->row(k).transpose()));
+    out.std(k) = std::sqrt(both.value);
+    out.dof(k) = both.dof;
+  }
+  return out;
 }
 
 std::vector<FrameSegment> segmentsAtTheSameTime(const std::vector<FrameSegment>& segments,

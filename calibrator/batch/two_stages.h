@@ -25,9 +25,11 @@ std::optional<Eigen::Matrix<double, 7, 7>> covarianceOfCameras(const CameraImuSt
                                                                const Eigen::MatrixXd& C);
 
 /// Standard deviations of T_SC0 and the offset through both stages, cluster-robust in both:
-/// sqrt(robust_std^2 + diag(J C J')). Empty where either stage has no robust deviations.
-std::optional<Eigen::VectorXd> robustStdOfBothStages(const CameraStageResult& camera,
-                                                     const CameraImuStageResult& camera_imu);
+///   sqrt(v_1 + v_2),   v_1 = robust_std^2 of the camera-IMU batch,   v_2 = diag(J C J'),
+/// with the degrees of freedom of such a sum (sumOf()); those of v_2 are of the rows of J as
+/// combinations of cameras and board. Empty where either stage has no robust deviations.
+std::optional<RobustDeviations> robustDeviationsOfBothStages(
+    const CameraStageResult& camera, const CameraImuStageResult& camera_imu);
 
 /// resampleCameraImu() through both stages: every draw's segments of time are those of the
 /// camera-IMU stage, and the camera batch is solved again on its own frames in them, from `camera`,

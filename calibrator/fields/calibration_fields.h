@@ -25,7 +25,7 @@ template <class V>
 void targetTermFields(V& v, TargetTerms& terms) {
   static constexpr std::array<const char*, kTargetTerms> kTexts = {
       "wider along x than along y",
-      "right angles lost",
+      "loss of right angles",
       "displacement along x, with x^2",
       "along x, with x y",
       "along x, with y^2",
@@ -35,7 +35,7 @@ void targetTermFields(V& v, TargetTerms& terms) {
       "height, with x^2",
       "height, with x y",
       "height, with y^2",
-      "how much larger the tags look at unchanged pitch"};
+      "apparent increase of the tags' size at unchanged pitch"};
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     v(kTargetTermNames[j], terms[static_cast<Eigen::Index>(j)], "m", kTexts[j]);
   }
@@ -44,7 +44,7 @@ void targetTermFields(V& v, TargetTerms& terms) {
 template <class V>
 void fields(V& v, TargetShape& s) {
   v.group("terms", [&](auto& g) { targetTermFields(g, s.terms); });
-  v("covariance", s.covariance, "of the terms, in their order [m^2]; absent: taken as exact");
+  v("covariance", s.covariance, "of the terms, in their order [m^2]; absent: assumed exact");
 }
 
 template <class V>
@@ -53,7 +53,7 @@ void fields(V& v, AprilGrid& g) {
   v("cols", g.cols, "tags along x");
   v("tag_size", g.tag_size, "m", "outer edge of a tag's black border");
   v("spacing", g.spacing, "1", "gap between tags over `tag_size`");
-  v("shape", g.shape, "how the board departs from the flat and even grid");
+  v("shape", g.shape, "deviation of the board from the flat and even grid");
 }
 
 inline auto elements(Resolution& r) { return std::tie(r.width, r.height); }
@@ -98,7 +98,7 @@ template <class V>
 void fields(V& v, CameraCalibration& c) {
   Intrinsics& k = c.intrinsics;
   v("name", c.name, "as in the session");
-  v.ifSet("rostopic", c.rostopic, "left out where unknown");
+  v.ifSet("rostopic", c.rostopic, "absent where unknown");
   v("model", k.projection_model, "Kalibr's words: `pinhole`, `omni`, `eucm`, `ds`");
   v("distortion", k.distortion_model, "`none`, `radtan`, `equidistant`, `fov`, `rational`");
   v("resolution", k.resolution, "px", "`[width, height]`");
@@ -108,12 +108,12 @@ void fields(V& v, CameraCalibration& c) {
     "radtan `[k1, k2, p1, p2]`, equidistant `[k1 ... k4]`, fov `[w]`, rational "
     "`[k1, k2, p1, p2, k3 ... k6]`");
   auto projection_std = projectionStd(c), distortion_std = distortionStd(c);
-  v("intrinsics_std", projection_std, "px", "left out for cameras that were given and kept fixed");
+  v("intrinsics_std", projection_std, "px", "absent for cameras that were given and kept fixed");
   v("distortion_coeffs_std", distortion_std, "1", "likewise");
   if constexpr (V::kReads) setIntrinsicsStd(projection_std, distortion_std, c);
   v("T_C0Ci", c.T_C0Ci, "m", "4 x 4, rows: p_C0 = T_C0Ci p_Ci");
   v("T_C0Ci_std", c.T_C0Ci_std, "m, rad",
-    "3 of the translation, 3 of the left tangent of the rotation; left out for camera 0");
+    "3 of the translation, 3 of the left tangent of the rotation; absent for camera 0");
 }
 
 /// Of every camera [s], none for those that are synchronised with camera 0; empty where all are.
@@ -147,9 +147,9 @@ void fields(V& v, ImuCalibration& i) {
   v.ifSet("camera_time_offsets_s", own,
           "t_d of every camera [s]; only where their stamps differ; null: as camera 0");
   if constexpr (V::kReads) i.time_offsets = timeOffsets(offset, own);
-  v("gravity_m_s2", i.gravity_m_s2, "m/s^2", "magnitude that was assumed");
-  v.ifSet("rostopic", i.rostopic, "left out where unknown");
-  v("noise", i.noise, "densities that were assumed, in the words of Kalibr's `imu.yaml`");
+  v("gravity_m_s2", i.gravity_m_s2, "m/s^2", "assumed magnitude");
+  v.ifSet("rostopic", i.rostopic, "absent where unknown");
+  v("noise", i.noise, "assumed densities, named as in Kalibr's `imu.yaml`");
 }
 
 template <class V>
@@ -193,7 +193,7 @@ void fields(V& v, ErrorStatistics& s) {
   v("std_px", s.std_px, "px", "standard deviation of |e| (divisor n): rmse^2 = mean^2 + std^2");
   v("axis_mean_px", s.axis_mean_px, "px", "`[u, v]`: mean of the components of e");
   v("axis_std_px", s.axis_std_px, "px", "`[u, v]`: their standard deviation (divisor n)");
-  v("corners", s.count, "1", "number of corners that these figures stand on");
+  v("corners", s.count, "1", "number of corners of these figures");
 }
 
 template <class V>

@@ -31,7 +31,7 @@ void fields(V& v, Suggestion& s) {
   v("mi_nats", s.mi_nats, "nat", "expected information gain");
   v.derived("mi_bits", inBits(s.mi_nats), "bit", "the same in bits");
   bool unbounded = std::isinf(s.mi_nats);
-  v.ifSet("mi_unbounded", unbounded, "the views before left parameters free");
+  v.ifSet("mi_unbounded", unbounded, "the views before do not determine all parameters");
   if (V::kReads && unbounded) s.mi_nats = std::numeric_limits<double>::infinity();
   v("error_px", s.error_px, "px", "predicted error in later use with it");
   v("reach_s", s.reach_s, "s", "predicted time until it is reached");
@@ -39,8 +39,8 @@ void fields(V& v, Suggestion& s) {
 
 template <class V>
 void fields(V& v, CandidateRound& r) {
-  v("asked_ns", r.asked, "stamp of the frame whose estimate the scores stand on");
-  v("answered_ns", r.answered, "recording's time at which the answer was there");
+  v("asked_ns", r.asked, "stamp of the frame whose estimate the scores are based on");
+  v("answered_ns", r.answered, "recording's time at which the scores were available");
   v("candidates", r.names, "their names");
   v("T_FC0", r.T_FC0, "of the view, or of the trajectory's start");
   v("mi_nats", r.mi_nats, "gain of each; null: it could not be scored");
@@ -60,11 +60,12 @@ void fields(V& v, Decision& d) {
   v("mode", d.mode, "after the frame");
   v("reason", d.reason, "why the frame was treated as it was");
   v("accepted", d.accepted, "the frame entered the estimate");
-  v("withdrawn", d.withdrawn, "frames accepted before that left the estimate with this one");
+  v("withdrawn", d.withdrawn,
+    "frames accepted before that were removed from the estimate with this one");
   v("mi_nats", d.mi_nats, "nat", "its gain; null: it has none, or `mi_unbounded`");
   v.derived("mi_bits", inBits(d.mi_nats), "bit", "the same in bits");
   v.derived("mi_unbounded", d.mi_nats && std::isinf(*d.mi_nats), "",
-            "the views before left parameters free");
+            "the views before do not determine all parameters");
   v("entropy_nats", d.entropy_nats, "nat", "of the calibration parameters, after the frame");
   v.derived("entropy_bits", inBits(d.entropy_nats), "bit", "the same in bits");
   v("threshold_nats", d.threshold_nats, "nat", "what the gain was compared with");
@@ -75,19 +76,19 @@ void fields(V& v, Decision& d) {
   v("error_with_px", d.error_with_px, "px", "the same with this frame");
   v("error_bound_px", d.error_bound_px, "px",
     "what `error_with_px` was compared with; null where the criterion is the gain");
-  v("excess", d.excess, "1", "share by which it raises the error of a corner");
+  v("excess", d.excess, "1", "relative increase of a corner's error that it causes");
   v("projection_px", d.projection_px, "px",
-    "predicted RMS by which projections are off, with `--stop-projection-px`");
+    "predicted RMS projection error, with `--stop-projection-px`");
   v("corners", d.corners, "seen by all cameras");
   v("views_kept", d.views_kept, "accepted in this stage so far");
   v("frames_without_view", d.frames_without_view, "offered since the last accepted one");
   v("rmse_px", d.rmse_px, "px", "of the window, after the frame");
-  v("T_FC0", d.T_FC0, "m", "where the camera was");
+  v("T_FC0", d.T_FC0, "m", "pose of camera 0");
   v("event", d.event, "what happened to the suggestion");
   v.derived("reached", d.event == SuggestionEvent::kReached, "", "the event is `reached`");
   v("suggestion", d.suggestion, "id of the one that is open, or was closed here");
   v("distance_px", d.distance_px, "px", "mean corner distance to it");
-  v("held_s", d.held_s, "s", "how long the distance has been small enough");
+  v("held_s", d.held_s, "s", "time for which the distance has been small enough");
   v("opened", d.opened, "with the event `opened`");
   v("round", d.round, "scores that arrived with this frame");
   v("detail", d.detail, "what could not be done and why");

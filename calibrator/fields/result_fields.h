@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/results.h"
 #include "calibrator/fields/calibration_fields.h"
 
@@ -59,10 +60,10 @@ void fields(V& v, StageSeconds& s) {
 template <class V>
 void fields(V& v, HalvesBlock& b) {
   v("name", b.name, "the block of parameters");
-  v("chi2", b.chi2, "1", "of the halves' difference under their cluster-robust deviations");
+  v("chi2", b.chi2, "1", "of the halves' difference, with their cluster-robust covariance");
   v("parameters", b.parameters, "1", "in the block");
-  v("limit", b.limit, "1", "`chi2` that one recording in a hundred exceeds by chance");
-  v("worst", b.worst, "parameter that differs by most of its deviations");
+  v("limit", b.limit, "1", "99 % bound of `chi2`");
+  v("worst", b.worst, "parameter with the largest difference in standard deviations");
   v("difference", b.difference, "of it, second half minus first, in `unit`");
   v("std", b.std, "standard deviation of that difference, in `unit`");
   v("unit", b.unit, "of `difference` and `std`");
@@ -83,9 +84,13 @@ void figures(V& v, StageSummary& s) {
   v("corners_used", s.corners_used, "1", "in the solution");
   v("corners_offered", s.corners_offered, "1", "in the session");
   v("views_used", s.views_used, "1", "(camera, frame) pairs with used corners");
-  v("views_offered", s.views_offered, "1", "all views of the session, whatever they saw");
+  v("views_offered", s.views_offered, "1", "all views of the session, with or without corners");
   v("robust_std", s.robust_std, "cluster-robust standard deviations, in the order of `covariance`");
-  v("halves", s.halves, "whether the recording's halves, each solved apart, agree");
+  v("robust_dof", s.robust_dof, "degrees of freedom of their squares (Satterthwaite)");
+  v.derived("half_width_90", halfWidths90(s.robust_std, s.robust_dof), "",
+            "half widths of 90 % intervals: `robust_std` times quantile 0.95 of Student's t with "
+            "`robust_dof`");
+  v("halves", s.halves, "whether the recording's halves, each solved separately, agree");
   v("entropy_nats", s.entropy_nats, "nat",
     "0.5 log((2 pi e)^n |Sigma|), Sigma the stage's `covariance`; compare only under the same "
     "parameter list, units and noise");
@@ -107,7 +112,7 @@ constexpr std::array<const char*, 7> enumWords(TargetFinding /*of*/) {
 
 template <class V>
 void fields(V& v, TargetFit& t) {
-  v("finding", t.finding, "what the recording says of the board");
+  v("finding", t.finding, "test of the board's shape on the recording");
   v("shape", t.shape, "terms estimated with the cameras, formal covariance");
   v.group("std", [&](auto& g) { targetTermFields(g, t.std); });
   v("blocks", t.blocks, "1", "of time, over which `std` is cluster-robust; 0: formal");
@@ -123,7 +128,8 @@ void fields(V& v, ModelCandidate& m) {
   v("camera_model", m.projection, "the projection");
   v("distortion_model", m.distortion, "its distortion");
   v("parameters", m.parameters, "1", "of the lens");
-  v("frames", m.frames, "1", "on which it was tried: fewer where that ruled it out");
+  v("frames", m.frames, "1",
+    "frames of the comparison: fewer where they were enough to reject the model");
   v("held_out_px", m.held_out_px, "px", "RMS of frames that it was not fitted to; null: none");
   v("excess_px2", m.excess_px2, "px^2",
     "mean over blocks of time: by how much its squares exceed the best model's");
@@ -150,7 +156,7 @@ void fields(V& v, BiasRatio& b) {
   v("bias_ratio", b.ratio, "1", "share of the mean squared error that is systematic");
   v("noise_px", b.noise_px, "px", "of a corner per axis, from patches of neighbouring corners");
   v("error_px", b.error_px, "px", "the same of all residuals");
-  v("patches", b.patches, "1", "on which `noise_px` stands; 0: too few");
+  v("patches", b.patches, "1", "number of patches behind `noise_px`; 0: too few");
 }
 
 template <class V>
@@ -158,10 +164,10 @@ void fields(V& v, CameraStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
   v("cameras", s.cameras, "as this stage estimated them");
-  v("target", s.target, "the board that the solution stands on");
+  v("target", s.target, "board of the solution");
   v("target_fit", s.target_fit, "the board's shape as estimated, whether or not it was kept");
   v.ifSet("model_choice", s.models, "lens models tried for each camera, and the one chosen");
-  v.ifSet("bias", s.bias, "what lens and board leave, camera by camera");
+  v.ifSet("bias", s.bias, "systematic error that lens model and board do not explain, per camera");
   v.array("frames", s.frames, "frames of the solution");
   v.array("T_FC0", s.T_FC0, "camera 0 in the target's frame, one per frame");
   v.array("residuals", s.residuals, "corners' reprojection errors");
@@ -190,16 +196,16 @@ void fields(V& v, ImuIntervalResidual& r) {
   v("velocity_m_s", r.velocity_m_s, "m/s", "of the velocity");
   v("position_m", r.position_m, "m", "of the position");
   v("normalised", r.normalised, "1", "rotation, velocity, position, bias walks over their noise");
-  v("gyro", r.gyro, "rad/s", "what the gyroscope read and should have read");
-  v("accel", r.accel, "m/s^2", "what the accelerometer read and should have read");
+  v("gyro", r.gyro, "rad/s", "readings of the gyroscope: measured and predicted");
+  v("accel", r.accel, "m/s^2", "readings of the accelerometer: measured and predicted");
 }
 
 template <class V>
 void fields(V& v, ImuNoiseCheck& c) {
   v("expected_rms", c.expected_rms, "1",
-    "normalised RMS to expect; below 1, since states absorb part of the residual");
-  v("factor", c.factor, "1", "by which the density should be multiplied");
-  v("redundancy", c.redundancy, "1", "residuals' worth of evidence");
+    "expected normalised RMS; below 1, since states absorb part of the residual");
+  v("factor", c.factor, "1", "factor by which the density should be multiplied");
+  v("redundancy", c.redundancy, "1", "redundancy: effective number of residuals");
 }
 
 template <class V>
@@ -223,7 +229,7 @@ void fields(V& v, ImuResidualSummary& s) {
     g("gyro_bias", s.gyro_bias_normalised_rms, "1", "random walk of the gyroscope's bias");
     g("accel_bias", s.accel_bias_normalised_rms, "1", "random walk of the accelerometer's bias");
   });
-  v("imu_noise", s.noise, "what the residuals say of the assumed densities");
+  v("imu_noise", s.noise, "noise densities estimated from the residuals");
   v("imu_chi2", s.chi2, "1", "sum of squared normalised residuals");
   v("imu_dof", s.dof, "1", "their number");
 }
@@ -232,10 +238,11 @@ template <class V>
 void fields(V& v, FrameErrors& e) {
   v("rmse_px", e.rmse_px, "px", "at the solution");
   v("free_rmse_px", e.free_rmse_px, "px", "with every frame at the pose of its own corners");
-  v("along", e.along, "px^2", "that a shift of its stamp takes from a frame, mean");
-  v("across", e.across, "px^2", "that each of the other five directions takes, mean");
-  v("neighbours", e.neighbours, "1", "correlation of the shifts of frames that follow each other");
-  v("jitter_s", e.jitter_s, "s", "RMS of the shifts, less what directions take by chance");
+  v("along", e.along, "px^2", "squared error of a frame that a shift of its stamp explains, mean");
+  v("across", e.across, "px^2",
+    "squared error that each of the other five directions explains, mean");
+  v("neighbours", e.neighbours, "1", "correlation of the shifts of consecutive frames");
+  v("jitter_s", e.jitter_s, "s", "RMS of the shifts beyond what directions explain by chance");
 }
 
 template <class V>
@@ -243,14 +250,15 @@ void fields(V& v, InertialCheck& c) {
   v("target_scale", c.target_scale, "1", "metres per stated metre of the target");
   v("target_scale_std", c.target_scale_std, "1", "its standard deviation");
   v("gravity_m_s2", c.gravity_m_s2, "m/s^2", "magnitude as measured; 0: not known");
-  v.ifSet("residual_ratio", c.residual_ratio, "what the fit leaves over what noise explains");
+  v.ifSet("residual_ratio", c.residual_ratio,
+          "residual of the fit over the residual that noise explains");
 }
 
 template <class V>
 void fields(V& v, ImuSpike& s) {
   v("t_ns", s.t, "stamp of the sample, as recorded");
   v("channel", s.channel, "0 to 2: gyroscope x, y, z; 3 to 5: accelerometer");
-  v("size", s.size, "reading less what its neighbours say, SI units");
+  v("size", s.size, "reading minus the prediction from its neighbours, SI units");
   v("line", s.line, "of the file; 0: not known");
 }
 
@@ -272,44 +280,49 @@ void fields(V& v, MisplacedTag& m) {
   v("camera", m.camera, "its position");
   v("t_ns", m.t, "stamp of the view");
   v("tag", m.tag, "id that was read");
-  v("place", m.place, "tag in whose place it stands");
+  v("place", m.place, "tag at whose position it is");
 }
 
 template <class V>
 void fields(V& v, Screening& s) {
-  v.ifSet("spikes", s.spikes, "samples of the IMU that their neighbours contradict: left out");
-  v.ifSet("pauses", s.pauses, "of the IMU's samples: the chain of motion is broken there");
+  v.ifSet("spikes", s.spikes, "samples of the IMU that their neighbours contradict: excluded");
+  v.ifSet("pauses", s.pauses, "gaps in the IMU's samples: frames are not linked across them");
   v.ifSet("repeated_views", s.repeated_views,
-          "views that repeat the corners before them though the rig moved: left out");
-  v.ifSet("misplaced_tags", s.misplaced_tags, "tags that do not stand where their id belongs");
-  v.ifSet("false_corners", s.false_corners, "used ones, far off where their view says they are");
+          "views that repeat the corners before them though the rig moved: excluded");
+  v.ifSet("misplaced_tags", s.misplaced_tags, "tags that are not at the position of their id");
+  v.ifSet("false_corners", s.false_corners,
+          "used corners far from where the rest of their view puts them");
   v.ifSet("grazing_corners", s.grazing_corners,
-          "left out: seen at 89 degrees and more from the optical axis");
+          "excluded: seen at 89 degrees and more from the optical axis");
 }
 
 template <class V>
 void fields(V& v, FaultTest& t) {
   v("fault", t.fault, "what was tested");
   v("camera", t.camera, "its position; -1: no camera's own fault");
-  v("since_ns", t.since, "instant from which it holds, camera clock");
+  v("since_ns", t.since, "time from which it applies, camera clock");
   v("estimate", t.estimate, "size to first order, SI units (calibrator/base/results.h)");
   v("std", t.std, "its cluster-robust standard deviation");
-  v("frequency_hz", t.frequency_hz, "of what swings");
+  v("frequency_hz", t.frequency_hz, "of the swinging motion");
   v("chi2", t.chi2, "of the estimate against zero");
-  v("explained", t.explained, "by how much twice the batch's cost falls with the fault modelled");
+  v("explained", t.explained, "decrease of twice the batch's cost when the fault is modelled");
   v("dof", t.dof, "number of its parameters");
   v("significance", t.significance, "chi2 as a deviate of the normal distribution");
-  v("shift", t.shift, "what modelling it would add to T_SC0 (3 m, 3 rad) and the offset [s]");
+  v("shift", t.shift, "change of T_SC0 (3 m, 3 rad) and the offset [s] if it were modelled");
   v("shift_sigma", t.shift_sigma, "the largest of these in robust standard deviations");
 }
 
 template <class V>
 void fields(V& v, FaultDiagnosis& d) {
-  v("causes", d.causes, "significant faults, most important first, each beside those before it");
+  v("causes", d.causes,
+    "significant faults, most important first, each tested with those before it modelled");
   v("alternative", d.alternative, "explains the residuals as well as the first cause");
   v("tests", d.tests, "every fault alone");
   v("robust_std", d.robust_std, "cluster-robust, of T_SC0 (3 m, 3 rad) and the offset [s]");
   v("formal_std", d.formal_std, "formal ones");
+  v("robust_dof", d.robust_dof, "degrees of freedom of the squares of `robust_std`");
+  v.derived("half_width_90", halfWidths90(Eigen::VectorXd(d.robust_std), d.robust_dof), "",
+            "half widths of 90 % intervals: this stage's alone; see the stage's `half_width_90`");
 }
 
 /// Of the stage alone: `imu` and `cameras` stand at the top of calibration.json.
@@ -329,13 +342,13 @@ void fields(V& v, CameraImuStageResult& s) {
   fields(v, s.imu_summary);
   v.derived("frames_used", s.frames.size(), "1", "frames in the solution");
   v("frames_without_imu", s.frames_without_imu, "1",
-    "left out: not covered by IMU samples, or alone between gaps");
+    "not used: not covered by IMU samples, or isolated between gaps");
   v("frames_without_pose", s.frames_without_pose, "1",
-    "left out: no pose from the frame's own corners");
-  v("imu_gaps", s.imu_gaps, "1", "pauses of the IMU that broke the chain");
+    "not used: no pose from the frame's own corners");
+  v("imu_gaps", s.imu_gaps, "1", "gaps of the IMU across which frames are not linked");
   v("imu_rate_hz", s.imu_rate_hz, "Hz", "inverse of the median interval between IMU samples");
   v("inertial_check", s.inertial_check, "linear fit before the batch");
-  v("frame_errors", s.frame_errors, "poses against those that frames' own corners choose");
+  v("frame_errors", s.frame_errors, "poses compared with those from each frame's corners alone");
   v.ifSet("screening", s.screening, "measurements that contradict their neighbours or the target");
   v("faults", s.faults, "score tests of faults that the batch does not model");
   v("gravity_F_m_s2", s.gravity_F, "m/s^2", "gravity in the target's frame, pointing down");

@@ -143,7 +143,7 @@ void CameraGuide::State::tryStart(Decision& d) {
     next_start = kept.size() +
                  std::max(static_cast<std::size_t>(options.views.start_frames), kept.size() / 4);
     d.reason = GuideReason::kInitialiseFailed;
-    note(d, fmt::format("initialisation failed with {} frames: tried again with {}", kept.size(),
+    note(d, fmt::format("initialisation failed with {} frames: trying again with {}", kept.size(),
                         next_start));
     d.failure = start.failure();
     return;
@@ -206,9 +206,10 @@ void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& c
     // Runs of frames without pose also occur under a good estimate (blur, glare). Only where fewer
     // frames had a pose than had none was the start itself wrong.
     if (++unposed >= options.views.start_anew_after && posed < unposed) {
-      startWasWrong(d, fmt::format("{} frames in a row have no plausible pose under the estimate, "
-                                   "{} had one",
-                                   unposed, posed));
+      startWasWrong(
+          d,
+          fmt::format("{} consecutive frames have no plausible pose under the estimate, {} had one",
+                      unposed, posed));
     }
     return;
   }
@@ -308,7 +309,7 @@ std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   for (const std::size_t i : byGainPerSecond(judge.worthwhileGains(round), round.reach_s)) {
     if (judge.seesTargetBetween(*d.T_FC0, round.T_FC0[i])) return i;
   }
-  note(d, "the target leaves the view on the way to every candidate: the best one is suggested");
+  note(d, "the target goes out of view on the path to every candidate: the best one is suggested");
   return best;
 }
 

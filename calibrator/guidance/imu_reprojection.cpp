@@ -38,14 +38,6 @@ Matrix6d meanTwistGram(const Intrinsics& camera, const ImuUse& use) {
   return count > 0 ? Matrix6d(sum / count) : sum;
 }
 
-/// B: the twist in A of a twist in B's frame.
-Matrix6d adjoint(const Transform& T_AB) {
-  Matrix6d B = Matrix6d::Zero();
-  B.topLeftCorner<3, 3>() = B.bottomRightCorner<3, 3>() = T_AB.R;
-  B.topRightCorner<3, 3>() = skew(T_AB.t) * T_AB.R;
-  return B;
-}
-
 }  // namespace
 
 ImuReprojection::ImuReprojection(const std::vector<CameraCalibration>& cameras, const ImuUse& use)

@@ -165,7 +165,8 @@ FrameLink ImuStageTracker::linkTo(const PosedFrame& frame, const ImuStageRecordi
   if (gap) becauseOf(GuideReason::kImuGap, frame, decision);
   const std::string pause = gap ? fmt::format("IMU samples pause for {:.3f} s before it", *gap)
                                 : fmt::format("{:.3f} s after the last frame used", apart_s);
-  note(decision, prefix(frame, decision) + pause + ": joined by the biases' walk alone");
+  note(decision,
+       prefix(frame, decision) + pause + ": linked only by the random walk of the biases");
   return FrameLink::kBiasWalk;
 }
 

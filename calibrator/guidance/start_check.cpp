@@ -32,8 +32,8 @@ std::optional<std::string> StartCheck::against(
   const double given_px = given->summary.reprojection.rmse_px;
   if (!(given_px > kWorse * restart_px)) return std::nullopt;
   return fmt::format(
-      "the estimate leaves {:.2f} px on {} frames after its start, one made from those alone "
-      "{:.2f} px",
+      "the estimate has {:.2f} px RMSE on {} frames after its start, an estimate from those frames "
+      "alone {:.2f} px",
       given_px, frames_.size(), restart_px);
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
 
 namespace plumbline {
 namespace {
@@ -30,45 +29,23 @@ MatrixXd adjustment(const MatrixXd& leverage) {
          eigen.eigenvectors().transpose();
 }
 
-/// Satterthwaite's of sum_b u_b^2, u_b = a_b' s_b, with the scores' covariance under white noise,
-/// G_b where b = c less G_b G_c. A column of a for every block.
-double degreesOfFreedom(const MatrixXd& a, const std::vector<MatrixXd>& leverage) {
-  MatrixXd Ga(a.rows(), a.cols());
-  for (Index b = 0; b < a.cols(); ++b) {
-    Ga.col(b) = leverage[static_cast<std::size_t>(b)] * a.col(b);
-  }
-  MatrixXd covariance = -(Ga.transpose() * Ga);
-  covariance.diagonal() += a.cwiseProduct(Ga).colwise().sum();
-  const double trace = covariance.trace();
-  return trace * trace / covariance.squaredNorm();
-}
-
 }  // namespace
 
 ClusterRobust clusterRobust(const BlockScores& blocks, const MatrixXd& covariance) {
   assert(blocks.scores.cols() == static_cast<Index>(blocks.information.size()));
   const Index n = covariance.rows();
   const MatrixXd C = covariance.llt().matrixL();  // whitens: C' H_b C add up to I
-  std::vector<MatrixXd> leverage, adjust;
+  ClusterRobust out;
   MatrixXd half(n, blocks.scores.cols());
   for (const MatrixXd& information : blocks.information) {
-    const auto b = static_cast<Index>(leverage.size());
+    const auto b = static_cast<Index>(out.degrees.leverage.size());
     const MatrixXd G = C.transpose() * information * C;
-    leverage.emplace_back(0.5 * (G + G.transpose()));
-    adjust.push_back(adjustment(leverage.back()));
-    half.col(b) = adjust.back() * (C.transpose() * blocks.scores.col(b));
+    out.degrees.leverage.emplace_back(0.5 * (G + G.transpose()));
+    out.degrees.adjustment.emplace_back(adjustment(out.degrees.leverage.back()) * C.transpose());
+    half.col(b) = out.degrees.adjustment.back() * blocks.scores.col(b);
   }
-  ClusterRobust out;
   const MatrixXd root = C * half;
   out.matrix = root * root.transpose();
-  out.dof.resize(n);
-  MatrixXd a(n, blocks.scores.cols());
-  for (Index k = 0; k < n; ++k) {
-    for (Index b = 0; b < a.cols(); ++b) {
-      a.col(b) = adjust[static_cast<std::size_t>(b)] * C.row(k).transpose();
-    }
-    out.dof(k) = degreesOfFreedom(a, leverage);
-  }
   return out;
 }
 

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "calibrator/base/robust_covariance.h"
+
 namespace plumbline {
 
 /// What blocks of measurements say of n parameters at an estimate, everything else eliminated.
@@ -14,9 +16,9 @@ struct BlockScores {
 
 struct ClusterRobust {
   Eigen::MatrixXd matrix;  ///< n x n
-  /// Degrees of freedom of every variance in it (Satterthwaite): an interval is the deviation times
-  /// a quantile of Student's t with as many.
-  Eigen::VectorXd dof;
+  /// Of its variances: an interval is the deviation times a quantile of Student's t with as many
+  /// degrees of freedom (halfWidth90()).
+  ClusterDegrees degrees;
 };
 
 /// Cluster-robust ("sandwich") covariance of an estimate with `covariance` S^-1 = (sum H_b)^-1:
@@ -25,7 +27,8 @@ struct ClusterRobust {
 /// has the covariance H_b - H_b S^-1 H_b under white noise, and u_b has H_b, so that the result is
 /// S^-1 in the mean, however few and unlike the blocks are (CR2: Bell and McCaffrey 2002;
 /// Pustejovsky and Tipton 2018, in the parameters' space). A factor M / (M - 1) makes up for that
-/// only where all blocks say equally much. `dof` are those of the same white noise.
+/// only where all blocks say equally much. `degrees` are those of the same white noise, of the
+/// blocks as they are given.
 /// Units may differ between parameters. `covariance` is positive definite.
 ClusterRobust clusterRobust(const BlockScores& blocks, const Eigen::MatrixXd& covariance);
 
@@ -40,7 +43,8 @@ int blocksOf(int pieces, double correlation_length);
 
 /// The variance of sums over blocks of `pieces` as a share of what it would be if blocks did not
 /// correlate with each other, for a correlation that falls exponentially with the time constant
-/// length / 2: 1 - (1 - exp(-x)) / x, x = pieces / time constant. 1 where length <= 1.
+/// length / 2: 1 - (1 - exp(-x)) / x, x = pieces / time constant. 1 where length <= 1. A variance
+/// divided by it keeps the degrees of freedom of the blocks.
 double shareWithin(double pieces, double correlation_length);
 
 /// Fewer blocks than this say nothing.

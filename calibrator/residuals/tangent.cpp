@@ -6,15 +6,6 @@
 namespace plumbline {
 namespace {
 
-// x_A = Ad(T_AB) x_B for twists (rho, phi): phi_A = R phi_B, rho_A = R rho_B + t x phi_A.
-Matrix6d adjoint(const Transform& T_AB) {
-  Matrix6d Ad = Matrix6d::Zero();
-  Ad.topLeftCorner<3, 3>() = T_AB.R;
-  Ad.bottomRightCorner<3, 3>() = T_AB.R;
-  Ad.topRightCorner<3, 3>() = skew(T_AB.t) * T_AB.R;
-  return Ad;
-}
-
 // For T_CF = T_CA * T_BA^-1 * T_BF, the twist of T_CF in the tangent of T_BA: the inverse turns the
 // twist of T_BA, which acts in B, round, and T_CB = T_CA * T_BA^-1 carries it to C.
 Matrix6d throughInverse(const Transform& T_CA, const Transform& T_BA) {
@@ -22,6 +13,12 @@ Matrix6d throughInverse(const Transform& T_CA, const Transform& T_BA) {
 }
 
 }  // namespace
+
+Matrix6d adjoint(const Transform& T_AB) {
+  Matrix6d Ad;
+  Ad << T_AB.R, skew(T_AB.t) * T_AB.R, Eigen::Matrix3d::Zero(), T_AB.R;
+  return Ad;
+}
 
 Matrix6d twistFromTangent(const Transform& T) {
   Matrix6d A = Matrix6d::Identity();

@@ -10,6 +10,9 @@ namespace plumbline {
 //   p_Ci' = p_Ci + rho + phi x p_Ci        (frame Ci, metres and radians),
 // the derivative that poseGram and viewGram take. Terms chain as H <- A^T H A, b <- A^T b.
 
+/// Adjoint of T_AB: x_A = Ad x_B for twists, phi_A = R phi_B, rho_A = R rho_B + t x phi_A.
+Matrix6d adjoint(const Transform& T_AB);
+
 /// The twist of T itself: x = A d for T <- boxplus(T, d). With T = T_CF:
 /// rho = dt + t x da, phi = da.
 Matrix6d twistFromTangent(const Transform& T);

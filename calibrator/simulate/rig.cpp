@@ -121,7 +121,7 @@ SimulatedRig simulatedRig(const std::string& name) {
   if (name == "d435i") return d435i();
   std::string known;
   for (const std::string& n : simulatedRigNames()) known += (known.empty() ? "" : ", ") + n;
-  throw InputError("unknown rig '" + name + "'; known are " + known);
+  throw InputError("unknown rig '" + name + "'; expected one of " + known);
 }
 
 std::vector<std::string> simulatedRigNames() { return {"euroc", "tumvi", "d435i"}; }

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
+#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -23,12 +23,11 @@ std::vector<ParameterName> parametersOf(std::vector<CameraCalibration> cameras) 
 Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& estimate,
                            const CameraLayout& layout, std::size_t c) {
   const Transform T_CiC0 = estimate.T_C0Ci[c].inverse();
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint << T_CiC0.R, skew(T_CiC0.t) * T_CiC0.R, Eigen::Matrix3d::Zero(), T_CiC0.R;
+  const Matrix6d A = adjoint(T_CiC0);
   const int K = layout.intrinsics_size[c];
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(6 + K, 6 + layout.size);
-  M.topLeftCorner<6, 6>() = adjoint;
-  M.topRightCorner(6, layout.size) = adjoint * shift.A;
+  M.topLeftCorner<6, 6>() = A;
+  M.topRightCorner(6, layout.size) = A * shift.A;
   M.block(6, 6 + layout.intrinsics[c], K, K).setIdentity();
   if (c > 0) {
     M.block<3, 3>(0, 6 + layout.T_C0Ci[c]) -= T_CiC0.R;

@@ -7,8 +7,8 @@
 #include <array>
 #include <cassert>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -27,9 +27,8 @@ std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate) {
   for (const Transform& T_C0Ci : estimate.T_C0Ci) {
     CameraDerivatives d;
     d.T_CiC0 = T_C0Ci.inverse();
-    const Eigen::Matrix3d& R = d.T_CiC0.R;
-    d.A_pose << R, skew(d.T_CiC0.t) * R, Eigen::Matrix3d::Zero(), R;
-    d.A = -R;
+    d.A_pose = adjoint(d.T_CiC0);
+    d.A = -d.T_CiC0.R;
     all.push_back(d);
   }
   return all;

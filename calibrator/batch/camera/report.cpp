@@ -201,13 +201,14 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   if (list == ResidualList::kDrop) return result;
   if (auto robust = robustCovariance(problem, solution)) {
     const auto n = result.summary.covariance.matrix.rows();
-    const Eigen::VectorXd variance = robust->matrix.diagonal();
-    result.summary.robust_std = variance.head(n).cwiseSqrt();
+    RobustDeviations deviations = robust->deviations(n);
+    result.summary.robust_std = std::move(deviations.std);
+    result.summary.robust_dof = std::move(deviations.dof);
     if (result.target.covariance && solution.estimate.target) {
       result.target.covariance =
-          stretched(*result.target.covariance, variance.tail<kTargetTerms>());
+          stretched(*result.target.covariance, robust->matrix.diagonal().tail<kTargetTerms>());
     }
-    result.robust_covariance = std::move(robust->matrix);
+    result.robust_covariance = std::move(robust);
   }
   result.bias = biasRatios(session.target, result);
   return result;

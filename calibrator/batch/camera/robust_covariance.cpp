@@ -94,10 +94,11 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   ClusterRobust robust = clusterRobust(sums(pieces, out.blocks), *bread);
   out.matrix =
       robust.matrix / shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);
-  out.dof = std::move(robust.dof);
+  out.degrees = std::move(robust.degrees);
   if (solution.estimate.target) {
     const Eigen::MatrixXd gain = bread->rightCols<kTargetTerms>();
-    out.matrix += gain * problem.target->scatter * gain.transpose();
+    out.known = gain * problem.target->scatter * gain.transpose();
+    out.matrix += out.known;
   }
   return out;
 }

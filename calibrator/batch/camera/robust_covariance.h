@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 
+#include "calibrator/base/robust_covariance.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
@@ -16,13 +16,6 @@ namespace plumbline {
 /// It holds where corners err together within a block, or the model misfits: then the formal S^-1
 /// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise, on recordings
 /// of any length.
-struct RobustCovariance {
-  Eigen::MatrixXd matrix;         ///< in the order of CameraLayout
-  Eigen::VectorXd dof;            ///< Satterthwaite's, of every variance
-  int blocks = 0;                 ///< M: the matrix has rank M - 1 at most
-  double correlation_frames = 1;  ///< correlation length of the scores [frames]
-};
-
 /// At a solution. Blocks are equally many consecutive frames: two correlation lengths of the
 /// scores, where those are correlated, and 40 blocks at most; what neighbouring blocks share is
 /// made up for as if the correlation fell exponentially. Empty where there are fewer than 6 frames,

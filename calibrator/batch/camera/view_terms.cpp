@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -19,12 +19,6 @@ constexpr double kSeenMost = 50;
 constexpr double kImageMost = 20;
 constexpr double kLeastHalf = 1;  // of a box [px]
 constexpr int kUseChunk = 4;      // frames
-
-Matrix6d adjoint(const Transform& T) {
-  Matrix6d A;
-  A << T.R, skew(T.t) * T.R, Eigen::Matrix3d::Zero(), T.R;
-  return A;
-}
 
 }  // namespace
 

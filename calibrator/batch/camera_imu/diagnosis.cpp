@@ -174,7 +174,9 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
   const Terms model = termRange(0, columns.border.size);
   FaultDiagnosis out;
   const ScoreTests tests(scores, model);
-  out.robust_std = tests.clusterRobustStd();
+  RobustDeviations robust = tests.clusterRobustDeviations();
+  out.robust_std = robust.std;
+  out.robust_dof = std::move(robust.dof);
   out.formal_std = tests.formalStd();
   if (!problem.free_cameras) {
     out.by_cameras = tests.response(heldCameras(columns, solution.estimate));

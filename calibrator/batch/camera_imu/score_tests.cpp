@@ -120,7 +120,7 @@ VectorXd ScoreTests::scoreAtEstimate(std::size_t block) const {
          scores_.information(model_, model_, block) * (S_ * gradient_);
 }
 
-Eigen::Matrix<double, 7, 1> ScoreTests::clusterRobustStd() const {
+RobustDeviations ScoreTests::clusterRobustDeviations() const {
   const auto count = static_cast<int>(scores_.count());
   MatrixXd pieces(S_.rows(), count);
   for (int b = 0; b < count; ++b) pieces.col(b) = scoreAtEstimate(static_cast<std::size_t>(b));
@@ -137,7 +137,11 @@ Eigen::Matrix<double, 7, 1> ScoreTests::clusterRobustStd() const {
   }
   const ClusterRobust robust = clusterRobust(blocks, S_);
   const double share = shareWithin(static_cast<double>(count) / joined, length);
-  return listed((robust.matrix.diagonal() / share).cwiseSqrt());
+  VectorXd dof(S_.rows());
+  for (Index k = 0; k < dof.size(); ++k) {
+    dof(k) = robust.degrees.of(VectorXd::Unit(dof.size(), k));
+  }
+  return {listed((robust.matrix.diagonal() / share).cwiseSqrt()), listed(dof)};
 }
 
 MatrixXd ScoreTests::response(const Terms& held) const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/results.h"
 #include "calibrator/batch/camera_imu/effective_scores.h"
 
@@ -52,12 +53,13 @@ class ScoreTests {
   const Terms& model() const { return model_; }
   /// Deviations of T_SC0 (3 m, 3 rad) and the time offset [s]: robust ones by the blocks as they
   /// are, of which the tests are made. As the calibration's they are too small on short recordings;
-  /// see clusterRobustStd().
+  /// see clusterRobustDeviations().
   Eigen::Matrix<double, 7, 1> robustStd() const;
   Eigen::Matrix<double, 7, 1> formalStd() const;
   /// Those of the calibration: adjusted for the leverage of every block, blocks joined where
-  /// neighbours correlate (calibrator/information/cluster_robust.h).
-  Eigen::Matrix<double, 7, 1> clusterRobustStd() const;
+  /// neighbours correlate (calibrator/information/cluster_robust.h). Degrees of freedom are those
+  /// of the joined blocks.
+  RobustDeviations clusterRobustDeviations() const;
 
   /// How T_SC0 and the time offset follow parameters that are held: 7 rows, a column for each.
   Eigen::MatrixXd response(const Terms& held) const;

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/guidance/views/tag_kernel.h"
+#include "calibrator/residuals/tangent.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
@@ -111,13 +111,6 @@ constexpr int kChunk = 8;  // views; fixed, so that no result depends on the num
 // (px, m, rad) are gone, so a pivot is the part of a parameter's information that no other
 // explains.
 constexpr double kLeastPivot = 1e-13;
-
-/// x = A d of T_CiF in the left twist of T_C0F.
-Matrix6d adjoint(const Transform& T) {
-  Matrix6d A;
-  A << T.R, skew(T.t) * T.R, Eigen::Matrix3d::Zero(), T.R;
-  return A;
-}
 
 }  // namespace
 

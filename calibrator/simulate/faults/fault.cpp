@@ -42,7 +42,7 @@ void checkKeys(const Fault& fault, const FaultScope& scope) {
     throw InputError(titleOf(fault) + ": this axis does not apply to it");
   }
   if (fault.camera && !takesCamera(d.key)) {
-    throw InputError(titleOf(fault) + ": it concerns no single camera");
+    throw InputError(titleOf(fault) + ": it does not take a camera");
   }
   const bool needs_second = fault.kind == kBump || fault.kind == kExposureShift;
   const int camera = fault.camera.value_or(needs_second ? 1 : 0);
@@ -62,7 +62,7 @@ void check(const std::vector<Fault>& faults, const FaultScope& scope) {
     checkKeys(fault, scope);
     // Later, nothing would be wrong with the recording.
     if (d.instant == TakesInstant::kYes && !(fault.at_s >= 0 && fault.at_s < scope.duration_s)) {
-      throw InputError(fmt::format("{}: the recording has no instant {:.6g} s; it lasts {:.6g} s",
+      throw InputError(fmt::format("{}: the recording has no time {:.6g} s; it lasts {:.6g} s",
                                    titleOf(fault), fault.at_s, scope.duration_s));
     }
   }
@@ -71,7 +71,7 @@ void check(const std::vector<Fault>& faults, const FaultScope& scope) {
 void checkRendered(const std::vector<Fault>& faults) {
   for (const Fault& fault : faults) {
     if (describe(fault.kind).images == InImages::kYes) continue;
-    throw InputError(titleOf(fault) + ": rendered images cannot show it; simulate corners");
+    throw InputError(titleOf(fault) + ": it cannot be rendered in images; simulate corners");
   }
 }
 

@@ -55,22 +55,23 @@ OperatorSkill personSkill(double clumsiness);
 /// Figures of a skill, for documents.
 template <class V>
 void fields(V& v, OperatorSkill& s) {
-  v("reaction_s", s.reaction_s, "s", "from what is shown to what is done about it");
+  v("reaction_s", s.reaction_s, "s", "from a suggestion to the motion that follows it");
   v("speed_m_s", s.speed_m_s, "m/s", "of the hand between views");
   v("turn_rad_s", s.turn_rad_s, "rad/s", "likewise");
-  v("position_error_m", s.position_error_m, "m", "std with which a view is met at first");
+  v("position_error_m", s.position_error_m, "m", "std of the initial error at a view");
   v("angle_error_rad", s.angle_error_rad, "rad", "likewise");
   v("correction_s", s.correction_s, "s", "time constant with which errors are corrected");
-  v("overshoot", s.overshoot, "1", "share of the way by which a suggested view is passed");
-  v("tremor_m", s.tremor_m, "m", "std of the hand about its path");
+  v("overshoot", s.overshoot, "1", "overshoot of a suggested view over the length of the path");
+  v("tremor_m", s.tremor_m, "m", "std of the hand around its path");
   v("tremor_rad", s.tremor_rad, "rad", "likewise");
   v("reach_rad", s.reach_rad, "rad", "how far around the board own views go");
   v("roll_rad", s.roll_rad, "rad", "how far own views are rolled");
-  v("off_axis_rad", s.off_axis_rad, "rad", "the board's centre is kept so near camera 0's axis");
+  v("off_axis_rad", s.off_axis_rad, "rad",
+    "largest angle between the board's centre and camera 0's axis");
   v("haste", s.haste, "1", "own motions for the IMU over those for views");
   v("fatigue_per_min", s.fatigue_per_min, "1/min", "growth of tremor, and of slowness");
   v("compliance", s.compliance, "1", "probability that a suggestion is followed");
-  v("patience_s", s.patience_s, "s", "gives up then");
+  v("patience_s", s.patience_s, "s", "time after which the operator gives up");
   v("own_views", s.own_views, "views taken between suggestions, or without a guide");
 }
 

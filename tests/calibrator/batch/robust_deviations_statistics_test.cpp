@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Robust deviations of both stages on recordings of 10, 20 and 30 s: with white noise they are the
-// formal ones in the median; with corner noise that frames share they cover the truth, and the
-// formal ones do not. Not proven here: coverage on 10 s of correlated noise, where some six
-// independent spans are too few (docs/models.md has its figures).
+// formal ones in the median; the 90 % intervals that they make with their degrees of freedom cover
+// the truth also where frames share corner noise, and formal ones do not (docs/models.md has the
+// figures). Not proven here: coverage on shorter recordings, and under longer correlations.
 #include <cmath>
 #include <map>
 #include <random>
@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/two_stages.h"
@@ -19,10 +20,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kWhiteRuns = 60;
-constexpr int kCorrelatedRuns = 100;  // coverage is known to two percent
-constexpr double kSigma = 0.2;        // [px]
-constexpr double k90 = 1.645;         // quantile 0.95 of the normal distribution
+constexpr int kRuns = 100;      // coverage is known to two percent
+constexpr double kSigma = 0.2;  // [px]
+constexpr double k90 = 1.645;   // quantile 0.95 of the normal distribution
 
 /// The noise of every corner of the board a first-order Markov process over the frames in which it
 /// is seen, of the same standard deviation.
@@ -45,22 +45,27 @@ void addMarkovNoise(double correlation, std::uint64_t seed, Session& session) {
 
 /// Parameters of one stage over all runs, each by its deviations.
 struct Deviates {
+  std::vector<double> dof;             ///< of the robust ones' squares
   std::vector<double> ratio;           ///< robust over formal deviation
   std::vector<double> robust, formal;  ///< |error| over each
+  std::vector<double> interval;        ///< |error| over the half width of the 90 % interval
 
-  void add(const Eigen::VectorXd& error, const Eigen::VectorXd& robust_std,
+  void add(const Eigen::VectorXd& error, const RobustDeviations& of,
            const Eigen::VectorXd& formal_std) {
     for (Eigen::Index k = 0; k < error.size(); ++k) {
-      ratio.push_back(robust_std(k) / formal_std(k));
-      robust.push_back(std::abs(error(k)) / robust_std(k));
+      dof.push_back(of.dof(k));
+      ratio.push_back(of.std(k) / formal_std(k));
+      robust.push_back(std::abs(error(k)) / of.std(k));
       formal.push_back(std::abs(error(k)) / formal_std(k));
+      interval.push_back(std::abs(error(k)) / halfWidth90(of.std(k), of.dof(k)));
     }
   }
 };
 
-double covered(const std::vector<double>& deviates) {
+/// Share of deviates within the bound.
+double covered(const std::vector<double>& deviates, double bound) {
   double inside = 0;
-  for (const double z : deviates) inside += z < k90 ? 1 : 0;
+  for (const double z : deviates) inside += z < bound ? 1 : 0;
   return inside / static_cast<double>(deviates.size());
 }
 
@@ -92,29 +97,33 @@ void addRun(const SimulatedSession& s, Stages& stages) {
   cameras.cauchy_px = 0;
   cameras.pixel_sigma = kSigma;
   const auto first = calibrateCameras(s.session, cameras);
-  ASSERT_TRUE(first && first->summary.robust_std);
+  ASSERT_TRUE(first && first->summary.robust_std && first->summary.robust_dof);
   const auto second =
       calibrateCameraImu(s.session, first->cameras, testing::matchedOptions(s, kSigma));
   ASSERT_TRUE(second);
   const ParameterCovariance& formal = first->summary.covariance;
-  stages.camera.add(cameraDifference(s.truth.cameras, first->cameras), *first->summary.robust_std,
+  stages.camera.add(cameraDifference(s.truth.cameras, first->cameras),
+                    {*first->summary.robust_std, *first->summary.robust_dof},
                     formal.standardDeviations());
   const auto added = covarianceOfCameras(*second, formal.matrix);
-  const auto robust = robustStdOfBothStages(*first, *second);
+  const auto robust = robustDeviationsOfBothStages(*first, *second);
   ASSERT_TRUE(added && robust);
   stages.camera_imu.add(
       testing::calibrationError(s, *second), *robust,
       (second->summary.covariance.matrix.diagonal() + added->diagonal()).cwiseSqrt());
 }
 
-Stages stagesOf(int runs, double duration_s, double correlation) {
+Stages stagesOf(double duration_s, double correlation) {
   Stages stages;
-  for (int seed = 1; seed <= runs; ++seed) {
+  for (int seed = 1; seed <= kRuns; ++seed) {
     addRun(recorded(seed, duration_s, correlation), stages);
   }
   const auto row = [](const Deviates& d) {
-    return fmt::format("ratio {:.2f}, robust covers {:.3f} rms {:.2f}, formal covers {:.3f}",
-                       median(d.ratio), covered(d.robust), rms(d.robust), covered(d.formal));
+    return fmt::format(
+        "ratio {:.2f}, dof {:.1f}, robust covers {:.3f} rms {:.2f}, interval covers {:.3f}, "
+        "formal covers {:.3f}",
+        median(d.ratio), median(d.dof), covered(d.robust, k90), rms(d.robust),
+        covered(d.interval, 1), covered(d.formal, k90));
   };
   ::testing::Test::RecordProperty("camera", row(stages.camera));
   ::testing::Test::RecordProperty("camera_imu", row(stages.camera_imu));
@@ -124,30 +133,31 @@ Stages stagesOf(int runs, double duration_s, double correlation) {
 class OfLength : public ::testing::TestWithParam<double> {};
 
 TEST_P(OfLength, WhiteNoiseIsWhatFormalDeviationsSay) {
-  const Stages stages = stagesOf(kWhiteRuns, GetParam(), 0);
+  const Stages stages = stagesOf(GetParam(), 0);
   for (const Deviates* stage : {&stages.camera, &stages.camera_imu}) {
     EXPECT_GT(median(stage->ratio), 0.9);
     EXPECT_LT(median(stage->ratio), 1.1);
     EXPECT_LT(rms(stage->robust), 1.35);
     EXPECT_GT(rms(stage->robust), 0.85);
+    EXPECT_GT(covered(stage->interval, 1), 0.85);
+    EXPECT_LT(covered(stage->interval, 1), 0.95);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seconds, OfLength, ::testing::Values(10.0, 20.0, 30.0));
 
-// The aim is 85 to 95 %. On 20 s the cameras miss it by a little, 84.4 % on these recordings.
 class Correlated : public ::testing::TestWithParam<double> {};
 
 TEST_P(Correlated, RobustIntervalsCoverTheTruthAndFormalOnesDoNot) {
-  const Stages stages = stagesOf(kCorrelatedRuns, GetParam(), 0.8);
+  const Stages stages = stagesOf(GetParam(), 0.8);
   for (const Deviates* stage : {&stages.camera, &stages.camera_imu}) {
-    EXPECT_GT(covered(stage->robust), GetParam() < 30 ? 0.82 : 0.85);
-    EXPECT_LT(covered(stage->robust), 0.95);
-    EXPECT_LT(covered(stage->formal), 0.8);
+    EXPECT_GT(covered(stage->interval, 1), 0.85);
+    EXPECT_LT(covered(stage->interval, 1), 0.95);
+    EXPECT_LT(covered(stage->formal, k90), 0.8);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seconds, Correlated, ::testing::Values(20.0, 30.0));
+INSTANTIATE_TEST_SUITE_P(Seconds, Correlated, ::testing::Values(10.0, 20.0, 30.0));
 
 }  // namespace
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 // T_SC0 with cameras that were estimated from the same recording: what their errors add is in its
 // covariance. White noise, seeds 1 to 24, the noise that was simulated.
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -47,16 +48,17 @@ Run runOf(int seed, const TargetTerms& board) {
       calibrateCameraImu(s.session, first->cameras, testing::matchedOptions(s, kSigma));
   EXPECT_TRUE(second.ok()) << seed;
   // Formal in both stages; with a bent board the cameras' part alone is at hand.
-  const auto added = covarianceOfCameras(
-      *second, board.isZero(0) ? first->summary.covariance.matrix : first->robust_covariance);
+  const auto added =
+      covarianceOfCameras(*second, board.isZero(0) ? first->summary.covariance.matrix
+                                                   : first->robust_covariance->matrix);
   EXPECT_TRUE(added) << seed;
   Run run;
   run.error = testing::calibrationError(s, *second);
   run.own = second->summary.covariance.matrix;
   run.total = run.own + *added;
-  const auto robust = robustStdOfBothStages(*first, *second);
+  const auto robust = robustDeviationsOfBothStages(*first, *second);
   EXPECT_TRUE(robust) << seed;
-  run.robust_ratio = robust->cwiseQuotient(run.total.diagonal().cwiseSqrt());
+  run.robust_ratio = robust->std.cwiseQuotient(run.total.diagonal().cwiseSqrt());
   return run;
 }
 
@@ -153,18 +155,39 @@ TEST(TwoStagesStatistics, TheBootstrapDrawsCamerasAndBoardToo) {
   placed.target.shape = s.camera.target;
   const auto held = resampleCameraImu(placed, s.camera_imu, resample, s.camera_imu_options);
   ASSERT_TRUE(through && held);
-  const auto total = robustStdOfBothStages(s.camera, s.camera_imu);
+  const auto total = robustDeviationsOfBothStages(s.camera, s.camera_imu);
   ASSERT_TRUE(total);
-  RecordProperty("factor", fmt::format("{:.2f}", factor(through->std, *total)));
-  RecordProperty("held", fmt::format("{:.2f}", factor(held->std, *total)));
+  RecordProperty("factor", fmt::format("{:.2f}", factor(through->std, total->std)));
+  RecordProperty("held", fmt::format("{:.2f}", factor(held->std, total->std)));
   // Ten segments are few and unlike: the spread is of the size of the deviations.
-  EXPECT_GT(factor(through->std, *total), 0.6);
-  EXPECT_LT(factor(through->std, *total), 1.8);
+  EXPECT_GT(factor(through->std, total->std), 0.6);
+  EXPECT_LT(factor(through->std, total->std), 1.8);
   EXPECT_LT(factor(held->std, through->std), 0.8);  // knows nothing of cameras and board
   resample.threads = 3;
   const auto again = both();
   ASSERT_TRUE(again);
   EXPECT_EQ(again->draws, through->draws);
+}
+
+// A sum's degrees of freedom lie between those of the part with the fewest and those of both.
+TEST(TwoStagesStatistics, DegreesOfFreedomAreThoseOfBothStages) {
+  const Solved s = bentBoard();
+  const auto total = robustDeviationsOfBothStages(s.camera, s.camera_imu);
+  ASSERT_TRUE(total && s.camera_imu.faults->robust_dof);
+  const RobustCovariance& cameras = *s.camera.robust_covariance;
+  const Eigen::MatrixXd& J = s.camera_imu.faults->by_cameras;
+  for (Eigen::Index k = 0; k < 7; ++k) {
+    Eigen::VectorXd response = Eigen::VectorXd::Zero(cameras.matrix.rows());
+    response.head(J.cols()) = J.row(k).transpose();
+    const double of_cameras = cameras.degrees.of(response);
+    const double own = (*s.camera_imu.faults->robust_dof)(k);
+    EXPECT_GE(total->dof(k), std::min(own, of_cameras) * (1 - 1e-9)) << k;
+    EXPECT_LE(total->dof(k), (own + of_cameras) * (1 + 1e-9)) << k;
+    EXPECT_GT(own, 1) << k;
+    EXPECT_LT(own, 20) << k;  // blocks of a second
+    EXPECT_GT(of_cameras, 1) << k;
+    EXPECT_LT(of_cameras, 40) << k;
+  }
 }
 
 TEST(TwoStagesStatistics, SegmentsLieWhereTheOtherStagesDo) {

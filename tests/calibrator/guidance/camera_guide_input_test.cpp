@@ -46,7 +46,7 @@ TEST(CameraGuide, StartsWhenTheFramesSuffice) {
     ++failed;
     EXPECT_EQ(i, 4);
     EXPECT_NE(d.detail.find("initialisation failed with 5 frames"), std::string::npos) << d.detail;
-    EXPECT_NE(d.detail.find("tried again with 10"), std::string::npos) << d.detail;
+    EXPECT_NE(d.detail.find("trying again with 10"), std::string::npos) << d.detail;
     EXPECT_TRUE(d.failure.has_value());
   }
   EXPECT_EQ(failed, 1);
@@ -291,7 +291,7 @@ TEST(CameraGuide, StartsAnewWhereARestartFromOtherFramesDisagrees) {
     return d.detail.find("restarts") != std::string::npos;
   });
   ASSERT_NE(given_up, decisions.end());
-  EXPECT_NE(given_up->detail.find("px on 10 frames after its start"), std::string::npos)
+  EXPECT_NE(given_up->detail.find("px RMSE on 10 frames after its start"), std::string::npos)
       << given_up->detail;
   EXPECT_EQ(given_up->reason, GuideReason::kInitialiseFailed);
   EXPECT_EQ(given_up->views_kept, 0);

@@ -116,7 +116,7 @@ TEST(CameraImuGuideInput, AnImuGapInTheWindow) {
   ASSERT_TRUE(gap);
   EXPECT_THAT(gap->frame, ::testing::AllOf(::testing::Ge(87), ::testing::Le(89)));
   EXPECT_THAT(gap->detail, HasSubstr("IMU samples pause for 0.4"));
-  EXPECT_THAT(gap->detail, HasSubstr("biases' walk alone"));
+  EXPECT_THAT(gap->detail, HasSubstr("random walk of the biases"));
   EXPECT_EQ(count(r.decisions, GuideReason::kNotSolved), 0);
   expectItWentOn(r, 92);
 }
@@ -130,7 +130,7 @@ TEST(CameraImuGuideInput, AJumpForwardInTime) {
   const Replay r = replayed(jumped);
   const Decision& d = r.decisions[80];
   EXPECT_THAT(d.reason, ::testing::AnyOf(GuideReason::kTimeJump, GuideReason::kImuGap));
-  EXPECT_THAT(d.detail, HasSubstr("walk alone"));
+  EXPECT_THAT(d.detail, HasSubstr("random walk of the biases"));
   EXPECT_EQ(count(r.decisions, GuideReason::kNotSolved), 0);
   expectItWentOn(r, 84);
 }
@@ -184,7 +184,7 @@ TEST(CameraImuGuideInput, TheTargetIsLostForLong) {
   EXPECT_TRUE(said);
   EXPECT_THAT(r.decisions[110].detail, HasSubstr("back after 2.550 s"));
   EXPECT_EQ(r.decisions[110].reason, GuideReason::kUsed);
-  EXPECT_THAT(r.decisions[110].detail, HasSubstr("walk alone"));
+  EXPECT_THAT(r.decisions[110].detail, HasSubstr("random walk of the biases"));
   expectItWentOn(r, 112);
 }
 
@@ -263,7 +263,7 @@ TEST(CameraImuGuideInput, TheFirstFrameAfterAPauseIsWrong) {
   paused[90].corners = paused[40].corners;
   const Replay r = replayed(paused);
   EXPECT_TRUE(r.decisions[90].accepted);
-  EXPECT_THAT(r.decisions[90].detail, HasSubstr("walk alone"));
+  EXPECT_THAT(r.decisions[90].detail, HasSubstr("random walk of the biases"));
   expectItWentOn(r, 96);
 }
 

@@ -58,6 +58,14 @@ BlockScores drawn(const std::vector<MatrixXd>& X, const MatrixXd& covariance,
   return out;
 }
 
+VectorXd dofOf(const ClusterRobust& robust) {
+  VectorXd out(robust.matrix.rows());
+  for (Eigen::Index k = 0; k < out.size(); ++k) {
+    out(k) = robust.degrees.of(VectorXd::Unit(out.size(), k));
+  }
+  return out;
+}
+
 TEST(ClusterRobust, IsTheFormalCovarianceInTheMeanOfWhiteNoise) {
   constexpr int kDraws = 20000;
   const auto X = designs();
@@ -74,7 +82,7 @@ TEST(ClusterRobust, IsTheFormalCovarianceInTheMeanOfWhiteNoise) {
     variance += robust.matrix.diagonal().cwiseAbs2() / kDraws;
     const MatrixXd half = S * blocks.scores;
     plain += (half * half.transpose()).diagonal() / kDraws * kBlocks / (kBlocks - 1.0);
-    dof = robust.dof;
+    if (draw == 0) dof = dofOf(robust);
   }
   const VectorXd ratio = mean.diagonal().cwiseQuotient(S.diagonal());
   variance -= mean.diagonal().cwiseAbs2();
@@ -88,6 +96,40 @@ TEST(ClusterRobust, IsTheFormalCovarianceInTheMeanOfWhiteNoise) {
   EXPECT_LT(plain(0) / S(0, 0),
             0.8);  // the block that says most hides its errors from the plain one
   EXPECT_LT((mean - S).cwiseAbs().maxCoeff(), 0.03 * S.cwiseAbs().maxCoeff());
+}
+
+// A mean of blocks that say equally much of one parameter: chi-square with one degree less than
+// blocks, whatever the unit; blocks that are joined have fewer.
+TEST(ClusterRobust, EqualBlocksHaveOneDegreeOfFreedomLessThanThereAre) {
+  for (const int blocks : {2, 6, 20}) {
+    const BlockScores equal{
+        MatrixXd::Ones(1, blocks),
+        std::vector<MatrixXd>(static_cast<std::size_t>(blocks), MatrixXd::Constant(1, 1, 4.0))};
+    const MatrixXd S = MatrixXd::Constant(1, 1, 0.25 / blocks);
+    const ClusterDegrees degrees = clusterRobust(equal, S).degrees;
+    EXPECT_NEAR(degrees.of(VectorXd::Ones(1)), blocks - 1, 1e-9);
+    EXPECT_NEAR(degrees.of(VectorXd::Constant(1, -1e-6)), blocks - 1, 1e-9);
+  }
+}
+
+// The variance of a combination of parameters is a chi-square with the degrees of freedom that are
+// stated of it, which no parameter's are.
+TEST(ClusterRobust, CombinationsHaveDegreesOfFreedomOfTheirOwn) {
+  constexpr int kDraws = 5000;
+  const auto X = designs();
+  const MatrixXd S = covarianceOf(X);
+  std::mt19937_64 random(4);
+  const Eigen::Vector3d combination(1, 500, -2);
+  double mean = 0, square = 0, dof = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const ClusterRobust robust = clusterRobust(drawn(X, S, random), S);
+    const double v = combination.dot(robust.matrix * combination);
+    mean += v / kDraws;
+    square += v * v / kDraws;
+    if (draw == 0) dof = robust.degrees.of(combination);
+  }
+  EXPECT_NEAR(mean / combination.dot(S * combination), 1, 0.03);
+  EXPECT_NEAR(dof / (2 * mean * mean / (square - mean * mean)), 1, 0.1);
 }
 
 TEST(ClusterRobust, AgreesWithTheAdjustmentOfResidualsByRows) {

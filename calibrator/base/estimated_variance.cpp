@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/base/estimated_variance.h"
+
+#include <cassert>
+#include <cmath>
+
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+
+namespace plumbline {
+
+EstimatedVariance sumOf(const EstimatedVariance& a, const EstimatedVariance& b) {
+  const double v = a.value + b.value;
+  return {v, v * v / (a.value * a.value / a.dof + b.value * b.value / b.dof)};
+}
+
+double halfWidth90(double std, double dof) {
+  if (std::isnan(std) || std::isnan(dof)) return std::numeric_limits<double>::quiet_NaN();
+  assert(dof > 0);
+  constexpr double kUpper = 0.95;
+  return std * (std::isinf(dof) ? boost::math::quantile(boost::math::normal(), kUpper)
+                                : boost::math::quantile(boost::math::students_t(dof), kUpper));
+}
+
+std::optional<Eigen::VectorXd> halfWidths90(const std::optional<Eigen::VectorXd>& std,
+                                            const std::optional<Eigen::VectorXd>& dof) {
+  if (!std || !dof || std->size() != dof->size()) return std::nullopt;
+  return std->binaryExpr(*dof, &halfWidth90);
+}
+
+}  // namespace plumbline

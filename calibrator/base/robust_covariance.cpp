@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/base/robust_covariance.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace plumbline {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double ClusterDegrees::of(const VectorXd& combination) const {
+  const auto blocks = static_cast<Index>(adjustment.size());
+  MatrixXd a(combination.size(), blocks), Ga(combination.size(), blocks);
+  for (Index b = 0; b < blocks; ++b) {
+    const auto at = static_cast<std::size_t>(b);
+    a.col(b) = adjustment[at] * combination;
+    Ga.col(b) = leverage[at] * a.col(b);
+  }
+  MatrixXd W = -(Ga.transpose() * Ga);
+  W.diagonal() += a.cwiseProduct(Ga).colwise().sum();
+  const double trace = W.trace();
+  return trace * trace / W.squaredNorm();
+}
+
+EstimatedVariance RobustCovariance::variance(const VectorXd& combination) const {
+  const auto along = [&](const MatrixXd& C) { return combination.dot(C * combination); };
+  const double certain = known.size() > 0 ? along(known) : 0;
+  return sumOf({along(matrix) - certain, degrees.of(combination)}, {certain});
+}
+
+RobustDeviations RobustCovariance::deviations(Index count) const {
+  RobustDeviations out{matrix.diagonal().head(count).cwiseSqrt(), VectorXd(count)};
+  for (Index k = 0; k < count; ++k) {
+    out.dof(k) = variance(VectorXd::Unit(matrix.rows(), k)).dof;
+  }
+  return out;
+}
+
+}  // namespace plumbline
