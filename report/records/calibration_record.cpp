@@ -2,8 +2,10 @@
 #include "report/records/calibration_record.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/lie.h"
 
 namespace plumbline {
@@ -69,17 +71,23 @@ std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
   return spread->std[found - spread->names.begin()];
 }
 
-/// Of the i-th parameter of a stage's covariance. The camera-IMU stage has it for T_SC0 and the
+struct Robust {
+  std::optional<double> std, dof;
+};
+
+/// Of the i-th parameter of a stage's covariance. The camera-IMU stage has them for T_SC0 and the
 /// time offset: through both stages, or, where the cameras were given, from its score tests.
-std::optional<double> robustStd(const CalibrationRecord& record, Stage stage, std::size_t i) {
+Robust robustOf(const CalibrationRecord& record, Stage stage, std::size_t i) {
   const auto at = static_cast<Eigen::Index>(i);
-  const auto& all = stage == Stage::kCamera ? record.camera->summary.robust_std
-                                            : record.camera_imu->summary.robust_std;
-  if (all) return at < all->size() ? std::optional((*all)[at]) : std::nullopt;
-  if (stage == Stage::kCamera) return std::nullopt;
-  const auto& faults = record.camera_imu->faults;
-  return faults && at < faults->robust_std.size() ? std::optional(faults->robust_std[at])
-                                                  : std::nullopt;
+  const auto entry = [&](const auto& all) {
+    return all && at < all->size() ? std::optional((*all)[at]) : std::nullopt;
+  };
+  const StageSummary& summary =
+      stage == Stage::kCamera ? record.camera->summary : record.camera_imu->summary;
+  if (summary.robust_std) return {entry(summary.robust_std), entry(summary.robust_dof)};
+  if (stage == Stage::kCamera || !record.camera_imu->faults) return {};
+  const FaultDiagnosis& faults = *record.camera_imu->faults;
+  return {entry(std::optional(faults.robust_std)), entry(faults.robust_dof)};
 }
 
 bool haveOneCure(const Finding& a, const Finding& b) {
@@ -137,6 +145,12 @@ std::vector<CameraEntry> cameraEntries(const CalibrationRecord& record) {
   return entries;
 }
 
+std::optional<double> ParameterEstimate::halfWidth90() const {
+  if (!robust_std) return plumbline::halfWidth90(std, std::numeric_limits<double>::infinity());
+  if (!robust_dof) return std::nullopt;
+  return plumbline::halfWidth90(*robust_std, *robust_dof);
+}
+
 std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& record, Stage stage) {
   const bool first = stage == Stage::kCamera;
   if (first ? !record.camera : !record.camera_imu) return {};
@@ -149,9 +163,10 @@ std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& recor
     const std::string& name = summary.covariance.names[i];
     const auto value = valueOf(record, name, cameras);
     if (!value) continue;
+    const Robust robust = robustOf(record, stage, i);
     estimates.push_back({name, *value, deviations[static_cast<Eigen::Index>(i)],
-                         summary.covariance.units[i], spreadOf(spread, name),
-                         robustStd(record, stage, i)});
+                         summary.covariance.units[i], spreadOf(spread, name), robust.std,
+                         robust.dof});
   }
   return estimates;
 }

@@ -15,6 +15,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/fields/result_fields.h"
 #include "report/records/calibration_score.h"
+#include "report/records/image_map.h"
 #include "report/records/recording_record.h"
 
 namespace plumbline {
@@ -115,7 +116,8 @@ void fields(V& v, Assumptions& a) {
   v("gravity_m_s2", a.gravity_m_s2, "m/s^2", "norm of gravity");
   v("loss", a.loss, "`none` or `cauchy:SCALE`, scale in px");
   v("imu_noise", a.imu_noise, "of the session, with an IMU");
-  v.ifSet("views_selected", a.views_selected, "only views that tell enough were used");
+  v.ifSet("views_selected", a.views_selected,
+          "only views above the threshold of expected information gain were used");
 }
 
 /// Of one camera's stream: what was offered and what was found.
@@ -188,6 +190,8 @@ struct CalibrationRecord {
   std::vector<SampleIntervals> sample_intervals;  ///< one per camera, then the IMU's
   std::vector<ShownInterval> shown_intervals;     ///< thinned to what a plot shows
   std::vector<ViewImage> view_images;             ///< of the worst views, where there are images
+  /// Where the camera stage ran: standard deviation of the projection of far points, one a camera.
+  std::vector<ImageMap> projection_uncertainty;
 
   /// The final cameras: of the camera-IMU stage if it ran, otherwise of the camera stage.
   const std::vector<CameraCalibration>& cameras() const;
@@ -251,10 +255,13 @@ void fields(V& v, CalibrationRecord& r) {
   v("target", r.target, "the AprilGrid");
   v("counts", r.counts, "of each camera's stream: what was offered and found");
   v.ifSet("sample_intervals", r.sample_intervals, "how evenly each sensor's samples follow");
+  v.ifSet(
+      "projection_uncertainty", r.projection_uncertainty,
+      "standard deviation of the projection of far points in each image, with the camera stage");
   v.array("shown_intervals", r.shown_intervals, "of every sensor, thinned to what a plot shows");
   v.array("view_images", r.view_images, "images of the views with the largest errors");
-  v("assumptions", r.assumptions, "what covariances and verdict take for granted");
-  v("verdict", r.verdict, "how far the result may be trusted, and why");
+  v("assumptions", r.assumptions, "assumptions of covariances and verdict");
+  v("verdict", r.verdict, "how far the result can be trusted, and why");
   v("provenance", r.provenance, "where the result comes from");
 }
 
@@ -266,9 +273,13 @@ struct ParameterEstimate {
   std::string unit;
   std::optional<double> resample_std;
   std::optional<double> robust_std;  ///< cluster-robust
+  std::optional<double> robust_dof;  ///< degrees of freedom of its square
 
   /// What is shown first: the robust one where it is known.
   double shownStd() const { return robust_std.value_or(std); }
+  /// Of the 90 % interval that belongs to it; a formal deviation is taken for known. Empty where a
+  /// robust one comes without its degrees of freedom.
+  std::optional<double> halfWidth90() const;
 };
 
 enum class Stage { kCamera, kCameraImu };

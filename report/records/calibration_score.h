@@ -57,10 +57,10 @@ void fields(V& v, CalibrationScore& s) {
     setErrorsByCamera(per_camera, s);
   }
   v("views_used", s.views_used, "1", "(camera, frame) pairs that a pose was found for");
-  v("views_offered", s.views_offered, "1", "those in the session, whatever they saw");
+  v("views_offered", s.views_offered, "1", "those in the session, with or without corners");
   v("entropy_nats", s.entropy_nats, "nat", "of its own parameters on that session");
   v.ifSet("entropy_parameters", s.entropy_parameters, "which they are");
-  v("camera_imu", s.camera_imu, "with IMU: only states and gravity move");
+  v("camera_imu", s.camera_imu, "with IMU: only states and gravity are estimated");
   v("camera_imu_cost", s.camera_imu_cost, "1", "0.5 x sum of squared normalised residuals");
   v("gyro_rms_rad_s", s.gyro_rms_rad_s, "rad/s", "RMS of |rotation residual| / interval");
   v("accel_rms_m_s2", s.accel_rms_m_s2, "m/s^2", "RMS of |velocity residual| / interval");

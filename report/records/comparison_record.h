@@ -77,41 +77,6 @@ void fields(V& v, SessionEstimate& e) {
           "the first entry of each list is the session's own estimate, then one per calibration");
 }
 
-/// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:
-/// u = c (width - 1) / (columns - 1), v = r (height - 1) / (rows - 1).
-struct ImageMap {
-  std::string camera;
-  std::string label;   ///< of the calibration, or "b - a", a the first calibration
-  std::string method;  ///< how it was computed, e.g. "cross-reprojection on euroc", "image fit"
-  double range_m = 0;  ///< distance of the points; infinity: directions only
-  int columns = 0, rows = 0;
-  int width = 0, height = 0;             ///< of the image [px]
-  std::vector<double> values;            ///< [px]; NaN where undefined
-  std::vector<Eigen::Vector2d> vectors;  ///< difference itself, empty for uncertainties [px]
-  /// Of a difference: alignment of the two cameras' frames that was taken out, T_BA (a's points in
-  /// b's frame).
-  std::optional<Transform> implied;
-};
-
-template <class V>
-void fields(V& v, ImageMap& m) {
-  v("camera", m.camera, "its name");
-  v("label", m.label, "of the calibration, or `b - a`, a the first calibration");
-  v("method", m.method, "how it was computed");
-  std::optional<double> range_m;
-  if (std::isfinite(m.range_m)) range_m = m.range_m;
-  v("range_m", range_m, "m", "distance of the points; absent: directions only (infinity)");
-  if constexpr (V::kReads) m.range_m = range_m.value_or(std::numeric_limits<double>::infinity());
-  v("columns", m.columns, "of the grid");
-  v("rows", m.rows, "of the grid; its outer points lie on the image's borders");
-  std::array<int, 2> image = {m.width, m.height};
-  v("image", image, "px", "`[width, height]`");
-  if constexpr (V::kReads) m.width = image[0], m.height = image[1];
-  v("values_px", m.values, "px", "row by row from the top; null: undefined");
-  v.ifSet("vectors_px", m.vectors, "the difference itself; absent for uncertainties");
-  v("implied_T_BA", m.implied, "m", "alignment of the two cameras' frames that was taken out");
-}
-
 /// The time offset of every calibration in Kalibr's sign [s], per camera as written.
 struct OffsetSummary {
   std::string label;
@@ -181,13 +146,13 @@ void fields(V& v, ComparisonRecord& r) {
   v("calibrations", r.calibrations, "those compared; the first is the reference");
   v("parameters", r.parameters, "each under all calibrations, in one convention");
   v("offsets", r.offsets, "time offsets in Kalibr's sign");
-  v("session_estimate", r.session_estimate, "what the session gives when it is calibrated itself");
+  v("session_estimate", r.session_estimate, "calibration of the session itself");
   v("scores", r.scores, "each calibration on each session");
   v("paired", r.paired, "which predicts a camera's corners better, on the same views");
   v("differences", r.differences, "maps over the image, to the first calibration");
   v("uncertainties", r.uncertainties, "maps of those that carry a covariance or were scored");
   v("trajectories", r.trajectories, "under these calibrations, where given");
-  v("assumptions", r.assumptions, "what covariances and verdict take for granted");
+  v("assumptions", r.assumptions, "assumptions of covariances and verdict");
   v("verdict", r.verdict, "the findings of all lints, and of the scores");
   v("provenance", r.provenance, "where the result comes from");
 }

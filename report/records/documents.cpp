@@ -17,6 +17,6 @@ std::string documentOf(const PerturbationRecord& record) { return documentText(r
 std::string documentOf(const ReplayRecord& record) { return documentText(record); }
 std::string documentOf(const StudyRecord& record) { return documentText(record); }
 std::string documentOf(const TrajectoryRecord& record) { return documentText(record); }
-std::string documentOf(const TrajectoryRun& run) { return documentText(run); }
+std::string documentOf(const SingleTrajectory& record) { return documentText(record); }
 
 }  // namespace plumbline

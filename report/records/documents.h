@@ -9,9 +9,9 @@ struct CalibrationRecord;
 struct ComparisonRecord;
 struct PerturbationRecord;
 struct ReplayRecord;
+struct SingleTrajectory;
 struct StudyRecord;
 struct TrajectoryRecord;
-struct TrajectoryRun;
 
 // The JSON documents that commands write and the store keeps: the fields of a record as its header
 // lists them, two spaces a level. docs/records.md has their tables.
@@ -22,6 +22,6 @@ std::string documentOf(const PerturbationRecord& record);  ///< perturbation.jso
 std::string documentOf(const ReplayRecord& record);        ///< replay.json
 std::string documentOf(const StudyRecord& record);         ///< summary.json
 std::string documentOf(const TrajectoryRecord& record);    ///< trajectory.json
-std::string documentOf(const TrajectoryRun& run);          ///< `evaluate trajectory --json`
+std::string documentOf(const SingleTrajectory& record);    ///< `evaluate trajectory --json`
 
 }  // namespace plumbline

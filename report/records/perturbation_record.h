@@ -116,7 +116,7 @@ void fields(V& v, PerturbationRecord& r) {
   v("offset_bound_s", r.offset_bound_s, "s", "an injected offset counts as recovered within this");
   v("base", r.base, "the recording as it is");
   v("cases", r.cases, "one calibration each");
-  v("assumptions", r.assumptions, "what covariances and verdict take for granted");
+  v("assumptions", r.assumptions, "assumptions of covariances and verdict");
   v("verdict", r.verdict, "what the study shows");
   v("provenance", r.provenance, "where the result comes from");
 }

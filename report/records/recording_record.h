@@ -22,7 +22,7 @@ template <class V>
 void fields(V& v, SampleGap& g) {
   v("t_ns", g.t, "stamp of the sample before it");
   v("duration_s", g.duration_s, "s", "to the next sample");
-  v("missing", g.missing, "1", "samples that the median interval would have put there");
+  v("missing", g.missing, "1", "missing samples, by the median interval");
 }
 
 /// How often intervals had which length: equal bins, bin i covers
@@ -67,7 +67,7 @@ void fields(V& v, SampleIntervals& s) {
   v("min_s", s.min_s, "s", "the shortest");
   v("max_s", s.max_s, "s", "the longest");
   v("spread_s", s.spread_s, "s", "between the quantiles at 1 and 99 %");
-  v("missing", s.missing, "1", "samples that would have fitted into the gaps");
+  v("missing", s.missing, "1", "number of samples missing in the gaps");
   v("gap_count", s.gap_count, "1", "intervals above 1.5 times the median");
   v.ifSet("gaps", s.gaps, "the longest of them (100 at most), in the order of time");
   v("histogram", s.histogram, "how often they had which length");
@@ -116,7 +116,7 @@ template <class V>
 void fields(V& v, ViewImage& i) {
   v("camera", i.camera, "its position");
   v("t_ns", i.t, "stamp of its frame");
-  v("factor", i.factor, "by which the image was made smaller");
+  v("factor", i.factor, "factor by which the image was reduced");
   v("jpeg", i.jpeg, "grey");
 }
 

@@ -100,11 +100,11 @@ void fields(V& v, StopAudit& a) {
   v("stage", a.stage, "`camera` or `camera-imu`");
   v("verdict", a.verdict, "`right`, `early`, `late`, `never stopped`, `not judged`");
   v("finished_ns", a.finished, "the guide's \"finish\"");
-  v("enough_ns", a.enough, "first instant at which the views kept were good enough");
+  v("enough_ns", a.enough, "first instant at which the views kept were sufficient");
   v("seconds", a.seconds, "s", "early: missing; late: wasted; right or never: 0");
   v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");
   v("predicted_excess", a.predicted_excess, "1",
-    "share of error that the views kept add, as the guide predicted it");
+    "share by which the views kept raise the error, as predicted by the guide");
   v("measured_excess", a.measured_excess, "1", "the same on held-out frames, against all frames");
   v("entropy_at_finish_nats", a.entropy_at_finish_nats, "nat", "of the calibration parameters");
   v("entropy_of_all_nats", a.entropy_of_all_nats, "nat", "had every frame been used");
@@ -142,9 +142,9 @@ void fields(V& v, ReplayStageSummary& s) {
   v("frames_dropped", s.frames_dropped, "1", "came while the guide was busy");
   v("views_used", s.views_used, "1", "accepted");
   v("views_redundant", s.views_redundant, "1",
-    "used, though in hindsight each gains less than the threshold");
+    "used, but in hindsight each is below the threshold");
   v("views_missed", s.views_missed, "1",
-    "passed by, though in hindsight each gains the threshold or more");
+    "not used, but in hindsight each is at the threshold or above");
   v("suggestions", s.suggestions, "1", "of the guide");
   v("suggestions_reached", s.reached, "1", "of them");
   v("started_ns", s.started, "first frame of the stage");
@@ -193,7 +193,7 @@ void fields(V& v, CounterfactualCurve& c) {
   v("held_out_border_px", c.held_out_border_px, "over corners near the image's border");
   v("held_out_centre_px", c.held_out_centre_px, "over the others");
   v("held_out_loss_px", c.held_out_loss_px, "under the batch's loss, sqrt(mean rho(|e|^2))");
-  v("regret_px", c.regret_px, "`held_out_px` less that of the best strategy at as many views");
+  v("regret_px", c.regret_px, "`held_out_px` minus that of the best strategy at as many views");
   v("views_needed", c.views_needed,
     "to come within 10 % of the full pool's held-out error and stay there");
   v("order", c.order, "frames of the pool, as positions in the recording's frames");
@@ -279,13 +279,14 @@ void fields(V& v, ReplayRecord& r) {
   v("session", r.name, "its name");
   v.derived("frames", r.frames.size(), "1", "of the recording");
   v("stages", r.stages, "each stage in figures");
-  v("stop_audits", r.stop_audits, "was the guide's \"finish\" right? By the held-out error");
+  v("stop_audits", r.stop_audits,
+    "stopping rule: was the guide's \"finish\" right? By the held-out error");
   v("suggestions", r.suggestions, "how each ended");
   v("compliance", r.compliance, "what a guided recording says of its operator");
   v("counterfactuals", r.counterfactuals, "other orders in which frames could have been used");
   v("target", r.target, "the AprilGrid");
   v("cameras", r.cameras, "for drawing: the best that is known at the end");
-  v("assumptions", r.assumptions, "what entropies take for granted");
+  v("assumptions", r.assumptions, "assumptions of the entropies");
   v("verdict", r.verdict, "what the replay shows");
   v("provenance", r.provenance, "where the result comes from");
   v.array("frames", r.frames, "all of the recording");

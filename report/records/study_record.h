@@ -39,6 +39,7 @@ void fields(V& v, ParameterEstimate& p) {
   v("value", p.value, "rotations: component of Log(R)");
   v("std", p.std, "formal; rotations: of the left tangent");
   v("robust_std", p.robust_std, "cluster-robust, where it is known");
+  v("robust_dof", p.robust_dof, "degrees of freedom of its square");
   v("resample_std", p.resample_std, "of the bootstrap, with `--resample`");
 }
 
@@ -118,7 +119,7 @@ template <class V>
 void fields(V& v, StudyHeldOut& h) {
   v("session", h.session, "whose calibration");
   v("recording", h.recording, "on which it was scored");
-  v("rmse_px", h.rmse_px, "px", "sqrt(mean |e|^2); only poses move");
+  v("rmse_px", h.rmse_px, "px", "sqrt(mean |e|^2); only poses are estimated");
   v.ifSet("failure", h.failure, "why there is no score");
 }
 
@@ -136,7 +137,7 @@ template <class V>
 void fields(V& v, StudyPerturbation& p) {
   v("session", p.session, "whose recording");
   v("offset_ms", p.offset_ms, "added to the IMU's stamps [ms]");
-  v("recovered_ms", p.recovered_ms, "ms", "offset found less the one found without perturbation");
+  v("recovered_ms", p.recovered_ms, "ms", "offset found minus the one found without perturbation");
   v.ifSet("failure", p.failure, "why nothing was found");
 }
 
@@ -171,8 +172,8 @@ template <class V>
 void fields(V& v, StudyDifference& d) {
   v("parameter", d.parameter, "as in a covariance");
   v("unit", d.unit, "its unit");
-  v("difference", d.difference, "the other tool's less ours");
-  v("sigmas", d.sigmas, "1", "over our deviation");
+  v("difference", d.difference, "the other tool's minus Plumbline's");
+  v("sigmas", d.sigmas, "1", "over Plumbline's standard deviation");
 }
 
 /// Another tool's result of a session.
@@ -189,8 +190,8 @@ template <class V>
 void fields(V& v, StudyOther& o) {
   v("session", o.session, "of which session");
   v("tool", o.tool, "e.g. `kalibr`");
-  v("held_out_rmse_px", o.held_out_rmse_px, "px", "as for our calibrations");
-  v("differences", o.differences, "from our calibration of the same recording");
+  v("held_out_rmse_px", o.held_out_rmse_px, "px", "as for Plumbline's calibrations");
+  v("differences", o.differences, "from Plumbline's calibration of the same recording");
   v.ifSet("failure", o.failure, "why nothing could be compared");
 }
 
@@ -238,7 +239,7 @@ void fields(V& v, StudyNight& n) {
   v("sessions", n.sessions, "1", "in the study");
   v("failed", n.failed, "1", "of them");
   v("alarms", n.alarms, "1", "raised on it");
-  v("seconds", n.seconds, "s", "that it took");
+  v("seconds", n.seconds, "s", "wall time");
   v("held_out_rmse_px", n.held_out_rmse_px, "px", "median over sessions");
 }
 
@@ -269,11 +270,11 @@ void fields(V& v, StudyRecord& r) {
   v.ifSet("rig", r.rig, "that all recordings are of");
   v("methods", r.methods, "the first is the baseline");
   v("endpoints", r.endpoints, "declared in STUDY.yaml");
-  v("limit_s", r.limit_s, "s", "who gave up counts as unfinished at this time");
-  v("statistics", r.statistics, "what the sessions say together");
+  v("limit_s", r.limit_s, "s", "participants who gave up count as unfinished at this time");
+  v("statistics", r.statistics, "statistics over the sessions");
   v("sessions", r.sessions, "one recording and its calibration each");
   v.ifSet("held_out", r.held_out, "scores on recordings that no method saw");
-  v.ifSet("perturbations", r.perturbations, "offsets added to the IMU's stamps and found again");
+  v.ifSet("perturbations", r.perturbations, "offsets added to the IMU's stamps and recovered");
   v.ifSet("trajectories", r.trajectories, "odometry under each calibration");
   v.ifSet("others", r.others, "results of other tools");
   v.ifSet("alarms", r.alarms, "figures that changed against the nights before");

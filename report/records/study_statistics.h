@@ -78,12 +78,12 @@ void fields(V& v, StudyEffect& e) {
   v("bca", e.bca, "the same effect; interval by the BCa bootstrap");
   v("p", e.p, "1", "two-sided; the orders are permuted over participants, the groups' sizes kept");
   v("p_holm", e.p_holm, "1", "corrected over the declared endpoints");
-  v("exact", e.exact, "every permutation was looked at");
-  v("permutations", e.permutations, "1", "that were looked at");
-  v("wilcoxon_p", e.wilcoxon_p, "1", "signed rank test, exact, two-sided; no period in it");
+  v("exact", e.exact, "every permutation was evaluated");
+  v("permutations", e.permutations, "1", "permutations evaluated");
+  v("wilcoxon_p", e.wilcoxon_p, "1", "signed rank test, exact, two-sided; ignores the period");
   v("hodges_lehmann", e.hodges_lehmann, "its estimate and interval");
   v("period", e.period, "second period against first");
-  v("carry_over", e.carry_over, "difference of the sequences; an estimate, never a gate");
+  v("carry_over", e.carry_over, "difference of the sequences; an estimate, not a test");
   v("sentence", e.sentence, "the effect in words");
 }
 
@@ -166,7 +166,7 @@ void fields(V& v, StudyTimeDifference& d) {
   v("design", d.design, "as for an effect");
   v("difference_s", d.difference_s, "s", "of restricted means, method - baseline");
   v("p", d.p, "1", "permutation within participants, two-sided");
-  v("exact", d.exact, "every permutation was looked at");
+  v("exact", d.exact, "every permutation was evaluated");
   v("sentence", d.sentence, "in words");
 }
 
@@ -194,7 +194,7 @@ void fields(V& v, StudySpread& s) {
   v("std", s.std, "over sessions, divisor n - 1");
   v("stated_std", s.stated_std, "root mean square of the stated deviations");
   v("ratio", s.ratio, "1", "sqrt(chi^2 / (n - 1)) of the sessions about their weighted mean");
-  v("low", s.low, "1", "95 % interval of the ratio, were the deviations true");
+  v("low", s.low, "1", "95 % interval of the ratio if the stated deviations are true");
   v("high", s.high, "1", "likewise");
   v("farthest", s.farthest, "the session that is most stated deviations from the mean");
 }

@@ -165,20 +165,20 @@ void fields(V& v, OdometryRunRecord& r) {
   v("seconds", r.seconds, "s", "of wall time, images read included");
   v("real_time_factor", r.real_time_factor, "1", "recorded time / seconds");
   v("frames", r.frames, "1", "offered");
-  v("frames_skipped", r.frames_skipped, "1", "missing, or not to be decoded");
-  v("losses", r.losses, "1", "where the motion was lost and begun anew: a jump");
-  v("mean_landmarks", r.mean_landmarks, "1", "placed, a frame; 0: not known");
+  v("frames_skipped", r.frames_skipped, "1", "missing or damaged");
+  v("losses", r.losses, "1", "instants at which tracking was lost and restarted: a jump");
+  v("mean_landmarks", r.mean_landmarks, "1", "landmarks per frame; 0: not known");
   v("stereo_px", r.stereo_px, "px", "median distance from the rig's epipolar lines");
   v("innovation_px", r.innovation_px, "px",
-    "median error of sightings where the IMU predicts them");
+    "median error of observations where the IMU predicts them");
   v("closure_m", r.closure_m, "m", "from the first pose to the last");
   v("closure_deg", r.closure_deg, "deg", "likewise");
   v("offset_calibrated_s", r.offset_calibrated_s, "s", "time offset t_d that was used");
-  v("offset_hint_s", r.offset_hint_s, "s", "t_d that the odometry itself would choose: a hint");
+  v("offset_hint_s", r.offset_hint_s, "s", "t_d that the odometry prefers: a hint");
   v("offset_hint_std_s", r.offset_hint_std_s, "s",
-    "its standard deviation; of another system: how far its online calibration still moved");
+    "its standard deviation; of another system: how much its online calibration still changed");
   v("T_SC0_hint", r.T_SC0_hint, "m, rad",
-    "change of T_SC0 that it would choose: 3 of the translation, 3 of the left tangent");
+    "change of T_SC0 that it prefers: 3 of the translation, 3 of the left tangent");
   v("T_SC0_hint_std", r.T_SC0_hint_std, "m, rad", "its standard deviations, likewise");
   v("frame_p50_ms", r.frame_p50_ms, "ms", "time of a frame, image read included: median");
   v("frame_p95_ms", r.frame_p95_ms, "ms", "its 95th percentile");
@@ -218,6 +218,9 @@ struct TrajectoryRun {
   std::vector<TimeNs> t;
   std::vector<Eigen::Vector3d> truth_m;     ///< positions of the truth
   std::vector<Eigen::Vector3d> estimate_m;  ///< aligned positions of the estimate
+  /// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world, without jumps
+  /// of a turn; of the estimate aligned. Empty where either has no orientations.
+  std::vector<Eigen::Vector3d> truth_rpy_deg, estimate_rpy_deg;
   std::vector<double> error_m;
   std::vector<double> error_deg;
 };
@@ -226,7 +229,17 @@ inline std::string partName(const TrajectoryRun& r) {
   return r.sequence + "/" + r.calibration + "/" + r.run;
 }
 
-/// `evaluate trajectory --json`, and one run of a study.
+/// The run without errors, and why.
+inline TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
+  run.status = RunStatus::kFailed;
+  run.problem = problem;
+  run.t.clear();
+  run.truth_m.clear(), run.estimate_m.clear();
+  run.truth_rpy_deg.clear(), run.estimate_rpy_deg.clear();
+  run.error_m.clear(), run.error_deg.clear();
+  return run;
+}
+
 template <class V>
 void fields(V& v, TrajectoryRun& r) {
   v.ifSet("sequence", r.sequence, "e.g. `MH_01`");
@@ -238,12 +251,12 @@ void fields(V& v, TrajectoryRun& r) {
   v.derived("failed", r.status == RunStatus::kFailed, "1", "whether it is `failed`");
   v("estimate", r.estimate, "file name");
   v("truth", r.truth, "file name");
-  v.ifSet("without_truth", r.without_truth, "no ground truth was known: no errors");
+  v.ifSet("without_truth", r.without_truth, "there is no ground truth: no errors");
   if (r.status != RunStatus::kFailed && !r.without_truth) {
     v("n", r.association.matches, "1", "pairs of poses");
     v("association", r.association.rule, "`one-to-one`, `interpolate`, `evo`, `rpg`, `ov_eval`");
     v("alignment", r.alignment.kind, "p_truth = scale R p_estimate + t: `se3`, `sim3`, `yaw`, ...");
-    v("align_first", r.alignment.first_n, "pairs that it stands on; 0: all");
+    v("align_first", r.alignment.first_n, "pairs that it uses; 0: all");
     v("scale", r.alignment.scale, "1", "of the alignment");
     v("R", r.alignment.T_truth_estimate.R, "rows");
     v("t", r.alignment.T_truth_estimate.t, "m", "of the alignment");
@@ -260,10 +273,12 @@ void fields(V& v, TrajectoryRun& r) {
   v("hand_eye", r.hand_eye, "joins marker body and IMU");
   v.ifSet("nees", r.nees, "where the estimate has covariances");
   v("odometry", r.odometry, "how `plumbline odometry` made the estimate");
-  v("remarks", r.remarks, "a sentence each, what a reader should know");
+  v("remarks", r.remarks, "remarks for the reader, one sentence each");
   v.array("t", r.t, "stamp of each pair (thinned to a few thousand)");
   v.array("truth_m", r.truth_m, "positions of the truth");
   v.array("estimate_m", r.estimate_m, "aligned positions of the estimate");
+  v.array("truth_rpy_deg", r.truth_rpy_deg, "roll, pitch, yaw of the truth's body");
+  v.array("estimate_rpy_deg", r.estimate_rpy_deg, "and of the aligned estimate's");
   v.array("error_m", r.error_m, "distance");
   v.array("error_deg", r.error_deg, "angle");
 }
@@ -292,8 +307,8 @@ void fields(V& v, RunsSummary& s) {
   v("failed", s.failed, "1", "of them");
   v("completion", s.completion, "1", "complete / expected");
   v("ate_median_m", s.ate_median_m, "m",
-    "median ATE over the expected runs, one that is not complete counts as larger than any; absent "
-    "where the median is such a one");
+    "median ATE over the expected runs, a run that is not complete counts as infinite; absent "
+    "where the median is infinite");
   v("ate_complete_median_m", s.ate_complete_median_m, "m", "the same over the complete runs alone");
   v("level", s.level, "`bad` where a run failed, `caution` where one is partial");
 }
@@ -360,7 +375,7 @@ template <class V>
 void fields(V& v, ParameterSensitivity& p) {
   v("name", p.name, "e.g. `T_SC0.ty`");
   v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
-  v("step", p.step, "by which it is moved, in `unit`");
+  v("step", p.step, "change of the parameter, in `unit`");
   v("plus_m", p.plus_m, "m", "change of the ATE with + step; absent where the run failed");
   v("minus_m", p.minus_m, "m", "with - step; absent for the difference of two calibrations");
   v("change_m", p.change_m, "m", "mean of both");
@@ -388,14 +403,14 @@ inline std::string partName(const CalibrationSensitivity& s) {
 template <class V>
 void fields(V& v, CalibrationSensitivity& s) {
   v("sequence", s.sequence, "on which it was run");
-  v("calibration", s.calibration, "whose parameters are moved");
+  v("calibration", s.calibration, "whose parameters are changed");
   v.ifSet("towards", s.towards, "whose values they take; absent: steps are standard deviations");
   v("ate_m", s.ate_m, "m", "unmoved");
-  v("noise_m", s.noise_m, "m", "spread of the ATE under moves of 1e-3 steps");
+  v("noise_m", s.noise_m, "m", "spread of the ATE under changes of 1e-3 steps");
   v("whole_m", s.whole_m, "m", "ATE under `towards` - `ate_m`");
   v("sum_m", s.sum_m, "m", "of all changes");
-  v("interaction_m", s.interaction_m, "m", "whole - sum: what single moves do not explain");
-  v("parameters", s.parameters, "each moved by itself, the largest change first");
+  v("interaction_m", s.interaction_m, "m", "whole - sum: what single changes do not explain");
+  v("parameters", s.parameters, "each changed by itself, the largest effect first");
 }
 
 /// Runs, and what they say together.
@@ -410,7 +425,7 @@ template <class V>
 void fields(V& v, TrajectoryStudy& s) {
   v("summary", s.summary, "completion and error by sequence, then over all");
   v("paired", s.paired, "every two calibrations over the same sequences and runs");
-  v.ifSet("sensitivity", s.sensitivity, "what each parameter does to the ATE");
+  v.ifSet("sensitivity", s.sensitivity, "effect of each parameter on the ATE");
   v("runs", s.runs, "each estimate against its truth");
 }
 
@@ -431,8 +446,23 @@ void fields(V& v, TrajectoryRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("name", r.name, "of the study");
   fields(v, static_cast<TrajectoryStudy&>(r));
-  v("verdict", r.verdict, "how far the figures may be trusted");
+  v("verdict", r.verdict, "how far the figures can be trusted");
   v("provenance", r.provenance, "where the result comes from");
+}
+
+/// One estimate judged by itself.
+struct SingleTrajectory {
+  TrajectoryRun run;
+  Verdict verdict;
+  Provenance provenance;
+};
+
+/// `evaluate trajectory --json`: the run's fields at the top.
+template <class V>
+void fields(V& v, SingleTrajectory& s) {
+  fields(v, s.run);
+  v("verdict", s.verdict, "how far the figures may be trusted");
+  v("provenance", s.provenance, "where the result comes from");
 }
 
 }  // namespace plumbline

@@ -112,7 +112,7 @@ class Unpacker {
   std::size_t getSize() {
     const auto size = get<std::int32_t>();
     if (size < 0 || static_cast<std::size_t>(size) > bytes_.size() - at_) {
-      throw std::runtime_error("an array counts more than it holds");
+      throw std::runtime_error("an array states more elements than it contains");
     }
     return static_cast<std::size_t>(size);
   }
@@ -180,7 +180,7 @@ void Unpacker::unpack(T& value) {
       const std::size_t rows = getSize();
       const std::size_t cols = getSize();
       if (cols > 0 && rows > (bytes_.size() - at_) / cols) {
-        throw std::runtime_error("a matrix counts more than it holds");
+        throw std::runtime_error("a matrix states more elements than it contains");
       }
       value.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
     }

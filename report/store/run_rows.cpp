@@ -137,17 +137,18 @@ std::vector<RunSummary> listRuns(SQLite::Database& db) {
 RunSummary chooseRun(SQLite::Database& db, std::optional<std::int64_t> wanted,
                      std::optional<RunKind> kind, const std::string& path) {
   const std::vector<RunSummary> runs = listRuns(db);
-  if (runs.empty()) throw InputError(path, 0, "holds no run; run a command that writes one first");
+  if (runs.empty())
+    throw InputError(path, 0, "contains no run; run a command that writes one first");
   std::optional<RunSummary> chosen;
   for (const RunSummary& run : runs) {
     if (wanted ? run.id == *wanted : !kind || run.kind == *kind) chosen = run;
   }
   if (!chosen && wanted) {
     throw InputError(path, 0,
-                     "holds no run " + std::to_string(*wanted) + "; its runs are " +
+                     "contains no run " + std::to_string(*wanted) + "; its runs are " +
                          std::to_string(runs.front().id) + " to " + std::to_string(runs.back().id));
   }
-  if (!chosen) throw InputError(path, 0, "holds no run of kind '" + toString(*kind) + "'");
+  if (!chosen) throw InputError(path, 0, "contains no run of kind '" + toString(*kind) + "'");
   if (kind && chosen->kind != *kind) {
     throw InputError(path, 0,
                      "run " + std::to_string(chosen->id) + " is of kind '" +
@@ -164,7 +165,7 @@ std::vector<ParameterEstimate> estimatesOf(const ComparisonRecord& record, std::
   for (const ComparedParameter& p : record.parameters) {
     if (k >= p.values.size() || !p.values[k]) continue;
     const auto std = k < p.std.size() ? p.std[k] : std::nullopt;
-    estimates.push_back({p.name, *p.values[k], std.value_or(std::nan("")), p.unit, {}, {}});
+    estimates.push_back({p.name, *p.values[k], std.value_or(std::nan("")), p.unit, {}, {}, {}});
   }
   return estimates;
 }
@@ -174,7 +175,7 @@ std::vector<ParameterEstimate> estimatesOf(const PerturbationRecord& record,
   std::vector<ParameterEstimate> estimates;
   for (std::size_t i = 0; i < c.values.size() && i < record.parameters.size(); ++i) {
     const double std = is_base ? record.base_std[i] : std::nan("");
-    estimates.push_back({record.parameters[i], c.values[i], std, record.units[i], {}, {}});
+    estimates.push_back({record.parameters[i], c.values[i], std, record.units[i], {}, {}, {}});
   }
   return estimates;
 }

@@ -312,7 +312,7 @@ StudyRecord smallStudy() {
   session.period = 1;
   session.capture_s = 73.25;
   session.held_out_rmse_px = 0.31;
-  session.estimates = {{"cam0.fu", 458.5, 0.1, "px", {}, 0.15}};
+  session.estimates = {{"cam0.fu", 458.5, 0.1, "px", {}, 0.15, 9.0}};
   record.sessions = {session, session};
   record.sessions[1].name = "p01_guided";
   record.sessions[1].finished = false;

@@ -263,6 +263,18 @@ void addImage(CalibrationRecord& record) {
                          encodeJpeg(image, 60)}};
 }
 
+/// Least in the middle of the image, undefined at one corner.
+void addUncertainty(CalibrationRecord& record) {
+  for (const CameraCalibration& camera : record.camera->cameras) {
+    ImageMap map{camera.name, record.name, "image fit", INFINITY, 31, 21, 752, 480, {}, {}, {}};
+    for (int i = 0; i < 31 * 21; ++i) {
+      const double x = i % 31 / 30.0 - 0.5, y = i / 31 / 20.0 - 0.5;
+      map.values.push_back(i == 0 ? NAN : 0.02 + 0.3 * (x * x + y * y));
+    }
+    record.projection_uncertainty.push_back(std::move(map));
+  }
+}
+
 }  // namespace
 
 CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
@@ -282,6 +294,7 @@ CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
   record.camera = cameraStage(options, random);
   if (options.camera_imu) record.camera_imu = cameraImuStage(*record.camera, random);
   addRecording(record, random);
+  addUncertainty(record);
   if (options.images) addImage(record);
   ResampleSpread spread{20, 1, record.camera->summary.covariance.names, {}};
   spread.std = 3 * record.camera->summary.covariance.standardDeviations();

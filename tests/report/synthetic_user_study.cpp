@@ -34,7 +34,7 @@ StudySession sessionOf(int participant, bool guided, std::mt19937_64& random) {
   if (s.verdict != VerdictLevel::kGood) s.verdict_rule = "Coverage of cam0";
   s.verdict_sentence = "tilts reach 21 degrees only & the <corners> are bare";
   for (const char* name : {"cam0.fu", "cam0.fv", "T_SC0.tx", "T_SC0.rx", "time_offset"}) {
-    s.estimates.push_back({name, 1 + 0.01 * wiggle(random), 0.006, "px", {}, {}});
+    s.estimates.push_back({name, 1 + 0.01 * wiggle(random), 0.006, "px", {}, {}, {}});
   }
   s.board.emplace().terms[6] = 1e-3 * (0.5 + 0.1 * wiggle(random));
   s.board->terms[8] = 1e-3 * (-0.2 + 0.1 * wiggle(random));
