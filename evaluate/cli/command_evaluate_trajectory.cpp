@@ -36,6 +36,7 @@ struct EvaluateTrajectoryOptions {
   TrajectoryMetricWords metrics;
   JsonOption json;
   OutputOptions output;
+  bool no_report = false;
   FailOnOption fail_on;
 };
 
@@ -51,6 +52,7 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   app.add_option("--body", o.body, "Rigid body of a motion-capture export");
   o.json.declare(app);
   o.output.declare(app, "Folder for the report, the figures and the records");
+  declareNoReport(app, o.no_report);
   o.fail_on.declare(app);
 }
 
@@ -71,27 +73,25 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
   return request;
 }
 
-TrajectoryRecord judged(const TrajectoryEvaluation& evaluation,
-                        const EvaluateTrajectoryOptions& o) {
-  TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
-  record.verdict = trajectoryVerdict(record);
-  return record;
-}
-
-void writeStudy(OutputFolder& out, TrajectoryRecord record, const EvaluateTrajectoryOptions& o,
-                const CLI::App& app) {
+Provenance provenanceOf(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   auto given = givenOptions(app);
   std::erase_if(given, [](const auto& option) {
     return option.first == "estimate" || option.first == "truth";
   });
-  record.provenance = makeProvenance("evaluate trajectory", std::move(given));
-  record.provenance.input =
+  Provenance provenance = makeProvenance("evaluate trajectory", std::move(given));
+  provenance.input =
       fmt::format("{} against {}", std::filesystem::path(o.estimate).filename().string(),
                   std::filesystem::path(o.truth).filename().string());
-  record.provenance.input_hash = inputFilesHash({o.estimate, o.truth});
-  writeResults(out, record,
-               {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
-               renderTrajectoryPage(record));
+  provenance.input_hash = inputFilesHash({o.estimate, o.truth});
+  return provenance;
+}
+
+TrajectoryRecord judged(const TrajectoryEvaluation& evaluation, const EvaluateTrajectoryOptions& o,
+                        const CLI::App& app) {
+  TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
+  record.verdict = trajectoryVerdict(record);
+  record.provenance = provenanceOf(o, app);
+  return record;
 }
 
 int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
@@ -102,18 +102,26 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   std::optional<OutputFile> json = o.json.reserve(o.output, inputs, o.output.out, kTrajectoryMark);
   const Result<TrajectoryEvaluation> result = evaluateTrajectory(request);
   if (!result) return tellFailure(result.failure());
-  const TrajectoryRecord record = judged(*result, o);
+  const TrajectoryRecord record = judged(*result, o, app);
   const VerdictLevel level = record.verdict.level;
-  if (out) writeStudy(*out, record, o, app);
-  if (json) json->write(documentOf(result->run));
+  if (out) {
+    std::optional<std::string> page;
+    if (!o.no_report) page = renderTrajectoryPage(record);
+    writeResults(*out, record,
+                 {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
+                 page);
+  }
+  const SingleTrajectory single{record.runs[0], record.verdict, record.provenance};
+  if (json) json->write(documentOf(single));
   if (o.json.piped()) {
-    writeDocument(documentOf(result->run));
+    writeDocument(documentOf(single));
     return o.fail_on.exitCode(level);
   }
   say("{}", trajectorySummary(*result));
   if (level != VerdictLevel::kGood) say("\n{}", verdictText(record.verdict, kCompleteWord));
   if (json) say("\nFigures: {}\n", *o.json.file);
-  if (out) say("\nReport: {}/report.html\n", o.output.out);
+  if (out && !o.no_report) say("\nReport: {}/report.html\n", o.output.out);
+  if (out && o.no_report) say("\nResult: {}/trajectory.json\n", o.output.out);
   return o.fail_on.exitCode(level);
 }
 

@@ -49,10 +49,11 @@ class FrameReader {
     }
     const Resolution& stated = rig_.cameras[camera].resolution;
     if (image.width() == stated.width && image.height() == stated.height) return image;
-    throw InputError(file.path, 0,
-                     fmt::format("is {}x{}, and the calibration states {}x{} for this camera: it "
-                                 "is one of another rig",
-                                 image.width(), image.height(), stated.width, stated.height));
+    throw InputError(
+        file.path, 0,
+        fmt::format(
+            "is {}x{}, and the calibration states {}x{} for this camera: it belongs to another rig",
+            image.width(), image.height(), stated.width, stated.height));
   }
 
   const OdometrySequence& sequence_;
@@ -98,7 +99,7 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
   const RigModel rig = RigModel::of(calibration, options.cameras);
   if (rig.cameras.size() > sequence.images.size()) {
     throw InputError(sequence.root.string(), 0,
-                     fmt::format("has {} cameras, the calibration {}: it is one of another rig",
+                     fmt::format("has {} cameras, the calibration {}: it belongs to another rig",
                                  sequence.images.size(), rig.cameras.size()));
   }
   const Stopwatch clock;

@@ -21,7 +21,7 @@ constexpr int kMostTracks = 10'000'000;
 std::vector<ImageView> viewsOf(const fs::path& camera, const char* file, CornerLimits limits) {
   const std::string sensor = (camera / "sensor.yaml").string();
   const auto resolution = readCameraDescription(sensor, false).resolution;
-  if (!resolution) throw InputError(sensor, 0, "states no resolution, which corners need");
+  if (!resolution) throw InputError(sensor, 0, "states no resolution, which is needed for corners");
   limits.resolution = *resolution;
   return readCorners((camera / file).string(), limits);
 }
@@ -43,7 +43,7 @@ void merge(const std::vector<ImageView>& views, int camera, std::vector<FrameTra
 int cornerCountOf(const SessionFolder& folder) {
   const auto target = findBeside(folder.beside, "target.yaml");
   if (target) return readTarget(*target).cornerCount();
-  throw InputError(folder.root, 0, "has corners and no target.yaml, which says what they are of");
+  throw InputError(folder.root, 0, "has corners but no target.yaml, which describes the board");
 }
 
 }  // namespace

@@ -187,8 +187,8 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   if (!end.ok()) {
     run.problem = fmt::format("{}: {}", process.words.front(), toString(end));
   } else if (!fs::is_regular_file(written)) {
-    run.problem = fmt::format("{} ended with exit code 0 and wrote no {}", process.words.front(),
-                              written.filename().string());
+    run.problem = fmt::format("{} ended with exit code 0 and did not write {}",
+                              process.words.front(), written.filename().string());
   } else {
     try {
       run.poses =

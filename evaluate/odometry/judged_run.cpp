@@ -57,8 +57,8 @@ TrajectoryRun judgedWithoutTruth(TrajectoryRun run, const OdometrySequence& sequ
   run.starts_late_s =
       poses.empty() ? 0 : secondsBetween(sequence.images[0].front().t, poses.front().t);
   run.remarks.emplace_back(
-      "has no ground truth, and so no error: what the odometry says of itself tells calibrations "
-      "that do not fit the recording, not which of two that fit is the better one");
+      "has no ground truth, so there is no trajectory error: the odometry's self-consistency shows "
+      "calibrations that do not fit the recording, but does not rank two that fit");
   if (run.coverage >= min_coverage) return run;
   run.status = RunStatus::kPartial;
   run.problem = fmt::format("covers {:.1f} % of the images' time, less than {:g} %",

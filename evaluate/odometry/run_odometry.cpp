@@ -150,13 +150,13 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));
   }
   if (run.result.poses.empty()) {
-    outcome.problem = "never started: the images and the IMU did not determine its motion";
+    outcome.problem = "never initialised: images and IMU did not determine the motion";
     return outcome;
   }
   outcome.poses = posesOf(run.result);
   writeNewFile(out, pathOf(plan), tumText(outcome.poses));
   if (r.losses > 0) {
-    outcome.problem = fmt::format("lost {} times, after which it goes on elsewhere: at {}",
+    outcome.problem = fmt::format("lost track {} times and continued from another pose: at {}",
                                   r.losses, lossText(run, plan.sequence->images[0].front().t));
   }
   return outcome;
@@ -195,7 +195,7 @@ void addRefined(const Plan& plan, const OdometryRequest& request, const fs::path
   r.offset_calibrated_s = used.timeOffset();
   if (run.offsets_s.empty() && run.T_SC0.empty()) {
     outcome.remarks.push_back(
-        fmt::format("the run with online calibration printed nothing of it{}{}",
+        fmt::format("the run with online calibration printed no calibration{}{}",
                     run.problem.empty() ? "" : ": ", run.problem));
     return;
   }
@@ -241,14 +241,6 @@ std::vector<Plan> plansOf(const std::vector<OdometrySequence>& sequences,
 int runsOf(const OdometryRequest& request) {
   if (!request.runner) return 1;
   return request.runs > 0 ? request.runs : request.runner->least_runs;
-}
-
-TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
-  run.status = RunStatus::kFailed;
-  run.problem = problem;
-  run.t.clear(), run.truth_m.clear(), run.estimate_m.clear();
-  run.error_m.clear(), run.error_deg.clear();
-  return run;
 }
 
 /// An outcome's run against its truth.
@@ -320,9 +312,9 @@ std::vector<CalibrationSensitivity> sensitivities(
 void checkBuiltinOnly(const OdometryRequest& request,
                       const std::vector<NamedCalibration>& calibrations) {
   if (request.runner && request.hint != HintKind::kNone && !request.runner->online) {
-    throw InputError("the runner " + request.runner->name +
-                     " does not say how it calibrates online; leave out --estimate, or add "
-                     "`online` to its file");
+    throw InputError(
+        "the runner " + request.runner->name +
+        " does not describe its online calibration; omit --estimate, or add `online` to its file");
   }
   if (!request.sensitivity) return;
   if (request.runner) {
@@ -333,7 +325,7 @@ void checkBuiltinOnly(const OdometryRequest& request,
   const NamedCalibration& only = calibrations.front();
   if (deviationSteps(only.calibration, readDeviations(only.file.string()))) return;
   throw InputError(only.file.string(), 0,
-                   "states no standard deviations by which its parameters could be moved; give a "
+                   "states no standard deviations by which to change its parameters; give a "
                    "calibration.json, or a second calibration");
 }
 
@@ -359,7 +351,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
     const OdometrySequence& sequence = sequences.back();
     if (request.runner && !sequence.tracks.empty()) {
       throw InputError(path, 0,
-                       "has points in place of images, which " + request.runner->name +
+                       "has points instead of images, which " + request.runner->name +
                            " cannot read; the built-in odometry can");
     }
     if (!truths.emplace(sequence.name, readTruthOf(request, sequence)).second) {

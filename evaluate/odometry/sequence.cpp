@@ -74,11 +74,10 @@ void checkStep(const OdometrySequence& sequence, const std::vector<std::string>&
       paired += imageAt(sequence.images[c], image.t) != nullptr ? 1 : 0;
     }
     if (2 * paired >= sequence.images[0].size()) continue;
-    throw InputError(
-        folders[c], 0,
-        fmt::format("{} of {} frames of the first camera have an image here within 2 ms; expected "
-                    "cameras that expose together",
-                    paired, sequence.images[0].size()));
+    throw InputError(folders[c], 0,
+                     fmt::format("{} of {} frames of the first camera have an image here within 2 "
+                                 "ms; expected cameras that are exposed at the same time",
+                                 paired, sequence.images[0].size()));
   }
 }
 

@@ -134,8 +134,7 @@ std::vector<RunFile> findRuns(const std::string& pattern,
     auto file = matched(path, known);
     if (!file) file = matched(path, any);
     if (file && !isUtf8(path)) {
-      throw InputError(path, 0,
-                       "is not named in UTF-8, as what is written of it must be; rename it");
+      throw InputError(path, 0, "has a name that is not UTF-8; rename it");
     }
     if (file) files.push_back(*file);
   }
@@ -146,7 +145,7 @@ std::vector<RunFile> findRuns(const std::string& pattern,
 
 namespace {
 
-constexpr double kLate = 1;  // [s], a start-up worth naming
+constexpr double kLate = 0.1;  // [s], a start-up worth naming
 
 struct Truth {
   std::filesystem::path path;
@@ -189,7 +188,7 @@ void refuseUnknown(const std::vector<RunFile>& files, const RunsRequest& request
   if (known.empty()) return;
   if (!hasField(request.runs, "calibration")) {
     throw InputError(request.runs, 0,
-                     "does not say which calibration a run belongs to; expected {calibration}");
+                     "does not state which calibration a run belongs to; expected {calibration}");
   }
   for (const RunFile& file : files) {
     if (std::find(known.begin(), known.end(), file.calibration) != known.end()) continue;
@@ -227,17 +226,6 @@ std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
   return list;
 }
 
-TrajectoryRun failed(TrajectoryRun run, const std::string& problem) {
-  run.status = RunStatus::kFailed;
-  run.problem = problem;
-  run.t.clear();
-  run.truth_m.clear();
-  run.estimate_m.clear();
-  run.error_m.clear();
-  run.error_deg.clear();
-  return run;
-}
-
 double spreadOf(const std::vector<Eigen::Vector3d>& points) {
   const auto n = static_cast<double>(points.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -254,8 +242,8 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
                             100 * run.coverage, 100 * min_coverage);
   if (run.starts_late_s > kLate) {
     run.problem += fmt::format(
-        "; its first pose is {:.1f} s after the truth's: --coverage-from first-pose leaves its "
-        "start out",
+        "; its first pose is {:.1f} s after the truth's: --coverage-from first-pose ignores the "
+        "time before it",
         run.starts_late_s);
   }
   return run;
@@ -265,10 +253,9 @@ TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
   if (!(ate <= limit)) {
-    const char* which =
-        request.max_ate_m ? "the limit" : "what an estimate that never moves would reach";
-    return failed(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
-                                              ate, limit, which));
+    const char* which = request.max_ate_m ? "the limit" : "the ATE of an estimate that never moves";
+    return failedRun(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
+                                                 ate, limit, which));
   }
   return withCompletion(std::move(run), request.min_coverage);
 }
@@ -288,10 +275,10 @@ std::string nameOfFile(const std::filesystem::path& file) {
 TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
                      const RunsRequest& request) {
   if (expected.estimate.empty()) {
-    return failed(expected, "no file, though another calibration has this sequence and run");
+    return failedRun(expected, "no file, though another calibration has this sequence and run");
   }
   const Truth* truth = truthOf(truths, expected.sequence);
-  if (truth == nullptr) return failed(expected, "no truth for this sequence");
+  if (truth == nullptr) return failedRun(expected, "no truth for this sequence");
   return judgedRun(expected, truth->path, truth->file, request);
 }
 
@@ -311,21 +298,23 @@ TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::pa
   how.estimate = expected.estimate;
   try {
     auto result = evaluateFiles(readEstimate(how), truth, how);
-    if (!result) return failed(expected, problemOf(result.failure()));
+    if (!result) return failedRun(expected, problemOf(result.failure()));
     TrajectoryRun run = std::move(result.value().run);
     run.sequence = expected.sequence;
     run.calibration = expected.calibration;
     run.run = expected.run;
     return withStatus(std::move(run), request);
   } catch (const InputError& error) {
-    return failed(expected, error.what());
+    return failedRun(expected, error.what());
   }
 }
 
 void RunsRequest::check() const {
   how.metrics.check();
-  if (!(min_coverage >= 0 && min_coverage <= 1)) throw InputError("coverage is a share, 0 to 1");
-  if (max_ate_m && !(*max_ate_m > 0)) throw InputError("a run diverges beyond a positive ATE");
+  if (!(min_coverage >= 0 && min_coverage <= 1))
+    throw InputError("the least coverage must be a share, 0 to 1");
+  if (max_ate_m && !(*max_ate_m > 0))
+    throw InputError("the ATE above which a run has diverged must be positive");
   if (threads < 0) throw InputError(fmt::format("{} threads: expected 0 or more", threads));
 }
 

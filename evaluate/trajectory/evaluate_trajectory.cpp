@@ -62,12 +62,20 @@ TrajectoryRun withCoverage(TrajectoryRun run, const Trajectory& estimate, const 
 TrajectoryRun withPlots(TrajectoryRun run, const std::vector<PosePair>& pairs,
                         const AlignedPoses& poses, const std::vector<double>& error_deg) {
   const std::size_t step = (pairs.size() + kPlotted - 1) / kPlotted;
+  std::vector<Eigen::Vector3d> truth_rpy, estimate_rpy;
+  if (!error_deg.empty()) {
+    truth_rpy = rollPitchYaw(poses.truth);
+    estimate_rpy = rollPitchYaw(poses.estimate, truth_rpy);
+  }
   for (std::size_t i = 0; i < pairs.size(); i += step) {
     run.t.push_back(pairs[i].truth.t);
     run.truth_m.push_back(poses.truth[i].t);
     run.estimate_m.push_back(poses.estimate[i].t);
     run.error_m.push_back((poses.estimate[i].t - poses.truth[i].t).norm());
-    if (!error_deg.empty()) run.error_deg.push_back(error_deg[i]);
+    if (error_deg.empty()) continue;
+    run.error_deg.push_back(error_deg[i]);
+    run.truth_rpy_deg.push_back(truth_rpy[i]);
+    run.estimate_rpy_deg.push_back(estimate_rpy[i]);
   }
   return run;
 }
@@ -94,6 +102,8 @@ TrajectoryRun withoutRotations(TrajectoryRun run) {
   run.ate_rotation_deg = {};
   run.rpe.clear();
   run.error_deg.clear();
+  run.truth_rpy_deg.clear();
+  run.estimate_rpy_deg.clear();
   return run;
 }
 
@@ -150,12 +160,12 @@ TrajectoryEvaluation withNees(TrajectoryEvaluation evaluation, const Trajectory&
   evaluation.run.nees = nees.parts;
   if (nees.left_out > 0) {
     evaluation.remarks.push_back(
-        fmt::format("{} covariances are not positive definite: left out of NEES", nees.left_out));
+        fmt::format("{} covariances are not positive definite: excluded from NEES", nees.left_out));
   }
   if (nees.used > 0 && isFit(alignment)) {
     evaluation.remarks.push_back(
-        fmt::format("NEES after alignment {}: the fit takes away error that the covariances, which "
-                    "grow from the start, still expect; yaw-first or se3-first leave it",
+        fmt::format("NEES after alignment {}: the fit removes error that the covariances, which "
+                    "grow from the start, include; use yaw-first or se3-first",
                     alignment.kind));
   }
   return evaluation;
@@ -186,7 +196,7 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   const AlignedPoses poses = alignedPoses(association.pairs, *alignment);
   const RotationRemark rotations = remarkOnRotations(poses, *alignment);
   if (!rotations.text.empty()) evaluation.remarks.push_back(rotations.text);
-  if (rotations.inverted) {
+  if (rotations.invalid) {
     evaluation.run = withoutRotations(std::move(evaluation.run));
     return evaluation;
   }
@@ -197,10 +207,9 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
 // A file whose w stands first, as its reader took it to stand last.
 TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path) {
   if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
-    throw InputError(
-        path.string(), 0,
-        "is not a TUM file with quaternions; --truth-w-first and --estimate-w-first apply "
-        "to TUM files only; leave out the option");
+    throw InputError(path.string(), 0,
+                     "is not a TUM file with quaternions; --truth-w-first and --estimate-w-first "
+                     "apply to TUM files only; omit the option");
   }
   for (StampedPose& pose : file.trajectory.poses) pose.q = fromWFirst(pose.q);
   return file;
@@ -209,7 +218,7 @@ TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path)
 // A file whose quaternions map the world into the body; its positions are in the world.
 TrajectoryFile inverted(TrajectoryFile file, const std::filesystem::path& path) {
   if (!file.trajectory.has_orientation) {
-    throw InputError(path.string(), 0, "has no quaternions to invert; leave out the option");
+    throw InputError(path.string(), 0, "has no quaternions to invert; omit the option");
   }
   for (StampedPose& pose : file.trajectory.poses) pose.q = pose.q.conjugate();
   return file;
@@ -219,11 +228,13 @@ TrajectoryFile inverted(TrajectoryFile file, const std::filesystem::path& path) 
 
 void TrajectoryMetricOptions::check() const {
   if (!(association.max_dt_s >= 0 && association.max_gap_s >= 0)) {
-    throw InputError("stamps can differ, and gaps last, by 0 s or more");
+    throw InputError("the largest difference of stamps and the widest gap must be 0 s or more");
   }
-  if (!std::isfinite(association.time_offset_s)) throw InputError("a time offset must be finite");
-  if (alignment.first_n < 0) throw InputError("an alignment stands on the first pairs, or on all");
-  if (clock && !(clock->max_offset_s > 0)) throw InputError("a clock is searched within 0 s");
+  if (!std::isfinite(association.time_offset_s)) throw InputError("the time offset must be finite");
+  if (alignment.first_n < 0)
+    throw InputError("the number of pairs to align by must be 0 (all) or more");
+  if (clock && !(clock->max_offset_s > 0))
+    throw InputError("the range of the clock search must be above 0 s");
   for (const RelativeDelta& over : rpe) {
     if (over.delta > 0 && hasPairsOver(over.pairs, over.unit)) continue;
     throw InputError(fmt::format("no pairs of {} over {:g} {}", toString(over.pairs), over.delta,

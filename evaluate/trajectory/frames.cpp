@@ -31,7 +31,7 @@ std::string clockRemark(const ClockOffsetRecord& clock) {
       clock.offset_s, clock.std_s, clock.correlation);
   if (clock.magnitudes) {
     remark +=
-        " of magnitudes; no constant rotation joins the vectors, so one side's quaternions "
+        " of magnitudes; no constant rotation aligns the vectors, so the quaternions of one side "
         "are probably inverted or in another order";
   }
   return remark;
@@ -77,7 +77,7 @@ std::string handEyeRemark(const HandEyeRecord& r) {
   return fmt::format(
       "the truth is moved to the estimate's body by hand-eye: marker body at [{:.4f}, {:.4f}, "
       "{:.4f}] m, std [{:.4f}, {:.4f}, {:.4f}] m, turned {:.2f} deg, std {:.3f} deg; {:.4f} m and "
-      "{:.3f} deg (RMS) are left. The std takes errors as white; drift makes it too small",
+      "{:.3f} deg (RMS) remain. The std assumes white errors; drift makes it too small",
       t.x(), t.y(), t.z(), s[0], s[1], s[2], kDegrees * rotationAngle(r.T_SM.R),
       kDegrees * s.tail<3>().norm(), r.rms_translation_m, kDegrees * r.rms_rotation_rad);
 }

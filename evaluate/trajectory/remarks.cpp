@@ -82,20 +82,21 @@ std::vector<std::string> remarksOn(const Association& association) {
   const AssociationRecord& r = association.record;
   std::vector<std::string> remarks;
   if (std::abs(r.median_dt_s) > kNoticeableOffset) {
-    remarks.push_back(fmt::format(
-        "the paired stamps differ by {:+.3f} ms in the median (estimate - truth): perhaps a clock "
-        "offset; compare with the truth interpolated",
-        1e3 * r.median_dt_s));
+    remarks.push_back(
+        fmt::format("the paired stamps differ by {:+.3f} ms in the median (estimate - truth): "
+                    "perhaps a clock offset; compare with --association interpolate",
+                    1e3 * r.median_dt_s));
   }
   if (r.stamps_in_gaps > 0) {
-    remarks.push_back(fmt::format("{} estimated poses lie in gaps of the truth and are left out",
+    remarks.push_back(fmt::format("{} estimated poses lie in gaps of the truth and are not used",
                                   r.stamps_in_gaps));
   }
   const std::size_t without = r.estimate_poses - std::min(r.matches, r.estimate_poses);
   if (static_cast<double>(without) > kManyWithout * static_cast<double>(r.estimate_poses) &&
       r.estimate_poses <= r.truth_poses) {
-    remarks.push_back(fmt::format("{} of {} estimated poses have no partner and are not judged",
-                                  without, r.estimate_poses));
+    remarks.push_back(
+        fmt::format("{} of {} estimated poses have no matching truth and are not evaluated",
+                    without, r.estimate_poses));
   }
   if (r.rule == toString(AssociationRule::kEvo)) {
     const std::size_t twice = usedTwice(association.pairs);
@@ -116,32 +117,36 @@ RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecor
   const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
   const std::string start =
       fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
-  const std::string end = "; positions are judged rightly, rotation and relative errors are not";
+  const std::string end = "; position errors are valid, rotation and relative errors are not";
   const BodyRotation as_read = bodyRotation(poses, R, false, false);
   const double truth_deg = bodyRotation(poses, R, true, false).spread_deg;
   const double estimate_deg = bodyRotation(poses, R, false, true).spread_deg;
   if (as_read.spread_deg < kRigidDeg) {
     const std::string turned = fmt::format(
-        "as body frames turned by {:.1f} deg would (a camera against an IMU?)", as_read.angle_deg);
-    return {start + turned + end, false};
+        "as a rotation of {:.1f} deg between the body frames would explain (camera and IMU?). "
+        "Position errors are valid; rotation and relative errors are not reported: run again with "
+        "--hand-eye auto",
+        as_read.angle_deg);
+    return {start + turned, true};
   }
   if (std::min(truth_deg, estimate_deg) >= kRigidDeg) {
-    return {start + "and no constant turn of the body explains it" + end, false};
+    return {start + "and no constant rotation of the body explains it" + end, false};
   }
   // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
   const bool truth = truth_deg < kRigidDeg, estimate = estimate_deg < kRigidDeg;
-  return {start + fmt::format("but by {:.1f} deg were the quaternions of the {} inverted: they "
-                              "probably map the world into the body, whatever the header says. "
-                              "Positions are judged; rotation and relative errors are left out: "
-                              "run again with {}",
-                              std::min(truth_deg, estimate_deg),
-                              truth && estimate ? "truth or of the estimate"
-                              : truth           ? "truth"
-                                                : "estimate",
-                              truth && estimate ? "--truth-inverted or --estimate-inverted"
-                              : truth           ? "--truth-inverted"
-                                                : "--estimate-inverted"),
-          true};
+  return {
+      start + fmt::format(
+                  "but by {:.1f} deg if the quaternions of the {} are inverted: they probably map "
+                  "the world into the body, even if the header states otherwise. Position errors "
+                  "are valid; rotation and relative errors are not reported: run again with {}",
+                  std::min(truth_deg, estimate_deg),
+                  truth && estimate ? "truth or of the estimate"
+                  : truth           ? "truth"
+                                    : "estimate",
+                  truth && estimate ? "--truth-inverted or --estimate-inverted"
+                  : truth           ? "--truth-inverted"
+                                    : "--estimate-inverted"),
+      true};
 }
 
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {

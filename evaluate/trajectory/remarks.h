@@ -24,8 +24,9 @@ std::vector<std::string> remarksOn(const Association& association);
 
 /// What is odd about the rotations of aligned poses.
 struct RotationRemark {
-  std::string text;       ///< "" where they agree within 15 degrees in the median
-  bool inverted = false;  ///< one file maps the world into the body: its rotations are no errors
+  std::string text;  ///< "" where they agree within 15 degrees in the median
+  /// Another body frame, or one file maps the world into the body: the differences are no errors.
+  bool invalid = false;
 };
 
 /// Why the rotations of aligned poses disagree widely: another body frame (a camera against an

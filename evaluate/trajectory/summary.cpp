@@ -32,7 +32,7 @@ std::string pairsLine(const TrajectoryRun& run) {
   const AssociationRecord& r = run.association;
   std::string bound;
   if (r.max_dt_s > 0) bound = fmt::format(", within {:g} s", r.max_dt_s);
-  if (r.time_offset_s != 0) bound += fmt::format(", estimate moved by {:g} s", r.time_offset_s);
+  if (r.time_offset_s != 0) bound += fmt::format(", estimate shifted by {:g} s", r.time_offset_s);
   return fmt::format(
       "{} pairs of {} estimated and {} true poses ({}{}; median difference {:+.3f} ms), {:.0f} % "
       "of "
@@ -84,7 +84,7 @@ std::string differenceLines(const TrajectoryStudy& study) {
     }
     text += fmt::format(
         "{} - {}: ATE {:+.4f} m (mean of {} pairs, median {:+.4f}, std {:.4f}); lower in {}; {} "
-        "left out\n",
+        "excluded\n",
         d.b, d.a, d.mean_m, d.pairs, d.median_m, d.std_m, d.b_better, d.left_out);
   }
   return text;

@@ -49,6 +49,22 @@ YawPitchRoll anglesOf(const Eigen::Matrix3d& R) {
           std::atan2(R(2, 1), R(2, 2))};
 }
 
+// Of the angles [deg] that make the same rotation as `angles` those nearest to `near`: whole turns,
+// and (roll + 180, 180 - pitch, yaw + 180), into which they go over where the pitch passes 90.
+Eigen::Vector3d nearest(const Eigen::Vector3d& angles, const Eigen::Vector3d& near) {
+  const auto turned = [&](const Eigen::Vector3d& a) -> Eigen::Vector3d {
+    return a + 360 * ((near - a) / 360).array().round().matrix();
+  };
+  const Eigen::Vector3d one = turned(angles);
+  const Eigen::Vector3d other = turned({angles[0] + 180, 180 - angles[1], angles[2] + 180});
+  return (one - near).norm() <= (other - near).norm() ? one : other;
+}
+
+Eigen::Vector3d degreesOf(const Eigen::Matrix3d& R) {
+  const YawPitchRoll angles = anglesOf(R);
+  return kDegrees * Eigen::Vector3d(angles.roll, angles.pitch, angles.yaw);
+}
+
 double measured(const Transform& E, const Eigen::Matrix3d& R_end, RelativeMeasure measure) {
   if (measure == RelativeMeasure::kTranslation) return E.t.norm();
   if (measure == RelativeMeasure::kRotationDeg) return kDegrees * rotationVector(E.R).norm();
@@ -137,6 +153,27 @@ std::vector<double> absoluteErrors(const AlignedPoses& poses, AbsoluteMeasure me
     errors.push_back(errorOf(poses.estimate[i], poses.truth[i], measure));
   }
   return errors;
+}
+
+std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses) {
+  std::vector<Eigen::Vector3d> angles;
+  for (const Transform& T : poses) {
+    const Eigen::Vector3d own = degreesOf(T.R);
+    angles.push_back(angles.empty() ? own : nearest(own, angles.back()));
+  }
+  return angles;
+}
+
+std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses,
+                                          const std::vector<Eigen::Vector3d>& near) {
+  assert(poses.size() == near.size());
+  std::vector<Eigen::Vector3d> angles;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Vector3d apart =
+        i == 0 ? Eigen::Vector3d::Zero().eval() : (angles.back() - near[i - 1]).eval();
+    angles.push_back(nearest(degreesOf(poses[i].R), near[i] + apart));
+  }
+  return angles;
 }
 
 std::vector<double> relativeErrors(const AlignedPoses& poses, const std::vector<IndexPair>& pairs,

@@ -64,6 +64,16 @@ enum class AbsoluteMeasure {
 /// One value for each pair, in their order.
 std::vector<double> absoluteErrors(const AlignedPoses& poses, AbsoluteMeasure measure);
 
+/// Roll, pitch and yaw [deg] of each pose's R = Rz(yaw) Ry(pitch) Rx(roll), as plots over time show
+/// them: of all angles that make the same R those nearest to the pose before, so that nothing jumps
+/// by a turn. The first: each within 180 degrees, the pitch within 90.
+std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses);
+
+/// The same, but those nearest to `near`, one for each pose: an estimate's beside its truth's. What
+/// they differ by is carried along, so that another body frame makes no jumps either.
+std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses,
+                                          const std::vector<Eigen::Vector3d>& near);
+
 /// What is measured of the error of a relative motion, E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) with the
 /// truth's poses Q and the estimate's P.
 enum class RelativeMeasure {

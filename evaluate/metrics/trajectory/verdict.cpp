@@ -90,14 +90,14 @@ void addCovariances(const TrajectoryStudy& study, Findings& findings) {
   f.evidence = fmt::format("{} of {} mean NEES above their chi-square bound", small, judged);
   if (small > 0) {
     f.evidence += fmt::format(", the worst {:.2g} times", worst);
-    f.advice = "the covariances are too small for the errors: do not weigh by them";
+    f.advice = "the covariances are too small for the errors: do not use them as weights";
   }
   findings.push_back(std::move(f));
 }
 
 /// "0.054 m RMSE from the truth (se3 alignment, 2310 pairs, 98 % of the truth's time), 1.2 deg".
 std::string oneRun(const TrajectoryRun& run) {
-  if (run.without_truth) return "no ground truth was known, and so no error";
+  if (run.without_truth) return "there is no ground truth, and so no error";
   if (run.status == RunStatus::kFailed) return "the run failed";
   std::string text = fmt::format(
       "the estimate is {:.3g} m RMSE from the truth ({} alignment, {} pairs, {:.0f} % of the "

@@ -2,6 +2,7 @@
 #include "report/html/trajectory/figures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -202,25 +203,45 @@ Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& seq
   return {toSvg(plot, id), "", true};
 }
 
-/// x, y and z of the aligned estimate over time, each with the truth's.
-Figure positionFigure(const TrajectoryRun& run, const std::string& id) {
+/// Three components of the pose over time: the truth's and the aligned estimate's.
+struct PoseComponents {
+  std::vector<Eigen::Vector3d> TrajectoryRun::*truth;
+  std::vector<Eigen::Vector3d> TrajectoryRun::*estimate;
+  std::array<const char*, 3> names;
+  const char* title;
+  const char* label;
+  const char* id;
+};
+
+constexpr PoseComponents kPositions{&TrajectoryRun::truth_m, &TrajectoryRun::estimate_m,
+                                    {"x", "y", "z"},         "position over time",
+                                    "position [m]",          "time"};
+constexpr PoseComponents kOrientations{&TrajectoryRun::truth_rpy_deg,
+                                       &TrajectoryRun::estimate_rpy_deg,
+                                       {"roll", "pitch", "yaw"},
+                                       "orientation over time",
+                                       "angle [\u00b0]",
+                                       "angles"};
+
+/// Each of the three over time, the truth's wide and grey beneath.
+Figure componentsFigure(const TrajectoryRun& run, const PoseComponents& of, const std::string& id) {
   LinePlot plot;
-  for (int axis = 0; axis < 3; ++axis) {
-    plot.series.push_back(timeSeries(run, component(run.truth_m, axis), kTruth, run.t.front()));
+  for (int i = 0; i < 3; ++i) {
+    plot.series.push_back(timeSeries(run, component(run.*of.truth, i), kTruth, run.t.front()));
     plot.series.back().width = 2.4;
-    if (axis == 0) plot.series.back().name = "truth";
+    if (i == 0) plot.series.back().name = "truth";
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    plot.series.push_back(timeSeries(run, component(run.estimate_m, axis),
-                                     seriesColour(static_cast<std::size_t>(axis)), run.t.front()));
-    plot.series.back().name = std::string(1, "xyz"[axis]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    plot.series.push_back(timeSeries(run, component(run.*of.estimate, static_cast<int>(i)),
+                                     seriesColour(i), run.t.front()));
+    plot.series.back().name = of.names[i];
   }
-  plot.frame.title = "position over time";
+  plot.frame.title = of.title;
   plot.frame.width = 960;
   plot.frame.height = 260;
   plot.frame.x.label = "time since the first pair [s]";
-  plot.frame.y.label = "position [m]";
-  return {toSvg(plot, id), "", true};
+  plot.frame.y.label = of.label;
+  return {toSvg(plot, id + "-" + of.id), "", true};
 }
 
 Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t index) {
@@ -230,7 +251,11 @@ Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t i
                            run.association.matches, run.problem.empty() ? "" : "; " + run.problem);
   const std::string id = fmt::format("overlay-{}", index);
   for (const View& view : kViews) block.figures.push_back(viewFigure(run, view, colours, id));
-  block.figures.push_back(positionFigure(run, id + "-time"));
+  block.figures.push_back(componentsFigure(run, kPositions, id));
+  const bool turned = run.truth_rpy_deg.size() == run.t.size();
+  if (turned && run.estimate_rpy_deg.size() == run.t.size()) {
+    block.figures.push_back(componentsFigure(run, kOrientations, id));
+  }
   return block;
 }
 
@@ -277,14 +302,16 @@ Section errorSection(const std::vector<TrajectoryRun>& runs) {
 }
 
 Section overlaySection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"overlays",
-                  "Overlays",
-                  "The aligned estimate in the colour of its position error (one scale for the "
-                  "runs of a sequence, which ends at their largest 99th percentile), the truth in "
-                  "thin grey. Both axes of a view have the same "
-                  "scale; z points up where the truth's frame does.",
-                  {},
-                  {}};
+  Section section{
+      "overlays",
+      "Overlays",
+      "The aligned estimate in the colour of its position error (one scale for the "
+      "runs of a sequence, which ends at their largest 99th percentile), the truth in "
+      "thin grey. Both axes of a view have the same "
+      "scale; z points up where the truth's frame does. Roll, pitch and yaw are those of "
+      "R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world.",
+      {},
+      {}};
   std::size_t drawn = 0, more = 0;
   for (const TrajectoryRun& run : runs) {
     if (!drawable(run)) continue;

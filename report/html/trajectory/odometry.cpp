@@ -79,9 +79,9 @@ std::string sentenceOf(const CalibrationSensitivity& s) {
     if (isTold(s, p) && *p.change_m > 0 && (!worst || *p.change_m > *worst->change_m)) worst = &p;
   }
   if (worst) {
-    text = fmt::format("{} costs most: moved by {} it adds {} mm to the ATE of {:.2f} mm. ",
-                       worst->name, stepText(*worst), millimetres(s, *worst->change_m).substr(1),
-                       1e3 * s.ate_m);
+    text = fmt::format(
+        "{} has the largest effect: changed by {} it adds {} mm to the ATE of {:.2f} mm. ",
+        worst->name, stepText(*worst), millimetres(s, *worst->change_m).substr(1), 1e3 * s.ate_m);
   } else {
     text = fmt::format("No parameter adds more to the ATE of {:.2f} mm than chance does. ",
                        1e3 * s.ate_m);
@@ -90,7 +90,7 @@ std::string sentenceOf(const CalibrationSensitivity& s) {
                       twoDigits(1e3 * s.noise_m));
   if (s.whole_m && s.interaction_m) {
     text += fmt::format(
-        " All moved together: {} mm. The single moves add up to {} mm; interaction leaves {} mm.",
+        " All changed together: {} mm. The single changes add up to {} mm; interaction: {} mm.",
         millimetres(s, *s.whole_m), millimetres(s, s.sum_m), millimetres(s, *s.interaction_m));
   }
   return text;
@@ -117,14 +117,15 @@ Table parametersTable(const CalibrationSensitivity& s) {
 Section selfSection(const std::vector<TrajectoryRun>& runs) {
   Section section{
       "self",
-      "What the odometry says of itself",
-      "Needs no ground truth. Epipolar: median distance of sightings by the other cameras from the "
-      "epipolar lines of the first. Innovation: median error of sightings at the pose that the IMU "
-      "predicts. Closure: the last pose against the first; an error only where the rig ended where "
-      "it began. The hint of t_d is the time offset under which the IMU predicts the tracks best, "
-      "with its deviation; alone, wrong extrinsics move it, too. Of another system it is what its "
-      "online calibration ends at, and how far that moved over the second half. Lower is better "
-      "between calibrations of one recording, but none of these is an error of the trajectory.",
+      "Self-consistency of the odometry",
+      "Needs no ground truth. Epipolar: median distance of observations by the other cameras from "
+      "the epipolar lines of the first. Innovation: median error of observations at the pose that "
+      "the IMU predicts. Closure: the last pose relative to the first; an error only if the rig "
+      "ended where it began. The hint of t_d is the time offset under which the IMU predicts the "
+      "tracks best, with its standard deviation; estimated alone, it is biased by wrong "
+      "extrinsics. For other systems it is the final value of their online calibration, with its "
+      "change over the second half. Lower is better between calibrations on one recording, but "
+      "none of these is a trajectory error.",
       {},
       {}};
   Table table{{{"Run"},
@@ -157,30 +158,28 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
   section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
   Table extrinsics = extrinsicsTable(runs);
   if (extrinsics.rows.empty()) return section;
-  section.blocks.push_back(
-      {"Extrinsics, the odometry's hint",
-       "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, lets the IMU predict "
-       "the tracks best, with its standard deviations. No run that is judged uses it; wrong "
-       "intrinsics move it.",
-       std::move(extrinsics),
-       {},
-       {}});
+  section.blocks.push_back({"Extrinsics, the odometry's hint",
+                            "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, "
+                            "lets the IMU predict the tracks best, with its standard deviations. "
+                            "No evaluated run uses it; wrong intrinsics bias it.",
+                            std::move(extrinsics),
+                            {},
+                            {}});
   return section;
 }
 
 Section sensitivitySection(const std::vector<CalibrationSensitivity>& list) {
-  Section section{
-      "sensitivity",
-      "Sensitivity",
-      "The built-in odometry, run again with one parameter of the calibration moved at a time: by "
-      "its standard deviation both ways (the mean of both is shown), or to the value of another "
-      "calibration.",
-      {},
-      {}};
+  Section section{"sensitivity",
+                  "Sensitivity",
+                  "The built-in odometry, run again with one parameter of the calibration changed "
+                  "at a time: by plus and minus its standard deviation (the mean of both is "
+                  "shown), or to the value of another calibration.",
+                  {},
+                  {}};
   for (const CalibrationSensitivity& s : list) {
     const std::string heading =
         s.towards.empty()
-            ? fmt::format("{}, {}: by its deviations", s.sequence, s.calibration)
+            ? fmt::format("{}, {}: by its standard deviations", s.sequence, s.calibration)
             : fmt::format("{}, {}: to the values of {}", s.sequence, s.calibration, s.towards);
     section.blocks.push_back({heading, sentenceOf(s), parametersTable(s), {}, {}});
   }

@@ -117,8 +117,7 @@ Section relativeSection(const std::vector<TrajectoryRun>& runs) {
       "rpe",
       "Relative errors by distance",
       "Error of the motion over segments of each length: whiskers at 5 and 95 %, box from 25 to 75 "
-      "%, line at the median over the segments; of several runs the median "
-      "of each of these.",
+      "%, line at the median over the segments; for several runs the median of each of these.",
       {},
       {}};
   if (Table table = relativeTable(runs); !table.rows.empty()) {

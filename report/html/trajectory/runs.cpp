@@ -55,7 +55,7 @@ Table runsTable(const std::vector<TrajectoryRun>& runs) {
                {"Median [m]", kNumber},
                {"Max [m]", kNumber},
                {"Rotation RMSE [\u00b0]", kNumber},
-               {"Why not complete"}},
+               {"Reason"}},
               {}};
   for (const TrajectoryRun& run : runs) table.rows.push_back(runRow(run));
   return withoutEmptyColumns(std::move(table));
@@ -181,8 +181,7 @@ Section runsSection(const TrajectoryStudy& study) {
   Section section{"runs",
                   runs.size() > 1 ? "Runs" : "Run",
                   runs.size() > 1 ? "Every run counts: those that failed or cover only a part of "
-                                    "the truth's span stay in the table and in the completion, "
-                                    "whatever the errors of the others."
+                                    "the truth's span are listed and counted in the completion."
                                   : "",
                   {},
                   {}};
@@ -191,13 +190,12 @@ Section runsSection(const TrajectoryStudy& study) {
     section.blocks.push_back({"Completion", "", completionTable(study), {}, {}});
   }
   if (calibrationsOf(runs).size() > 1) {
-    section.blocks.push_back(
-        {"Sequences and calibrations",
-         "Median ATE RMSE of complete runs; the smallest of a sequence is "
-         "bold, whether or not chance explains it (paired differences, below).",
-         sequencesTable(runs),
-         {},
-         {}});
+    section.blocks.push_back({"Sequences and calibrations",
+                              "Median ATE RMSE of complete runs; the smallest of a sequence is "
+                              "bold, even if it is not significant (paired differences, below).",
+                              sequencesTable(runs),
+                              {},
+                              {}});
   }
   section.blocks.push_back(
       {runs.size() > 1 ? "All runs" : "",

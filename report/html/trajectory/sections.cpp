@@ -36,7 +36,7 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
           number(fmt::format("{} of {}", d.b_better, d.pairs)),
           number(fmt::format("{:.3g}", d.sign_test_p)),
           number(d.pairs_needed ? grouped(static_cast<std::size_t>(*d.pairs_needed)) : kDash),
-          {!interval          ? "too few pairs for an interval (five needed)"
+          {!interval          ? "too few pairs for an interval (five are needed)"
            : d.better.empty() ? "no difference at 95 %"
                               : d.better + " is better"}};
 }
@@ -116,15 +116,12 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
       "paired",
       "Paired differences",
       "ATE RMSE under one calibration minus that under the other, for the same sequence and run; "
-      "negative means that the first-named is better. The interval is a percentile bootstrap of "
-      "the mean over pairs (10\u2009000 resamples); p is of the exact two-sided sign test. Pairs "
-      "that are not complete under both are left out and counted. One run cannot rank small "
-      "errors: "
-      "the error of a single run is as much chance as calibration. \u201cPairs needed\u201d would "
-      "show "
-      "such a mean difference at 95 % in four of five studies, by the spread of the differences; "
-      "from "
-      "fewer than three pairs there is no spread to tell.",
+      "negative means that the first one is better. The interval is a percentile bootstrap of the "
+      "mean over pairs (10\u2009000 resamples); p is of the exact two-sided sign test. Pairs that "
+      "are not complete under both are excluded and counted. A single run cannot rank small "
+      "errors: its error depends on chance as much as on the calibration. With \u201cpairs "
+      "needed\u201d, such a mean difference would be significant at 95 % in four of five studies, "
+      "given the spread of the differences; fewer than three pairs give no spread.",
       {},
       {}};
   Table table{{{"Difference"},
@@ -165,7 +162,7 @@ Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"hand-eye",
                   "Hand-eye",
                   "T_SM maps points of the marker body M into the IMU frame S, estimated from the "
-                  "trajectories themselves; residuals are what is left after it.",
+                  "trajectories themselves, with the residuals after it.",
                   {},
                   {}};
   Table table{{{"Run"},
@@ -173,8 +170,8 @@ Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
                {"Std [mm]", kNumber},
                {"Angle [\u00b0]", kNumber},
                {"Std [\u00b0]", kNumber},
-               {"RMS left [mm]", kNumber},
-               {"RMS left [\u00b0]", kNumber}},
+               {"RMS residual [mm]", kNumber},
+               {"RMS residual [\u00b0]", kNumber}},
               {}};
   Block matrices;
   for (const TrajectoryRun& run : runs) {
@@ -212,8 +209,8 @@ Section neesSection(const std::vector<TrajectoryRun>& runs) {
 Section associationSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"association",
                   "Pairing and alignment",
-                  "How the stamps of estimate and truth were paired, and their anomalies. "
-                  "A median difference far from zero points at a clock offset.",
+                  "How the stamps of estimate and truth were paired, and their anomalies. A median "
+                  "difference far from zero indicates a clock offset.",
                   {},
                   {}};
   Table table{{{"Run"},

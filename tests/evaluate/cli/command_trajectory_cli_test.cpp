@@ -66,7 +66,18 @@ TEST_F(CommandTrajectory, PrintsATableAndWritesTheFigures) {
   const auto figures = nlohmann::json::parse(read(json));
   EXPECT_NEAR(figures["ate"]["translation_m"]["rmse"], 0.01, 1e-8);
   EXPECT_EQ(figures["rpe"].size(), 2U);
+  EXPECT_EQ(figures["verdict"]["level"], "good");
+  EXPECT_EQ(figures["provenance"]["input"], "estimate.txt against truth.txt");
   EXPECT_EQ(nlohmann::json::parse(run("--json -").text)["alignment"], "se3");
+}
+
+TEST_F(CommandTrajectory, WritesNoPageWhereNoneIsWanted) {
+  const fs::path out = folder_ / "no_page";
+  const Outcome outcome = run("--no-report --out " + out.string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("no_page/trajectory.json"));
+  EXPECT_TRUE(fs::exists(out / "trajectory.json"));
+  EXPECT_FALSE(fs::exists(out / "report.html"));
 }
 
 TEST_F(CommandTrajectory, PairsOfToolsAreNamed) {

@@ -137,9 +137,9 @@ TEST_F(OtherOdometry, KeepsEveryEndOfARun) {
   failedAs("dies", "signal 11");
   failedAs("fails", "exit code 3");
   EXPECT_THAT(runOf("fails")["odometry"]["log"].dump(), HasSubstr("cannot read the image"));
-  failedAs("silent", "wrote no trajectory.txt");
+  failedAs("silent", "did not write trajectory.txt");
   failedAs("nan", "nan");
-  failedAs("hangs", "no end within 2 s");
+  failedAs("hangs", "did not end within 2 s");
   EXPECT_TRUE(fs::exists(folder_ / "out/runs/good/seq_1.txt"));
   EXPECT_TRUE(fs::exists(folder_ / "out/report.html"));
   // Nothing that it started lives on.
@@ -231,7 +231,7 @@ TEST_F(OtherOdometry, OnlineCalibrationOfAnotherSystemIsAHint) {
   EXPECT_THAT(wrong.text, HasSubstr("no file of the runner holds 'refine: no'"));
   const Outcome none = standIn({"good"}, "--estimate offset");
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_THAT(none.text, HasSubstr("does not say how it calibrates online"));
+  EXPECT_THAT(none.text, HasSubstr("does not describe its online calibration"));
 }
 
 TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
@@ -269,7 +269,7 @@ TEST_F(Scratch, RenderedImagesAndWhatTheyMayLack) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr(words));
   };
-  refusedWith(with(edited("752, 480", "640, 480")), "it is one of another rig");
+  refusedWith(with(edited("752, 480", "640, 480")), "it belongs to another rig");
   write(folder_ / "later.txt", "9000 0 0 0 0 0 0 1\n9001 1 0 0 0 0 0 1\n9002 2 1 0 0 0 0 1\n");
   const Outcome apart = odometry(flight + " --calibration " + truth.string() + " --truth " +
                                  (folder_ / "later.txt").string());
@@ -294,7 +294,7 @@ TEST_F(Scratch, RenderedImagesAndWhatTheyMayLack) {
     const std::string name = image.path().filename().string();
     fs::rename(image.path(), second / "data" / replaced(name, "3456789", "7456789"));
   }
-  refusedWith(with(truth), "expected cameras that expose together");
+  refusedWith(with(truth), "expected cameras that are exposed at the same time");
   fs::remove_all(second);
   refusedWith(with(truth), "has 1 cameras, the calibration 2");
 

@@ -97,6 +97,40 @@ TEST(PosePairs, ConsecutiveStretchesLoseTheFirst) {
   EXPECT_THAT(consecutiveSegments(alongX({0, 1, 2}), 2), IsEmpty());
 }
 
+// Three turns about z while the pitch passes 90 degrees: the angles make the rotations again, and
+// neither the truth's nor those of an estimate 2 degrees beside it jump.
+TEST(RollPitchYaw, OrientationsOverTimeHaveNoJumps) {
+  std::vector<Transform> truth, estimate;
+  for (int i = 0; i <= 300; ++i) {
+    truth.push_back(pose({0, 0, 3.6 * i}, {0, 0, 0}) * pose({0, 0.1 + 0.5 * i, 0}, {0, 0, 0}));
+    estimate.push_back(pose({0, 0, 2}, {0, 0, 0}) * truth.back());
+  }
+  const auto angles = rollPitchYaw(truth), beside = rollPitchYaw(estimate, angles);
+  EXPECT_NEAR((angles.back() - Eigen::Vector3d(0, 150.1, 1080)).norm(), 0, 1e-9);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Eigen::Vector3d& a = angles[i];
+    const Transform again = pose({0, 0, a[2]}, {0, 0, 0}) * pose({0, a[1], 0}, {0, 0, 0}) *
+                            pose({a[0], 0, 0}, {0, 0, 0});
+    EXPECT_LT((again.R - truth[i].R).norm(), 1e-9) << i;
+    EXPECT_LT((beside[i] - a - Eigen::Vector3d(0, 0, 2)).norm(), 1e-6) << i;
+    if (i > 0) EXPECT_LT((a - angles[i - 1]).norm(), 10) << i;
+  }
+}
+
+// With another body frame, turned by 90 degrees, the angles are others, and yet follow the motion.
+TEST(RollPitchYaw, AnotherBodyFrameMakesNoJumps) {
+  std::vector<Transform> truth, estimate;
+  for (int i = 0; i <= 300; ++i) {
+    truth.push_back(pose({0, 0, 1.8 * i}, {0, 0, 0}) *
+                    pose({20 * std::sin(0.1 * i), 0, 0}, {0, 0, 0}));
+    estimate.push_back(truth.back() * pose({0, -70, 0}, {0, 0, 0}) * pose({0, 0, 90}, {0, 0, 0}));
+  }
+  const auto other = rollPitchYaw(estimate, rollPitchYaw(truth));
+  for (std::size_t i = 1; i < other.size(); ++i) {
+    EXPECT_LT((other[i] - other[i - 1]).cwiseAbs().maxCoeff(), 30) << i;
+  }
+}
+
 TEST(RelativeErrors, HandValues) {
   // Over one step the truth goes 1 m; the estimate 1.5 m with a turn of 30 degrees about z.
   const AlignedPoses poses{{pose({0, 0, 0}, {0, 0, 0}), pose({0, 0, 0}, {1, 0, 0})},
