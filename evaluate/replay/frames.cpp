@@ -105,7 +105,7 @@ Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
 void FrameSplitOptions::check() const {
   if (!(block_s > 1e-3)) throw InputError("frames are split into blocks of more than 1 ms");
   if (held_out_every < 2) {
-    throw InputError("of every 2 or more blocks one can be held out, not of fewer");
+    throw InputError("one of every 2 or more blocks can be held out, not of fewer");
   }
   if (!(guard_s >= 0 && guard_s < block_s)) {
     throw InputError("the guard beside a held-out block must be shorter than a block");

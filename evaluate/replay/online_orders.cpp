@@ -177,12 +177,4 @@ OnlineOrder onlineOrder(const ViewPool& pool, const std::vector<int>& candidates
   return Online(pool, candidates, options).run(first);
 }
 
-int stopsAt(const OnlineOrder& order, double excess, int least_views) {
-  for (const OnlineStep& step : order.steps) {
-    const bool enough = step.views >= least_views && step.components.told_apart;
-    if (enough && step.excess <= excess) return step.views;
-  }
-  return 0;
-}
-
 }  // namespace plumbline

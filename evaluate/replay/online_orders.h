@@ -43,9 +43,4 @@ struct OnlineOrder {
 OnlineOrder onlineOrder(const ViewPool& pool, const std::vector<int>& candidates,
                         const std::vector<int>& first, const OnlineOrderOptions& options = {});
 
-/// The first number of views at which the order would have stopped: predicted excess at most
-/// `excess` with `least_views` or more that tell the parts of the misfit apart; 0 where it never
-/// would.
-int stopsAt(const OnlineOrder& order, double excess, int least_views);
-
 }  // namespace plumbline

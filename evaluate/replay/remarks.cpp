@@ -105,8 +105,8 @@ class Remarks {
     const Comparison error = here(&CounterfactualCurve::held_out_px);
     const double nats = entropy.random.median - entropy.greedy;
     out_.push_back(fmt::format(
-        "With {} views greedy MI leaves the parameters {:.2f} nats {} certain than random; its "
-        "held-out error is {}: it {}.",
+        "With {} views the parameters of greedy MI are {:.2f} nats {} certain than those of "
+        "random; its held-out error is {}: it {}.",
         views(), std::abs(nats), nats >= 0 ? "more" : "less", error.px(), outcome(error)));
   }
 
@@ -117,7 +117,7 @@ class Remarks {
     if (share == 0 || border.random.median == 0) return;
     out_.push_back(fmt::format(
         "Near the image's border (within a tenth of its width or height, {:.1f} % of the held-out "
-        "corners) greedy MI leaves {}: it {}; over the other corners {}: it {}.",
+        "corners) the error of greedy MI is {}: it {}; over the other corners {}: it {}.",
         100 * share, border.px(), outcome(border), centre.px(), outcome(centre)));
   }
 
@@ -145,9 +145,9 @@ class Remarks {
     const Corners all = cornersOf(pool_.pool());
     out_.push_back(fmt::format(
         "{:.1f} % of the corners of greedy MI's first {} views lie near the border, against {:.1f} "
-        "% of the whole pool's, from which random draws; at the calibration from the whole pool "
-        "they leave {:.4g} px RMSE against {:.4g} px, while mutual information counts every corner "
-        "as equally well described by the model.",
+        "% of the whole pool's, from which random draws; under the calibration from the whole pool "
+        "their RMSE is {:.4g} px against {:.4g} px, while mutual information assumes that the "
+        "model describes all corners equally well.",
         100 * picked.border_share, views(), 100 * all.border_share, picked.rmse_px, all.rmse_px));
   }
 
@@ -156,8 +156,8 @@ class Remarks {
     const Comparison robust = here(&CounterfactualCurve::held_out_loss_px);
     if (std::abs(rmse.relative() - robust.relative()) < kTie) return;
     out_.push_back(
-        fmt::format("Under the batch's own robust loss, which takes little of gross errors where "
-                    "the RMSE counts them fully, the held-out error of greedy MI is {}: it {}.",
+        fmt::format("Under the batch's robust loss, which limits the influence of gross errors, "
+                    "the held-out error of greedy MI is {}: it {}.",
                     robust.px(), outcome(robust)));
   }
 
@@ -172,8 +172,8 @@ class Remarks {
     const Comparison there{greedy->held_out_px[i]->median, *random->held_out_px[i], random->seeds};
     const Comparison own = here(&CounterfactualCurve::held_out_px);
     out_.push_back(fmt::format(
-        "With {} the whole pool leaves {:.4g} px on the held-out frames instead of {:.4g} px, and "
-        "greedy MI's {} views {}: it {} there, where it {} with this model.",
+        "With {} the error of the whole pool on the held-out frames is {:.4g} px instead of {:.4g} "
+        "px, and that of greedy MI's {} views {}: it {} there, while it {} with this model.",
         found_.other_model, random->held_out_px.back()->median, found_.full_pool_held_out_px,
         views(), there.px(), outcome(there), outcome(own)));
   }

@@ -36,14 +36,14 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   f.rule = ruleName(s.stage, "start");
   if (s.frames_offered == 0) {
     f.level = VerdictLevel::kCaution;
-    f.evidence = "not judged, for it was not played: " + s.problem;
-    f.advice = "give the cameras' calibration to play this stage over the whole recording";
+    f.evidence = "not judged, because it was not replayed: " + s.problem;
+    f.advice = "give the cameras' calibration to replay this stage over the whole recording";
     return f;
   }
   if (!s.ran) {
     f.level = VerdictLevel::kBad;
     f.evidence = "the stage never started: " + s.problem;
-    f.advice = "see decisions.jsonl for what each frame lacked";
+    f.advice = "decisions.jsonl states the reason for each frame";
     return f;
   }
   f.value = secondsBetween(begin, *s.started);
@@ -59,11 +59,17 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   return f;
 }
 
-Finding stopFinding(const StopAudit& audit) {
+/// The seconds that a stop was early or late, held against what is still right: none too early,
+/// `tolerance_s` too late.
+Finding stopFinding(const StopAudit& audit, double tolerance_s) {
   Finding f;
   f.rule = ruleName(audit.stage, "stop");
-  f.value = audit.seconds;
   f.evidence = audit.explanation;
+  if (audit.finished && audit.verdict != StopAudit::Verdict::kNotJudged) {
+    f.value = audit.seconds;
+    f.threshold = audit.verdict == StopAudit::Verdict::kEarly ? 0 : tolerance_s;
+    f.unit = "s";
+  }
   switch (audit.verdict) {
     case StopAudit::Verdict::kRight:
       break;
@@ -72,14 +78,16 @@ Finding stopFinding(const StopAudit& audit) {
       break;
     case StopAudit::Verdict::kNeverStopped:
       f.level = VerdictLevel::kCaution;
-      f.advice = "the guide still had something to ask for when the recording ended";
+      f.advice = "the guide had not finished when the recording ended";
       break;
     case StopAudit::Verdict::kEarly:
       f.level = VerdictLevel::kCaution;
-      f.advice = "lower the threshold, or ask for more views";
+      f.advice = "lower the threshold, or require more views";
       break;
     case StopAudit::Verdict::kLate:
+      f.level = VerdictLevel::kCaution;
       f.evidence += fmt::format("; {:.1f} s were spent beyond that", audit.seconds);
+      f.advice = "raise the threshold, or require fewer views";
       break;
   }
   return f;
@@ -87,20 +95,21 @@ Finding stopFinding(const StopAudit& audit) {
 
 /// What a replay's figures say of the recording and of the guide, stage by stage: whether it could
 /// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
-std::vector<Finding> replayFindings(const ReplayRecord& record) {
+std::vector<Finding> replayFindings(const ReplayRecord& record, double stop_tolerance_s) {
   std::vector<Finding> findings;
   const TimeNs begin = record.frames.empty() ? 0 : record.frames.front().t;
   for (const ReplayStageSummary& stage : record.stages) {
     findings.push_back(startFinding(stage, begin));
     for (const StopAudit& audit : record.stop_audits) {
-      if (audit.stage == stage.stage && stage.ran) findings.push_back(stopFinding(audit));
+      if (audit.stage != stage.stage || !stage.ran) continue;
+      findings.push_back(stopFinding(audit, stop_tolerance_s));
     }
   }
   if (record.stages.empty()) {
     Finding f;
     f.rule = "nothing to do";
     f.level = VerdictLevel::kBad;
-    f.evidence = "the cameras are given and the recording has no IMU: no stage is left to guide";
+    f.evidence = "the cameras are given and the recording has no IMU: there is no stage to replay";
     f.advice = "let the cameras be calibrated, or give a recording with imu0";
     findings.push_back(f);
   }
@@ -134,7 +143,7 @@ std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
                            const ProgressSink& progress) {
   std::vector<Decision> decisions;
   for (const GuideFrame& frame : frames) {
-    progress("playing the recording",
+    progress("replaying the recording",
              static_cast<double>(decisions.size()) / static_cast<double>(frames.size()));
     Decision& decision = decisions.emplace_back(guide.step(frame));
     if (decision.failure) note(decision, textOf(*decision.failure).message);
@@ -194,7 +203,7 @@ class Judge {
 
   void counterfactualCurves(ReplayRecord& record) const {
     if (!request_.counterfactuals) return;
-    tell_("trying other choices of views", -1);
+    tell_("computing counterfactual view orders", -1);
     CounterfactualOptions options = *request_.counterfactuals;
     options.camera = request_.camera;
     if (given_) startFrom(used_cameras_, options.camera);
@@ -309,7 +318,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   const ReplayRun run{session,       frames,         record.decisions,
                       request.guide, request.camera, request.camera_imu};
   Judge(request, run, guide, given, suggestions, progress).write(record);
-  record.verdict = makeVerdict(replayFindings(record));
+  record.verdict = makeVerdict(replayFindings(record, request.audit.tolerance_s));
   record.verdict.headline = headlineOf(record.verdict, stopWords(record));
   return record;
 }

@@ -158,12 +158,12 @@ bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRule
 }  // namespace
 
 void StoppingRuleOptions::check() const {
-  if (!(held_out_factor >= 1)) throw InputError("no error is held to less than the best one's");
+  if (!(held_out_factor >= 1)) throw InputError("held_out_factor must be 1 or more");
   if (held_out_frames < 1) throw InputError("at least one frame must be held out");
   if (checkpoints < 2) throw InputError("\"enough\" is searched over 2 or more numbers of frames");
   if (!(tolerance_s >= 0)) throw InputError("the tolerance of a stop must not be negative");
   if (!(translation_m > 0 && rotation_rad > 0 && offset_s > 0)) {
-    throw InputError("what counts as near must be positive");
+    throw InputError("translation_m, rotation_rad and offset_s must be positive");
   }
 }
 
@@ -201,10 +201,10 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
     audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
   }
   judge(run, options,
-        fmt::format("the views kept by then leave {} on {} held-out frames, those of the whole "
-                    "recording {:.4f} px; within {:.0f} % of that",
-                    at_finish ? fmt::format("{:.4f} px", *at_finish) : "no error that is known",
-                    others.size(), *best, 100 * (options.held_out_factor - 1)),
+        fmt::format("held-out error of the views kept by then: {} on {} frames; of those of the "
+                    "whole recording: {:.4f} px; within {:.0f} % of that",
+                    at_finish ? fmt::format("{:.4f} px", *at_finish) : "unknown", others.size(),
+                    *best, 100 * (options.held_out_factor - 1)),
         audit);
   return audit;
 }

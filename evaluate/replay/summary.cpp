@@ -47,14 +47,12 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
 
 void addExcess(Text& text, const StopAudit& audit) {
   if (!audit.predicted_excess || !audit.measured_excess) return;
-  add(text,
-      "  the views kept add {:.1f} % to the error of a corner as predicted, {:.1f} % as "
-      "measured\n",
+  add(text, "  the views kept add {:.1f} % (predicted), {:.1f} % (measured) to a corner's error\n",
       100 * *audit.predicted_excess, 100 * *audit.measured_excess);
 }
 
 void addCounterfactuals(Text& text, const Counterfactuals& c) {
-  if (!c.problem.empty()) add(text, "other choices of views: {}\n", c.problem);
+  if (!c.problem.empty()) add(text, "counterfactual view orders: {}\n", c.problem);
   if (c.bands.empty()) return;
   add(text,
       "views until the held-out error is within 10 % of that of all {} ({:.4f} px):", c.pool_frames,
@@ -70,7 +68,7 @@ void addCounterfactuals(Text& text, const Counterfactuals& c) {
 
 std::string replaySummary(const ReplayRecord& record) {
   Text text;
-  if (!record.target.shape.isFlat()) add(text, "board: its own shape is known and used\n");
+  if (!record.target.shape.isFlat()) add(text, "board: its shape is known and used\n");
   for (const ReplayStageSummary& stage : record.stages) {
     addStage(text, record, stage);
     for (const StopAudit& audit : record.stop_audits) {

@@ -37,6 +37,7 @@
       this.box = document.createElement('figure');
       this.box.className = 'player-view';
       this.canvas = document.createElement('canvas');
+      this.canvas.setAttribute('aria-label', `View of camera ${camera}; described below it`);
       this.caption = document.createElement('figcaption');
       this.box.append(this.canvas, this.caption);
     }
@@ -93,7 +94,7 @@
     say(frame, image, suggestion) {
       const camera = this.data.cameras[this.camera];
       const parts = [camera.name];
-      if (suggestion && !suggestion.path.length && suggestion.camera === this.camera) parts.push(`#${suggestion.id} asked here`);
+      if (suggestion && !suggestion.path.length && suggestion.camera === this.camera) parts.push(`#${suggestion.id} suggested here`);
       if (suggestion && suggestion.path.length) parts.push(`#${suggestion.id}: its start`);
       if (image && image.frame !== frame) parts.push(`image of frame ${image.frame}`);
       this.caption.textContent = parts.join(' \u00b7 ');

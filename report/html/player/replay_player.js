@@ -5,7 +5,7 @@
   if (!root) return;
   const {read, views, scene, timeline, lastUpTo} = window.plumblineReplay;
   const data = read();
-  if (!data.frames) { root.textContent = 'The recording has no frames: there is nothing to play.'; return; }
+  if (!data.frames) { root.textContent = 'The recording has no frames: there is nothing to replay.'; return; }
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const NONE = '\u2013';
   const known = (v) => !Number.isNaN(v);
@@ -23,7 +23,7 @@
     return `#${s.id} ${s.name}`;
   };
 
-  const leftText = (f) => (data.leftAt(f) === undefined ? '' : `left the estimate at frame ${data.leftAt(f)}`);
+  const leftText = (f) => (data.leftAt(f) === undefined ? '' : `removed from the estimate at frame ${data.leftAt(f)}`);
 
   const errorText = (f) => {
     const {error, excess} = data.table;
@@ -34,29 +34,29 @@
   /** Why a frame was kept or not, in a sentence. */
   const byGain = (f) => {
     const {mi, threshold} = data.table;
-    return mi[f] === Infinity ? 'the views before left parameters free' : `it tells ${inBits(mi[f])} bits of the parameters, ${mi[f] < threshold[f] ? 'less than' : 'at least'} the ${inBits(threshold[f])} that are asked for`;
+    return mi[f] === Infinity ? 'the views before do not determine all parameters' : `its expected information gain is ${inBits(mi[f])} bits, ${mi[f] < threshold[f] ? 'below' : 'at or above'} the threshold of ${inBits(threshold[f])} bits`;
   };
   const byCriterion = (f) => {
     const {mi, error_with: withIt, error_bound: bound} = data.table;
     if (!known(bound[f]) || mi[f] === Infinity) return byGain(f);
-    return `with it the predicted error is ${withIt[f].toFixed(4)} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the ${bound[f].toFixed(4)} px that are asked for`;
+    return `with it the predicted error is ${withIt[f].toFixed(4)} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the bound of ${bound[f].toFixed(4)} px`;
   };
   const reasons = {
     initialising: (f) => (data.table.accepted[f] ? 'Kept: one of the first frames, from which the estimate starts.' : 'Not kept: hardly moved since the frame kept before it.'),
-    initialised: () => 'Kept: with it the estimate starts.',
+    initialised: () => 'Kept: the estimate starts with it.',
     'initialise-failed': () => 'The estimate could not be started, or not from these frames.',
     informative: (f) => `Kept: ${byCriterion(f)}.`,
     'not-informative': (f) => `Not kept: ${byCriterion(f)}.`,
-    used: (f) => (data.table.accepted[f] ? 'Kept: in this stage every frame enters the estimate.' : 'Left out of the estimate again.'),
+    used: (f) => (data.table.accepted[f] ? 'Kept: in this stage every frame enters the estimate.' : 'Removed from the estimate again.'),
     busy: () => 'Not kept: it came while the guide was busy with an earlier frame.',
     'no-target': () => 'Not kept: no camera saw enough corners of the target.',
     'no-pose': () => 'Not kept: its corners give no plausible pose.',
-    'bad-fit': () => 'Not kept: its corners leave more than three times the error of the views kept.',
+    'bad-fit': () => 'Not kept: the error of its corners is more than three times that of the views kept.',
     'time-jump': () => 'Not kept: its stamp is not after that of the frame before, or it is too far from it.',
     'no-imu': () => 'Not kept: IMU samples do not cover it.',
     'imu-gap': () => 'Not kept: IMU samples are missing before it.',
     'not-solved': () => 'Not kept: the estimate with it did not converge.',
-    finished: () => 'Not looked at: the stage was over.',
+    finished: () => 'Not processed: the stage was finished.',
   };
   const whyText = (f) => { const say = reasons[data.word('reason', f)]; return say ? say(f) : NONE; };
 

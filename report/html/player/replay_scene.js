@@ -238,9 +238,9 @@
 
     say(round, most, suggestion) {
       const legend = this.box.querySelector('[data-part="legend"]');
-      const parts = [this.data.pose(this.frame) ? '<span><b>now</b> thick</span>' : '<span><b>no pose</b> at this frame</span>',
+      const parts = [this.data.pose(this.frame) ? '<span><b>current</b> thick</span>' : '<span><b>no pose</b> at this frame</span>',
         `<span style="color:#14794f">kept: ${this.data.table.kept[this.frame] || 0}</span>`];
-      if (suggestion) parts.push('<span style="color:#b4600a">asked: dashed</span>');
+      if (suggestion) parts.push('<span style="color:#b4600a">suggested: dashed</span>');
       if (round && round.poses.length && !this.isListed(round)) {
         parts.push(`<span>candidates <i class="ramp"></i>0 to ${this.gain(most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);
       }

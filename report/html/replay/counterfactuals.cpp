@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kShownShare = 0.95;  // of the values; the first few views are far above
 constexpr const char* kAbove =
-    " Where an order was drawn with several seeds, dashed lines frame the band between the "
+    " Where an order was drawn with several seeds, dashed lines bound the band between the "
     "quartiles. The highest 5 % of the values are off-scale.";
 
 using Bands = std::vector<CounterfactualBand>;
@@ -170,44 +170,42 @@ Block figureBlock(const Bands& bands, const BandFigure& what) {
 }
 
 void addFigures(Section& section, const Counterfactuals& c) {
-  section.blocks.push_back(figureBlock(
-      c.bands,
-      {"replay-entropy", "Entropy over views", "entropy [nats]", &CounterfactualBand::entropy_nats,
-       c.full_pool_entropy_nats, "Entropy of the calibration parameters after so many views."}));
+  section.blocks.push_back(
+      figureBlock(c.bands, {"replay-entropy", "Entropy over views", "entropy [nats]",
+                            &CounterfactualBand::entropy_nats, c.full_pool_entropy_nats,
+                            "Entropy of the calibration parameters over the number of views."}));
   section.blocks.push_back(figureBlock(
       c.bands, {"replay-held-out", "Held-out error over views", "held-out RMSE [px]",
                 &CounterfactualBand::held_out_px, c.full_pool_held_out_px,
-                "Reprojection RMSE on frames that no order could use, with only their poses "
-                "solved."}));
+                "Reprojection RMSE on held-out frames, with only their poses estimated."}));
   if (c.other_model_bands.empty()) return;
-  section.blocks.push_back(figureBlock(
-      c.other_model_bands,
-      {"replay-other-model", "Held-out error with " + c.other_model, "held-out RMSE [px]",
-       &CounterfactualBand::held_out_px, std::nullopt,
-       "The same frames and orders of their own under another camera model: where the gain is "
-       "larger than above, the first model's misfit had cost it."}));
+  section.blocks.push_back(
+      figureBlock(c.other_model_bands,
+                  {"replay-other-model", "Held-out error with " + c.other_model,
+                   "held-out RMSE [px]", &CounterfactualBand::held_out_px, std::nullopt,
+                   "The same frames, with orders computed under another camera model: a larger "
+                   "gain than above means that the misfit of the first model had reduced it."}));
 }
 
 }  // namespace
 
 Section counterfactualsSection(const ReplayRecord& record) {
-  Section section{"counterfactuals",
-                  "Counterfactuals",
-                  "The same frames in other orders: how soon would the calibration have been as "
-                  "good?",
-                  {},
-                  {}};
+  Section section{
+      "counterfactuals",
+      "Counterfactuals",
+      "The same frames in other orders: how many views would have been enough for the same error?",
+      {},
+      {}};
   if (!record.counterfactuals) return section;
   const Counterfactuals& c = *record.counterfactuals;
   section.remarks = c.remarks;
   if (!c.problem.empty()) section.blocks.push_back({"", c.problem, {}, {}, {}});
   if (c.bands.empty()) return section;
   section.lead += fmt::format(
-      " The pool holds {} frames, {} others are held out; with all of the pool the entropy is "
-      "{:.3f} "
-      "nats and the held-out RMSE {:.4f} px. Views are counted until an order comes within 10 % of "
-      "that RMSE; regret is an order's held-out RMSE less that of the best order with as many "
-      "views, in the median over the numbers of views.",
+      " The pool contains {} frames, {} others are held out; with all of the pool the entropy is "
+      "{:.3f} nats and the held-out RMSE {:.4f} px. Views are counted until an order comes within "
+      "10 % of that RMSE; regret is an order's held-out RMSE minus that of the best order with as "
+      "many views, in the median over the numbers of views.",
       c.pool_frames, c.held_out_frames, c.full_pool_entropy_nats, c.full_pool_held_out_px);
   section = withTable(std::move(section), strategyTable(c.bands));
   addFigures(section, c);

@@ -38,15 +38,14 @@ std::string initialisedText(const Decision& d) {
 std::string finishedText(const Decision& d) {
   std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
   if (d.projection_px) {
-    return text +
-           fmt::format(": projections are predicted to be off by {:.3f} px", *d.projection_px);
+    return text + fmt::format(": predicted projection error {:.3f} px", *d.projection_px);
   }
   if (d.stage == GuideStage::kCameraImu && d.error_px && d.error_bound_px) {
-    return text + fmt::format(": points that the IMU predicts are expected to be off by {:.3f} px",
-                              *d.error_px);
+    return text +
+           fmt::format(": expected error of points predicted by the IMU {:.3f} px", *d.error_px);
   }
   if (d.error_bound_px && d.excess) {
-    return text + fmt::format(": the predicted error raises that of a corner by {:.1f} %",
+    return text + fmt::format(": the parameters' uncertainty adds {:.1f} % to a corner's error",
                               100 * *d.excess);
   }
   if (d.round && d.round->best >= 0) {
@@ -94,7 +93,7 @@ class Events {
     if (d.opened) {
       opened_[d.opened->id] = d.t;
       push(d, "opened",
-           fmt::format("#{} asked: {}, {}", d.opened->id, d.opened->candidate,
+           fmt::format("#{} suggested: {}, {}", d.opened->id, d.opened->candidate,
                        bits(d.opened->mi_nats)) +
                (d.opened->error_px ? fmt::format(", error {:.3f} px", *d.opened->error_px) : ""));
     }

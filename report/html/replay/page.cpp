@@ -23,9 +23,8 @@ constexpr std::size_t kRestBytes = 1'000'000;   // what the rest of a page takes
 std::string imagesNote(const ReplayData& data) {
   if (data.frames_with_images == 0 || data.image_step == 1) return "";
   return fmt::format(
-      "To keep this file small, every {}{} of {} frames with images keeps its own; between them "
-      "the "
-      "image of the frame before stays, paler.",
+      "To limit the file's size, only every {}{} of {} frames with images has its own; between "
+      "them the previous image is shown, paler.",
       data.image_step,
       data.image_step == 2   ? "nd"
       : data.image_step == 3 ? "rd"

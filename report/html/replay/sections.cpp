@@ -126,12 +126,12 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
 Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {
   Table table{{{"#", kNumber},
                {"Stage"},
-               {"Asked for"},
+               {"Suggestion"},
                {"Predicted gain", kNumber},
                {"Shown [s]", kNumber},
                {"Open [s]", kNumber},
                {"End"},
-               {"Predicted way [s]", kNumber},
+               {"Predicted time [s]", kNumber},
                {"Reached after [s]", kNumber},
                {"Closest [px]", kNumber},
                {"Mean [px]", kNumber},
@@ -180,15 +180,13 @@ Section replayStagesSection(const ReplayRecord& record) {
   Section section{
       "stages",
       "Stages",
-      "Used: entered the estimate. Redundant: used, though in hindsight each gains less "
-      "than the threshold; missed: not used, though each would have gained more. Times "
-      "count from the first frame. What was gained after \"finish\" is the information "
-      "that the rest of the recording would have added.",
+      "Used: in the estimate. Redundant: used, but in hindsight below the threshold; missed: not "
+      "used, but in hindsight above it. Times count from the first frame. Gained after \"finish\": "
+      "information that the rest of the recording would have added.",
       {},
       {}};
   if (!record.target.shape.isFlat()) {
-    section.remarks.push_back(
-        "The board's own shape is known and used: what it would do to the error is no misfit.");
+    section.remarks.push_back("The board's shape is known and used, so it causes no misfit.");
   }
   for (const ReplayStageSummary& s : record.stages) {
     if (!s.problem.empty()) section.remarks.push_back(titleOf(s.stage) + ": " + s.problem);
@@ -202,32 +200,31 @@ Section replayStagesSection(const ReplayRecord& record) {
 }
 
 Section replaySuggestionsSection(const ReplayRecord& record) {
-  return withTable(
-      {"suggestions",
-       "Suggestions",
-       "What the guide asked for, and how near the recording came to it while it was open: mean "
-       "distance of the corners, and at its least the distance of the camera. In an unguided "
-       "recording nobody followed. Withdrawn: the stage finished, or started "
-       "anew, while it was open.",
-       {},
-       {}},
-      outcomeTable(record, record.suggestions));
+  return withTable({"suggestions",
+                    "Suggestions",
+                    "What the guide suggested, and how close the recording came to it while the "
+                    "suggestion was open: mean distance of the corners, and the distance of the "
+                    "camera at the closest frame. In an unguided recording nobody followed the "
+                    "suggestions. Withdrawn: the stage finished or restarted while it was open.",
+                    {},
+                    {}},
+                   outcomeTable(record, record.suggestions));
 }
 
 Section stopAuditSection(const ReplayRecord& record) {
   Section section{
       "stop-audit",
-      "Stop audit",
-      "The guide's \"finish\" against the first instant at which the views kept were "
-      "good enough, judged by the held-out error of the batch over them. Saved: what of the "
-      "recording came after it. Excess: by how much the views kept leave more error than all "
-      "frames would, as the guide predicted it and as held-out frames show it.",
+      "Stopping rule",
+      "The guide's \"finish\" compared with the first instant at which the views kept were "
+      "sufficient, judged by the held-out error of the batch over them. Saved: the part of the "
+      "recording after it. Excess: relative increase of the error with the views kept over that "
+      "with all frames, as predicted by the guide and as measured on held-out frames.",
       {},
       {}};
   Table table{{{"Stage"},
-               {"Finish was"},
+               {"Judgement"},
                {"Finish [s]", kNumber},
-               {"Enough [s]", kNumber},
+               {"Sufficient [s]", kNumber},
                {"Missing or wasted [s]", kNumber},
                {"Saved [s]", kNumber},
                {"Excess, predicted [%]", kNumber},
@@ -245,8 +242,8 @@ Section stopAuditSection(const ReplayRecord& record) {
 Section complianceSection(const ReplayRecord& record) {
   Section section{"compliance",
                   "Operator compliance",
-                  "What the recording's own guide had shown to its operator, and how near and how "
-                  "soon the operator came.",
+                  "What the guide showed to the operator during the recording, and how close and "
+                  "how fast the operator came.",
                   {},
                   {}};
   if (!record.compliance) return section;

@@ -77,10 +77,11 @@ TEST_F(CounterfactualsOfEuroc, RemarksSaySoWithTheCurvesFigures) {
   EXPECT_THAT(found.remarks, Contains(AllOf(HasSubstr("Near the image's border"),
                                             figures(&CounterfactualCurve::held_out_border_px),
                                             figures(&CounterfactualCurve::held_out_centre_px))));
-  EXPECT_THAT(found.remarks, Contains(AllOf(HasSubstr("Under the batch's own robust loss"),
+  EXPECT_THAT(found.remarks, Contains(AllOf(HasSubstr("Under the batch's robust loss"),
                                             figures(&CounterfactualCurve::held_out_loss_px))));
   EXPECT_THAT(found.remarks, Contains(HasSubstr("of the corners of greedy MI's first 80 views")));
-  EXPECT_THAT(found.remarks, Contains(HasSubstr("With pinhole-equidistant the whole pool")));
+  EXPECT_THAT(found.remarks,
+              Contains(HasSubstr("With pinhole-equidistant the error of the whole pool")));
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ TEST(Counterfactuals, AMisfittingModelIsNamedByTheOther) {
   // The truth leaves the noise; the other leaves more than twice as much.
   EXPECT_NEAR(other->held_out_px.back()->median, 0.2 * std::sqrt(2.0), 0.02);
   EXPECT_GT(found.full_pool_held_out_px, 0.6);
-  EXPECT_THAT(found.remarks, ::testing::Contains(HasSubstr("With pinhole-equidistant the whole")));
+  EXPECT_THAT(found.remarks, ::testing::Contains(HasSubstr("With pinhole-equidistant the error")));
 }
 
 TEST(Counterfactuals, OneCameraWillDo) {

@@ -132,22 +132,5 @@ TEST(OnlineOrder, ABadPhotographIsNotTaken) {
   EXPECT_EQ(std::count(found.order.begin(), found.order.end(), bad), 0);
 }
 
-TEST(StopsAt, TheFirstEstimateWithinTheLimitAndEnoughViews) {
-  OnlineOrder order;
-  for (const auto& [views, excess] : {std::pair{4, 0.01}, {6, 0.03}, {8, 0.025}, {10, 0.015}}) {
-    OnlineStep step;
-    step.views = views;
-    step.excess = excess;
-    step.components.told_apart = true;
-    order.steps.push_back(step);
-  }
-  EXPECT_EQ(stopsAt(order, 0.02, 8), 10);
-  EXPECT_EQ(stopsAt(order, 0.02, 4), 4);
-  EXPECT_EQ(stopsAt(order, 0.026, 8), 8);
-  EXPECT_EQ(stopsAt(order, 0.001, 8), 0);
-  order.steps.back().components.told_apart = false;
-  EXPECT_EQ(stopsAt(order, 0.02, 8), 0);
-}
-
 }  // namespace
 }  // namespace plumbline

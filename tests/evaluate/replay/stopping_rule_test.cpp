@@ -76,7 +76,7 @@ TEST_F(Stopping, WhatCannotBeSolvedIsNotJudged) {
   decide(GuideStage::kCameraImu, 1, 1.5);
   const StopAudit audit = imuAudit();
   EXPECT_EQ(audit.verdict, Stop::kNotJudged);
-  EXPECT_THAT(audit.explanation, HasSubstr("pairs of neighbouring frames"));
+  EXPECT_THAT(audit.explanation, HasSubstr("pairs of consecutive frames"));
 }
 
 TEST_F(Stopping, ACameraImuStageThatStopsAtOnceIsEarly) {

@@ -197,7 +197,7 @@ def check_events(name, result, decisions):
         there = [d["frame"] for d in decisions if d["reason"] == reason]
         if not set(there) <= {f for f, k in zip(frames, kinds) if k == kind}:
             fail("%s: no event at the frames %s that are %s" % (name, there, reason))
-    if result["withdrawn"] != [True, False, False, True, "left the estimate at frame 4"]:
+    if result["withdrawn"] != [True, False, False, True, "removed from the estimate at frame 4"]:
         fail("%s: frame 2, withdrawn with frame 4, is told as %s" % (name, result["withdrawn"]))
     lost = [text for _, _, text in result["events"] if "target lost" in text]
     if len(lost) != 1 or "frames)" not in lost[0] or '> & "more"' not in lost[0]:
@@ -267,7 +267,7 @@ def check_page(name, write_page, tool, folder, options):
     if options["frames"] == 300:
         check_moves(name, result, decisions)
     left_out = bool(options["images"]) and options["frames"] == 1500
-    if left_out != ("keeps its own" in result["note"]):
+    if left_out != ("has its own" in result["note"]):
         fail("%s: of the images it says '%s'" % (name, result["note"]))
     width, height, bottom = result["size"]
     if bottom > height or height > 740:
