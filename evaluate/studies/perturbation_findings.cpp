@@ -46,7 +46,7 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
       basin.to_ms);
   if (f.level != VerdictLevel::kGood) {
     f.advice =
-        "the recording hardly ties the clocks together; record brisker rotation about all axes";
+        "the recording hardly determines the time offset; record faster rotation about all axes";
   }
   f.value = error;
   f.threshold = bounds.offset_error_s.caution;
@@ -68,12 +68,12 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   }
   if (name.empty()) return std::nullopt;
   Finding f;
-  f.rule = "Other parameters under moved IMU stamps";
+  f.rule = "Other parameters under shifted IMU stamps";
   f.level = levelAbove(largest, bounds.change_sigma);
   f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
                            name, largest, amount);
   if (f.level != VerdictLevel::kGood) {
-    f.advice = "the offset leaks into other parameters; record motion that separates them";
+    f.advice = "the offset biases other parameters; record motion that separates them";
   }
   f.value = largest;
   f.threshold = bounds.change_sigma.caution;
@@ -126,14 +126,15 @@ std::string adviceFor(const std::string& kind) {
     return "lengths follow the stated target: measure tagSize on the printed board";
   }
   if (kind == toString(PerturbationKind::kNoiseDensities)) {
-    return "the result depends on imu.yaml: take the densities from a resting recording (Allan "
+    return "the result depends on imu.yaml: take the densities from a static recording (Allan "
            "deviation), or record more motion";
   }
   if (kind == toString(PerturbationKind::kInitialIntrinsics)) {
-    return "the solution depends on its start: give a better one with --cameras and --free-cameras";
+    return "the solution depends on its start values: give better ones with --cameras and "
+           "--free-cameras";
   }
-  return "more than independent errors explain: the recording's parts disagree; see the "
-         "calibration's own verdict";
+  return "more than independent errors explain: parts of the recording disagree; see the verdict "
+         "of the calibration";
 }
 
 std::optional<Finding> kindFinding(const PerturbationRecord& record, PerturbationKind kind,
@@ -145,6 +146,9 @@ std::optional<Finding> kindFinding(const PerturbationRecord& record, Perturbatio
   f.level = largest.sigmas <= largest.bound ? VerdictLevel::kGood : VerdictLevel::kCaution;
   f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} {}",
                            largest.parameter, largest.sigmas, largest.of->amount, largest.of->unit);
+  if (const double predicted = predictedSigma(record, *largest.of); predicted > 0) {
+    f.evidence += fmt::format("; first order predicts {:.2g} (one sigma)", predicted);
+  }
   if (f.level != VerdictLevel::kGood) f.advice = adviceFor(toString(kind));
   f.value = largest.sigmas;
   f.threshold = largest.bound;
@@ -160,14 +164,14 @@ Finding failuresFinding(const PerturbationRecord& record) {
     if (failed++ == 0) first = &c;
   }
   Finding f;
-  f.rule = "Cases that were solved";
+  f.rule = "Solved cases";
   f.level = failed == 0 ? VerdictLevel::kGood : VerdictLevel::kCaution;
   f.evidence =
       fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size());
   if (first != nullptr) {
     f.evidence += fmt::format("; the first that failed, {} {:+g} {}: {}", first->kind,
                               first->amount, first->unit, first->problem);
-    f.advice = "a perturbation beyond what the calibration can start from, or must refuse, fails";
+    f.advice = "cases fail where the perturbation is too large to start from, or must be refused";
   }
   f.value = static_cast<double>(failed);
   f.unit = "cases";

@@ -38,16 +38,14 @@ bool needsImu(PerturbationKind kind) {
 void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& perturbations) {
   for (const Perturbation& p : perturbations) {
     if (needsImu(p.kind) && !inputs.session->imu) {
-      throw InputError(
-          fmt::format("{} needs an IMU, and the session has none; add imu0/data.csv "
-                      "and imu.yaml, or leave it out",
-                      toString(p.kind)));
+      throw InputError(fmt::format(
+          "{} needs an IMU, and the session has none; add imu0/data.csv and imu.yaml, or omit it",
+          toString(p.kind)));
     }
     if (p.kind == PerturbationKind::kInitialIntrinsics && inputs.cameras_fixed) {
       throw InputError(
-          "initial-intrinsics starts the camera stage elsewhere, but the cameras are given and "
-          "fixed; "
-          "leave one of them out");
+          "initial-intrinsics changes the start of the camera stage, but the cameras are given and "
+          "fixed; omit one of the two");
     }
   }
 }
@@ -230,7 +228,7 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
     progress("calibrating perturbed sessions",
              static_cast<double>(done) / static_cast<double>(all));
   };
-  progress("calibrating the session as it is", -1);
+  progress("calibrating the unperturbed session", -1);
   auto record = perturbationStudy(inputs, request.perturbations, options);
   if (!record) return record;
   attribute(record.value(), request.provenance, loaded);

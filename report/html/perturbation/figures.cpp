@@ -106,8 +106,8 @@ std::vector<CaseGroup> groupedCases(const PerturbationRecord& record) {
 
 std::string titleOf(const std::string& kind) {
   static const std::pair<const char*, const char*> kTitles[] = {
-      {"imu-shift", "Moved IMU stamps"},
-      {"target-size", "Target stated larger"},
+      {"imu-shift", "Shifted IMU stamps"},
+      {"target-size", "Stated target size"},
       {"noise-densities", "Noise densities multiplied"},
       {"initial-intrinsics", "Other initial focal lengths"},
       {"dropped-frames", "Dropped frames"},
@@ -157,12 +157,13 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   for (Series& series : {std::ref(late), std::ref(early), std::ref(failed)}) {
     if (!series.x.empty()) plot.series.push_back(std::move(series));
   }
-  return {toSvg(plot, "perturbation-basin"),
-          "Each point is one calibration from its own first guess, with every IMU stamp moved by "
-          "the injected offset. Points far below the standard deviation of the base's offset mean "
-          "that the result does not depend on where the clocks started; the basin ends where "
-          "points rise above the dashed red line or fail. Errors below 1 ps are drawn there.",
-          true};
+  return {
+      toSvg(plot, "perturbation-basin"),
+      "Each point is one calibration from its own initial guess, with every IMU stamp shifted by "
+      "the injected offset. Points far below the standard deviation of the base's offset mean that "
+      "the result does not depend on the initial offset of the clocks; the basin ends where points "
+      "rise above the dashed red line or fail. Errors below 1 ps are drawn there.",
+      true};
 }
 
 Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group) {

@@ -90,13 +90,14 @@ Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
 }
 
 Section basinSection(const PerturbationRecord& record, const std::vector<CaseGroup>& groups) {
-  Section section{"basin",
-                  "Convergence basin",
-                  "Every IMU stamp is moved by a known offset, and the calibration runs again from "
-                  "its own first guess. Since t_imu = t_cam + t_d, the recovered offset must grow "
-                  "by exactly what was injected: error = recovered \u2212 injected \u2212 base.",
-                  {},
-                  {}};
+  Section section{
+      "basin",
+      "Convergence basin",
+      "Every IMU stamp is shifted by a known offset, and the calibration runs again from its own "
+      "initial guess. Since t_imu = t_cam + t_d, the recovered offset must grow by exactly what "
+      "was injected: error = recovered \u2212 injected \u2212 base.",
+      {},
+      {}};
   for (const CaseGroup& group : groups) {
     if (group.kind == kShift)
       section.blocks.push_back({"", "", {}, {}, {basinFigure(record, group)}});
@@ -105,14 +106,13 @@ Section basinSection(const PerturbationRecord& record, const std::vector<CaseGro
 }
 
 Section changeSection(const PerturbationRecord& record, const std::vector<CaseGroup>& groups) {
-  Section section{
-      "changes",
-      "What else moves",
-      "The change of every parameter, measured in the standard deviation that the base "
-      "calibration states for it; of the time offset, what was not injected. White means unmoved; "
-      "colours end at 3 \u03c3, numbers are given from 0.05 \u03c3.",
-      {},
-      {}};
+  Section section{"changes",
+                  "Other changes",
+                  "The change of every parameter in standard deviations of the base calibration; "
+                  "for the time offset, minus the injected offset. White: unchanged; colours end "
+                  "at 3 \u03c3, numbers are given from 0.05 \u03c3.",
+                  {},
+                  {}};
   if (record.parameters.empty()) return section;
   for (const CaseGroup& group : groups) {
     const bool any = std::any_of(group.cases.begin(), group.cases.end(),
@@ -150,7 +150,7 @@ Section baseSection(const PerturbationRecord& record) {
                           number(twoDigits(factor * std)),
                           {unit}});
   }
-  Section section{"base", "Base calibration", "What all cases are compared with.", {}, {}};
+  Section section{"base", "Base calibration", "The reference of all cases.", {}, {}};
   return withTable(std::move(section), std::move(table));
 }
 

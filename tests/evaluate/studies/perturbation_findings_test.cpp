@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Changes under perturbations are held against what first order predicts from the estimate's
+// deviations: sqrt(q / (1 - q)) of them for a share q of the data left out, s / sigma for corner
+// noise s that is added, none for what the estimate should not depend on.
+#include "evaluate/studies/perturbation_findings.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using Kind = PerturbationKind;
+
+constexpr double kSigma = 0.2;  // [px], assumed of the corners
+
+/// A study of one case, under which the lever arm moves by so many of its deviations.
+Finding findingOf(Kind kind, double amount, double moved_sigma) {
+  PerturbationRecord record;
+  record.assumptions.pixel_sigma_px = kSigma;
+  record.parameters = {"T_SC0.tx"};
+  record.base_std = {1e-3};
+  PerturbationCase c;
+  c.kind = toString(kind);
+  c.amount = amount;
+  c.changes = {1e-3 * moved_sigma};
+  c.changes_sigma = {moved_sigma};
+  record.cases = {c};
+  const auto findings = perturbationFindings(record, {});
+  const auto found = std::find_if(findings.begin(), findings.end(), [](const Finding& f) {
+    return f.rule.find("Parameters under") != std::string::npos;
+  });
+  EXPECT_NE(found, findings.end());
+  return *found;
+}
+
+TEST(PerturbationFindings, DensitiesMustNotMoveTheEstimate) {
+  const Finding f = findingOf(Kind::kNoiseDensities, 5, 13);
+  EXPECT_EQ(f.level, VerdictLevel::kCaution);
+  EXPECT_EQ(f.value, 13);
+  EXPECT_EQ(f.threshold, PerturbationThresholds{}.change_sigma.caution);
+  EXPECT_THAT(f.evidence, HasSubstr("T_SC0.tx by 13 of its standard deviation"));
+  EXPECT_THAT(f.advice, HasSubstr("imu.yaml"));
+  EXPECT_EQ(findingOf(Kind::kNoiseDensities, 5, 0.05).level, VerdictLevel::kGood);
+}
+
+TEST(PerturbationFindings, FewerFramesMayMoveItByWhatTheyAreFewer) {
+  EXPECT_NEAR(findingOf(Kind::kDroppedFrames, 50, 2.9).threshold, 3 * 1, 1e-12);
+  EXPECT_EQ(findingOf(Kind::kDroppedFrames, 50, 2.9).level, VerdictLevel::kGood);
+  EXPECT_EQ(findingOf(Kind::kDroppedFrames, 50, 3.1).level, VerdictLevel::kCaution);
+  EXPECT_THAT(findingOf(Kind::kDroppedFrames, 50, 3.1).evidence,
+              HasSubstr("predicts 1 (one sigma)"));
+  EXPECT_NEAR(findingOf(Kind::kDroppedFrames, 90, 8).threshold, 3 * 3, 1e-12);
+  EXPECT_NEAR(findingOf(Kind::kDroppedImu, 80, 4).threshold, 3 * 2, 1e-12);
+  EXPECT_EQ(findingOf(Kind::kDroppedImu, 80, -6.5).level, VerdictLevel::kCaution);
+}
+
+TEST(PerturbationFindings, AddedCornerNoiseMayMoveItByItsShareOfTheOwn) {
+  const Finding f = findingOf(Kind::kCornerNoise, 0.5, 7);
+  EXPECT_NEAR(f.threshold, 3 * 0.5 / kSigma, 1e-12);
+  EXPECT_EQ(f.level, VerdictLevel::kGood);
+  EXPECT_EQ(findingOf(Kind::kCornerNoise, 0.5, 8).level, VerdictLevel::kCaution);
+}
+
+}  // namespace
+}  // namespace plumbline
