@@ -71,7 +71,7 @@ std::string participantsText(int count) {
 
 std::string effectSentence(const StudyEffect& e, const std::string& words) {
   if (e.design == StudyDesign::kTooFew) {
-    return fmt::format("{}: {} with both methods, too few for any statement", words,
+    return fmt::format("{}: {} with both methods, too few for a conclusion", words,
                        participantsText(e.participants));
   }
   const Change change = changeOf(e.effect.estimate, e.ratio);
@@ -84,7 +84,7 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
                                        e.method, e.baseline, e.method, size, intervalText(e));
   if (e.design == StudyDesign::kOneOrder) {
     const std::string& first = e.first_method > 0 ? e.method : e.baseline;
-    return text + fmt::format(" ({}); all began with {}, so method and order cannot be told apart",
+    return text + fmt::format(" ({}); all began with {}, so method and order are confounded",
                               participantsText(e.participants), first);
   }
   text += fmt::format(" ({}", pText(*e.p));
@@ -97,8 +97,7 @@ std::string quadeSentence(const StudyQuade& q, const std::string& words) {
       fmt::format("Quade's F({}, {}) = {:.3g}", q.dof1, q.dof2, q.statistic);
   if (!q.p) {
     return fmt::format(
-        "{}: {} ({}); methods came in the same order for all, so method and order "
-        "cannot be told apart",
+        "{}: {} ({}); all participants had the same order, so method and order are confounded",
         words, statistic, participantsText(q.participants));
   }
   return fmt::format("{}: the methods {} ({}, {}; {})", words,
@@ -108,7 +107,7 @@ std::string quadeSentence(const StudyQuade& q, const std::string& words) {
 
 std::string timeSentence(const StudyTimeDifference& t, double limit_s) {
   if (t.design == StudyDesign::kTooFew) {
-    return fmt::format("time to finish: {} with both methods, too few for any statement",
+    return fmt::format("time to finish: {} with both methods, too few for a conclusion",
                        participantsText(t.participants));
   }
   const double mean = t.difference_s.estimate;
@@ -119,7 +118,7 @@ std::string timeSentence(const StudyTimeDifference& t, double limit_s) {
                         *t.difference_s.low, *t.difference_s.high);
   }
   if (t.p) return text + fmt::format(" ({}; {})", pText(*t.p), participantsText(t.participants));
-  return text + " (all in one order: method and order cannot be told apart)";
+  return text + " (all in one order: method and order are confounded)";
 }
 
 }  // namespace plumbline

@@ -250,9 +250,8 @@ std::string spreadSentence(const StudyStatistics& s, const std::string& method) 
   }
   if (all == 0) return "";
   return fmt::format(
-      "{}: over sessions {} of {} parameters spread as stated (95 %), {} more, {} "
-      "less",
-      method, all - above - below, all, above, below);
+      "{}: over sessions {} of {} parameters spread as stated (95 %), {} more, {} less", method,
+      all - above - below, all, above, below);
 }
 
 void addSentences(StudyRecord& record) {

@@ -57,7 +57,7 @@ void readOthers(const YamlMap& map, SessionEntry& entry) {
     if (!tools.insert(tool).second) {
       throw other.fault("tool",
                         {InputFault::kDuplicate, fmt::format("the tool '{}' is given twice", tool),
-                         "each once", "name them apart, e.g. kalibr and kalibr-splines"});
+                         "each once", "use distinct names, e.g. kalibr and kalibr-splines"});
     }
     entry.others.emplace_back(tool, calibrationIn(other, "path"));
   }
@@ -147,7 +147,7 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
         throw entry.fault("period", {InputFault::kContradiction,
                                      fmt::format("participant {} has two sessions in period {}",
                                                  session.row.participant, session.row.period),
-                                     "a period of its own for each session", ""});
+                                     "a different period for each session", ""});
       }
       study.sessions.push_back(std::move(session));
     });
@@ -174,8 +174,7 @@ void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study) {
             {InputFault::kContradiction,
              fmt::format("participant {} has no session with the method '{}'", participant, method),
              "a session of each participant with each method",
-             "add it (finished: false where the participant gave up), or leave the "
-             "participant out"});
+             "add it (finished: false where the participant gave up), or omit the participant"});
       });
     }
   }
@@ -244,10 +243,11 @@ void readTargetShape(const YamlMap& map, StudyDefinition& study) {
     study.target_shape_file = fileOf(map, "target_shape");
   }
   if (study.target_shape == StudyTargetShape::kOne && study.held_out.empty()) {
-    throw map.fault("target_shape", {InputFault::kContradiction,
-                                     "one shape for all is estimated from the first held-out "
-                                     "recording, and there is none",
-                                     "held_out, or each, flat or a file", ""});
+    throw map.fault(
+        "target_shape",
+        {InputFault::kContradiction,
+         "one shape for all is estimated from the first held-out recording, but there is none",
+         "held_out, or each, flat or a file", ""});
   }
 }
 
@@ -257,10 +257,10 @@ void readPerturbations(const YamlMap& map, StudyDefinition& study) {
   refuseUnknownKeys(list, {"offsets_ms"});
   for (const auto& [option, words] : study.calibrate) {
     if (option == "no-imu") {
-      throw map.fault("perturbations", {InputFault::kContradiction,
-                                        "offsets are added to the IMU's stamps, and calibrate has "
-                                        "no-imu",
-                                        "", "leave one of them out"});
+      throw map.fault("perturbations",
+                      {InputFault::kContradiction,
+                       "offsets are added to the IMU's stamps, but calibrate has no-imu", "",
+                       "omit one of them"});
     }
   }
   study.offsets_ms = list.numbers("offsets_ms", "milliseconds, e.g. [100, 10, 1]");

@@ -32,9 +32,10 @@ void readOdometry(const YamlMap& how, StudyTrajectories& to) {
   if (!known) to.runner = fileOf(how, "odometry");
   for (const char* key : {"executable", "runs"}) {
     if (to.odometry != "builtin" || !how.has(key)) continue;
-    throw how.fault(key, {InputFault::kContradiction,
-                          "the built-in odometry is this program, and its runs are equal",
-                          "another odometry, or none of this", ""});
+    throw how.fault(key,
+                    {InputFault::kContradiction,
+                     "the built-in odometry is part of this program, and its runs are identical",
+                     "another odometry, or no such option", ""});
   }
   if (how.has("executable")) to.executable = fileOf(how, "executable");
   if (how.has("runs")) {
@@ -95,7 +96,7 @@ void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDe
   }
   for (const char* key : {"executable", "runs"}) {
     if (!how.has(key) || how.has("odometry")) continue;
-    throw how.fault(key, {InputFault::kContradiction, "is of an odometry, and there is none",
+    throw how.fault(key, {InputFault::kContradiction, "applies to an odometry, but there is none",
                           "odometry: orbslam3, openvins or a runner's .yaml", ""});
   }
   readSource(how, study, study.trajectories);

@@ -145,7 +145,7 @@ class Merger {
       const auto result = results_.find(need.name);
       const bool failed = result == results_.end() || result->second.status != StepStatus::kDone;
       if (!failed) continue;
-      const std::string why = result == results_.end() ? "was left out" : result->second.message;
+      const std::string why = result == results_.end() ? "was omitted" : result->second.message;
       if (step.kind == StepKind::kCalibrate) {
         sessionOf(step).failed_step = need.name.substr(need.name.rfind('/') + 1);
         sessionOf(step).message = why;

@@ -105,7 +105,7 @@ std::string alarmSentence(const StudyAlarm& a) {
                        where, a.is, a.was);
   }
   if (a.kind == "cusum") {
-    return fmt::format("{} {} is worse by {:.3g} % than on its first night, night after night",
+    return fmt::format("{} {} has become worse by {:.3g} % than on its first night, gradually",
                        a.metric, where, 100 * a.is);
   }
   return fmt::format("{} {} is {:.6g}, its median before {:.6g}", a.metric, where, a.is, a.was);
@@ -121,7 +121,7 @@ Finding endpointFinding(const StudyRecord& record) {
   if (!unknown.empty()) {
     finding.level = VerdictLevel::kCaution;
     finding.evidence = fmt::format("no session has a figure of {}", fmt::join(unknown, ", "));
-    finding.advice = "Correct endpoints in the study, or record what they need";
+    finding.advice = "Correct endpoints in the study, or record what they require";
   }
   return finding;
 }
@@ -139,8 +139,7 @@ void addFurtherFindings(StudyRecord& record) {
   if (!record.alarms.empty()) {
     finding.level = VerdictLevel::kBad;
     finding.advice =
-        "Look at the commands of the alarms; plumbline study accept marks a change "
-        "that is right";
+        "Look at the commands of the alarms; plumbline study accept marks a change as intended";
   }
   auto findings = std::move(record.verdict.findings);
   findings.push_back(std::move(finding));

@@ -38,8 +38,8 @@ void refuseOverlap(const fs::path& folder, const fs::path& recording) {
   if (!isWithin(folder, recording) && !isWithin(recording, folder)) return;
   throw badInput(
       folder.string(), 0,
-      {InputFault::kInputInTheWay, "and the recording " + recording.string() + " lie in each other",
-       "", "give another place for the results"});
+      {InputFault::kInputInTheWay, "and the recording " + recording.string() + " overlap", "",
+       "choose another folder"});
 }
 
 std::string studyIn(const fs::path& mark) {
@@ -60,7 +60,7 @@ void refuseForeign(const fs::path& folder) {
     throw badInput(folder.string(), 0,
                    {InputFault::kForeignFiles,
                     "holds " + entry.path().filename().string() + " and is not a study's folder",
-                    "", "give another place for the results"});
+                    "", "choose another folder"});
   }
 }
 
@@ -93,8 +93,8 @@ NightLock::NightLock(const fs::path& folder) {
     throw badInput(
         folder.string(), 0,
         {InputFault::kUnwritable,
-         fmt::format("another night is at work here{}", size > 0 ? ": " + std::string(holder) : ""),
-         "", "let it end"});
+         fmt::format("another night is running here{}", size > 0 ? ": " + std::string(holder) : ""),
+         "", "wait until it ends"});
   }
   const std::string text =
       fmt::format("process {} on {} since {}", getpid(), hostName(), makeProvenance("", {}).date);
@@ -121,7 +121,7 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
         folder.string(), 0,
         {InputFault::kForeignFiles,
          fmt::format("belongs to the study '{}', and this one is '{}'", name, study.name), "",
-         "give another place for the results"});
+         "choose another folder"});
   }
   refuseForeign(folder);
   std::error_code error;
@@ -152,7 +152,7 @@ void removeLeftovers(const fs::path& folder, const std::vector<Step>& steps) {
 void requireNightFolder(const fs::path& folder) {
   if (fs::exists(folder / kStudyMarkFile) && fs::exists(folder / kHistoryFile)) return;
   throw badInput(folder.string(), 0,
-                 {InputFault::kMissingFile, "holds no study's results",
+                 {InputFault::kMissingFile, "contains no results of a study",
                   "the folder that plumbline study --out wrote", ""});
 }
 

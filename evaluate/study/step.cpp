@@ -17,7 +17,7 @@ constexpr const char* kPart = "part";
 BadInput damaged(const fs::path& file, const std::string& why) {
   return badInput(file.string(), 0,
                   {InputFault::kSyntax, "is damaged (" + why + ")", "",
-                   "run the study again, which writes it anew"});
+                   "run the study again, which rewrites it"});
 }
 
 template <class Use>

@@ -140,7 +140,7 @@ void fields(V& v, StepResult& r) {
   v("version", r.version, "of the program");
   v("status", r.status, "`done`, `failed`, `lost`, `changed`");
   v.ifSet("message", r.message, "of what failed");
-  v("command", r.command, "to do it by hand");
+  v("command", r.command, "to run it by hand");
   v("date", r.date, "UTC");
   v("seconds", r.seconds, "s", "wall time");
   v("cpu_s", r.cpu_s, "s", "of the processor");

@@ -60,8 +60,8 @@ const std::string& comparisonPage() {
   return page;
 }
 
-// Trajectories: two boxes, two views of eleven runs and these over time, errors of position and
-// rotation of two sequences over time, two relative.
+// Trajectories: two boxes, two views of eleven runs, positions and orientations of these over time,
+// errors of position and rotation of two sequences over time, two relative.
 const Study kStudies[] = {
     {"perturbation",
      &perturbationPage,
@@ -73,13 +73,13 @@ const Study kStudies[] = {
      &renderTrajectory,
      {"key-figures", "runs", "ate", "paired", "overlays", "error-time", "rpe", "clock-offset",
       "hand-eye", "nees", "association", "provenance"},
-     2 + 3 * 11 + 2 * 2 + 2},
+     2 + 4 * 11 + 2 * 2 + 2},
     {"comparison",
      &comparisonPage,
      &renderComparison,
      {"key-figures", "calibrations", "parameters", "transforms", "time-offset", "scores", "entropy",
       "differences", "uncertainties", "runs", "overlays", "provenance"},
-     1 + 2 * 2 + 1 + 2 + 3 * 11 + 2 * 2 + 2},
+     1 + 2 * 2 + 1 + 2 + 4 * 11 + 2 * 2 + 2},
     {"study",
      &userStudyPage,
      &renderUserStudy,

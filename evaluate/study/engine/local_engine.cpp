@@ -183,7 +183,7 @@ class LocalEngine {
       const std::string how = end.signal != 0 ? fmt::format("signal {}", end.signal)
                                               : fmt::format("exit code {}", end.exit_code);
       result = recordLost(night_, step,
-                          fmt::format("its process ended by {} without a result, {} times; see {}",
+                          fmt::format("its process ended without a result ({}), {} times; see {}",
                                       how, attempts_[i], (night_ / kEngineLog).string()));
     }
     ++progress_.done;

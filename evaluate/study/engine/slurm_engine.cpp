@@ -201,8 +201,8 @@ void refuseWhileUnderWay(const fs::path& night) {
   throw badInput(
       night.string(), 0,
       {InputFault::kUnwritable,
-       fmt::format("another night is at work here: Slurm's jobs {}", fmt::join(jobs, ", ")), "",
-       "let it end, or cancel them (scancel)"});
+       fmt::format("another night is running here: Slurm's jobs {}", fmt::join(jobs, ", ")), "",
+       "wait until it ends, or cancel them (scancel)"});
 }
 
 struct Word {

@@ -109,7 +109,7 @@ BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<Row>& rows, Gr
 Section trajectorySection(const StudyRecord& record) {
   Section section{"trajectories",
                   "Absolute trajectory errors",
-                  "Odometry under every calibration: one value a calibration and run.",
+                  "Odometry under every calibration: one value per calibration and run.",
                   {},
                   {}};
   if (record.trajectories.empty()) return section;
@@ -121,9 +121,8 @@ Section trajectorySection(const StudyRecord& record) {
   return withFigure(
       std::move(section),
       boxFigure(plot, "ATE by sequence and method", "ATE RMSE [m]", "study-ate",
-                fmt::format("Whiskers at the best and the worst, box from 25 to 75 %, "
-                            "line at the median; {} of {} runs failed and are not in "
-                            "it.",
+                fmt::format("Whiskers at the best and the worst, box from 25 to 75 %, line at the "
+                            "median; {} of {} runs failed and are not included.",
                             failed, record.trajectories.size()),
                 true));
 }
@@ -132,8 +131,7 @@ Section heldOutSection(const StudyRecord& record) {
   Section section{
       "held-out",
       "Held-out errors",
-      "Every calibration, held fixed, on recordings of the rig that no method saw; only "
-      "poses move.",
+      "Every calibration, fixed, on held-out recordings of the rig; only poses are estimated.",
       {},
       {}};
   if (record.held_out.empty()) return section;
@@ -143,17 +141,16 @@ Section heldOutSection(const StudyRecord& record) {
   return withFigure(
       std::move(section),
       boxFigure(plot, "Held-out RMSE by recording and method", "RMSE [px]", "study-held-out",
-                "A point is a calibration and leads to it.", false));
+                "A point is a calibration and links to it.", false));
 }
 
 Section entropySection(const StudyRecord& record) {
-  Section section{
-      "entropies",
-      "Entropies",
-      "Of the calibrations' parameters; lower: better determined. They compare only under "
-      "the same noise and parameters.",
-      {},
-      {}};
+  Section section{"entropies",
+                  "Entropies",
+                  "Of the calibrations' parameters; lower: better determined. Compare them only "
+                  "under the same noise and parameters.",
+                  {},
+                  {}};
   const BoxPlot cameras = methodBoxes(
       record, [](const StudySession& s) { return s.camera_entropy_nats; }, "{:.2f} nat");
   const BoxPlot imu = methodBoxes(

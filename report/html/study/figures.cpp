@@ -88,11 +88,10 @@ Figure stagesFigure(const StudyRecord& record) {
   plot.frame.height = 420;
   plot.frame.x.upright_labels = true;
   plot.frame.y.label = "time [s]";
-  return {
-      toSvg(plot, "study-stages"),
-      "The medians of the methods first, over those who finished, then every session; a bar leads "
-      "to its session's page, a median's to that of the session nearest to it.",
-      true};
+  return {toSvg(plot, "study-stages"),
+          "First the medians of the methods, over those who finished, then every session; a bar "
+          "links to its session's page, the bar of a median to the closest session's.",
+          true};
 }
 
 /// The height of a curve of Kaplan and Meier after a time.
@@ -144,8 +143,8 @@ Figure survivalFigure(const StudyRecord& record) {
   plot.frame.x = {"time [s]", Range{0, record.limit_s}, {}, false, false};
   plot.frame.y = {"share", Range{0, 1.03}, {}, false, false};
   return {toSvg(plot, "study-survival"),
-          "Kaplan-Meier's estimate; who gives up counts as not done until the limit. A point is a "
-          "session and leads to it.",
+          "Kaplan-Meier estimate; participants who gave up count as not done until the limit. A "
+          "point is a session and links to it.",
           true};
 }
 
@@ -205,7 +204,7 @@ Figure offsetFigure(const StudyRecord& record) {
                   false};
   plot.frame.y = {"t_d [ms]", rangeOf({&ends}, 0.06), {}, false, false};
   return {toSvg(plot, "study-offsets"),
-          "Lines reach one stated standard deviation both ways; t_imu = t_cam + t_d.", true};
+          "Lines are plus and minus one stated standard deviation; t_imu = t_cam + t_d.", true};
 }
 
 }  // namespace

@@ -134,16 +134,15 @@ Section resultsSection(const StudyRecord& record) {
   section.blocks.push_back(
       {"Effects",
        "Method against baseline: lengths, times and pixels as changes in percent (of logarithms), "
-       "others as differences. In a crossover the period is taken out, the p-value permutes the "
-       "orders over the participants, and the interval holds the effects that this test does not "
-       "reject. Holm's correction is over the declared endpoints.",
+       "others as differences. In a crossover the effect of the period is removed, the p-value "
+       "permutes the orders over the participants, and the interval contains the effects that this "
+       "test does not reject. Holm's correction is over the declared endpoints.",
        std::move(effects),
        {},
        {}});
   section.blocks.push_back(
       {"Further intervals and tests",
-       "The same effects by the BCa bootstrap, and by signed ranks, which know "
-       "no period.",
+       "The same effects by the BCa bootstrap, and by signed ranks, which ignore the period.",
        besideTable(record),
        {},
        {}});
@@ -174,9 +173,9 @@ Section orderSection(const StudyRecord& record) {
   return withTable(
       {"order",
        "Order effects",
-       "What the second session differs by, the method taken out (practice, fatigue), "
-       "and the difference between the two orders' sums, which a lasting effect of the "
-       "first session would show. An estimate: nothing is decided by it.",
+       "Difference of the second session with the effect of the method removed (practice, "
+       "fatigue), and the difference between the two orders' sums, which shows a lasting effect of "
+       "the first session. An estimate only: no decision depends on it.",
        {},
        {}},
       std::move(table));
@@ -218,8 +217,8 @@ Section perturbationSection(const StudyRecord& record) {
   return withTable(
       {"perturbations",
        "Perturbed time offsets",
-       "Every IMU stamp is moved by a known offset and the calibration runs again from "
-       "its own first guess; recovered: the offset found less the one found without.",
+       "Every IMU stamp is shifted by a known offset and the calibration runs again from its own "
+       "initial guess; recovered: the offset found minus the one found without the shift.",
        {},
        {}},
       std::move(table));

@@ -26,7 +26,7 @@ Table spreadTable(const StudyRecord& record) {
                {"Stated", kNumber},
                {"Unit"},
                {"Ratio", kNumber},
-               {"95 % if true", kNumber}},
+               {"95 % interval", kNumber}},
               {}};
   for (const StudySpread& s : record.statistics.spread) {
     const auto [unit, factor] = readable(s.unit);
@@ -79,7 +79,7 @@ Figure spreadFigure(const StudyRecord& record) {
   for (std::size_t k = 0; k < record.methods.size(); ++k) {
     plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 2, false, false});
   }
-  plot.frame.title = "Spread over sessions over the stated deviation";
+  plot.frame.title = "Spread over sessions relative to the stated deviation";
   plot.frame.width = 960;
   plot.frame.height = 380;
   plot.frame.x = {"", Range{-0.5, right}, {}, false, true};
@@ -88,10 +88,9 @@ Figure spreadFigure(const StudyRecord& record) {
   }
   plot.frame.y = {"ratio", Range{0, 1.08 * std::min(top, 10.0)}, {}, false, false};
   return {toSvg(plot, "study-spread"),
-          "1: the sessions of one rig spread as each of them states; a point leads to the session "
-          "that is "
-          "farthest from the mean. Dashed: 95 % of ratios would "
-          "lie between, were the deviations true (of the method with most sessions).",
+          "1: the sessions of one rig spread as each of them states; a point links to the session "
+          "farthest from the mean. Dashed: 95 % interval of the ratio if the stated deviations are "
+          "true (for the method with most sessions).",
           true};
 }
 
@@ -99,8 +98,8 @@ Figure spreadFigure(const StudyRecord& record) {
 
 Section spreadSection(const StudyRecord& record) {
   Section section{"spread",
-                  "Stated deviations against the spread over sessions",
-                  "Sessions of one rig should spread as far as each of them states. Ratio: "
+                  "Stated deviations and the spread over sessions",
+                  "Sessions of one rig should spread as much as each of them states. Ratio: "
                   "sqrt(chi\u00b2 / (n \u2212 1)) about the weighted mean; above its interval the "
                   "deviations are too small, below too large.",
                   {},
@@ -113,13 +112,12 @@ Section spreadSection(const StudyRecord& record) {
 }
 
 Section boardSection(const StudyRecord& record) {
-  Section section{
-      "board",
-      "The board over the sessions",
-      "Terms of the target's shape as each calibration estimated it: a drift is a board "
-      "that changes.",
-      {},
-      {}};
+  Section section{"board",
+                  "The board over the sessions",
+                  "Terms of the target's shape as each calibration estimated it: a drift means "
+                  "that the board changes.",
+                  {},
+                  {}};
   LinePlot plot;
   std::vector<double> ends{0};
   double last = 0;
@@ -157,7 +155,7 @@ Section boardSection(const StudyRecord& record) {
   plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}, {}, false, false};
   plot.frame.y = {"RMS displacement [mm]", rangeOf({&ends}, 0.08), {}, false, false};
   return withFigure(std::move(section), {toSvg(plot, "study-board"),
-                                         "Terms that stay below 0.02 mm are left out.", true});
+                                         "Terms that stay below 0.02 mm are not shown.", true});
 }
 
 }  // namespace plumbline::html_internal

@@ -146,8 +146,8 @@ Section othersSection(const StudyRecord& record) {
   Table table{{{"Session"},
                {"Tool"},
                {"Held-out RMSE [px]", kNumber},
-               {"Ours [px]", kNumber},
-               {"Largest differences from ours"}},
+               {"Plumbline [px]", kNumber},
+               {"Largest differences from Plumbline"}},
               {}};
   for (const StudyOther& o : record.others) {
     const StudySession* s = sessionOf(record, o.session);
@@ -162,7 +162,7 @@ Section othersSection(const StudyRecord& record) {
   return withTable({"tools",
                     "Other tools",
                     "Their calibrations of the same recordings, scored on the same held-out ones; "
-                    "differences in our deviations.",
+                    "differences in Plumbline's standard deviations.",
                     {},
                     {}},
                    std::move(table));
@@ -171,7 +171,7 @@ Section othersSection(const StudyRecord& record) {
 Section nightsSection(const StudyRecord& record) {
   Section section{"nights",
                   "Nights and alarms",
-                  "Figures of the same inputs and version must repeat; others are judged against "
+                  "Figures of the same inputs and version must repeat; others are compared with "
                   "the nights before.",
                   {},
                   {}};
@@ -233,7 +233,7 @@ Section sessionsSection(const StudyRecord& record) {
   }
   return withTable({"sessions",
                     "All sessions",
-                    "A name leads to the session's page; a click on a heading sorts.",
+                    "A name links to the session's page; a click on a heading sorts.",
                     {},
                     {}},
                    std::move(table));

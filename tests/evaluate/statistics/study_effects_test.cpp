@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Known effects are found in made-up studies, on the right scale, apart from the period; where
-// nothing can be told apart nothing is claimed.
+// nothing can be separated nothing is claimed.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -85,7 +85,7 @@ TEST(StudyStatistics, SayNoPValueOfTheMethodWhereAllHadOneOrder) {
   EXPECT_EQ(e.design, StudyDesign::kOneOrder);
   EXPECT_NEAR(e.effect.estimate, kEffect * kPeriod, 0.01);
   EXPECT_FALSE(e.p || e.p_holm || e.wilcoxon_p || e.period);
-  EXPECT_THAT(e.sentence, HasSubstr("method and order cannot be told apart"));
+  EXPECT_THAT(e.sentence, HasSubstr("method and order are confounded"));
   EXPECT_THAT(e.sentence, Not(HasSubstr("p =")));
   EXPECT_FALSE(record.statistics.time[0].p);
 }
@@ -116,7 +116,7 @@ TEST(StudyStatistics, SayNoPValueOfThreeMethodsInOneOrder) {
   ASSERT_FALSE(same.statistics.quade.empty());
   const StudyQuade& q = same.statistics.quade.front();
   EXPECT_FALSE(q.p.has_value());
-  EXPECT_THAT(q.sentence, AllOf(HasSubstr("cannot be told apart"), Not(HasSubstr("p ="))));
+  EXPECT_THAT(q.sentence, AllOf(HasSubstr("are confounded"), Not(HasSubstr("p ="))));
   ASSERT_TRUE(both.statistics.quade.front().p.has_value());
   EXPECT_LT(*both.statistics.quade.front().p, 0.01);
   EXPECT_DOUBLE_EQ(both.statistics.quade.front().statistic, q.statistic);
@@ -250,10 +250,10 @@ StudyRecord spreadStudy(double scatter) {
     // A rotation by 120 degrees, so that Log's components are far from the tangent's.
     const Eigen::Vector3d w =
         logSO3(expSO3({0, 0, sign * scatter * 1e-3}) * expSO3({1.2, 1.2, 1.2}));
-    s.estimates = {{"cam0.fu", 450 + sign * scatter * 0.1, 0.1, "px", {}, {}},
-                   {"T_SC0.rx", w.x(), 1e-3, "rad", {}, {}},
-                   {"T_SC0.ry", w.y(), 1e-3, "rad", {}, {}},
-                   {"T_SC0.rz", w.z(), 1e-3, "rad", {}, {}}};
+    s.estimates = {{"cam0.fu", 450 + sign * scatter * 0.1, 0.1, "px", {}, {}, {}},
+                   {"T_SC0.rx", w.x(), 1e-3, "rad", {}, {}, {}},
+                   {"T_SC0.ry", w.y(), 1e-3, "rad", {}, {}, {}},
+                   {"T_SC0.rz", w.z(), 1e-3, "rad", {}, {}, {}}};
     record.sessions.push_back(s);
   }
   return record;

@@ -81,7 +81,7 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
       {kSequence + "trajectories: {command: a, odometry: builtin}\n", ":11:", "one of pattern"},
       {kSequence + "trajectories: {odometry: mine}\n", ":11:", "is not a file"},
       {kSequence + "trajectories: {odometry: builtin, runs: 3}\n", ":11:", "built-in odometry"},
-      {kSequence + "trajectories: {command: a, runs: 3}\n", ":11:", "is of an odometry"},
+      {kSequence + "trajectories: {command: a, runs: 3}\n", ":11:", "applies to an odometry"},
       {kSequence + "trajectories: {odometry: openvins, runs: 0}\n", ":11:", "runs of each"},
       {kSequence + "trajectories: {odometry: builtin, metrics: {colour: red}}\n",
        ":11:", "no option"},

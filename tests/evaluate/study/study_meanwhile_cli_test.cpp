@@ -16,7 +16,7 @@ TEST_F(StudyMeanwhile, ASecondNightSaysSoAndLeaves) {
   const Outcome second = study(root_ / "data", night);
   EXPECT_EQ(second.exit_code, 2);
   EXPECT_THAT(second.text,
-              HasSubstr("another night is at work here: process " + std::to_string(first)));
+              HasSubstr("another night is running here: process " + std::to_string(first)));
   int status = 0;
   waitpid(first, &status, 0);
   EXPECT_EQ(WEXITSTATUS(status), 0);

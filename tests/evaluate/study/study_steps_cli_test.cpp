@@ -67,12 +67,12 @@ TEST_F(StudySteps, OneShapeOfTheBoardForAll) {
   // The session that shows the same board agrees with it, the ones with a flat board do not.
   const Json& same = summary.at("sessions")[0];
   EXPECT_LT(same.at("camera_rmse_px").get<double>(), 0.3);
-  EXPECT_THAT(same.value("verdict_sentence", ""), Not(HasSubstr("not the one of the file")));
+  EXPECT_THAT(same.value("verdict_sentence", ""), Not(HasSubstr("not that of the given file")));
   for (int other = 1; other < 4; ++other) {
     const Json& flat = summary.at("sessions")[other];
     EXPECT_EQ(flat.at("verdict"), "caution");
     EXPECT_THAT(flat.at("verdict_sentence").get<std::string>(),
-                testing::AllOf(HasSubstr("not the one of the file"), Not(HasSubstr("below"))));
+                testing::AllOf(HasSubstr("not that of the given file"), Not(HasSubstr("below"))));
     EXPECT_THAT(flat.at("verdict_sentence").get<std::string>(),
                 testing::StartsWith(flat.at("verdict_rule").get<std::string>()));
   }
