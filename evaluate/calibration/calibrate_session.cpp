@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/calibration/calibrate_session.h"
 
+#include <limits>
 #include <utility>
 
 #include <fmt/core.h>
@@ -12,6 +13,7 @@
 #include "calibrator/batch/two_stages.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/calibration/view_images.h"
+#include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/sample_intervals.h"
@@ -68,9 +70,12 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
   auto stage = calibrateCameras(loaded.session, request.camera);
   if (!stage) return withModelSuspect(stage.failure(), request, loaded.session);
   record.camera = std::move(stage).value();
+  record.projection_uncertainty = uncertaintyMaps(record.camera->cameras, loaded.session.name,
+                                                  uncertaintyOfStage(*record.camera),
+                                                  {std::numeric_limits<double>::infinity()});
   addLoading(loaded, record.camera->summary.seconds);
   if (request.halves) {
-    progress("comparing the halves", -1);
+    progress("comparing the halves of the recording", -1);
     record.camera->summary.halves =
         checkCameraHalves(loaded.session, *record.camera, request.camera);
   }
@@ -109,8 +114,10 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   if (!stage->summary.converged) return notConverged(*stage);
   record.camera_imu = std::move(stage).value();
   if (record.camera) {
-    record.camera_imu->summary.robust_std =
-        robustStdOfBothStages(*record.camera, *record.camera_imu);
+    if (auto both = robustDeviationsOfBothStages(*record.camera, *record.camera_imu)) {
+      record.camera_imu->summary.robust_std = std::move(both->std);
+      record.camera_imu->summary.robust_dof = std::move(both->dof);
+    }
   }
   if (request.halves) {
     record.camera_imu->summary.halves =
@@ -146,7 +153,7 @@ void CalibrateRequest::check() const {
         fmt::format("{} bootstrap solutions: expected 0 (none), or 2 and more", resamples));
   }
   if (free_cameras && !cameras_file) {
-    throw InputError("cameras can be freed only where a file gives them");
+    throw InputError("cameras can be refined only if a file gives them");
   }
 }
 
@@ -171,8 +178,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   const bool with_imu = request.use_imu && loaded.session.imu.has_value();
   if (!with_imu && request.cameras_file && !request.free_cameras) {
     throw InputError(
-        "the cameras are given and fixed, and there is no IMU to calibrate: nothing is left to do; "
-        "add imu0/data.csv and imu.yaml to the session, or let the cameras be refined");
+        "the cameras are given and fixed, and there is no IMU to calibrate: there is nothing to "
+        "estimate; add imu0/data.csv and imu.yaml to the session, or refine the cameras");
   }
   if (!request.cameras_file || request.free_cameras) {
     if (auto failure = cameraStage(request, loaded, progress, record)) {

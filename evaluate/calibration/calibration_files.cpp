@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/calibration/calibration_files.h"
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/base/statistics.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/target_shape.h"
 #include "evaluate/metrics/headline.h"
@@ -39,11 +42,25 @@ void addCameras(Text& text, const std::vector<CameraCalibration>& cameras) {
   }
 }
 
+// How well the recording determines where far points fall in each image.
+void addUncertainty(Text& text, const std::vector<ImageMap>& maps) {
+  for (const ImageMap& map : maps) {
+    std::vector<double> known;
+    for (const double std : map.values) {
+      if (std::isfinite(std)) known.push_back(std);
+    }
+    if (known.empty()) continue;
+    const double most = *std::max_element(known.begin(), known.end());
+    add(text, "  {} projection of far points: std {:.2g} px in the median, {:.2g} px at most\n",
+        map.camera, median(known), most);
+  }
+}
+
 // What the camera-IMU stage had to do without; nothing where it used all.
 void addLeftOut(Text& text, const CameraImuStageResult& stage) {
   if (stage.frames_without_imu + stage.frames_without_pose + stage.imu_gaps == 0) return;
   add(text,
-      "  {} frames used; left out: {} without IMU samples, {} without a pose; gaps in the IMU: "
+      "  {} frames used; not used: {} without IMU samples, {} without a pose; gaps in the IMU: "
       "{}\n",
       stage.frames.size(), stage.frames_without_imu, stage.frames_without_pose, stage.imu_gaps);
 }
@@ -92,22 +109,22 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
 void addTarget(Text& text, const TargetFit& fit, bool kept) {
   if (fit.finding == TargetFinding::kKnown || fit.finding == TargetFinding::kOther) {
     add(text,
-        "Target: {}; held-out frames {:.4f} px with the given shape, {:.4f} px with its own\n",
+        "Target: {}; held-out frames {:.4f} px with the given shape, {:.4f} px with an estimated "
+        "one\n",
         fit.finding == TargetFinding::kKnown ? "known from another session"
-                                             : "not the one of the given file",
+                                             : "not that of the given file",
         fit.flat_held_out_px, fit.held_out_px);
     return;
   }
   if (fit.finding != TargetFinding::kBent) {
-    add(text, "Target: taken as stated ({})\n", toString(fit.finding));
+    add(text, "Target: assumed as stated ({})\n", toString(fit.finding));
     return;
   }
   add(text,
-      "Target: {:.2f} mm RMS off the even grid{}; held-out frames {:.4f} px with its own shape, "
-      "{:.4f} "
-      "px without\n",
+      "Target: {:.2f} mm RMS deviation from the even grid{}; held-out frames {:.4f} px with the "
+      "estimated shape, {:.4f} px without\n",
       1e3 * fit.shape.terms.head<kTargetTerms - 1>().norm(),
-      kept ? ", estimated with the cameras" : ", left as stated", fit.held_out_px,
+      kept ? ", estimated with the cameras" : ", not applied", fit.held_out_px,
       fit.flat_held_out_px);
 }
 
@@ -161,12 +178,13 @@ std::string calibrationSummary(const CalibrationRecord& record) {
     addTarget(text, fit, record.camera->target.terms == fit.shape.terms);
   }
   addCameras(text, record.cameras());
+  addUncertainty(text, record.projection_uncertainty);
   if (record.camera_imu) {
     addErrors(text, "Camera-IMU", record.camera_imu->summary);
     addLeftOut(text, *record.camera_imu);
     addImu(text, *record.camera_imu);
   } else {
-    add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or it is left out)\n");
+    add(text, "Camera-IMU: not calibrated (no imu0 in the recording, or the IMU is disabled)\n");
   }
   add(text, "{}", verdictText(record.verdict));
   return fmt::to_string(text);

@@ -57,9 +57,9 @@ std::vector<ModelConversion> convertModels(Calibration& calibration, const Camer
     }
     const auto fit = convertedLens(lens, model.projection, model.distortion);
     if (!fit) {
-      throw InputError(fmt::format("{} is {} and cannot be given as {}-{}; choose another model",
-                                   camera.name, nameOf(lens), toString(model.projection),
-                                   toString(model.distortion)));
+      throw InputError(fmt::format(
+          "{} is {} and cannot be converted to {}-{}; choose another model", camera.name,
+          nameOf(lens), toString(model.projection), toString(model.distortion)));
     }
     ModelConversion conversion;
     conversion.camera = camera.name;

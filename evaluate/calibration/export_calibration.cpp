@@ -16,7 +16,7 @@ Calibration requestedCalibration(const ExportRequest& request) {
   if (!request.imu) return calibration;
   if (!calibration.imu) {
     throw InputError(request.calibration, 0,
-                     "has no IMU, whose noise is to be replaced; calibrate with one");
+                     "has no IMU whose noise could be replaced; calibrate with an IMU");
   }
   const ImuDescription imu = readImuDescription(*request.imu);
   calibration.imu->noise = imu.noise;

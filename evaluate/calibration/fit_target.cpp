@@ -18,8 +18,8 @@ void requireSameGrid(const AprilGrid& first, const AprilGrid& other, const std::
     return;
   }
   throw InputError(path, 0,
-                   "states another grid than the first session's target.yaml; one board is "
-                   "estimated: give sessions of the same, or --target");
+                   "states another grid than the first session's target.yaml; expected sessions of "
+                   "one board; omit this one, or give --target");
 }
 
 /// Deviations at the noise that the recording's corners have: the stated pixel sigma is an
@@ -29,8 +29,8 @@ TargetFit atMeasuredNoise(const CameraStageResult& stage, double pixel_sigma) {
   const double noise_px = stage.summary.reprojection.rmse_px / std::numbers::sqrt2;  // per axis
   *fit.shape.covariance *= std::pow(noise_px / pixel_sigma, 2);
   Eigen::VectorXd variance = fit.shape.covariance->diagonal();
-  if (stage.robust_covariance.size() > 0) {
-    variance = variance.cwiseMax(stage.robust_covariance.diagonal().tail<kTargetTerms>());
+  if (stage.robust_covariance) {
+    variance = variance.cwiseMax(stage.robust_covariance->matrix.diagonal().tail<kTargetTerms>());
   }
   fit.std = variance.cwiseSqrt();
   return fit;
@@ -73,7 +73,7 @@ std::string agreementText(BoardAgreement agreement) {
     case BoardAgreement::kSame:
       return "shows the same board";
     case BoardAgreement::kSamePredicted:
-      return "differs by more than chance, but its own shape predicts held-out frames no better";
+      return "differs significantly, but its own shape predicts held-out frames no better";
     case BoardAgreement::kOther:
       return "differs, and its own shape predicts held-out frames better: another board, one that "
              "has changed, or a lens that its model misfits";
@@ -96,8 +96,7 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
     const auto stage = stages.run(loaded, TargetMode::kEstimate);
     if (!stage) return stage.failure();
     if (!stage->target_fit || !stage->target_fit->shape.covariance) {
-      throw InputError(load.session, 0,
-                       "says nothing of the board's shape: leave this session out");
+      throw InputError(load.session, 0, "does not determine the board's shape: omit this session");
     }
     fits.push_back(atMeasuredNoise(*stage, request.camera.pixel_sigma));
     out.names.push_back(loaded.session.name);
@@ -119,8 +118,8 @@ std::string jointTargetText(const SessionsTarget& fit) {
   const TargetShape& shape = fit.joint.shape;
   const TargetTerms std = shape.covariance->diagonal().cwiseSqrt();
   std::string text =
-      fmt::format("Target from {} sessions: {:.3f} mm RMS off the even grid\n", fit.names.size(),
-                  1e3 * shape.terms.head<kTargetTerms - 1>().norm());
+      fmt::format("Target from {} sessions: {:.3f} mm RMS deviation from the even grid\n",
+                  fit.names.size(), 1e3 * shape.terms.head<kTargetTerms - 1>().norm());
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     text += fmt::format("  {:<9} {:+8.4f} +- {:.4f} mm\n", kTargetTermNames[j],
@@ -128,15 +127,16 @@ std::string jointTargetText(const SessionsTarget& fit) {
   }
   if (fit.joint.dispersion > 1) {
     text += fmt::format(
-        "Deviations are {:.2f} times what each session states, since they differ by so much\n",
+        "Standard deviations are scaled by {:.2f}, because the sessions differ by that much more "
+        "than they state\n",
         std::sqrt(fit.joint.dispersion));
   }
   for (std::size_t i = 0; i < fit.names.size(); ++i) {
     const TargetMember& m = fit.joint.members[i];
     if (m.terms == 0) continue;
     text += fmt::format(
-        "  {}: {} (chi-square {:.1f} of {} terms, {:.1f} by chance; {:.3f} mm RMS, most {} by "
-        "{:+.4f} +- {:.4f} mm)\n",
+        "  {}: {} (chi-square {:.1f} for {} terms, 99 % bound {:.1f}; {:.3f} mm RMS, largest: {} "
+        "by {:+.4f} +- {:.4f} mm)\n",
         fit.names[i], agreementText(fit.agreement[i]), m.chi2, m.terms, m.limit, 1e3 * m.rms,
         m.worst, 1e3 * m.difference, 1e3 * m.std);
   }

@@ -11,7 +11,7 @@ using Code = FailureCode;
 constexpr const char* kTurnAndTilt =
     "add views with the target tilted, rolled, and all over the image";
 constexpr const char* kOneClock =
-    "check that camera and IMU stamps are of one clock and one recording";
+    "check that camera and IMU stamps come from one clock and one recording";
 
 const FailureRow kRows[] = {
     {Code::kNoImu, "the session has no IMU samples",
@@ -35,22 +35,22 @@ const FailureRow kRows[] = {
     {Code::kNoRotation,
      "T_SC0 and the time offset are not observable: the sensor's rotation rate hardly varies about "
      "any axis (RMS {rms:.2g} rad/s)",
-     "turn the sensor to and fro about all its axes while the target stays in view"},
+     "rotate the sensor back and forth about all its axes while the target stays in view"},
     {Code::kRotationAboutOneAxis,
      "translation along {axis} of T_SC0 is not observable: no rotation about {across} (RMS "
      "{rms:.2g} rad/s across {axis})",
-     "turn the sensor about at least two axes of the IMU"},
+     "rotate the sensor about at least two axes of the IMU"},
     {Code::kRatesDoNotCorrelate,
      "gyroscope and camera rotation do not correlate under any time offset in range (best "
      "{correlation:.2f}, expected above {needed:.2f})",
-     "check that both are of the same recording, that their stamps are of one clock (a larger "
-     "offset can be given by --imu-shift-ms), that each gyroscope column is what it should be, and "
-     "that neither single samples (spikes) nor tag ids are wrong"},
+     "check that both are from the same recording, that their stamps come from one clock (a larger "
+     "offset can be given by --imu-shift-ms), that the gyroscope columns are in the right order "
+     "and unit, and that there are no wrong samples (spikes) or tag ids"},
     {Code::kStampsWander,
-     "the time offset between gyroscope and cameras wanders: from {from_ms:.1f} to {to_ms:.1f} ms "
-     "in parts of the recording, a difference that is known to {std_ms:.1g} ms",
-     "look for frames or samples that were lost while the others were stamped evenly, a clock that "
-     "was set, or clocks that run at different rates; use the stamps that the sensors give"},
+     "the time offset between gyroscope and cameras is not constant: {from_ms:.1f} to {to_ms:.1f} "
+     "ms in parts of the recording (standard deviation of the difference {std_ms:.1g} ms)",
+     "look for lost frames or samples that evenly spaced stamps hide, a clock that was set during "
+     "the recording, or clocks that run at different rates; use the sensors' own stamps"},
     {Code::kGyroscopeMirrored,
      "the gyroscope's axes are permuted or mirrored: its rates fit the camera's only after a "
      "reflection (correlation {mirrored:.3f} against {rotated:.3f} for a rotation)",
@@ -70,95 +70,95 @@ const FailureRow kRows[] = {
      "negate its three columns: at rest it must read +9.8 m/s^2 upwards; or, where the images are "
      "mirrored, mirror them back"},
     {Code::kGravityDisagrees,
-     "gravity comes out as {measured:.2f} m/s^2 in place of {expected:.2f}",
+     "the estimated gravity is {measured:.2f} m/s^2 instead of {expected:.2f}",
      "check units, scale, order and signs of the accelerometer's columns"},
     {Code::kScaleDisagrees,
-     "target and IMU disagree about scale: by the IMU, tagSize ({tag_size:.4g} m) is {times:.3g} "
-     "times too {size}, {measured:.4g} m (+- {measured_std:.1g}) would fit",
-     "measure a tag's black square and the gap between tags; only if they differ from target.yaml "
-     "correct tagSize or tagSpacing, else look for the fault in the IMU (scale, axes, a delay "
+     "target and IMU disagree about scale: according to the IMU, tagSize ({tag_size:.4g} m) is "
+     "{times:.3g} times too {size} and should be {measured:.4g} m (+- {measured_std:.1g})",
+     "measure a tag's black square and the gap between tags; if they differ from target.yaml, "
+     "correct tagSize or tagSpacing; otherwise look for the fault in the IMU (scale, axes, a delay "
      "between its sensors, spikes, stamps)"},
 
     {Code::kTooFewRates,
-     "{rates} pairs of neighbouring frames show how the camera turns; {needed} are needed to find "
-     "the time offset",
+     "{rates} pairs of consecutive frames give the camera's angular rate; {needed} are needed to "
+     "find the time offset",
      "record longer, or at a higher frame rate, with the target in view"},
     {Code::kImuDoesNotCover,
      "the IMU has {span} after the first frame, the frames end at {frames_to_s:.1f} s: it covers "
      "{covered} of {intervals} frame intervals at best (time offsets within +-{range_s} s), at "
      "least {needed} are needed",
-     "check that camera and IMU stamps are of one clock and one recording; a known shift can be "
+     "check that camera and IMU stamps come from one clock and one recording; a known shift can be "
      "given by --imu-shift-ms"},
     {Code::kClockTooFewRates,
      "the clock offset cannot be determined: the estimate has {rates} angular rates, at least "
      "{needed} "
      "are needed",
-     "give more poses, widen --clock-range, or bring the clocks close by --time-offset"},
+     "use a longer estimate, widen --clock-range, or align the clocks roughly with --time-offset"},
     {Code::kClockNoOverlap,
      "the clock offset cannot be determined: estimate and truth share too little time within "
      "+-{range_s:g} s",
-     "give more poses, widen --clock-range, or bring the clocks close by --time-offset"},
+     "use a longer estimate, widen --clock-range, or align the clocks roughly with --time-offset"},
     {Code::kClockNoRotation,
      "the {trajectory} does not turn enough to determine the clock offset: its angular rate varies "
      "by "
      "{rms:.4f} rad/s (RMS), {needed} are needed",
-     "record with brisk turns about several axes, or give the offset by --clock-offset SECONDS"},
+     "record brisk rotations about several axes, or give the offset by --clock-offset SECONDS"},
     {Code::kClockRatesDoNotCorrelate,
      "the angular rates of estimate and truth do not correlate under any clock offset within "
      "+-{range_s:g} s (at best {correlation:.2f}, {needed:g} is needed)",
-     "check that both show the same recording and that it turns briskly, widen --clock-range, or "
-     "give the offset by --clock-offset SECONDS"},
+     "check that both are from the same recording and that it contains brisk rotations, widen "
+     "--clock-range, or give the offset by --clock-offset SECONDS"},
 
     {Code::kCamerasShareNoFrame, "{apart} never saw the target in the same frame as {together}",
      "record the target where the cameras' fields of view overlap, check the stamps of the "
-     "cameras, or calibrate these cameras by themselves"},
+     "cameras, or calibrate these cameras separately"},
     {Code::kTooFewViews,
-     "{camera} has {views} views with at least {least} corners (of {offered} views, the fullest of "
-     "which holds {fullest}); {needed} are needed",
-     "record more views of the target, tilted and filling the image, or leave this camera out; if "
-     "it does see the target, check tagRows and tagCols in target.yaml"},
+     "{camera} has {views} views with at least {least} corners (of {offered} views; the most in "
+     "one view is {fullest}); {needed} are needed",
+     "record more views of the target, tilted and filling the image, or exclude this camera; if it "
+     "does see the target, check tagRows and tagCols in target.yaml"},
     {Code::kTooFewViewsAsked,
-     "{camera} has {views} views with at least {least} corners (of {offered} views, the fullest of "
-     "which holds {fullest}); {needed} are needed",
-     "--min-corners {asked} asks for so many: lower it, or record more views of the target, tilted "
-     "and filling the image, or leave this camera out"},
+     "{camera} has {views} views with at least {least} corners (of {offered} views; the most in "
+     "one view is {fullest}); {needed} are needed",
+     "--min-corners {asked} sets this limit: lower it, or record more views of the target, tilted "
+     "and filling the image, or exclude this camera"},
     {Code::kNoPlausiblePose,
      "none of the {views} views of {camera} gives a plausible pose of the target",
      "check tagRows, tagCols and the order of a tag's corners, and the camera's model"},
     {Code::kNoFramePose, "none of {frames} frames gives a plausible pose of the target",
      "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models"},
-    {Code::kInformationNotFinite, "the information of the cameras is not finite",
+    {Code::kInformationNotFinite, "the information matrix of the cameras is not finite",
      "check --pixel-sigma and the scale of --loss: one of them is far out of range"},
     {Code::kFocalLengthFree,
-     "not observable: the focal length of {camera} cannot be told apart from the distance to the "
+     "not observable: the focal length of {camera} cannot be separated from the distance to the "
      "target: all views are nearly parallel to it (free direction along {direction})",
      "add views with the target tilted by 30 degrees and more, about both of its axes"},
     {Code::kPrincipalPointFree,
-     "not observable: the principal point of {camera} cannot be told apart from the poses: the "
-     "views are too much alike (free direction along {direction})",
+     "not observable: the principal point of {camera} cannot be separated from the poses: the "
+     "views are too similar (free direction along {direction})",
      "add views with the target tilted about both of its axes and the camera rolled"},
     {Code::kExtrinsicsFree,
      "not observable: the transform {camera} is not determined by the frames that its camera "
      "shares with others (free direction along {direction})",
-     "add frames in which both cameras see many tags at once, with the target tilted"},
+     "add frames in which both cameras see many tags at the same time, with the target tilted"},
     {Code::kDistortionFree,
      "not observable: the distortion of {camera} is not determined: too few corners away from the "
      "image's centre (free direction along {direction})",
      "add views with the target near the edges and corners of the image"},
-    {Code::kInformationSingular, "not observable: the information of the cameras has no inverse",
-     kTurnAndTilt},
+    {Code::kInformationSingular,
+     "not observable: the information matrix of the cameras is singular", kTurnAndTilt},
     {Code::kSessionInformationSingular,
-     "not observable: the information of the cameras on this session has no inverse",
+     "not observable: the information matrix of the cameras on this session is singular",
      "use a recording with the target tilted, rolled, and all over the image"},
     {Code::kFramePosesFree, "no frame's pose is determined by its corners",
-     "use a recording in which the target is seen from near"},
+     "use a recording in which the target is closer to the camera"},
     {Code::kCamerasNotConverged,
      "the camera calibration did not converge in {iterations} iterations",
      "check the target's size and layout and the camera models, or reject outliers with --outliers "
      "sigma:4"},
 
     {Code::kCameraCountDiffers, "{calibrated} cameras are calibrated, the session has {session}",
-     "give a calibration of the session's own cameras"},
+     "use a calibration of the session's own cameras"},
     {Code::kTooFewPosedFrames,
      "{frames} frames show the target well enough for a pose; at least {needed} are needed",
      "keep the target in view, and check that the intrinsics belong to these cameras"},
@@ -166,23 +166,24 @@ const FailureRow kRows[] = {
      "IMU samples cover {covered} of {frames} frames (time offset {offset_s:.3f} s); at least "
      "{needed} are needed",
      kOneClock},
-    {Code::kTooFewLinkedFrames, "the segments hold fewer than two linked frames",
+    {Code::kTooFewLinkedFrames, "the segments contain fewer than two linked frames",
      "use longer segments"},
     {Code::kOffsetLeftSamples,
      "the time offset left the range of the IMU samples during the optimisation",
-     "record the IMU for longer than the cameras, or give frames well inside"},
+     "record the IMU for longer than the cameras, or use only frames well inside the IMU's time "
+     "span"},
     {Code::kNoDescent, "the camera-IMU optimisation found no step that lowers the cost",
      "check the target, the intrinsics and the units of the IMU"},
     {Code::kCameraImuNotConverged,
      "the camera-IMU calibration did not converge in {iterations} iterations{found}", "{mend}"},
     {Code::kMotionInformationSingular,
      "T_SC0 and the time offset are not observable from this motion",
-     "turn the sensor about all its axes while the target stays in view"},
+     "rotate the sensor about all its axes while the target stays in view"},
     {Code::kLooseDirections, "not observable from this motion: {loose}",
-     "turn the sensor briskly about at least two of its axes and move it to and fro while the "
-     "target stays in view"},
+     "rotate the sensor briskly about at least two of its axes and move it back and forth while "
+     "the target stays in view"},
     {Code::kTooFewDraws, "fewer than two of the resampled {stage} problems have a solution",
-     "record longer, or leave out --resample"},
+     "record longer, or omit --resample"},
 
     {Code::kHandEyeTooFewPairs,
      "{pairs} pairs of poses for the marker body's transform; at least {needed} are needed",
@@ -190,37 +191,38 @@ const FailureRow kRows[] = {
     {Code::kHandEyeNoRotation,
      "the marker body's translation and part of its rotation are not observable: the estimate's "
      "body hardly turns (rotations spread by {across:.4f} rad across it, {needed:g} are needed)",
-     "record turns about two axes, or leave out --hand-eye"},
+     "record rotations about two axes, or omit --hand-eye"},
     {Code::kHandEyeOneAxis,
      "the marker body's translation along {axis} of the estimate's body is not observable: it "
      "turns about this axis only (rotations spread by {across:.4f} rad across it, {needed:g} are "
      "needed)",
-     "record turns about two axes, or leave out --hand-eye"},
+     "record rotations about two axes, or omit --hand-eye"},
     {Code::kHandEyeRotationsDisagree,
-     "no constant transform of the marker body explains the rotations: {rms_deg:.1f} deg (RMS) are "
-     "left",
-     "one side's quaternions may be inverted, w-first for w-last, or of another recording"},
+     "no constant transform of the marker body explains the rotations: {rms_deg:.1f} deg (RMS) "
+     "remain",
+     "the quaternions of one side may be inverted, w-first instead of w-last, or from another "
+     "recording"},
     {Code::kHandEyePositionsDisagree,
      "no constant transform of the marker body explains rotations and positions together: "
-     "{rms_m:.3f} m (RMS) are left of positions that spread by {distance_m:.3f} m",
-     "one side's quaternions may be inverted, the clocks apart (--clock-offset auto), or the "
-     "estimate lost"},
+     "{rms_m:.3f} m (RMS) remain of positions that spread by {distance_m:.3f} m",
+     "the quaternions of one side may be inverted, the clocks different (--clock-offset auto), or "
+     "the estimate may have lost track"},
     {Code::kHandEyeNotConverged, "the marker body's transform did not converge",
      "check the pairing (--max-dt, --clock-offset auto)"},
 
     {Code::kNoFrameKept, "the camera stage kept no frame of the target",
      "record the target in view of every camera"},
     {Code::kFirstFramesNotConverged, "the batch over the first frames did not converge",
-     "go on: more frames will be tried"},
-    {Code::kStageNotBegun, "the guide never began its {stage} stage",
-     "record longer, or see decisions.jsonl for what it waited for"},
+     "continue recording: the guide tries again with more frames"},
+    {Code::kStageNotBegun, "the guide never started its {stage} stage",
+     "record longer; decisions.jsonl states the reason for each frame"},
     {Code::kNoFrameOfPart, "no frame of the {part} has a plausible pose of the target",
      "record longer, or split the frames into shorter blocks"},
     {Code::kPoolUnobservable,
      "the frames of the pool do not determine the cameras, though all frames do",
      "record longer, with the target tilted, rolled, and all over the image"},
 
-    {Code::kNoScore, "{calibration} gives {session} no score: {problem}",
+    {Code::kNoScore, "{calibration} cannot be scored on {session}: {problem}",
      "check that the calibration belongs to these cameras"},
     {Code::kNoCommonTime,
      "no overlap in time: the estimate runs from {estimate_from_s:.3f} to {estimate_to_s:.3f} s, "
@@ -229,38 +231,39 @@ const FailureRow kRows[] = {
     {Code::kPartnersInGaps,
      "{found}, three are needed; {in_gaps} stamps lie in gaps of the truth wider than {max_gap_s} "
      "s",
-     "bridge wider gaps with --max-gap, or give a longer estimate"},
+     "allow wider gaps with --max-gap, or use a longer estimate"},
     {Code::kTooFewPartners,
      "{found} within {max_dt_s} s, three are needed; the nearest stamps are {nearest_s:.6f} s "
      "apart",
      "allow more with --max-dt, shift the estimate with --time-offset, or use --association "
      "interpolate"},
     {Code::kQuaternionsWFirst,
-     "the quaternions of the {which} are w-first where w-last was expected: read as they stand, "
-     "the body turns by {as_read_deg:.1f} deg (median) against the truth's, in the other order by "
+     "the quaternions of the {which} are w-first where w-last was expected: as read, the rotation "
+     "between estimate and truth varies by {as_read_deg:.1f} deg (median), in the other order by "
      "{reordered_deg:.1f} deg",
-     "read them by {option}, or put w behind z in the file"},
-    {Code::kNoOrientations, "clock offset and hand-eye need orientations, and there are none",
-     "leave out --clock-offset auto and --hand-eye auto"},
+     "use {option}, or move w behind z in the file"},
+    {Code::kNoOrientations, "clock offset and hand-eye need orientations, but there are none",
+     "omit --clock-offset auto and --hand-eye auto"},
     {Code::kAlignmentNeedsOrientations,
-     "alignment {alignment} needs orientations, and there are none",
+     "alignment {alignment} needs orientations, but there are none",
      "align with se3, sim3, yaw or none"},
     {Code::kScaleUnknown,
-     "hand-eye needs an estimate in metres, and alignment {alignment} takes its scale as unknown",
-     "align with se3, or leave out --hand-eye"},
+     "hand-eye needs an estimate in metres, but alignment {alignment} treats its scale as unknown",
+     "align with se3, or omit --hand-eye"},
     {Code::kNoPairs, "no poses are matched", "match poses (--max-dt)"},
     {Code::kTooFewPairs,
      "{aligned} of the {pairs} matched poses to align with {alignment}; at least 3 are needed",
      "match more poses (--max-dt, --align-first) or align with se3-first"},
     {Code::kPositionsStandStill,
      "the matched positions do not move, so the alignment is not unique",
-     "align with se3-first or none, or give a segment with motion"},
+     "align with se3-first or none, or use a segment with motion"},
     {Code::kPositionsOnALine,
      "the matched positions lie on a line, so the rotation about it is not unique",
-     "align with se3-first, yaw or yaw-first, or give a segment that turns"},
+     "align with se3-first, yaw or yaw-first, or use a segment that turns"},
     {Code::kNoHorizontalMotion, "the positions do not move horizontally, so yaw is not unique",
-     "align with se3-first or yaw-first, or give a longer segment"},
-    {Code::kUpsideDown, "the first poses are upside down to each other, so yaw is not unique",
+     "align with se3-first or yaw-first, or use a longer segment"},
+    {Code::kUpsideDown,
+     "the first poses are upside down relative to each other, so yaw is not unique",
      "align with se3-first"},
 };
 

@@ -114,7 +114,7 @@ std::string likelyCause(double estimate, double truth) {
 }
 
 std::string partnersFound(const Failure& f) {
-  return fmt::format("{:.0f} of {:.0f} estimated poses {} a partner among {:.0f} true ones",
+  return fmt::format("{:.0f} of {:.0f} estimated poses {} a match among {:.0f} ground-truth poses",
                      f.number("pairs"), f.number("poses"), f.number("pairs") == 1 ? "has" : "have",
                      f.number("truth"));
 }

@@ -69,7 +69,7 @@ std::string calibrationHeadline(const CalibrationRecord& record) {
                          ? "nothing was calibrated"
                          : fmt::format("cameras to {:.2f} px RMSE", cameras->reprojection.rmse_px);
   good += imuWords(record);
-  good += fmt::format("; all {} rules hold", record.verdict.findings.size());
+  good += fmt::format("; all {} rules are met", record.verdict.findings.size());
   return headlineOf(record.verdict, good);
 }
 

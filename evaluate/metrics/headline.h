@@ -18,7 +18,7 @@ std::string headlineOf(const Verdict& verdict, const std::string& good);
 std::string worstFinding(const Verdict& verdict);
 
 /// What a good calibration is: "Cameras to 0.27 px RMSE; T_SC0 to 0.45 mm and 0.013 deg (1 sigma
-/// per axis), time offset to 0.04 ms; all 60 rules hold." Deviations are the largest of those
+/// per axis), time offset to 0.04 ms; all 60 rules are met." Deviations are the largest of those
 /// shown.
 std::string calibrationHeadline(const CalibrationRecord& record);
 

@@ -50,7 +50,7 @@ void checkColumns(const TargetLayout& layout, const LoadedSession& loaded) {
   const std::string& path = loaded.target_path;
   throw InputError(
       path, lineOf("tagCols", path),
-      fmt::format("tagCols is {}, but only {} of {} tags stand in line with the one that this puts "
+      fmt::format("tagCols is {}, but only {} of {} tags are aligned with the tag that this places "
                   "above them; expected the number of tags in a row; count them",
                   loaded.session.target.cols, layout.pairs_in_line, layout.pairs_above));
 }

@@ -19,11 +19,10 @@ void checkTopic(const CameraCalibration& given, const CameraStream& stream,
       stream.rostopic.empty() ? "/" + stream.name + "/image_raw" : stream.rostopic;
   const bool generic = said.rfind("/cam", 0) == 0 && said.ends_with("/image_raw");
   if (said.empty() || said == expected || (stream.rostopic.empty() && !generic)) return;
-  throw InputError(
-      path, 0,
-      fmt::format("{} is the calibration of topic {}, but the session's {} is {}; name "
-                  "the cameras in the file as in the session",
-                  stream.name, said, stream.name, expected));
+  throw InputError(path, 0,
+                   fmt::format("{} is the calibration of topic {}, but the session's {} is {}; "
+                               "give the cameras in the file the names of the session",
+                               stream.name, said, stream.name, expected));
 }
 
 const CameraCalibration& cameraOf(const Calibration& given, const std::string& path,

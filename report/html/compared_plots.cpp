@@ -66,8 +66,8 @@ std::string cutText(const VectorField& field) {
   const auto cut = std::count_if(field.arrows.begin(), field.arrows.end(),
                                  [&](const auto& a) { return lengthOf(a) > field.longest; });
   if (field.longest <= 0 || cut == 0) return "";
-  return fmt::format(" {} arrow{} above {:.2g} px {} cut there and red.", cut, cut == 1 ? "" : "s",
-                     field.longest, cut == 1 ? "is" : "are");
+  return fmt::format(" {} arrow{} above {:.2g} px {} shortened to that length, in red.", cut,
+                     cut == 1 ? "" : "s", field.longest, cut == 1 ? "is" : "are");
 }
 
 }  // namespace plumbline::html_internal

@@ -19,11 +19,10 @@ std::string sentenceOf(const Verdict& verdict) {
   const auto beyond =
       std::count_if(verdict.findings.begin(), verdict.findings.end(),
                     [](const Finding& f) { return f.level != VerdictLevel::kGood; });
-  if (beyond == 0) return fmt::format("All {} rules hold.", verdict.findings.size());
-  return fmt::format("{} of {} rules {}; the evidence stands below.", beyond,
-                     verdict.findings.size(),
-                     verdict.level == VerdictLevel::kBad ? "are violated or deserve attention"
-                                                         : "deserve attention");
+  if (beyond == 0) return fmt::format("All {} rules are met.", verdict.findings.size());
+  return fmt::format(
+      "{} of {} rules {}; the evidence is below.", beyond, verdict.findings.size(),
+      verdict.level == VerdictLevel::kBad ? "are violated or need attention" : "need attention");
 }
 
 std::vector<Pair> contentsOf(const Page& study, const std::vector<Section>& sections) {

@@ -220,7 +220,7 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& sentence,
   page.set("subjects", subjectChips(verdict.findings));
   page.set("has_holds", flag(!holds.empty()));
   page.set("holds_summary",
-           fmt::format("{} of {} rules hold", holds.size(), verdict.findings.size()));
+           fmt::format("{} of {} rules are met", holds.size(), verdict.findings.size()));
   page.set("holds", findingRows(holds));
 }
 

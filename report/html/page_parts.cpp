@@ -71,20 +71,23 @@ std::string groupOf(const std::string& parameter) {
   return "Camera 0 in the IMU (T_SC0) and time offset";
 }
 
-void addParameters(std::vector<ParameterGroup>& groups,
-                   const std::vector<ParameterEstimate>& parameters) {
+/// Values that were held have no interval: their deviations are not theirs.
+void addParameters(const std::vector<ParameterEstimate>& parameters, bool held,
+                   std::vector<ParameterGroup>& groups) {
   for (const ParameterEstimate& p : parameters) {
     const std::string heading = groupOf(p.name);
     if (groups.empty() || groups.back().heading != heading)
-      groups.push_back({heading, false, false, {}});
+      groups.push_back({heading, false, false, false, {}});
     const auto [unit, factor] = readable(p.unit);
-    ParameterRow row{p.name,
-                     withPrecisionOf(factor * p.value, factor * p.shownStd()),
-                     twoDigits(factor * p.shownStd()),
-                     unit,
-                     "",
-                     "",
-                     ""};
+    ParameterRow row;
+    row.name = p.name;
+    row.value = withPrecisionOf(factor * p.value, factor * p.shownStd());
+    row.std = twoDigits(factor * p.shownStd());
+    row.unit = unit;
+    if (const auto half = p.halfWidth90(); half && !held) {
+      groups.back().has_interval = true;
+      row.interval = twoDigits(factor * *half);
+    }
     if (p.robust_std) {
       groups.back().has_formal = true;
       row.formal = twoDigits(factor * p.std);
@@ -156,8 +159,9 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
 
 std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
   std::vector<ParameterGroup> groups;
-  addParameters(groups, parameterEstimates(record, Stage::kCamera));
-  addParameters(groups, parameterEstimates(record, Stage::kCameraImu));
+  const bool held = record.held.has_value();
+  addParameters(parameterEstimates(record, Stage::kCamera), held, groups);
+  addParameters(parameterEstimates(record, Stage::kCameraImu), held, groups);
   return groups;
 }
 
@@ -174,7 +178,7 @@ std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
       {"Basalt", "cam_time_offset_ns", std::to_string(nanoseconds), same, "integer nanoseconds"},
       {"OKVIS2", "image_delay", fmt::format("{:.6g}", minus), scaledSeconds(minus, std),
        "opposite sign"},
-      {"ORB-SLAM3", "none", number, same, "no field: add this to every image timestamp"}};
+      {"ORB-SLAM3", "none", number, same, "no field: add this to every image stamp"}};
 }
 
 std::vector<Pair> provenanceRows(const Provenance& p) {

@@ -22,11 +22,13 @@ std::string parameterList(const ParameterCovariance& covariance);
 
 struct ParameterRow {
   std::string name, value, std, unit, spread, ratio;
-  std::string formal;  ///< beside a cluster-robust std
+  std::string interval;  ///< half width of the 90 % interval
+  std::string formal;    ///< beside a cluster-robust std
 };
 struct ParameterGroup {
   std::string heading;
   bool has_spread = false;
+  bool has_interval = false;
   bool has_formal = false;
   std::vector<ParameterRow> rows;
 };

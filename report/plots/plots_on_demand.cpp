@@ -26,7 +26,7 @@ internal::PlotDrawers load() {
   if (drawers == nullptr) {
     throw InputError(kModule, 0,
                      std::string("plots cannot be drawn (") + ::dlerror() +
-                         "); put this file beside the program, or do without the report");
+                         "); put this file next to the program, or run without the report");
   }
   return *static_cast<const internal::PlotDrawers*>(drawers);
 }

@@ -33,7 +33,7 @@ TEST(CalibrationPage, HasEverySectionAndAnEntryForIt) {
   for (const char* id :
        {"key-figures", "scene", "parameters", "time-offset", "correlations", "reprojection-camera",
         "reprojection-camera-imu", "views", "coverage", "imu-readings", "imu-residuals", "biases",
-        "sample-intervals", "provenance"}) {
+        "sample-intervals", "projection-uncertainty", "provenance"}) {
     EXPECT_TRUE(hasSection(page, id)) << id;
   }
   EXPECT_THAT(page, HasSubstr("class=\"verdict caution\""));
@@ -99,6 +99,30 @@ TEST(CalibrationPage, ShowsTheImagesThatTheRecordHas) {
   EXPECT_THAT(without, Not(HasSubstr("data-image=")));
 }
 
+TEST(CalibrationPage, MapsTheProjectionUncertaintyWhereItIsKnown) {
+  CalibrationRecord record = syntheticRecord();
+  const std::string page = renderCalibrationPage(record);
+  EXPECT_THAT(page, HasSubstr("cam0: at infinity"));
+  EXPECT_THAT(page, HasSubstr("largest 0.17 px"));
+  record.projection_uncertainty.clear();
+  EXPECT_FALSE(hasSection(renderCalibrationPage(record), "projection-uncertainty"));
+}
+
+TEST(CalibrationPage, ListsTheRejectedCorners) {
+  CalibrationRecord record = syntheticRecord();
+  std::vector<CornerResidual>& residuals = record.camera->residuals;
+  for (CornerResidual& r : residuals) r.used = true;
+  EXPECT_THAT(renderCalibrationPage(record), Not(HasSubstr("Rejected corners")));
+  CornerResidual& bad = residuals[residuals.size() / 2];
+  bad.used = false;
+  bad.error = {3, -4};
+  const std::string page = renderCalibrationPage(record);
+  EXPECT_THAT(page, HasSubstr("Rejected corners"));
+  EXPECT_THAT(page, HasSubstr(">+3.00<"));
+  EXPECT_THAT(page, HasSubstr(">-4.00<"));
+  EXPECT_THAT(page, HasSubstr(">5.00<"));
+}
+
 TEST(CalibrationPage, NeedsNothingFromOutside) {
   const std::string page = renderCalibrationPage(syntheticRecord());
   for (const char* loader : {"src=\"", "href=\"http", "@import", "url(http", "<link"}) {
@@ -129,9 +153,9 @@ TEST(CalibrationPage, GivesEveryPlotAnIdOfItsOwn) {
     ++plots;
   }
   // Scene; a single view; correlations, frames and four figures of two cameras for two stages;
-  // coverage; six of inertial residuals, two of biases, two of readings; one of intervals, and one
-  // for each sensor.
-  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 6U + 2U + 2U + 1U + 3U);
+  // coverage; projection uncertainty; six of inertial residuals, two of biases, two of readings;
+  // one of intervals, and one for each sensor.
+  EXPECT_EQ(plots, 1U + 1U + 2U * (1U + 1U + 2U * 4U) + 2U + 2U + 6U + 2U + 2U + 1U + 3U);
 }
 
 TEST(CalibrationPage, IsTheSameWhenMadeFromTheStore) {
@@ -227,6 +251,24 @@ TEST(ParameterEstimates, FindTheValueBehindAName) {
   ASSERT_EQ(imu.size(), 7U);
   EXPECT_EQ(imu[6].value, record.camera_imu->imu.timeOffset());
   EXPECT_FALSE(imu[0].resample_std.has_value());
+}
+
+TEST(ParameterEstimates, IntervalsAreWiderWhereFewBlocksTellTheDeviation) {
+  CalibrationRecord record = syntheticRecord({.frames = 4});
+  const auto halfWidth = [&] {
+    return parameterEstimates(record, Stage::kCamera)[0].halfWidth90().value_or(-1);
+  };
+  EXPECT_NEAR(halfWidth(), 1.6449 * 0.08, 1e-5);  // formal: taken for known
+  StageSummary& summary = record.camera->summary;
+  summary.robust_std = Eigen::VectorXd::Constant(22, 0.1);
+  EXPECT_EQ(halfWidth(), -1);
+  summary.robust_dof = Eigen::VectorXd::Constant(22, 5);
+  EXPECT_NEAR(halfWidth(), 2.0150 * 0.1, 1e-5);
+  const auto group = html_internal::parameterGroups(record)[0];
+  EXPECT_TRUE(group.has_interval);
+  EXPECT_EQ(group.rows[0].interval, "0.20");
+  record.held.emplace();
+  EXPECT_FALSE(html_internal::parameterGroups(record)[0].has_interval);
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ Scored scoreMatched(const ScoredCalibration& scored, const Session& session,
   out.score = emptyScore(scored.label, session);
   if (!hasCorners(session)) {
     out.score.problem =
-        "the session holds no corner of the target; check its images and target.yaml";
+        "the session contains no corner of the target; check its images and target.yaml";
     return out;
   }
   auto cameras = scoreCameras(session, calibration.cameras, options.camera);
@@ -233,7 +233,7 @@ bool canBeCalibrated(const Calibration& calibration) {
 std::string whyNoFolds(const Calibration& calibration, const Session& session,
                        const ScoreOptions& options) {
   if (!canBeCalibrated(calibration)) {
-    return "its camera models can be scored, but not calibrated: no K-fold validation";
+    return "its camera models can be scored but not calibrated: no K-fold validation";
   }
   const auto frames = static_cast<int>(pairFrames(session.cameras, options.camera.frames).size());
   if (frames >= 2 * options.folds) return {};

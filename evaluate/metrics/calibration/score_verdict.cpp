@@ -37,8 +37,8 @@ Finding unusedShape(const std::string& file) {
   f.level = VerdictLevel::kCaution;
   f.subject = FindingSubject::kRecording;
   f.evidence =
-      "the board is taken as target.yaml states it; the calibration was estimated with a shape of "
-      "the board, " +
+      "the board is assumed to be as target.yaml states; the calibration was estimated with the "
+      "board shape of " +
       file;
   f.advice = "if this recording shows the same board, run again with --target-shape " + file;
   return f;
@@ -78,7 +78,7 @@ Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));
   Verdict verdict = makeVerdict(std::move(findings));
-  verdict.headline = fmt::format("{} leaves {}; only poses move.", record.held->file,
+  verdict.headline = fmt::format("{}: {}; only poses are estimated.", record.held->file,
                                  scoreWords(record.held->scores));
   if (const std::string worst = worstFinding(verdict); !worst.empty()) {
     verdict.headline += " " + worst;

@@ -42,16 +42,15 @@ const FaultWords kFaultWords[] = {
     {UnmodelledFault::kAccelMisalignment, "misalignment of the accelerometer's axes", kDegrees,
      "deg", kPairs,
      "calibrate the accelerometer's axes; accelerometer and gyroscope must be given in one "
-     "right-angled frame (with the accelerometer corrected, T_SC0 is in the gyroscope's frame)"},
+     "orthogonal frame (with the accelerometer corrected, T_SC0 is in the gyroscope's frame)"},
     {UnmodelledFault::kGyroScale, "scale error of the gyroscope", kPercent, "%", kAxes,
      "calibrate the gyroscope's scale and divide the columns of imu0/data.csv by 1 + error"},
     {UnmodelledFault::kGyroMisalignment, "misalignment of the gyroscope's axes", kDegrees, "deg",
      kPairs,
-     "calibrate the gyroscope's axes; accelerometer and gyroscope must be given in one "
-     "right-angled frame (with the gyroscope corrected, T_SC0 is in the accelerometer's frame)"},
-    {UnmodelledFault::kGSensitivity, "sensitivity of the gyroscope to acceleration", 1e3,
-     "mrad/s per m/s^2", kMatrix,
-     "compensate it (rate - G x acceleration), or use an IMU that is less sensitive"},
+     "calibrate the gyroscope's axes; accelerometer and gyroscope must be given in one orthogonal "
+     "frame (with the gyroscope corrected, T_SC0 is in the accelerometer's frame)"},
+    {UnmodelledFault::kGSensitivity, "g-sensitivity of the gyroscope", 1e3, "mrad/s per m/s^2",
+     kMatrix, "compensate it (rate - G x acceleration), or use an IMU that is less sensitive"},
     {UnmodelledFault::kImuDelay,
      "delay of the accelerometer against the gyroscope",
      1e3,
@@ -84,39 +83,39 @@ const FaultWords kFaultWords[] = {
      {},
      "trigger the cameras together, or correct the camera's stamps"},
     {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm, mrad", kPose,
-     "mount IMU and camera rigidly and record again; or calibrate the parts before and "
-     "after apart"},
+     "mount IMU and camera rigidly and record again; or calibrate the parts before and after "
+     "separately"},
     {UnmodelledFault::kClockStep,
      "step of the time offset",
      1e3,
      "ms",
      {},
-     "look for a clock that was set or a driver that restarted; calibrate the parts apart"},
+     "look for a clock that was set or a driver that restarted; calibrate the parts separately"},
     {UnmodelledFault::kCameraMoved, "change of the camera's pose in camera 0", 1e3, "mm, mrad",
      kPose,
      "mount the cameras rigidly and record again; or calibrate the parts before and after "
-     "apart"},
+     "separately"},
     {UnmodelledFault::kTargetShape,
-     "shape of the target (it is not flat, or not even): RMS displacement of its corners", 1e3,
-     "mm", kTargetTermNames,
+     "shape of the target (not flat, or grid not even): RMS displacement of its corners", 1e3, "mm",
+     kTargetTermNames,
      "mount the target on a rigid flat plate (glass, aluminium), print it again without "
      "scaling one axis, and record again"},
     {UnmodelledFault::kTargetMoved, "displacement of the target along its own axes", 1e3, "mm",
      kAxes,
-     "fix the target and record again; or calibrate the parts before and after apart "
-     "(--from, --to)"},
+     "fix the target and record again; or calibrate the parts before and after separately (--from, "
+     "--to)"},
     {UnmodelledFault::kTargetSways, "swinging of the target", 1e3, "mm", kWaves,
      "fix the target to something that does not move, and record again"},
     {UnmodelledFault::kGyroBiasJump, "jump of the gyroscope's bias", 1, "rad/s", kAxes,
-     "look for a sensor that was reset, switched its range or was knocked; calibrate the "
-     "parts before and after apart (--from, --to)"},
+     "look for a sensor that was reset, switched its range or was knocked; calibrate the parts "
+     "before and after separately (--from, --to)"},
     {UnmodelledFault::kAccelBiasJump, "jump of the accelerometer's bias", 1, "m/s^2", kAxes,
-     "look for a sensor that was reset, switched its range or was knocked; calibrate the "
-     "parts before and after apart (--from, --to)"},
+     "look for a sensor that was reset, switched its range or was knocked; calibrate the parts "
+     "before and after separately (--from, --to)"},
     {UnmodelledFault::kStampsWander, "changes of the time offset every eighth of the recording",
      1e3, "ms", kEighths,
-     "look for frames or samples that were lost while the others were stamped evenly, and "
-     "for clocks that run at different rates; use the stamps that the sensors give"},
+     "look for lost frames or samples that evenly spaced stamps hide, and for clocks that run at "
+     "different rates; use the sensors' own stamps"},
 };
 
 const FaultWords& wordsOf(UnmodelledFault fault) {
@@ -153,7 +152,7 @@ std::string sentence(const FaultTest& test, TimeNs begin) {
 
 std::string effect(const FaultTest& test) {
   return fmt::format(
-      "modelling it would move T_SC0 by {:.2g} mm and {:.2g} deg, the time offset by {:.2g} ms",
+      "modelling it would change T_SC0 by {:.2g} mm and {:.2g} deg, the time offset by {:.2g} ms",
       1e3 * test.shift.head<3>().norm(), kDegrees * test.shift.segment<3>(3).norm(),
       1e3 * std::abs(test.shift(6)));
 }
@@ -232,8 +231,8 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
     std::string evidence = sentence(cause, begin);
     std::string advice = wordsOf(cause.fault).cure;
     if (first && diagnosis.alternative) {
-      evidence += "; or else " + sentence(*diagnosis.alternative, begin) +
-                  ": this recording cannot tell the two apart";
+      evidence += "; alternatively " + sentence(*diagnosis.alternative, begin) +
+                  ": this recording does not distinguish the two";
     }
     const Rule rule{first ? "Unmodelled fault" : "Further unmodelled fault", "sigma", t.fault_sigma,
                     std::move(advice)};

@@ -23,8 +23,8 @@ Shown shownIn(const std::string& unit) {
 std::string evidenceOf(const HalvesBlock& b) {
   const Shown shown = shownIn(b.unit);
   return fmt::format(
-      "{} of the second half less that of the first is {:+.4g}{}, with a standard deviation of "
-      "{:.2g}{} (chi-square of {}: {:.1f} of {} parameters, {:.1f} by chance)",
+      "{} of the second half minus that of the first is {:+.4g}{}, with a standard deviation of "
+      "{:.2g}{} (chi-square of {}: {:.1f} for {} parameters, 99 % bound {:.1f})",
       b.worst, shown.factor * b.difference, shown.unit, shown.factor * b.std, shown.unit, b.name,
       b.chi2, b.parameters, b.limit);
 }
@@ -39,14 +39,11 @@ Findings judgeHalves(const StageSummary& summary, const std::string& stage,
   const auto worst = std::max_element(
       blocks.begin(), blocks.end(),
       [&](const HalvesBlock& a, const auto& b) { return !(ratio(b) <= ratio(a)); });
-  const Rule rule{
-      fmt::format("Halves of the recording ({})", stage), "-", t.halves,
-      "The standard deviations do not cover what the halves differ by: take that difference for "
-      "the "
-      "accuracy. It comes from what the recording does not keep, or the model does not have: see "
-      "the other findings first, then calibrate the halves (--to, --from) to see which one a "
-      "second "
-      "recording confirms."};
+  const Rule rule{fmt::format("Halves of the recording ({})", stage), "-", t.halves,
+                  "The halves differ by more than their standard deviations explain: take the "
+                  "difference as the accuracy. Something changed during the recording, or the "
+                  "model lacks an effect: resolve the other findings first, then calibrate each "
+                  "half (--to, --from) and see which one a second recording confirms."};
   return {above(rule, ratio(*worst), evidenceOf(*worst))};
 }
 

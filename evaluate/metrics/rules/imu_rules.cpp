@@ -68,8 +68,8 @@ std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
   }
   return above(
       {"Cameras exposed together", "ms", t.camera_shift_ms,
-       "Trigger the cameras together: the camera stage takes paired views as simultaneous, "
-       "and a filter with one offset for all cameras cannot use these."},
+       "Trigger the cameras together: the camera stage treats paired views as simultaneous, and a "
+       "filter with one offset for all cameras cannot use these offsets."},
       largest_ms, fmt::format("time offsets [ms]: {}", list));
 }
 
@@ -97,26 +97,26 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
   const int without_imu = stage.frames_without_imu;
   const int without_pose = stage.frames_without_pose;
   const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
-  findings.push_back(above({"Frames that the IMU covers", "-", t.frames_without_imu,
-                            "Start the IMU before the cameras and stop it after them, and look for "
-                            "pauses in its driver: "
-                            "frames without IMU samples around them are not used."},
-                           share(without_imu, posed),
-                           fmt::format("{} of {:.0f} frames were left out for want of IMU samples",
-                                       without_imu, posed)));
-  findings.push_back(above(
-      {"Gaps in the IMU's samples", "-", t.imu_gaps,
-       "The chain of motion is broken there, which costs information only; find out why samples "
-       "were lost (driver, bus load, disk)."},
-      stage.imu_gaps,
-      fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))));
   findings.push_back(
-      above({"Frames without a pose (camera-IMU)", "-", t.rejected,
-             "So many frames without a plausible pose point to false detections or to intrinsics "
-             "that do not belong to these cameras."},
-            share(without_pose, posed + without_pose),
-            fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
-                        posed + without_pose)));
+      above({"Frames covered by the IMU", "-", t.frames_without_imu,
+             "Start the IMU before the cameras and stop it after them, and look for "
+             "pauses in its driver: "
+             "frames without IMU samples around them are not used."},
+            share(without_imu, posed),
+            fmt::format("{} of {:.0f} frames were not used because IMU samples are missing",
+                        without_imu, posed)));
+  findings.push_back(
+      above({"Gaps in the IMU's samples", "-", t.imu_gaps,
+             "Frames are not linked across a gap, which costs information only; find out why "
+             "samples were lost (driver, bus load, disk)."},
+            stage.imu_gaps,
+            fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))));
+  findings.push_back(above({"Frames without a pose (camera-IMU)", "-", t.rejected,
+                            "That many frames without a plausible pose indicate false detections "
+                            "or intrinsics that do not belong to these cameras."},
+                           share(without_pose, posed + without_pose),
+                           fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
+                                       posed + without_pose)));
   return findings;
 }
 
@@ -127,8 +127,9 @@ namespace {
 // the rig moves gently (by 3 to 4 % in recordings by hand that are in order).
 Finding untested(Rule rule, double value, std::string evidence) {
   rule.advice =
-      "The recording is too short to test for faults: record 10 s or more. Until then a target of "
-      "another size, a wrong focal length, faults of the IMU and gentle motion look the same here.";
+      "The recording is too short to test for faults: record 10 s or more. In a shorter one, a "
+      "wrong target size, a wrong focal length, IMU faults and gentle motion cannot be "
+      "distinguished.";
   const VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(value, rule.bound));
   return finding(rule, level, value, std::move(evidence));
 }
@@ -173,7 +174,7 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   const double least = size->significance > kSigmas ? std::abs(off) - kSigmas * std : 0;
   const Rule rule{"Size of the target by the batch", "-", t.target_scale,
                   "Measure a tag's black square against tagSize in target.yaml. If it agrees, "
-                  "record again with brisker motion: this recording does not settle it."};
+                  "record again with brisker motion: this recording is not conclusive."};
   return finding(
       rule, std::min(VerdictLevel::kCaution, levelAbove(std::max(0.0, least), rule.bound)),
       std::max(0.0, least),

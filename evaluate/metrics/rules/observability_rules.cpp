@@ -19,11 +19,12 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
   }
   const LargestStd translation = largestStd(estimates, {"tx", "ty", "tz"}, "T_C0C", false);
   if (translation.name.empty()) return findings;
-  findings.push_back(above({"Translation between cameras", "m", t.extrinsics_std_m,
-                            "Record more views that both cameras see at once, also close ones."},
-                           translation.value,
-                           fmt::format("{} of {} is {:.2f} mm", kindOf(translation),
-                                       translation.name, 1e3 * translation.value)));
+  findings.push_back(
+      above({"Translation between cameras", "m", t.extrinsics_std_m,
+             "Record more views that both cameras see at the same time, also at short distance."},
+            translation.value,
+            fmt::format("{} of {} is {:.2f} mm", kindOf(translation), translation.name,
+                        1e3 * translation.value)));
   return findings;
 }
 
@@ -36,16 +37,16 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
       arm.value, fmt::format("{} of {} is {:.2f} mm", kindOf(arm), arm.name, 1e3 * arm.value)));
   const LargestStd rotation = largestStd(estimates, {"rx", "ry", "rz"}, "T_SC0", false);
   findings.push_back(
-      above({"Rotation of the camera to the IMU", "deg", t.rotation_std_deg,
+      above({"Rotation between camera and IMU", "deg", t.rotation_std_deg,
              "Record faster rotations about all three axes, and accelerations in all directions."},
             kDegrees * rotation.value,
             fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
                         kDegrees * rotation.value)));
   const LargestStd offset = largestStd(estimates, {""}, "time_offset", false);
-  findings.push_back(above({"Time offset", "ms", t.offset_std_ms,
-                            "Record fast rotations: the offset shows only while the rig turns."},
-                           1e3 * offset.value,
-                           fmt::format("{} is {:.4f} ms", kindOf(offset), 1e3 * offset.value)));
+  findings.push_back(above(
+      {"Time offset", "ms", t.offset_std_ms,
+       "Record fast rotations: the offset is observable only while the rig turns."},
+      1e3 * offset.value, fmt::format("{} is {:.4f} ms", kindOf(offset), 1e3 * offset.value)));
   return findings;
 }
 

@@ -62,11 +62,11 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
                              static_cast<double>(views), fmt::format("{} views used", views)));
   }
   const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);
-  findings.push_back(below(
-      {"Tilt of the views", "deg", t.tilt_deg,
-       "Tilt the rig (or the target) by 30 to 45 degrees: frontal views cannot tell focal length "
-       "from distance."},
-      tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
+  findings.push_back(
+      below({"Tilt of the views", "deg", t.tilt_deg,
+             "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not separate "
+             "focal length from distance."},
+            tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
   return findings;
 }
 
@@ -80,8 +80,8 @@ Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThres
                                 std::abs(v / (k.resolution.height - 1) - 0.5));
     findings.push_back(
         above({fmt::format("Principal point of {}", camera.name), "-", t.principal_point,
-               "Check the resolution in sensor.yaml; only a cropped image has its optical centre "
-               "that far from its middle. Or record views all over the image."},
+               "Check the resolution in sensor.yaml: only a cropped image has its optical centre "
+               "that far from its middle. If it is right, record views in all parts of the image."},
               off,
               fmt::format("({:.1f}, {:.1f}), {:.1f} % of a side from the middle of {}x{}", u, v,
                           100 * off, k.resolution.width, k.resolution.height)));
@@ -146,64 +146,65 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
   const TargetFit& fit = *stage.target_fit;
   const auto terms = fit.shape.terms.head<kTargetTerms - 1>();  // without the tags' edge
   const double rms_mm = 1e3 * terms.norm();
-  const Rule rule{"Shape of the target", "mm", t.target_shape_mm,
-                  "Use a flatter and more even target, or one on glass or aluminium."};
+  const Rule rule{
+      "Shape of the target", "mm", t.target_shape_mm,
+      "Use a target that is flatter and more evenly printed, e.g. on glass or aluminium."};
   const std::string found = fmt::format(
-      "the board departs from the grid of target.yaml by {:.2f} mm (RMS over its "
-      "corners; {:.2f} mm in height); held-out frames are predicted to "
-      "{:.4f} px with its own shape and to {:.4f} px without",
+      "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
+      "mm in height); RMSE of held-out frames: {:.4f} px with the estimated shape, {:.4f} px "
+      "without",
       rms_mm, 1e3 * fit.shape.terms.segment<3>(8).norm(), fit.held_out_px, fit.flat_held_out_px);
   switch (fit.finding) {
     case TargetFinding::kBent:
       if (stage.target.terms != fit.shape.terms) {
         Rule flat = rule;
         flat.advice =
-            "The calibration takes the target as target.yaml states it, and its parameters are "
-            "biased by that. Run again with --target-shape auto, or with the board's own "
+            "The calibration assumes the target as target.yaml states it, which biases its "
+            "parameters. Run again with --target-shape auto, or with the board's "
             "target_shape.yaml.";
         return {finding(flat, std::max(VerdictLevel::kCaution, levelAbove(rms_mm, rule.bound)),
                         rms_mm, found)};
       }
       return {above(rule, rms_mm, found + "; estimated with the cameras")};
     case TargetFinding::kKnown:
-      return {finding(rule, VerdictLevel::kGood, 0,
-                      fmt::format("known from another session; held-out frames are predicted to "
-                                  "{:.4f} px with it, and no better with a shape of "
-                                  "this session's own ({:.4f} px)",
-                                  fit.flat_held_out_px, fit.held_out_px))};
+      return {
+          finding(rule, VerdictLevel::kGood, 0,
+                  fmt::format("known from another session; RMSE of held-out frames: {:.4f} px with "
+                              "it, no better with a shape estimated from this session ({:.4f} px)",
+                              fit.flat_held_out_px, fit.held_out_px))};
     case TargetFinding::kOther: {
       Rule other = rule;
       other.advice =
           "The file is of another board, or the board has changed since: run again with "
           "--target-shape auto, or estimate the shape from a session of the same day.";
-      return {finding(other, VerdictLevel::kCaution, rms_mm,
-                      fmt::format("not the one of the file that was given: held-out frames are "
-                                  "predicted to {:.4f} px with a shape of this "
-                                  "session's own and to {:.4f} px with the file's",
-                                  fit.held_out_px, fit.flat_held_out_px))};
+      return {
+          finding(other, VerdictLevel::kCaution, rms_mm,
+                  fmt::format("not that of the given file; RMSE of held-out frames: {:.4f} px with "
+                              "a shape estimated from this session, {:.4f} px with the file's",
+                              fit.held_out_px, fit.flat_held_out_px))};
     }
     case TargetFinding::kAsStated:
       return {finding(rule, VerdictLevel::kGood, 0,
-                      fmt::format("no difference from target.yaml that held-out frames confirm "
-                                  "({:.4f} px with a shape of its own, {:.4f} px "
-                                  "without)",
+                      fmt::format("no deviation from target.yaml that held-out frames confirm "
+                                  "(RMSE {:.4f} px with an estimated shape, {:.4f} px without)",
                                   fit.held_out_px, fit.flat_held_out_px))};
     case TargetFinding::kLensMisfits: {
       Rule lens = rule;
       lens.advice = "Run again with the other lens model, or with --models auto.";
-      return {finding(lens, VerdictLevel::kCaution, rms_mm,
-                      "the other lens model predicts held-out frames better than "
-                      "this one does, so that the board's shape cannot be told from what this "
-                      "lens model leaves; taken as target.yaml states it")};
+      return {finding(
+          lens, VerdictLevel::kCaution, rms_mm,
+          "the other lens model predicts held-out frames better, so the board's shape cannot be "
+          "separated from the error of this lens model; assumed as target.yaml states it")};
     }
     case TargetFinding::kUndetermined:
       return {finding(rule, VerdictLevel::kGood, 0,
-                      fmt::format("taken as target.yaml states it: this recording determines the "
+                      fmt::format("assumed as target.yaml states it: this recording determines the "
                                   "board's shape to {:.2f} mm only",
                                   1e3 * fit.std.maxCoeff()))};
     case TargetFinding::kNotTested:
-      return {finding(rule, VerdictLevel::kGood, 0,
-                      "taken as target.yaml states it: the recording is too short to tell")};
+      return {
+          finding(rule, VerdictLevel::kGood, 0,
+                  "assumed as target.yaml states it: the recording is too short to estimate it")};
   }
   return {};
 }

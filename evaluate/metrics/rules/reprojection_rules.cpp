@@ -23,10 +23,9 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
     const double rmse = summary.per_camera[i].rmse_px;
     findings.push_back(above(
         {fmt::format("Reprojection error of {} ({})", name, stage), "px", t.rmse_px,
-         "Look at the per-frame errors: blurred or mis-detected frames, a bent target, a wrong "
-         "tagSpacing in target.yaml, a wrong camera model (fisheye: pinhole-equidistant), or "
-         "(camera-IMU) wrong intrinsics "
-         "raise it."},
+         "Look at the per-frame errors. Usual causes: blurred or mis-detected frames, a bent "
+         "target, a wrong tagSpacing in target.yaml, a wrong camera model (fisheye: "
+         "pinhole-equidistant), or (camera-IMU) wrong intrinsics."},
         rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
     const RegionalErrors regions =
         regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
@@ -53,7 +52,7 @@ Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::
       std::count_if(residuals.begin(), residuals.end(), [](const auto& r) { return !r.used; });
   findings.push_back(
       above({fmt::format("Rejected corners ({})", stage), "-", t.rejected,
-             "That many outliers point to false detections, motion blur or a wrong target file."},
+             "That many outliers indicate false detections, motion blur or a wrong target file."},
             share(static_cast<double>(rejected), static_cast<double>(residuals.size())),
             fmt::format("{} of {} corners were rejected", rejected, residuals.size())));
   return findings;
@@ -66,11 +65,11 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
   const std::size_t listed = record.camera->residuals.size();
   if (offered < listed) return findings;
   findings.push_back(
-      above({"Frames left out (cameras)", "-", t.rejected,
-             "So many frames without a plausible pose point to false detections, too few corners "
+      above({"Unused frames (cameras)", "-", t.rejected,
+             "That many frames without a plausible pose indicate false detections, too few corners "
              "in a frame, a wrong target.yaml or an unsuitable camera model."},
             share(static_cast<double>(offered - listed), static_cast<double>(offered)),
-            fmt::format("frames with {} of {} corners were left out", offered - listed, offered)));
+            fmt::format("frames with {} of {} corners were not used", offered - listed, offered)));
   return findings;
 }
 
@@ -95,16 +94,15 @@ Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {
   for (const BiasRatio& b : stage.bias) {
     if (b.patches == 0) continue;
     const double systematic = std::sqrt(b.ratio) * b.error_px;
-    findings.push_back(above(
-        {fmt::format("Bias of {}", b.camera), "px", t.systematic_px,
-         "This error is not the detector's noise, and more views do not lower it. See the maps of "
-         "mean errors in the report; leave --models and --target-shape to auto where they were "
-         "given, and record more slowly, in more light."},
-        systematic,
-        fmt::format(
-            "{:.0f} % of the squared error is shared by neighbouring corners: {:.3f} px per "
-            "axis, beside {:.3f} px of noise",
-            100 * b.ratio, systematic, b.noise_px)));
+    findings.push_back(
+        above({fmt::format("Bias of {}", b.camera), "px", t.systematic_px,
+               "This error is not the detector's noise, and more views do not lower it. See the "
+               "maps of mean errors in the report; set --models and --target-shape to auto if they "
+               "were given, and record more slowly, in more light."},
+              systematic,
+              fmt::format("{:.0f} % of the squared error is shared by neighbouring corners: {:.3f} "
+                          "px per axis, in addition to {:.3f} px of noise",
+                          100 * b.ratio, systematic, b.noise_px)));
   }
   return findings;
 }

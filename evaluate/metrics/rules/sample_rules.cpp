@@ -60,7 +60,7 @@ std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
   const bool found = along > kAlong * across && neighbours < kAlternates * along;
   return Jitter{found ? std::sqrt(std::max(0.0, along - across) / (2 * rates)) : 0,
                 fmt::format("rotation residuals along the motion have {:.1f} times the power of "
-                            "those across, and neighbours correlate by {:.2f}",
+                            "those across, and consecutive ones correlate by {:.2f}",
                             along / across, neighbours / along)};
 }
 
@@ -74,8 +74,8 @@ std::optional<Jitter> jitterOfFrames(const CameraImuStageResult& stage) {
   if (!(e.across > 0)) return std::nullopt;
   const bool found = e.along > kAlong * e.across && e.neighbours < kCorrelated;
   return Jitter{found ? e.jitter_s : 0,
-                fmt::format("a shift of its stamp takes {:.1f} times as much of a frame's error as "
-                            "any other motion, and neighbours correlate by {:.2f}",
+                fmt::format("a shift of its stamp explains {:.1f} times as much of a frame's error "
+                            "as any other motion, and consecutive frames correlate by {:.2f}",
                             e.along / e.across, e.neighbours)};
 }
 
@@ -90,11 +90,11 @@ Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresh
                         c.channel < 3 ? "gyroscope" : "accelerometer", "xyz"[c.channel % 3],
                         c.limit, c.samples.size());
   }
-  return {above(
-      {"Readings at the end of the sensor's range", "-", t.clipped_samples,
-       "Move more gently, or set the IMU to a wider range: these samples were left out "
-       "(unless they are 40 % of all and more), since readings that are cut off bias T_SC0."},
-      static_cast<double>(worst), list.empty() ? "no channel repeats its largest reading" : list)};
+  return {above({"Readings at the end of the sensor's range", "-", t.clipped_samples,
+                 "Move more gently, or set the IMU to a wider range: these samples were excluded "
+                 "(unless they are 40 % or more), since clipped readings bias T_SC0."},
+                static_cast<double>(worst),
+                list.empty() ? "no channel repeats its largest reading" : list)};
 }
 
 Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t) {
@@ -103,11 +103,11 @@ Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresh
   if (!links && !frames) return {};
   const Jitter& worse = !links || (frames && frames->size_s > links->size_s) ? *frames : *links;
   const double ms = 1e3 * worse.size_s;
-  return {above(
-      {"Jitter of the frames' stamps", "ms", t.stamp_jitter_ms,
-       "Stamp frames by the camera's own clock or a hardware trigger, not when they "
-       "arrive: the calibration takes stamps as exact."},
-      ms, worse.evidence + (ms > 0 ? fmt::format(": stamps err by about {:.1g} ms", ms) : ""))};
+  return {above({"Jitter of the frames' stamps", "ms", t.stamp_jitter_ms,
+                 "Stamp frames by the camera's own clock or a hardware trigger, not when they "
+                 "arrive: the calibration assumes exact stamps."},
+                ms,
+                worse.evidence + (ms > 0 ? fmt::format(": jitter of about {:.1g} ms", ms) : ""))};
 }
 
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t) {
@@ -121,8 +121,8 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
        "see the rules on stamps, faults and noise densities; T_SC0 and the time offset are less "
        "certain than their standard deviations state."},
       ratio,
-      fmt::format("the poses of single frames err as corners of {:.3f} px would make them, and "
-                  "corners err by {:.3f} px where each frame takes its own pose: {:.2f} times",
+      fmt::format("the errors of single frames' poses correspond to {:.3f} px of corner noise, "
+                  "while corners have {:.3f} px with a free pose for each frame: {:.2f} times",
                   of_poses, of_corners, ratio))};
 }
 
@@ -148,7 +148,7 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
   }
   return {above({"Isolated inertial residuals", "-", t.isolated_residual,
                  "Look at the samples around that instant: a spike, a jump of a bias, a knock, or "
-                 "stamps that are wrong there; record again, or cut it out."},
+                 "wrong stamps; record again, or cut it out."},
                 worst, evidence)};
 }
 
@@ -161,8 +161,8 @@ Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThre
     findings.push_back(above(
         {fmt::format("Residuals of the {} over the whole recording", sensor), "-", t.long_residuals,
          "Segments of the recording are consistent in themselves, but not with each other: look "
-         "for a jump of a "
-         "bias, a knock, a mount that gave way, a moving target; calibrate its parts apart."},
+         "for a jump of a bias, a knock, a loose mount, a moving target; calibrate its parts "
+         "separately."},
         ratio, fmt::format("{:.1f} times what its noise within segments explains", ratio)));
   };
   add("gyroscope", summary.gyro_normalised_rms, summary.noise.gyro);

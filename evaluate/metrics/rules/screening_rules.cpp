@@ -36,7 +36,7 @@ std::string spikeWords(const ImuSpike& s) {
 
 std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>& cameras) {
   const std::string& camera = cameras[static_cast<std::size_t>(m.camera)].name;
-  return fmt::format("tag {} of {}, frame {}, stands in the place of tag {}", m.tag, camera, m.t,
+  return fmt::format("tag {} of {}, frame {}, is at the position of tag {}", m.tag, camera, m.t,
                      m.place);
 }
 
@@ -55,14 +55,14 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
   Findings findings;
   findings.push_back(
       above({"Spikes of the IMU", "-", t.imu_spikes,
-             "These samples were left out. Single readings far off their neighbours come from "
-             "errors of the bus or the driver: find out which, for an estimator that runs on this "
-             "IMU will see them too."},
+             "These samples were excluded. Single readings far from their neighbours come from "
+             "errors of the bus or the driver: find the cause, because an estimator that runs on "
+             "this IMU will see them too."},
             static_cast<double>(s.spikes.size()),
             counted(s.spikes.size(), "isolated readings", listed(s.spikes, spikeWords))));
   findings.push_back(above(
       {"Views delivered twice", "-", t.repeated_views,
-       "These views were left out. The camera or its driver repeated an image under a new stamp: "
+       "These views were excluded. The camera or its driver repeated an image under a new stamp: "
        "look for lost frames that were filled up, and a bus that is overloaded."},
       static_cast<double>(s.repeated_views.size()),
       counted(s.repeated_views.size(), "views repeat the corners before them though the rig moved",
@@ -70,22 +70,22 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
                 return fmt::format("{} at {}",
                                    stage.cameras[static_cast<std::size_t>(r.camera)].name, r.t);
               }))));
-  findings.push_back(above(
-      {"Tags with another's id", "-", t.misplaced_tags,
-       "These tags were left out. Look at the images there: a reflection, a second target, or "
-       "a detector that accepts too many wrong bits."},
-      static_cast<double>(s.misplaced_tags.size()),
-      counted(s.misplaced_tags.size(), "tags do not stand where their id belongs",
-              listed(s.misplaced_tags,
-                     [&](const MisplacedTag& m) { return tagWords(m, stage.cameras); }))));
+  findings.push_back(
+      above({"Tags with another's id", "-", t.misplaced_tags,
+             "These tags were excluded. Look at the images there: a reflection, a second target, "
+             "or a detector that accepts too many wrong bits."},
+            static_cast<double>(s.misplaced_tags.size()),
+            counted(s.misplaced_tags.size(), "tags are not at the position of their id",
+                    listed(s.misplaced_tags,
+                           [&](const MisplacedTag& m) { return tagWords(m, stage.cameras); }))));
   const auto offered = static_cast<double>(stage.summary.corners_offered);
   const double wrong = share(static_cast<double>(s.false_corners), offered);
   findings.push_back(
       above({"False corners", "-", t.false_corners,
-             "The loss takes their influence away, but find out where they come from (blur, "
-             "reflections, a wrong refinement window), or reject them with --outliers sigma:4."},
+             "The robust loss suppresses their influence, but find the cause (blur, reflections, a "
+             "wrong refinement window), or reject them with --outliers sigma:4."},
             wrong,
-            fmt::format("{} of {:.0f} corners are far off where their view says they are",
+            fmt::format("{} of {:.0f} corners are far from where the rest of their view puts them",
                         s.false_corners, offered)));
   return findings;
 }

@@ -96,8 +96,8 @@ Figure barsOf(const Scores& scores) {
   plot.frame.x.label = "camera";
   plot.frame.y.label = "RMSE [px]";
   return {toSvg(plot, "held-scores"),
-          "Held-out corners that are fitted clearly worse than those calibrated on point at a "
-          "model that follows the noise, or at conditions that differ.",
+          "A clearly larger error on held-out corners than on the corners of the calibration "
+          "indicates an overfitted model, or different conditions.",
           true};
 }
 
@@ -115,8 +115,8 @@ Scores chosen(const Scores& scores, bool folds, bool held_out_sessions) {
 Section heldScoresSection(const HeldCalibration& held) {
   Section section{"scores",
                   "Scores",
-                  fmt::format("{} is held fixed; only the target's poses, and with an IMU the "
-                              "states and gravity's direction, are estimated.",
+                  fmt::format("{} is fixed; only the target's poses, and with an IMU the states "
+                              "and gravity's direction, are estimated.",
                               held.file),
                   {},
                   {}};
@@ -135,8 +135,8 @@ Section heldScoresSection(const HeldCalibration& held) {
   if (const Scores folds = chosen(held.scores, true, false); !folds.empty()) {
     section.blocks.push_back(
         blockOf("K-fold validation",
-                "This recording calibrated again without one part at a time, with the same camera "
-                "models; each part is scored by the calibration that has not seen it.",
+                "This recording recalibrated without one part at a time, with the same camera "
+                "models; each part is scored with the calibration that did not use it.",
                 folds));
   }
   if (Figure bars = held.scores.empty() ? Figure{} : barsOf(held.scores); !bars.svg.empty()) {

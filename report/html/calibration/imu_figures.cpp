@@ -100,9 +100,8 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
   }
   plot.curves = {std::move(curve)};
   return {toSvg(plot, id),
-          "The curve is the density expected under the assumed noise of corners and samples. Wider "
-          "than it: "
-          "some of that noise is too small; narrower: too large.",
+          "The curve is the density expected under the assumed noise of corners and samples. A "
+          "wider distribution: the assumed noise is too small; a narrower one: too large.",
           false};
 }
 
@@ -126,11 +125,11 @@ Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
     for (const ImuState& state : stage.states) series.y.push_back((state.*bias)[k] - mean[k]);
     plot.series.push_back(std::move(series));
   }
-  return {toSvg(plot, id),
-          "Each axis about its mean, which the legend states. A bias drifts slowly; one that "
-          "follows the motion hides a scale or alignment error of the sensor, or a wrong time "
-          "offset.",
-          true};
+  return {
+      toSvg(plot, id),
+      "Each axis minus its mean, which the legend states. A bias drifts slowly; one that follows "
+      "the motion hides a scale or alignment error of the sensor, or a wrong time offset.",
+      true};
 }
 
 /// The interval of each run whose reading differs most from its prediction.
@@ -179,10 +178,10 @@ Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot 
     plot.series.push_back(std::move(measured));
   }
   return {toSvg(plot, id),
-          "Mean over each interval between frames. Points are what the samples say, lines what the "
-          "estimated motion and biases predict, bands three standard deviations of the samples' "
-          "noise: drag to zoom until they are seen. Points beyond their band are not explained by "
-          "the assumed noise.",
+          "Mean over each interval between frames. Points are measured, lines are predicted from "
+          "the estimated motion and biases, bands are three standard deviations of the samples' "
+          "noise: drag to zoom in until they are visible. The assumed noise does not explain "
+          "points outside their band.",
           true};
 }
 
@@ -200,9 +199,9 @@ FigureGroup readingFigures(const CameraImuStageResult& stage, TimeNs origin) {
 std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, TimeNs origin) {
   if (stage.imu_residuals.empty()) return {};
   const std::string raw =
-      "Difference between the integrated samples and the estimated motion, "
-      "per interval between frames. Bursts mark shocks, saturation or missing "
-      "samples; the band is what the assumed noise of the samples explains.";
+      "Difference between the integrated samples and the estimated motion, per interval between "
+      "frames. Bursts indicate shocks, saturation or missing samples; the band is what the assumed "
+      "noise of the samples explains.";
   const ImuNoiseChecks& noise = stage.imu_summary.noise;
   const auto whitened = [](const ImuNoiseCheck& check) {
     return fmt::format(

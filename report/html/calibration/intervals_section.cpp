@@ -101,12 +101,11 @@ Figure intervalFigure(const CalibrationRecord& record) {
     largest = std::max(largest, ratio);
   }
   plot.frame.y.range = Range{0, std::max(2.0, 1.08 * largest)};
-  return {
-      toSvg(plot, "sample-intervals-plot"),
-      "1 is an even stream; 2 and more are gaps, in which samples are missing; an interval above "
-      "1 with one as far below beside it is one stamp that is off. Of long streams the shortest "
-      "and the longest interval of each run are drawn.",
-      true};
+  return {toSvg(plot, "sample-intervals-plot"),
+          "1 is an even stream; 2 and more are gaps, in which samples are missing; an interval "
+          "above 1 next to one as far below 1 is one wrong stamp. In long streams only the "
+          "shortest and the longest interval of each block are drawn.",
+          true};
 }
 
 /// Differences from the median: in microseconds where all are below a millisecond.

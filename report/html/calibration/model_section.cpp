@@ -61,9 +61,9 @@ Table halvesTable(const HalvesCheck& check) {
   Table table{{{"Parameters"},
                {"Chi-square", kNumber},
                {"Of", kNumber},
-               {"By chance (99 %)", kNumber},
-               {"Differs most", Cell::Kind::kCode},
-               {"Second half less first", kNumber},
+               {"99 % bound", kNumber},
+               {"Largest difference", Cell::Kind::kCode},
+               {"Second half minus first", kNumber},
                {"Std", kNumber}},
               {}};
   for (const HalvesBlock& b : check.blocks) {
@@ -86,8 +86,8 @@ Section modelSection(const CameraStageResult& stage) {
   Section section{
       "models",
       "Lens models",
-      "Each model was fitted to one half of the recording's blocks of time and scored on "
-      "the other, only poses moving. Models with fewer frames were ruled out early.",
+      "Each model was fitted to one half of the recording's blocks of time and scored on the "
+      "other, with only poses estimated. Models with fewer frames were rejected early.",
       {},
       {}};
   for (const ModelChoice& choice : stage.models) {
@@ -97,13 +97,12 @@ Section modelSection(const CameraStageResult& stage) {
 }
 
 Section halvesSection(const CalibrationRecord& record) {
-  Section section{
-      "halves",
-      "Halves of the recording",
-      "Each half solved apart, with cluster-robust deviations; the camera-IMU stage with "
-      "the cameras of the whole recording.",
-      {},
-      {}};
+  Section section{"halves",
+                  "Halves of the recording",
+                  "Each half is solved separately, with cluster-robust standard deviations; the "
+                  "camera-IMU stage uses the cameras of the whole recording.",
+                  {},
+                  {}};
   const auto add = [&](const char* heading, const StageSummary& summary) {
     if (!summary.halves) return;
     section.blocks.push_back({heading, "", halvesTable(*summary.halves), {}, {}});

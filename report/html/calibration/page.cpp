@@ -11,6 +11,8 @@
 #include "report/html/calibration/reprojection_figures.h"
 #include "report/html/calibration/target_section.h"
 #include "report/html/calibration/views_section.h"
+#include "report/html/compared_plots.h"
+#include "report/html/image_maps.h"
 #include "report/html/page.h"
 #include "report/html/page_data.h"
 #include "report/html/page_parts.h"
@@ -57,15 +59,16 @@ Section reprojectionSection(const StageView& stage, const std::string& id) {
 }
 
 Section correlationSection(const CalibrationRecord& record) {
-  Section section{"correlations",
-                  "Correlations",
-                  fmt::format("How the estimates depend on each other, for a corner noise of {:g} "
-                              "px per coordinate and with all poses and states marginalised. The "
-                              "entropy sums it up: 0.5 log((2\u03c0e)\u207f |\u03a3|); it compares "
-                              "only under the same parameters, units and noise.",
-                              record.assumptions.pixel_sigma_px),
-                  {},
-                  {}};
+  Section section{
+      "correlations",
+      "Correlations",
+      fmt::format(
+          "Correlations of the estimates, for a corner noise of {:g} px per coordinate and with "
+          "all poses and states marginalised. Their entropy is 0.5 log((2\u03c0e)\u207f |\u03a3|); "
+          "compare it only under the same parameters, units and noise.",
+          record.assumptions.pixel_sigma_px),
+      {},
+      {}};
   std::vector<FigureGroup> groups;
   if (record.camera) groups.push_back(correlationFigures(cameraView(record)));
   if (record.camera_imu) groups.push_back(correlationFigures(cameraImuView(record)));
@@ -89,7 +92,7 @@ std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict
                         findingOf(verdict, "Noise density of the accelerometer")),
           densityRemark("Gyroscope bias walk", noise.gyro_bias, nullptr),
           densityRemark("Accelerometer bias walk", noise.accel_bias, nullptr),
-          fmt::format("The noise of the poses is that of corners of {:.2f} px.",
+          fmt::format("The noise of the poses corresponds to a corner noise of {:.2f} px.",
                       noise.pose_pixel_sigma)};
 }
 
@@ -98,16 +101,41 @@ Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
   if (figures.figures.empty()) return {};
   return {"imu-readings",
           "Measured and predicted readings",
-          "What gyroscope and accelerometer read beside what the solution says that they should "
-          "have read, in the IMU's axes.",
+          "Readings of gyroscope and accelerometer, and the readings that the solution predicts, "
+          "in the IMU's axes.",
           {},
           blocksOf({std::move(figures)})};
 }
 
+Section uncertaintySection(const CalibrationRecord& record) {
+  Section section{
+      "projection-uncertainty",
+      "Projection uncertainty",
+      "One standard deviation, in the worst direction, of the projection of a far point if the "
+      "recording were repeated; a rotation of the camera frame is removed. Large values mark "
+      "regions where the recording does not determine the lens. Errors of a model that does not "
+      "fit are included only as far as they vary over the recording.",
+      {},
+      {}};
+  std::vector<HeatMap> maps;
+  for (const ImageMap& map : record.projection_uncertainty) {
+    maps.push_back(heatMap(map, map.camera + ": " + rangeText(map.range_m), "std [px]"));
+  }
+  scaleAlike(addressesOf(maps));
+  Block block;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    Figure figure = heatFigure(maps[i], fmt::format("projection-uncertainty-{}", i));
+    figure.caption = "By " + record.projection_uncertainty[i].method + ". " + figure.caption;
+    block.figures.push_back(std::move(figure));
+  }
+  section.blocks.push_back(std::move(block));
+  return section;
+}
+
 Section imuSection(const CameraImuStageResult& stage, TimeNs origin, const Verdict& verdict) {
   return {"imu-residuals", "Inertial residuals",
-          "What is left between the inertial samples and the motion that explains them together "
-          "with the corners, and what it says of the densities that were assumed.",
+          "Residuals between the inertial samples and the estimated motion, and the noise "
+          "densities that they indicate.",
           noiseRemarks(stage.imu_summary.noise, verdict),
           blocksOf(imuResidualFigures(stage, origin))};
 }
@@ -146,13 +174,14 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   }
   if (record.camera || record.camera_imu) {
     const StageView stage = record.camera ? cameraView(record) : cameraImuView(record);
-    sections.push_back({"coverage",
-                        "Image coverage",
-                        "Where in the image the target was seen. Corners at the edges decide the "
-                        "distortion.",
-                        {},
-                        blocksOf({coverageFigures(stage)})});
+    sections.push_back(
+        {"coverage",
+         "Image coverage",
+         "Where in the image the target was seen. Corners near the edges determine the distortion.",
+         {},
+         blocksOf({coverageFigures(stage)})});
   }
+  if (!record.projection_uncertainty.empty()) sections.push_back(uncertaintySection(record));
   if (record.camera_imu) {
     sections.push_back(readingsSection(*record.camera_imu, timeOrigin(record)));
     sections.push_back(imuSection(*record.camera_imu, timeOrigin(record), record.verdict));
@@ -168,27 +197,29 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
 
 std::string heldLead(const HeldCalibration& held) {
   return "Estimates are those of " + held.file +
-         ", as they stand there. Std is not theirs: it is what this recording could tell of them, "
-         "under the assumed noise, with all poses and states marginalised; of the camera-IMU "
-         "parameters with the cameras held.";
+         ", unchanged. Std is not from that file: it is the standard deviation with which this "
+         "recording would determine them, under the assumed noise, with all poses and states "
+         "marginalised; for the camera-IMU parameters with the cameras fixed.";
 }
 
 std::string parametersLead(const CalibrationRecord& record) {
   if (record.held) return heldLead(*record.held);
   const bool bootstrap = record.camera_resample || record.camera_imu_resample;
   return std::string(
-             "Std is cluster-robust where a formal one stands beside it: it is taken from how the "
-             "blocks of the recording pull on the estimate, and holds also where neighbouring "
-             "frames err together. The formal standard deviation follows from the assumed noise "
-             "and holds only if model and noise are right. ") +
-         (bootstrap
-              ? "The bootstrap std comes from resampled time segments of the recording; where "
-                "it is several times the std, trust it."
-              : "A resampled calibration would show a bootstrap std beside it.");
+             "Std is cluster-robust where a formal one is listed too: it is computed from the "
+             "scores of blocks of the recording, and remains valid where the errors of "
+             "neighbouring frames are correlated. The 90 % interval is the estimate plus or minus "
+             "the given half width: the std times a quantile of Student's t, which is larger the "
+             "fewer blocks determine the std. The formal standard deviation follows from the "
+             "assumed noise and is valid only if model and noise are right. ") +
+         (bootstrap ? "The bootstrap std comes from resampled time segments of the recording; "
+                      "where it is several times the std, use it instead."
+                    : "With --resample, a bootstrap std is listed too.");
 }
 
 Block parameterBlock(const ParameterGroup& group) {
   Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}}, {}};
+  if (group.has_interval) table.columns.push_back({"90 % interval, \u00b1", kNumber});
   if (group.has_formal) table.columns.push_back({"Formal std", kNumber});
   table.columns.push_back({"Unit"});
   if (group.has_spread) {
@@ -197,6 +228,7 @@ Block parameterBlock(const ParameterGroup& group) {
   }
   for (const ParameterRow& r : group.rows) {
     std::vector<Cell> row = {code(r.name), number(r.value), number(r.std)};
+    if (group.has_interval) row.push_back(number(r.interval));
     if (group.has_formal) row.push_back(number(r.formal));
     row.push_back({r.unit});
     if (group.has_spread) row.insert(row.end(), {number(r.spread), number(r.ratio)});
@@ -267,9 +299,8 @@ Section sceneSection(const CalibrationRecord& record) {
           "Scene",
           "The target and where the cameras were, in the target's frame. Drag to turn, scroll to "
           "zoom, shift-drag to move; click a camera to see its view. Keys: arrows turn, + and - "
-          "zoom, page up and down pick the view before and after, 0 resets. Good data surround the "
-          "target: near and far, tilted about "
-          "both axes, and turned.",
+          "zoom, page up and down select the view before and after, 0 resets. Good data cover all "
+          "directions from the target: near and far, tilted about both axes, and rolled.",
           {},
           {std::move(block)}};
 }
@@ -319,7 +350,7 @@ std::string renderCalibrationPage(const CalibrationRecord& record) {
   page.appendix = timings(record);
   page.script = embedded::scene_viewer_bundle_js() + embedded::views_js();
   page.notice =
-      " The 3D viewer contains vtk.js (BSD-3-Clause, Kitware); notices stand in the page's source.";
+      " The 3D viewer contains vtk.js (BSD-3-Clause, Kitware); notices are in the page's source.";
   return renderPage(page);
 }
 

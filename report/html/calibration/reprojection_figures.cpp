@@ -108,8 +108,8 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
       outside == 0 ? "" : fmt::format(" {} corners lie outside the axes.", outside);
   return {toSvg(plot, id),
           "Measured minus projected, one point per used corner. A round cloud centred on zero is "
-          "noise; a stretched or shifted one points at blur, rolling shutter or a model that "
-          "does not fit." +
+          "noise; an elongated or shifted one indicates blur, rolling shutter or a model that does "
+          "not fit." +
               left_out,
           false};
 }
@@ -155,8 +155,8 @@ Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::st
   const double deviation = std::max(1e-9, std::sqrt(squares / std::max(1.0, 2 * n)));
   plot.curves = {normalCurve("normal, same RMS", deviation, range, n * plot.bin_width)};
   return {toSvg(plot, id),
-          fmt::format("Components of the error beside a normal density of the same RMS ({:.3f} "
-                      "px). A sharper peak with long tails means outliers: use a robust loss.",
+          fmt::format("Components of the error, with a normal density of the same RMS ({:.3f} px). "
+                      "A sharper peak with long tails indicates outliers: use a robust loss.",
                       deviation),
           false};
 }
@@ -182,12 +182,13 @@ VectorField errorField(const StageView& stage, int camera, const std::string& na
 }
 
 Figure fieldFigure(const VectorField& plot, const std::string& id) {
-  return {toSvg(plot, id),
-          fmt::format("Mean error of the corners in each cell, magnified {:.0f} times, alike for "
-                      "all cameras. Arrows in all directions are noise; a pattern (radial, "
-                      "swirling, one-sided) is a distortion that the model does not describe.{}",
-                      plot.magnification, cutText(plot)),
-          false};
+  return {
+      toSvg(plot, id),
+      fmt::format("Mean error of the corners in each cell, magnified {:.0f} times, on one scale "
+                  "for all cameras. Arrows in all directions are noise; a pattern (radial, "
+                  "swirling, one-sided) is a distortion that the model does not describe.{}",
+                  plot.magnification, cutText(plot)),
+      false};
 }
 
 HeatMap imageMap(const StageView& stage, int camera, const ImageGrid& grid,
@@ -204,6 +205,7 @@ HeatMap errorMap(const StageView& stage, int camera, const std::string& name) {
   const ImageGrid grid = binErrors(stage, camera, kMapColumns, Corners::kUsed);
   HeatMap map = imageMap(stage, camera, grid, name + ": RMSE by region");
   map.value_label = "RMSE [px]";
+  map.contours = true;
   for (std::size_t i = 0; i < grid.count.size(); ++i) {
     const bool enough = grid.count[i] >= kFewest;
     map.values.push_back(enough ? std::sqrt(grid.squares[i] / static_cast<double>(grid.count[i]))
@@ -214,9 +216,9 @@ HeatMap errorMap(const StageView& stage, int camera, const std::string& name) {
 
 Figure regionFigure(const HeatMap& map, const std::string& id) {
   return {toSvg(map, id),
-          "RMSE of the used corners by region, on one scale for all cameras; blank where fewer "
-          "than eight fell. Even is good; bright corners mean that the distortion model fails at "
-          "the edge." +
+          "RMSE of the used corners by region, on one scale for all cameras; blank where there are "
+          "fewer than eight. Uniform is good; bright corners of the image mean that the distortion "
+          "model does not fit there. Lines of equal value at the ticks of the scale." +
               clampText(map),
           false};
 }
@@ -247,7 +249,7 @@ Figure frameFigure(const StageView& stage) {
   plot.frame.y.range = Range{0, largest > 0 ? 1.08 * largest : 1};
   return {toSvg(plot, stage.id + "-frames"),
           "Peaks are frames with motion blur, a partly hidden target or false corners; a steady "
-          "rise or fall suggests that something moved or warmed up during the recording.",
+          "rise or fall indicates that something moved or warmed up during the recording.",
           true};
 }
 
@@ -343,9 +345,9 @@ FigureGroup correlationFigures(const StageView& stage) {
   map.frame.y.ticks = map.frame.x.ticks;
   return {"",
           {{toSvg(map, stage.id + "-correlation"),
-            "Near 1 or -1 two parameters can trade against each other: their own standard "
-            "deviations then understate how well their combination is known, and more varied "
-            "views (tilt, distance, edges) would separate them.",
+            "Near 1 or -1, two parameters can compensate each other: their combination is known "
+            "better than their standard deviations state, and more varied views (tilt, distance, "
+            "edges) would separate them.",
             n > 8}}};
 }
 

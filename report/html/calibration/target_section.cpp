@@ -16,49 +16,50 @@ constexpr double kArrow = 0.6;    // length of the longest arrow over the tags' 
 constexpr int kLabelledTags = 8;  // along a side: heights are written into the cells up to here
 
 constexpr const char* kTermsText =
-    "Each term is the RMS displacement over the corners that it makes; tag_edge is by how much "
-    "the tags look larger at unchanged pitch where their edges span 40 pixels, which says more of "
-    "light and detector than of the board. The shape holds no scale: that stays target.yaml's.";
+    "Each term is stated as the RMS displacement of the corners that it causes. tag_edge is the "
+    "apparent increase of the tags' size at unchanged pitch where their edges span 40 pixels; it "
+    "depends on light and detector more than on the board. The shape contains no scale: that is "
+    "target.yaml's.";
 
 std::string foundText(const TargetFit& fit, bool kept) {
   switch (fit.finding) {
     case TargetFinding::kBent:
       return fmt::format(
-          "The board is not what target.yaml says. Held-out frames are predicted to {:.4f} px with "
-          "the board's own shape, and to {:.4f} px with the stated one. {}",
+          "The board is not as target.yaml states. RMSE of held-out frames: {:.4f} px with the "
+          "estimated shape, {:.4f} px with the stated one. {}",
           fit.held_out_px, fit.flat_held_out_px,
-          kept ? "The calibration stands on the estimated shape."
-               : "The calibration stands on the stated one, as it was asked to.");
+          kept ? "The calibration uses the estimated shape."
+               : "The calibration uses the stated one, as requested.");
     case TargetFinding::kKnown:
       return fmt::format(
-          "The board is known from another session; what that left open was estimated with the "
-          "cameras. With it, held-out frames are predicted to {:.4f} px; a shape "
-          "of this session's own does no better ({:.4f} px).",
+          "The shape of the board is known from another session and was refined with the cameras "
+          "within its uncertainty. RMSE of held-out frames: {:.4f} px with it, no better with a "
+          "shape estimated from this session alone ({:.4f} px).",
           fit.flat_held_out_px, fit.held_out_px);
     case TargetFinding::kOther:
       return fmt::format(
-          "The board is not the one of the file that was given. Held-out frames are predicted to "
-          "{:.4f} px with a shape of this session's own, shown here, and to {:.4f} px with the "
-          "file's, on which the calibration stands.",
+          "The board is not that of the given file. RMSE of held-out frames: {:.4f} px with a "
+          "shape estimated from this session, shown here, and {:.4f} px with the file's, which the "
+          "calibration uses.",
           fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kAsStated:
       return fmt::format(
-          "The board is as target.yaml says: with a shape of its own, held-out frames are "
+          "The board is as target.yaml states: with an estimated shape, held-out frames are "
           "predicted no better ({:.4f} px) than without ({:.4f} px).",
           fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kLensMisfits:
-      return "The other lens model predicts held-out frames better than this one "
-             "does, so that the board's shape cannot be told from what this lens model leaves: it "
-             "is taken as target.yaml says.";
+      return "The other lens model predicts held-out frames better, so the board's shape cannot be "
+             "separated from the error of this lens model: it is assumed as target.yaml states.";
     case TargetFinding::kUndetermined:
       return fmt::format(
-          "This recording does not determine the board's shape (to {:.2f} mm only): it is taken as "
-          "target.yaml says.",
+          "This recording does not determine the board's shape (to {:.2f} mm only): it is assumed "
+          "as target.yaml states.",
           kMm * fit.std.maxCoeff());
     case TargetFinding::kNotTested:
       break;
   }
-  return "The recording is too short to tell the board's shape: it is taken as target.yaml says.";
+  return "The recording is too short to estimate the board's shape: it is assumed as target.yaml "
+         "states.";
 }
 
 Table termTable(const TargetFit& fit) {
@@ -149,7 +150,7 @@ Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
       {toSvg(heightMap(grid, points), "target-height"),
        "Mean height of each tag above the plane that fits the board best, seen from the front."},
       {toSvg(displacementField(grid, points), "target-plane"),
-       "Where the corners lie against the even grid of target.yaml, magnified."}};
+       "Displacement of the corners from the even grid of target.yaml, magnified."}};
   section.blocks.push_back(std::move(block));
   return section;
 }

@@ -92,6 +92,14 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
           {"corners", base64(corners)}};
 }
 
+/// The view's name, which leads to its picture.
+Cell viewCell(const StageView& stage, const std::vector<ViewErrors>& views, std::size_t view) {
+  const std::string& camera = stage.cameras[static_cast<std::size_t>(views[view].camera)].name;
+  Cell cell = tight(fmt::format("{}, frame {}", camera, views[view].frame));
+  cell.link = fmt::format("#{}-view-{}", stage.id, view);
+  return cell;
+}
+
 Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
                  const std::vector<std::size_t>& order) {
   Table table{{{"View", Cell::Kind::kTight},
@@ -104,15 +112,63 @@ Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
     const ViewErrors& v = views[order[i]];
-    Cell name = tight(fmt::format("{}, frame {}",
-                                  stage.cameras[static_cast<std::size_t>(v.camera)].name, v.frame));
-    name.link = fmt::format("#{}-view-{}", stage.id, order[i]);
     table.rows.push_back(
-        {std::move(name), number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(v.frame)])),
+        {viewCell(stage, views, order[i]),
+         number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(v.frame)])),
          number(fmt::format("{:.3f}", v.rmse_px)), number(fmt::format("{:.2f}", v.largest_px)),
          number(std::to_string(v.used)), number(std::to_string(v.corners.size() - v.used))});
   }
   return table;
+}
+
+constexpr std::size_t kMostRejected = 200;  // rows; the data under the plot have them all
+
+/// A rejected corner, and the view that has it.
+struct Rejected {
+  std::size_t view = 0;
+  const CornerResidual* corner = nullptr;
+};
+
+std::vector<Rejected> rejectedOf(const std::vector<ViewErrors>& views) {
+  std::vector<Rejected> list;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (const CornerResidual* r : views[i].corners) {
+      if (!r->used) list.push_back({i, r});
+    }
+  }
+  std::stable_sort(list.begin(), list.end(), [](const Rejected& a, const Rejected& b) {
+    return a.corner->error.squaredNorm() > b.corner->error.squaredNorm();
+  });
+  return list;
+}
+
+Block rejectedBlock(const StageView& stage, const std::vector<ViewErrors>& views,
+                    const std::vector<Rejected>& list) {
+  Table table{{{"View", Cell::Kind::kTight},
+               {"Time [s]", kNumber},
+               {"Corner", kNumber},
+               {"u [px]", kNumber},
+               {"v [px]", kNumber},
+               {"Error u [px]", kNumber},
+               {"Error v [px]", kNumber},
+               {"Length [px]", kNumber}},
+              {}};
+  const std::vector<double> seconds = frameSeconds(stage);
+  for (std::size_t k = 0; k < std::min(kMostRejected, list.size()); ++k) {
+    const CornerResidual& r = *list[k].corner;
+    table.rows.push_back(
+        {viewCell(stage, views, list[k].view),
+         number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(r.frame)])),
+         number(std::to_string(r.corner_id)), number(fmt::format("{:.1f}", r.uv.x())),
+         number(fmt::format("{:.1f}", r.uv.y())), number(fmt::format("{:+.2f}", r.error.x())),
+         number(fmt::format("{:+.2f}", r.error.y())),
+         number(fmt::format("{:.2f}", r.error.norm()))});
+  }
+  std::string text = fmt::format(
+      "{} of {} corners took no part in the solution. Errors are measured minus projected.",
+      list.size(), stage.residuals.size());
+  if (list.size() > kMostRejected) text += fmt::format(" The {} largest:", kMostRejected);
+  return {"Rejected corners", std::move(text), std::move(table), {}, {}};
 }
 
 }  // namespace
@@ -143,6 +199,8 @@ Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0
   block.html = renderTemplate(embedded::views(), values);
   section.blocks.push_back(std::move(block));
   section.blocks.push_back({"The worst views", "", worstTable(stage, views, order), {}, {}});
+  const std::vector<Rejected> rejected = rejectedOf(views);
+  if (!rejected.empty()) section.blocks.push_back(rejectedBlock(stage, views, rejected));
   return section;
 }
 

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
 #include "report/html/compared_plots.h"
 #include "report/html/comparison/sections.h"
+#include "report/html/image_maps.h"
 #include "report/html/text.h"
 #include "report/plots/svg.h"
 
@@ -19,76 +19,7 @@ namespace {
 constexpr int kArrowsAcross = 20;
 constexpr double kReach = 1.2;  // of a typical arrow, in its cells
 
-std::string rangeText(double range_m) {
-  return std::isinf(range_m) ? "at infinity" : fmt::format("at {:g} m", range_m);
-}
-
-double stepX(const ImageMap& map) { return (map.width - 1.0) / std::max(1, map.columns - 1); }
-double stepY(const ImageMap& map) { return (map.height - 1.0) / std::max(1, map.rows - 1); }
-
 int strideOf(const ImageMap& map) { return std::max(1, map.columns / kArrowsAcross); }
-
-PlotFrame mapFrame(const ImageMap& map, const std::string& title, double margin) {
-  PlotFrame frame;
-  frame.title = title;
-  frame.width = 480;
-  frame.height = 360;
-  const double mx = margin * stepX(map), my = margin * stepY(map);
-  frame.x = {"u [px]", Range{-mx, map.width - 1 + mx}, {}, false, false};
-  frame.y = {"v [px]", Range{-my, map.height - 1 + my}, {}, true, false};
-  frame.equal_axes = true;
-  return frame;
-}
-
-bool sound(const ImageMap& map) {
-  const auto cells = static_cast<std::size_t>(std::max(0, map.columns)) *
-                     static_cast<std::size_t>(std::max(0, map.rows));
-  return cells > 0 && map.width > 1 && map.height > 1 && map.values.size() == cells;
-}
-
-struct Summary {
-  double median = 0, most = 0;
-  std::size_t undefined = 0;
-  bool any = false;
-};
-
-Summary summaryOf(const std::vector<double>& values) {
-  std::vector<double> known;
-  for (const double v : values) {
-    if (std::isfinite(v)) known.push_back(v);
-  }
-  if (known.empty()) return {0, 0, values.size(), false};
-  return {quantile(known, 0.5), *std::max_element(known.begin(), known.end()),
-          values.size() - known.size(), true};
-}
-
-HeatMap heatMap(const ImageMap& map, const std::string& title, const std::string& label) {
-  HeatMap plot;
-  plot.frame = mapFrame(map, title, 0.5);
-  plot.columns = map.columns;
-  plot.rows = map.rows;
-  plot.values = map.values;
-  for (double& v : plot.values) {
-    if (!std::isfinite(v)) v = std::nan("");
-  }
-  plot.value_label = label;
-  plot.contours = true;
-  return plot;
-}
-
-Figure heatFigure(const HeatMap& plot, const std::string& id) {
-  const Summary s = summaryOf(plot.values);
-  std::string caption = s.any
-                            ? fmt::format("Median {:.3g} px, largest {:.3g} px.", s.median, s.most)
-                            : "Undefined over the whole image.";
-  if (s.any) caption += " Lines of equal value at the ticks of the scale." + clampText(plot);
-  if (s.any && s.undefined > 0) {
-    caption += fmt::format(
-        " Blank at {:.0f} % of the grid, where a model does not project.",
-        100.0 * static_cast<double>(s.undefined) / static_cast<double>(plot.values.size()));
-  }
-  return {toSvg(plot, id), caption, false};
-}
 
 VectorField fieldOf(const ImageMap& map, const std::string& title) {
   VectorField plot;
@@ -109,7 +40,7 @@ VectorField fieldOf(const ImageMap& map, const std::string& title) {
 
 Figure fieldFigure(const VectorField& plot, const std::string& id) {
   return {toSvg(plot, id),
-          fmt::format("The difference itself, magnified {:.3g} times.{}", plot.magnification,
+          fmt::format("The difference as a vector, magnified {:.3g} times.{}", plot.magnification,
                       cutText(plot)),
           false};
 }
@@ -149,11 +80,11 @@ ScaledMaps scaled(const std::vector<ImageMap>& all, const std::string& label, bo
 }
 
 std::string impliedText(const ImageMap& map) {
-  if (!map.implied) return "No alignment of the camera frames was taken out.";
+  if (!map.implied) return "The camera frames were not aligned.";
   const Eigen::Vector3d t = 1e3 * map.implied->t;
   return fmt::format(
-      "Implied alignment that was taken out: rotation {:.4f}\u00b0, translation ({:.2f}, {:.2f}, "
-      "{:.2f}) mm.",
+      "Alignment of the camera frames that was removed: rotation {:.4f}\u00b0, translation "
+      "({:.2f}, {:.2f}, {:.2f}) mm.",
       readable("rad").factor * rotationAngle(map.implied->R), t.x(), t.y(), t.z());
 }
 
@@ -179,9 +110,9 @@ Block differenceBlock(const ScaledMaps& scaled, std::size_t i) {
 Section differenceSection(const ComparisonRecord& record) {
   Section section{"differences",
                   "Projection differences",
-                  "Where the same point falls under two calibrations, after the camera frames are "
-                  "aligned as well as one rotation and translation can: what is left is a real "
-                  "difference of the lens models, not of their conventions.",
+                  "Difference between the projections of one point under two calibrations, after "
+                  "one rotation and translation aligned the camera frames: what remains is a real "
+                  "difference of the lens models, not of conventions.",
                   {},
                   {}};
   const ScaledMaps maps = scaled(record.differences, "|d| [px]", false);
@@ -192,14 +123,15 @@ Section differenceSection(const ComparisonRecord& record) {
 }
 
 Section uncertaintySection(const ComparisonRecord& record) {
-  Section section{"uncertainties",
-                  "Projection uncertainty",
-                  fmt::format("Standard deviation of where a point at the stated range falls, from "
-                              "the covariance of the calibration under a corner noise of {:g} px. "
-                              "It counts noise only: a model that does not fit is not in it.",
-                              record.assumptions.pixel_sigma_px),
-                  {},
-                  {}};
+  Section section{
+      "uncertainties",
+      "Projection uncertainty",
+      fmt::format("Standard deviation of the projection of a point at the stated range, from the "
+                  "covariance of the calibration under a corner noise of {:g} px. It includes "
+                  "noise only, not the error of a model that does not fit.",
+                  record.assumptions.pixel_sigma_px),
+      {},
+      {}};
   Block block;
   const ScaledMaps maps = scaled(record.uncertainties, "std [px]", true);
   for (std::size_t i = 0; i < maps.maps.size(); ++i) {

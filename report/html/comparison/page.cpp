@@ -27,7 +27,8 @@ Card significanceCard(const ComparisonRecord& record) {
     }
   }
   if (most < 0) {
-    return {"Most significant difference", "\u2013", "", "no two standard deviations to judge by"};
+    return {"Most significant difference", "\u2013", "",
+            "no pair of standard deviations to judge by"};
   }
   return {"Most significant difference", fmt::format("{:.1f}", most), "\u03c3",
           name + " of " + label};
@@ -41,12 +42,12 @@ std::vector<Card> cardsOf(const ComparisonRecord& record) {
           return f.level != VerdictLevel::kGood;
         }));
   }
-  std::vector<Card> cards = {
-      {"Calibrations", std::to_string(record.calibrations.size()), "",
-       record.calibrations.empty() ? ""
-                                   : "differences are to " + record.calibrations.front().label},
-      {"Convention faults", std::to_string(lint), "", "found by the lint"},
-      significanceCard(record)};
+  std::vector<Card> cards = {{"Calibrations", std::to_string(record.calibrations.size()), "",
+                              record.calibrations.empty()
+                                  ? ""
+                                  : "differences relative to " + record.calibrations.front().label},
+                             {"Convention faults", std::to_string(lint), "", "found by lint"},
+                             significanceCard(record)};
   for (const CalibrationScore& s : record.scores) {
     if (!s.problem.empty() || s.part != "all" || cards.size() >= 8) continue;
     cards.push_back({"RMSE, " + s.label, fmt::format("{:.4f}", s.reprojection.rmse_px), "px",

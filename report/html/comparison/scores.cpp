@@ -65,7 +65,7 @@ Table scoresTable(const std::vector<CalibrationScore>& scores) {
                {"With IMU [px]", kNumber},
                {"Gyro [mrad/s]", kNumber},
                {"Accel [m/s\u00b2]", kNumber},
-               {"Why not"}},
+               {"Problem"}},
               {}};
   for (const CalibrationScore& s : scores) table.rows.push_back(scoreRow(s));
   return table;
@@ -117,10 +117,9 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   plot.frame.x.label = "camera";
   plot.frame.y.label = "RMSE [px]";
   return {toSvg(plot, "score-bars"),
-          held_out
-              ? "Corners that no calibration here was estimated from; pooled over the held-out "
-                "parts."
-              : "None of these scores is held out: in-sample errors are optimistic.",
+          held_out ? "Corners that none of these calibrations was estimated from; pooled over the "
+                     "held-out parts."
+                   : "None of these scores is held out: in-sample errors are optimistic.",
           true};
 }
 
@@ -187,7 +186,7 @@ Table entropyTable(const std::vector<CalibrationScore>& scores,
 std::string imuAssumed(const Assumptions& a) {
   std::string text =
       "Poses, velocities, biases and gravity's direction are marginalised; the cameras and the "
-      "differences between their own time offsets are held. Under the recording's noise densities";
+      "differences between their time offsets are fixed. Under the recording's noise densities";
   if (a.imu_noise) {
     text += fmt::format(
         ": gyroscope {:.5g} rad/s/\u221aHz (walk {:.5g}), accelerometer {:.5g} m/s\u00b2/\u221aHz "
@@ -203,9 +202,9 @@ std::string imuAssumed(const Assumptions& a) {
 Section scoresSection(const ComparisonRecord& record) {
   Section section{"scores",
                   "Scores on recordings",
-                  "Every calibration is held fixed; only the target's poses (and with an IMU the "
-                  "states and gravity) move. The same corners and rule for all, which in-sample "
-                  "figures of different tools are not.",
+                  "Every calibration is fixed; only the target's poses (and with an IMU the states "
+                  "and gravity) are estimated. Corners and rule are the same for all, unlike the "
+                  "in-sample errors that the tools report.",
                   {},
                   {}};
   if (record.scores.empty()) return section;
@@ -216,34 +215,34 @@ Section scoresSection(const ComparisonRecord& record) {
   }
   section.blocks.push_back(std::move(block));
   if (!record.paired.empty()) {
-    section.blocks.push_back({"Which predicts better, view by view",
-                              "Mean over views of the difference in mean squared error; negative "
-                              "means that the first-named is better. The standard error is of "
-                              "blocks of consecutive views.",
-                              pairedTable(record),
-                              {},
-                              {}});
+    section.blocks.push_back(
+        {"Which predicts better, view by view",
+         "Mean over views of the difference in mean squared error; negative means that the first "
+         "one is better. The standard error is computed from blocks of consecutive views.",
+         pairedTable(record),
+         {},
+         {}});
   }
   return section;
 }
 
 Section entropySection(const ComparisonRecord& record) {
-  Section section{"entropy",
-                  "Entropy",
-                  fmt::format("0.5 log((2\u03c0e)\u207f |\u03a3|) of the parameters on that "
-                              "recording, in nats, for a corner noise of {:g} px; lower is better "
-                              "determined. It compares only under the same parameters, units and "
-                              "noise.",
-                              record.assumptions.pixel_sigma_px),
-                  {},
-                  {}};
+  Section section{
+      "entropy",
+      "Entropy",
+      fmt::format("0.5 log((2\u03c0e)\u207f |\u03a3|) of the parameters on that recording, in "
+                  "nats, for a corner noise of {:g} px; lower is better determined. Compare it "
+                  "only under the same parameters, units and noise.",
+                  record.assumptions.pixel_sigma_px),
+      {},
+      {}};
   Table cameras = entropyTable(record.scores, &CalibrationScore::entropy_nats,
                                &CalibrationScore::entropy_parameters);
   Table imu = entropyTable(record.scores, &CalibrationScore::camera_imu_entropy_nats,
                            &CalibrationScore::camera_imu_entropy_parameters);
   if (!cameras.rows.empty()) {
     section.blocks.push_back({"Cameras",
-                              "All corners weigh alike; poses are marginalised.",
+                              "All corners have the same weight; poses are marginalised.",
                               std::move(cameras),
                               {},
                               {}});

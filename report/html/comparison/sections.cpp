@@ -106,10 +106,13 @@ std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& paramet
   std::vector<Block> blocks;
   for (const ComparedParameter& p : parameters) {
     const std::string owner = ownerOf(p.name);
-    if (blocks.empty() || blocks.back().heading != owner) {
-      blocks.push_back({owner, "", Table{parameterColumns(labels, shown), {}}, {}, {}});
+    // What the first calibration lacks comes last, under the same heading.
+    auto block = std::find_if(blocks.begin(), blocks.end(),
+                              [&](const Block& b) { return b.heading == owner; });
+    if (block == blocks.end()) {
+      block = blocks.insert(block, {owner, "", Table{parameterColumns(labels, shown), {}}, {}, {}});
     }
-    blocks.back().table->rows.push_back(parameterRow(p, labels.size(), shown));
+    block->table->rows.push_back(parameterRow(p, labels.size(), shown));
   }
   return blocks;
 }
@@ -177,7 +180,8 @@ Table offsetDetails(const ComparisonRecord& record) {
 }  // namespace
 
 Section calibrationsSection(const ComparisonRecord& record) {
-  Section section{"calibrations", "Calibrations", "Differences below are to the first.", {}, {}};
+  Section section{
+      "calibrations", "Calibrations", "Differences below are relative to the first.", {}, {}};
   Table table{{{"Label"}, {"Tool"}, {"File"}, {"Cameras"}, {"IMU"}, {"Conventions"}}, {}};
   for (const ComparedCalibration& c : record.calibrations) {
     table.rows.push_back({{c.label},
@@ -191,24 +195,23 @@ Section calibrationsSection(const ComparisonRecord& record) {
 }
 
 Section comparedParametersSection(const ComparisonRecord& record) {
-  Section section{
-      "parameters",
-      "Parameters",
-      "In one convention: p_A = T_AB p_B, rotations as rotation vectors, t_imu = t_cam + t_d. "
-      "Significance is |difference| over the standard deviations of both together; from 2 \u03c3 "
-      "it is notable, from 3 \u03c3 the two differ by more than their stated noise explains. "
-      "Without standard deviations of both there is none.",
-      {},
-      {}};
+  Section section{"parameters",
+                  "Parameters",
+                  "In one convention: p_A = T_AB p_B, rotations as rotation vectors, t_imu = t_cam "
+                  "+ t_d. Significance is |difference| over the combined standard deviation of "
+                  "both; from 2 \u03c3 it is notable, from 3 \u03c3 the two differ by more than "
+                  "their stated noise explains. Without standard deviations of both there is none.",
+                  {},
+                  {}};
   section.blocks = parameterBlocks(record.parameters, labelsOf(record), Shown::kValues);
   return section;
 }
 
 Section sessionEstimateSection(const ComparisonRecord& record) {
   Section section{"session-estimate",
-                  "Against the session's own estimate",
-                  "The session was calibrated itself, with the first calibration's camera models. "
-                  "\u0394 is each calibration less that estimate.",
+                  "Comparison with the session's own estimate",
+                  "The session itself was calibrated, with the first calibration's camera models. "
+                  "\u0394 is each calibration minus that estimate.",
                   {},
                   {}};
   if (!record.session_estimate) return section;
@@ -217,8 +220,8 @@ Section sessionEstimateSection(const ComparisonRecord& record) {
   const std::string same = notHeldOut(record);
   if (!same.empty()) {
     section.lead +=
-        " Not known to be of other data: " + same +
-        ". An estimate from the same session shares its corners, and agrees with it anyway.";
+        " Not known to be from other data: " + same +
+        ". An estimate from the same session shares its corners and agrees with it in any case.";
   }
   std::vector<std::string> labels = {"the session itself"};
   for (std::string& label : labelsOf(record)) labels.push_back(std::move(label));
@@ -255,7 +258,7 @@ Section offsetsSection(const ComparisonRecord& record) {
                   {}};
   if (record.offsets.empty()) return section;
   section.blocks.push_back({"", "", offsetDetails(record), {}, {}});
-  section.blocks.push_back({"As each tool writes it", "", offsetTable(record), {}, {}});
+  section.blocks.push_back({"As written by each tool", "", offsetTable(record), {}, {}});
   return section;
 }
 

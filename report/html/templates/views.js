@@ -93,7 +93,7 @@
       node(svg, 'rect', {x: 0, y: 0, width, height, class: 'frame'});
       drawImage(index);
       if (first < 0) {
-        node(svg, 'text', {x: width / 2, y: height / 2, 'text-anchor': 'middle', 'font-size': width / 30}, 'The corners of this view are not kept in the page.');
+        node(svg, 'text', {x: width / 2, y: height / 2, 'text-anchor': 'middle', 'font-size': width / 30}, 'The corners of this view are not included in the page.');
         return 0;
       }
       const scale = Math.max(1, Math.round(width / 40 / Math.max(rmse, 1e-3)));

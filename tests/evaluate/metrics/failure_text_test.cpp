@@ -64,10 +64,10 @@ TEST(FailureText, SaysWhereAndWhatToDo) {
   scale.where = "target.yaml:4";
   EXPECT_EQ(
       problemOf(scale),
-      "target.yaml:4: target and IMU disagree about scale: by the IMU, tagSize (0.2 m) is 2 "
-      "times too large, 0.1 m (+- 0.0002) would fit; measure a tag's black square and the gap "
-      "between tags; only if they differ from target.yaml correct tagSize or tagSpacing, else "
-      "look for the fault in the IMU (scale, axes, a delay between its sensors, spikes, "
+      "target.yaml:4: target and IMU disagree about scale: according to the IMU, tagSize (0.2 "
+      "m) is 2 times too large and should be 0.1 m (+- 0.0002); measure a tag's black square and "
+      "the gap between tags; if they differ from target.yaml, correct tagSize or tagSpacing; "
+      "otherwise look for the fault in the IMU (scale, axes, a delay between its sensors, spikes, "
       "stamps)");
   const Failure one{FailureCode::kRotationAboutOneAxis,
                     {{"axis", Eigen::Vector3d(Eigen::Vector3d::UnitX())}, {"rms", 0.01}}};

@@ -115,7 +115,7 @@ TEST(ScoreCalibration, ModelsThatAreOnlyScoredHaveNoFolds) {
   const auto scores = c.run();
   ASSERT_EQ(scores.size(), 2u);
   EXPECT_GT(scores[0].reprojection.rmse_px, 5 * kSigma);  // another lens
-  EXPECT_THAT(scores[1].problem, HasSubstr("scored, but not calibrated"));
+  EXPECT_THAT(scores[1].problem, HasSubstr("scored but not calibrated"));
 }
 
 TEST(ScoreCalibration, ReversedCamerasAreTheSameCalibration) {

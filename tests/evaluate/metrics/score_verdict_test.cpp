@@ -32,8 +32,8 @@ TEST(ScoreVerdict, SaysTheErrorOfEverySessionAndFoldTogether) {
   folds.held_out = true;
   const Verdict v = scoreVerdict(record({own, fold, folds}));
   EXPECT_EQ(v.headline,
-            "camchain.yaml leaves 0.36 px RMSE on euroc (0.41 px with the IMU), 0.37 px RMSE in "
-            "all 2 folds, held out; only poses move.");
+            "camchain.yaml: 0.36 px RMSE on euroc (0.41 px with the IMU), 0.37 px RMSE in "
+            "all 2 folds, held out; only poses are estimated.");
   EXPECT_EQ(v.level, VerdictLevel::kGood);
 }
 

@@ -24,6 +24,14 @@ window.addEventListener('error', (e) => pageErrors.push(String(e.message)));
 window.addEventListener('unhandledrejection', (e) => pageErrors.push(String(e.reason)));
 const tell = console.error;
 console.error = (...words) => { pageErrors.push(words.join(' ')); tell(...words); };
+// What is written on a canvas is no element: its size on the screen is noted as it is painted.
+window.canvasTexts = new Map();
+const fillText = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (text, ...where) {
+  const m = this.getTransform(), shown = this.canvas.clientWidth / this.canvas.width;
+  if (shown > 0) canvasTexts.set(String(text), parseFloat(this.font.match(/([0-9.]+)px/)[1]) * Math.hypot(m.a, m.b) * shown);
+  return fillText.call(this, text, ...where);
+};
 Element.prototype.setPointerCapture = () => {};  // made-up pointers cannot be captured
 // ?top=N moves the page up by N pixels, so that a window of moderate height sees any part of it.
 const moveUp = (by) => { document.body.style.marginTop = `-${by}px`; };

@@ -6,8 +6,8 @@ usage: layout_browser_test.py WRITE_PAGE WRITE_REPLAY_PAGE [PAGE.html ...]
 
 Proves in the document's own measures, at 1400, 800 and 390 px, in light and dark: the page is no wider than
 the window; no text is cut off by its plot or its box, none lies over another of the same plot, none is smaller
-than 12 px (11 px in narrow windows); text stands out from its ground (WCAG AA, 4.5:1, large text 3:1); no
-section or table is empty; the contents are there or unfold; every control can be used, and nothing is said on the console; a calibration is printed
+than 12 px (11 px in narrow windows), on canvases neither; text stands out from its ground (WCAG AA, 4.5:1, large text 3:1); no
+section or table is empty; heads of tables have their scope, pictures and controls a name; the contents are there or unfold; every control can be used, and nothing is said on the console; a calibration is printed
 on eight sheets at most. With PAGE.html given, those pages are measured instead.
 """
 import os
@@ -56,6 +56,10 @@ const checkSizes = (all) => {
     const px = parseFloat(getComputedStyle(e).fontSize) * (m ? Math.hypot(m.a, m.b) : 1);
     if (px < least - 0.05) say('small text', nameOf(e), px.toFixed(1) + ' px');
   }
+};
+const checkCanvases = () => {
+  const least = innerWidth >= 1400 ? 12 : 11;
+  for (const [text, px] of canvasTexts) if (px < least - 0.05) say('small text on a canvas', `'${text.slice(0, 40)}'`, px.toFixed(1) + ' px');
 };
 const overlapOf = (a, b) => Math.min(Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
 // Words in plots: whole, and apart from each other. A box of text has air above and below; 3 px are none.
@@ -163,7 +167,16 @@ const use = () => {
   const buttons = [...document.querySelectorAll('.save-svg, .save-csv')].filter(visible).length;
   if (saved < buttons) say('not saved', `${buttons - saved} of ${buttons} plots or their data`);
 };
+// What a reader without a screen has: heads of tables that say what they head, pictures and controls with a name.
+const nameless = (e) => !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || e.title || e.textContent.trim() || (e.labels && e.labels.length));
+const checkNames = () => {
+  for (const th of document.querySelectorAll('main th')) if (!th.scope) say('table head without scope', nameOf(th));
+  for (const e of document.querySelectorAll('main img')) if (!e.hasAttribute('alt')) say('image without alt', nameOf(e));
+  for (const e of document.querySelectorAll('main figure svg')) if (visible(e) && !e.querySelector('title') && nameless(e)) say('plot without a name', e.id);
+  for (const e of document.querySelectorAll('canvas, button, input, select')) if (visible(e) && nameless(e)) say('control without a name', nameOf(e));
+};
 const finish = () => {
+  checkCanvases();
   pageErrors.forEach((e) => say('console', e));
   parent.postMessage(JSON.stringify({faults: [...new Set(faults)], width: innerWidth,
     dark: matchMedia('(prefers-color-scheme: dark)').matches}), '*');
@@ -180,6 +193,7 @@ setTimeout(() => {
   checkBoxes();
   checkEmpty();
   checkContents();
+  checkNames();
   checkContrast(all);
   if (location.hash === '#use') use();
   setTimeout(finish, 600);
