@@ -39,15 +39,19 @@ struct CalibrateOptions {
 void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   o.estimation.choose_models = true;
   o.estimation.declare(app);
-  app.add_flag("--free-cameras", o.free_cameras, "--cameras is only the start of the camera stage")
+  app.add_flag("--free-cameras", o.free_cameras,
+               "Refine the cameras of --cameras: they are only start values")
       ->needs(app.get_option("--cameras"));
-  app.add_flag("--joint", o.joint, "The camera-IMU stage refines the cameras too");
-  app.add_option("--imu-shift-ms", o.imu_shift_ms, "Add this to every IMU stamp first [ms]");
-  app.add_option("--select-views", o.select_views,
-                 "Select views: mi:0.2bits (by information gain, as Kalibr) or predicted-error:2% "
-                 "(few that leave little error; default: all views)");
-  app.add_option("--resample", o.resamples,
-                 "Solve again on N draws of time segments and report the bootstrap std")
+  app.add_flag("--joint", o.joint, "Refine the cameras in the camera-IMU stage too");
+  app.add_option("--imu-shift-ms", o.imu_shift_ms,
+                 "Add this to every IMU stamp before the calibration [ms]");
+  app.add_option(
+      "--select-views", o.select_views,
+      "Select views: mi:0.2bits (by information gain, like Kalibr) or predicted-error:2% (as few "
+      "as keep the predicted error within 2 % of that of all views); default: all views");
+  app.add_option(
+         "--resample", o.resamples,
+         "Recalibrate on N bootstrap resamples of time segments and report the bootstrap std")
       ->check(CLI::IsMember({0}) | numberFrom(2));
   app.add_flag("--no-halves", o.no_halves, "Do not compare the halves of the recording");
   app.add_option("--seed", o.seed, "Seed of resampling and view selection")
@@ -57,7 +61,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
 
 void declareOutput(CLI::App& app, CalibrateOptions& o) {
   o.output.declareResult(app);
-  app.add_flag("--residuals", o.residuals, "Also write residuals.csv, a row for each corner");
+  app.add_flag("--residuals", o.residuals, "Also write residuals.csv, one row per corner");
   app.add_option("--threshold", o.thresholds,
                  "Threshold of the verdict, NAME=CAUTION,BAD, e.g. rmse_px=1,2; repeatable")
       ->allow_extra_args(false);

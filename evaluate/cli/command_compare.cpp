@@ -46,41 +46,43 @@ struct CompareOptions {
 };
 
 void declareMaps(CLI::App& app, CompareOptions& o) {
-  app.add_option("--range", o.ranges, "Distances of the points that are projected [m], or inf")
+  app.add_option("--range", o.ranges, "Distances of the projected points [m], or inf")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
-  app.add_option("--grid", o.grid, "Points over the image, COLUMNSxROWS")->capture_default_str();
+  app.add_option("--grid", o.grid, "Grid of points over the image, COLUMNSxROWS")
+      ->capture_default_str();
   app.add_option(
          "--focus-radius", o.focus_radius_px,
-         "Align within this radius of the image's centre [px], all alike (0: weighted by the "
-         "uncertainties, or a sixth of the image without any)")
+         "Align over this radius around the image's centre with equal weights [px] (0: weighted by "
+         "the projection uncertainty, or a sixth of the image if there is none)")
       ->check(numberFrom(0))
       ->capture_default_str();
   // As mrcal 2 fits: for benchmarks against it alone, so that no help names it.
-  app.add_option("--fit", o.fit, "What the alignment minimises: squares, or fourth-power")
-      ->group("");
+  app.add_option("--fit", o.fit, "Cost of the alignment: squares, or fourth-power")->group("");
   app.add_option("--uncertainty", o.uncertainty,
-                 "How points are fixed to the boards: cross-reprojection or mean-frames")
+                 "How points are tied to the boards: cross-reprojection or mean-frames")
       ->capture_default_str();
 }
 
 void declareCompare(CLI::App& app, CompareOptions& o) {
   app.add_option("calibrations", o.calibrations,
-                 "Two or more calibrations, of ours, Kalibr or yac; differences are to the first")
+                 "Two or more calibrations of Plumbline, Kalibr or yac; differences are relative "
+                 "to the first")
       ->required();
-  app.add_option("--labels", o.labels, "Short names for them, e.g. ours,kalibr")
+  app.add_option("--labels", o.labels, "Labels of the calibrations, e.g. ours,kalibr")
       ->delimiter(',')
       ->allow_extra_args(false);
   o.session.declareOptional(app);
   app.add_flag("--no-session-estimate", o.no_session_estimate,
-               "Do not compare with the session's own estimate");
+               "Do not calibrate the session itself for the comparison");
   declareMaps(app, o);
   o.measurements.declare(app);
   app.add_option("--runs", o.runs.runs,
                  "Trajectories estimated with these calibrations: a pattern with the fields "
                  "{calibration}, {sequence} and {run}");
-  app.add_option("--truth", o.runs.truth, "Their ground truths, with {sequence}; or one file");
+  app.add_option("--truth", o.runs.truth,
+                 "Ground truth of the trajectories: a pattern with {sequence}, or one file");
   declareCoverage(app, o.metrics);
   o.output.declareResult(app);
 }
@@ -155,7 +157,7 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
 
 std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   if (o.runs.runs.empty() != o.runs.truth.empty()) {
-    throw InputError("--runs and --truth belong together: expected both or none");
+    throw InputError("--runs and --truth need each other: expected both or none");
   }
   if (o.runs.runs.empty()) return {};
   RunsRequest request = o.runs;
@@ -198,7 +200,7 @@ int compare(const CompareOptions& o, const CLI::App& app) {
 }  // namespace
 
 Command compareCommand() {
-  return {"compare", "Calibrations side by side: parameters, projections, scores",
+  return {"compare", "Compare calibrations: parameters, projections, scores",
           "plumbline compare ours/calibration.json kalibr/camchain-imucam.yaml --session recording "
           "--out comparison",
           [](CLI::App& app) {

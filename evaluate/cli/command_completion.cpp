@@ -218,17 +218,17 @@ std::string manPage(const CLI::App& app) {
     }
   }
   return text +
-         ".SH EXIT STATUS\n.TP\n0\nDone.\n.TP\n1\nThe work could not succeed; the message says why "
-         "and what to do.\n.TP\n2\nBad input or usage.\n.TP\n3\nA study found a regression.\n"
-         ".TP\n4\nThe verdict is as bad as \\-\\-fail\\-on says.\n"
-         ".SH ENVIRONMENT\n.TP\nNO_COLOR\nNo colours on a terminal.\n.TP\nSOURCE_DATE_EPOCH\n"
-         "The date of results [s since 1970], so that they can be reproduced byte for byte.\n";
+         ".SH EXIT STATUS\n.TP\n0\nSuccess.\n.TP\n1\nFailure: the message states the cause and the "
+         "remedy.\n.TP\n2\nBad input or usage.\n.TP\n3\nA study found a regression.\n.TP\n4\nThe "
+         "verdict is at least as bad as \\-\\-fail\\-on states.\n.SH "
+         "ENVIRONMENT\n.TP\nNO_COLOR\nNo colours on a terminal.\n.TP\nSOURCE_DATE_EPOCH\nThe date "
+         "of results [s since 1970], so that they can be reproduced byte for byte.\n";
 }
 
 }  // namespace
 
 Command completionCommand() {
-  return {"completion", "Print the completion of the command line for a shell",
+  return {"completion", "Print the command-line completion for a shell",
           "plumbline completion bash > ~/.local/share/bash-completion/completions/plumbline",
           [](CLI::App& app) {
             auto shell = std::make_shared<std::string>();

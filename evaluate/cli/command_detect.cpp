@@ -77,7 +77,7 @@ int detect(const DetectOptions& o) {
 }  // namespace
 
 Command detectCommand() {
-  return {"detect", "Find the corners of every image and write a session of corners",
+  return {"detect", "Detect the corners in every image and write a session of corners",
           "plumbline detect session --out corners", [](CLI::App& app) {
             auto options = std::make_shared<DetectOptions>();
             options->session.declare(app);

@@ -43,7 +43,8 @@ struct EvaluateCalibrationOptions {
 
 void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.add_option("calibration", o.calibration,
-                 "Calibration to score: ours, Kalibr's camchain*.yaml, or yac's")
+                 "Calibration to score: Plumbline's calibration.json, Kalibr's camchain*.yaml, or "
+                 "yac's result")
       ->required();
   o.session.declare(app);
   o.estimation.declare(app);
@@ -52,11 +53,11 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.remove_option(app.get_option("--cameras"));
   app.get_option("--no-imu")->description("Score the cameras only");
   app.add_option("--held-out", o.held_out,
-                 "Folders of further sessions, held out from the calibration")
+                 "Folders of further sessions, held out (not used for the calibration)")
       ->delimiter(',');
-  app.add_option(
-         "--folds", o.folds,
-         "K-fold validation: recalibrate K times without a K-th of the session and score that part")
+  app.add_option("--folds", o.folds,
+                 "K-fold cross-validation: recalibrate K times without one part of the session and "
+                 "score that part")
       ->check(CLI::Range(2, kMostFolds));
   o.output.declareResult(app);
 }
@@ -99,7 +100,7 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
 }  // namespace
 
 Command evaluateCommand() {
-  return {"evaluate", "Evaluate a calibration or trajectories against references",
+  return {"evaluate", "Evaluate calibrations on sessions, and trajectories against ground truth",
           "plumbline evaluate trajectory estimate.txt groundtruth.csv", [](CLI::App& app) {
             app.require_subcommand(1);
             std::map<std::string, std::function<int()>> handlers;
@@ -115,7 +116,7 @@ Command evaluateCommand() {
 }
 
 Command evaluateCalibrationCommand() {
-  return {"calibration", "Scores of a calibration on sessions: only poses move",
+  return {"calibration", "Score a calibration on sessions: only poses are estimated",
           "plumbline evaluate calibration camchain-imucam.yaml session --folds 5 --out scores",
           [](CLI::App& app) {
             auto options = std::make_shared<EvaluateCalibrationOptions>();

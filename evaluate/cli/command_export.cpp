@@ -41,21 +41,21 @@ std::string knownTools() {
 void declareExport(CLI::App& app, ExportFilesOptions& o) {
   ExportRequest& r = o.request;
   app.add_option("calibration", r.calibration,
-                 "Calibration: calibration.json of ours, Kalibr's or OpenVINS' camchain, or a "
-                 "result of yac")
+                 "Calibration: Plumbline's calibration.json, Kalibr's or OpenVINS' camchain, or "
+                 "yac's result")
       ->required();
   app.add_option("--to", o.to, "Tool: " + knownTools())->required();
   o.output.declare(app, "Folder for the files")->required();
   app.add_option("--imu", r.imu,
-                 "Kalibr's imu.yaml, for noise densities that the calibration does not state");
+                 "Kalibr's imu.yaml, for noise densities if the calibration does not state them");
   app.add_option("--only", r.only, "Cameras to export, e.g. cam0,cam1 (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false);
   app.add_option("--camera-rate", r.camera_rate_hz,
-                 "Rate of the images [Hz], for tools that ask for it (orbslam3; default: 20)");
+                 "Frame rate of the cameras [Hz], for tools that need it (orbslam3; default: 20)");
   app.add_option("--model", o.model,
-                 "Give the cameras in another lens model, with the least projection error over the "
-                 "image: " +
+                 "Convert the cameras to another lens model by a least-squares fit of the "
+                 "projection over the image: " +
                      calibratedModelWords());
   o.json.declare(app);
 }

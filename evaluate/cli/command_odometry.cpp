@@ -49,35 +49,38 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
                  "{sequence}, {output}")
       ->capture_default_str();
   app.add_option("--executable", r.executable, "Program of orbslam3, openvins or the runner");
-  app.add_option("--runs", r.runs, "Runs of each (0: what the system needs; builtin: 1)")
+  app.add_option("--runs", r.runs,
+                 "Runs per sequence and calibration (0: as many as the system needs; builtin: 1)")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--imu", r.imu, "IMU noise (Kalibr's imu.yaml) for all calibrations");
-  app.add_option("--truth", r.truth,
-                 "Ground truth, with {sequence} for several; default: found, else without");
-  app.add_flag("--sensitivity", r.sensitivity,
-               "builtin: also the sensitivity of the ATE to each parameter, moved by its std and "
-               "to the other calibrations' values (about 60 runs)");
   app.add_option(
-         "--estimate", o.estimate,
-         "Also estimate, as a hint, what the odometry prefers: offset, or extrinsics (offset "
-         "and T_SC0); builtin: by 3 to 15, or 36 to 180 further runs; openvins: by its "
-         "online calibration in a further run")
+      "--truth", r.truth,
+      "Ground truth, with {sequence} for several (default: the sequence's own, if there is one)");
+  app.add_flag("--sensitivity", r.sensitivity,
+               "builtin: also the sensitivity of the ATE to each parameter, changed by its std and "
+               "to the other calibrations' values (about 60 runs)");
+  app.add_option("--estimate", o.estimate,
+                 "Also estimate, as a hint, the values that the odometry prefers: offset, or "
+                 "extrinsics (offset and T_SC0). builtin: 3 to 15, or 36 to 180, additional runs; "
+                 "openvins: one additional run with online calibration")
       ->check(CLI::IsMember({"none", "offset", "extrinsics"}))
       ->capture_default_str();
   app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
       ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--time-limit", r.run_seconds, "Wall time of another system's run [s]")
+  app.add_option("--time-limit", r.run_seconds,
+                 "Limit on the wall time of an external system's run [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--memory-limit", o.memory_mb, "Its address space [MB] (0: no limit)")
+  app.add_option("--memory-limit", o.memory_mb, "Limit on its address space [MB] (0: none)")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--max-ate", o.max_ate_m,
-                 "ATE [m] above which a run has diverged (default: what never moving would reach)")
+                 "ATE [m] above which a run has diverged (default: the ATE of an estimate that "
+                 "never moves)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--threads", r.threads, "Runs at once (0: all cores)")
+  app.add_option("--threads", r.threads, "Parallel runs (0: all cores)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   o.output.declareResult(app);
@@ -95,7 +98,8 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   OdometryRequest request = o.request;
   request.runner = runnerFrom(o.with);
   if (!request.runner && !request.executable.empty()) {
-    throw InputError("--executable: the built-in odometry has none; choose a system by --with");
+    throw InputError(
+        "--executable: the built-in odometry has none; choose an external system by --with");
   }
   request.hint = *enumFrom<HintKind>(o.estimate);
   request.memory_bytes = static_cast<std::size_t>(o.memory_mb * 1e6);
@@ -131,7 +135,7 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
 
 Command odometryCommand() {
   return {
-      "odometry", "Run an odometry with each calibration and compare trajectory errors",
+      "odometry", "Run an odometry with each calibration and compare the trajectory errors",
       "plumbline odometry MH_01 --calibration ours/calibration.json --calibration kalibr.yaml "
       "--out loop",
       [](CLI::App& app) {

@@ -36,17 +36,16 @@ constexpr KindOption kKinds[] = {
     {"--offsets-ms", PerturbationKind::kImuShift,
      "Add each of these to every IMU stamp [ms]: 100,10,1 or -500:50:500"},
     {"--target-size-percent", PerturbationKind::kTargetSize,
-     "State the target larger by each of these [%]"},
+     "Increase the stated target size by each of these [%]"},
     {"--noise-factors", PerturbationKind::kNoiseDensities,
      "Multiply the IMU's four noise densities by each of these"},
     {"--initial-focal-percent", PerturbationKind::kInitialIntrinsics,
-     "Start from focal lengths larger by each of these [%]"},
+     "Increase the initial focal lengths by each of these [%]"},
     {"--drop-frames-percent", PerturbationKind::kDroppedFrames,
-     "Leave out this share of the frames [%]"},
-    {"--drop-imu-percent", PerturbationKind::kDroppedImu,
-     "Leave out this share of the IMU samples [%]"},
+     "Drop this share of the frames [%]"},
+    {"--drop-imu-percent", PerturbationKind::kDroppedImu, "Drop this share of the IMU samples [%]"},
     {"--corner-noise-px", PerturbationKind::kCornerNoise,
-     "Add normal noise of this standard deviation to every corner [px]"},
+     "Add Gaussian noise of this standard deviation to every corner [px]"},
 };
 
 struct PerturbOptions {
@@ -66,10 +65,11 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
     app.add_option(kKinds[i].name, o.amounts[i], kKinds[i].help);
   }
-  app.add_option("--repeats", o.repeats, "Draws of each random perturbation, seeds counting up")
+  app.add_option("--repeats", o.repeats,
+                 "Draws of each random perturbation, with consecutive seeds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--seed", o.seed, "First seed of random perturbations")
+  app.add_option("--seed", o.seed, "First seed of the random perturbations")
       ->check(seedFrom(1))
       ->capture_default_str();
   o.estimation.declare(app);
@@ -139,7 +139,7 @@ int perturb(const PerturbOptions& o, const CLI::App& app) {
 }  // namespace
 
 Command perturbCommand() {
-  return {"perturb", "Calibrate again under known changes: what is recovered, what moves",
+  return {"perturb", "Recalibrate under known perturbations: what is recovered, what else changes",
           "plumbline perturb session --offsets-ms 100,10,1 --out study", [](CLI::App& app) {
             auto options = std::make_shared<PerturbOptions>();
             declarePerturb(app, *options);

@@ -86,110 +86,116 @@ void readLatency(const std::string& text, GuideLatency& latency) {
 }
 
 void declareViews(CLI::App& app, ViewGuideOptions& o) {
-  app.add_option("--start-frames", o.start_frames, "Frames that start the camera stage")
+  app.add_option("--start-frames", o.start_frames,
+                 "Frames from which the camera stage is initialised")
       ->check(numberFrom(2))
       ->capture_default_str();
   app.add_option("--start-move-px", o.start_move_px,
-                 "Corners must have moved so far between two of them [px]")
+                 "Least motion of the corners between two of them [px]")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--start-anew-after", o.start_anew_after,
-                 "Restart after so many frames in a row without a plausible pose")
+                 "Restart after this many consecutive frames without a plausible pose")
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--window", o.window, "Views in the camera stage's window")
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--patience", o.patience,
-                 "Frames with a pose below the threshold, until a next best view is looked for")
+                 "Frames below the threshold before a next-best view is computed")
       ->check(numberFrom(1))
       ->capture_default_str();
-  app.add_option("--reached-px", o.reached_px, "A view is reached within this distance [px] ...")
+  app.add_option("--reached-px", o.reached_px,
+                 "A suggested view is reached at this mean distance of the corners [px] ...")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--reached-s", o.reached_s, "... held for so long [s]")
+  app.add_option("--reached-s", o.reached_s, "... kept for this time [s]")
       ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--min-views", o.min_views, "Never finish the camera stage with fewer views")
+  app.add_option("--min-views", o.min_views,
+                 "Least number of views before the camera stage may finish")
       ->check(numberFrom(0))
       ->capture_default_str();
 }
 
 void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
-  app.add_option("--imu-start-frames", o.start_frames, "Frames that start the camera-IMU stage")
+  app.add_option("--imu-start-frames", o.start_frames,
+                 "Frames from which the camera-IMU stage is initialised")
       ->check(numberFrom(3))
       ->capture_default_str();
   app.add_option("--imu-window", o.window, "States in the camera-IMU stage's window")
       ->check(numberFrom(2))
       ->capture_default_str();
   app.add_option("--evaluate-every-s", o.evaluate_every_s,
-                 "Trajectories are scored again after so long [s]")
+                 "Time between two scorings of the candidate trajectories [s]")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--trajectory-s", o.duration_s, "Duration of a trajectory [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--trajectory-amplitude", o.amplitude, "Scale of the trajectories")
+  app.add_option("--trajectory-amplitude", o.amplitude, "Scale factor of the trajectories")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--trajectory-held-s", o.reached_s,
-                 "A trajectory's start is reached when it was held for so long [s]")
+                 "Time at a trajectory's start until it counts as reached [s]")
       ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--max-speed", o.max_speed_m_s, "Limit of a trajectory [m/s]")
+  app.add_option("--max-speed", o.max_speed_m_s, "Speed limit of a trajectory [m/s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_flag("--score-offset", o.score_offset, "Trajectories are scored for the offset as well");
+  app.add_flag("--score-offset", o.score_offset, "Score trajectories for the time offset too");
 }
 
 void GuideOptionSet::declare(CLI::App& app) {
-  app.add_option("--threshold-bits", threshold_bits, "Least gain of a view or trajectory [bits]")
+  app.add_option("--threshold-bits", threshold_bits,
+                 "Threshold on the expected information gain of a view or trajectory [bits]")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--criterion", criterion,
                  "Criterion to choose views and trajectories, and to stop: mi or predicted-error")
       ->capture_default_str();
-  app.add_option(
-         "--later-use", later_use,
-         "Where the error is predicted: image (everywhere) or seen (as in the frames so far)")
+  app.add_option("--later-use", later_use,
+                 "Where the error is predicted: image (the whole image) or seen (where corners "
+                 "were seen so far)")
       ->capture_default_str();
   app.add_option("--stop-excess", stop_excess_percent,
-                 "By predicted-error, the stage stops when it adds no more than this [%]")
+                 "predicted-error: finish the stage when the parameters' uncertainty adds at most "
+                 "this to a corner's error [%]")
       ->check(positiveNumber())
       ->capture_default_str();
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
-  app.add_option("--max-rate", max_rate_deg_s, "Limit of a trajectory [deg/s]")
+  app.add_option("--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--max-acceleration", max_acceleration_g, "Limit of a trajectory [g]")
+  app.add_option("--max-acceleration", max_acceleration_g, "Acceleration limit of a trajectory [g]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--expires-s", guide.views.expires_s,
-                 "A suggestion counts as not followed after so long [s]")
+  app.add_option("--expires-s", guide.views.expires_s, "Time after which a suggestion expires [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--stop-projection-px", guide.views.stop_projection_px,
-                 "The camera stage is over when, and only when, projections over the image are "
-                 "predicted to be off by no more than this [px] (0: by the criterion)")
+  app.add_option(
+         "--stop-projection-px", guide.views.stop_projection_px,
+         "Finish the camera stage exactly when the predicted projection error over the image "
+         "(RMS) is at most this [px] (0: use the criterion)")
       ->check(numberWithin(0, 100))
       ->capture_default_str();
   app.add_option(
          "--stop-reprojection-px", guide.trajectories.stop_reprojection_px,
-         "The camera-IMU stage is over when, and only when, points that the IMU predicts are "
-         "expected to be off by no more than this [px] (0: by the criterion)")
+         "Finish the camera-IMU stage exactly when the expected reprojection error of points "
+         "predicted by the IMU is at most this [px] (0: use the criterion)")
       ->check(numberWithin(0, 100))
       ->capture_default_str();
   app.add_option("--operator-speed", guide.pace.speed_m_s,
-                 "Suggestions are chosen by gain per second at this speed of the hand [m/s] (0: by "
-                 "gain alone)")
+                 "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
       ->check(numberWithin(0, 10))
       ->capture_default_str();
   app.add_option("--latency-ms", latencies,
-                 "What a step costs in the recording's time, e.g. camera-frame=5,next-view=40 [ms]")
+                 "Simulated computing time of a step, e.g. camera-frame=5,next-view=40 [ms]")
       ->delimiter(',');
   app.add_option("--arrival-ms", arrival_ms,
-                 "An image is there so long after its stamp, with the IMU samples until then [ms]")
+                 "Simulated delay of an image after its stamp; the IMU samples until then are "
+                 "there too [ms]")
       ->check(numberWithin(0, kLongest_ms))
       ->capture_default_str();
 }
@@ -227,17 +233,20 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
   o.session.declare(app);
   o.estimation.declare(app);
   o.guide.declare(app);
-  app.add_option("--suggestions", o.suggestions,
-                 "What the operator was asked for (default: suggestions.csv in the session)");
-  app.add_option("--random-orders", o.random_orders, "Random orders among the counterfactuals")
+  app.add_option(
+      "--suggestions", o.suggestions,
+      "Suggestions that the operator was shown (default: suggestions.csv in the session)");
+  app.add_option("--random-orders", o.random_orders,
+                 "Number of random view orders among the counterfactuals")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", o.seed, "Seed of the first random order")
       ->check(seedFrom(1))
       ->capture_default_str();
-  app.add_flag("--no-counterfactuals", o.no_counterfactuals, "Skip the other orders of views");
+  app.add_flag("--no-counterfactuals", o.no_counterfactuals,
+               "Skip the counterfactuals (other orders of views)");
   app.add_option("--stop-tolerance-s", o.stop_tolerance_s,
-                 "A stop up to this long after the views sufficed counts as right [s]")
+                 "A stop up to this long after the views were sufficient counts as right [s]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   o.output.declareResult(app);
@@ -284,7 +293,7 @@ int replay(const ReplayOptions& o, const CLI::App& app) {
 }  // namespace
 
 Command replayCommand() {
-  return {"replay", "Play a recording through the interactive guide and judge its decisions",
+  return {"replay", "Replay a recording through the interactive guide and judge its decisions",
           "plumbline replay session --out replay", [](CLI::App& app) {
             auto options = std::make_shared<ReplayOptions>();
             declareReplay(app, *options);

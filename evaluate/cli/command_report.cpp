@@ -68,7 +68,7 @@ std::string pageOf(const Store& store, const RunSummary& run) {
 // What was written is named, unless standard output is the document's.
 int report(const ReportOptions& o) {
   if (o.output.out.empty() && !o.json.file) {
-    throw InputError("nothing to make: expected --out PAGE.html, --json FILE, or both");
+    throw InputError("no output was requested: expected --out PAGE.html, --json FILE, or both");
   }
   const std::filesystem::path path = storeOf(o.input);
   std::optional<OutputFile> page;
@@ -91,7 +91,7 @@ int report(const ReportOptions& o) {
 }  // namespace
 
 Command reportCommand() {
-  return {"report", "Make the page, or the JSON document, again from the records alone",
+  return {"report", "Rebuild the page or the JSON document from the records alone",
           "plumbline report result --out page.html", [](CLI::App& app) {
             auto options = std::make_shared<ReportOptions>();
             app.add_option("input", options->input, "Result folder, or a records file")->required();

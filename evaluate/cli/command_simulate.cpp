@@ -37,13 +37,13 @@ struct SimulateOptions {
 
 void declareSimulate(CLI::App& app, SimulateOptions& o) {
   auto& s = o.simulation;
-  o.output.declare(app, "Folder to write (required but for --fault list)");
+  o.output.declare(app, "Folder to write (required, except with --fault list)");
   app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
       ->capture_default_str();
-  app.add_option("--motion", o.motion,
-                 "Motion of the rig: full; or one that leaves parameters unobservable, to see what "
-                 "calibrate says of it: pure-rotation, single-axis, planar (both about y of the "
-                 "IMU), static, fronto-parallel")
+  app.add_option(
+         "--motion", o.motion,
+         "Motion of the rig: full, or a degenerate one under which parameters are unobservable: "
+         "pure-rotation, single-axis, planar (both about y of the IMU), static, fronto-parallel")
       ->capture_default_str();
   app.add_option("--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
       ->check(seedFrom(0))
@@ -54,17 +54,17 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
   app.add_option("--imu-rate", s.imu_rate_hz, "IMU rate [Hz] (default: the rig's)");
   app.add_option("--time-offset-ms", o.time_offset_ms,
                  "t_imu = t_cam + this [ms] (default: the rig's)");
-  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px], not for images")
+  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px] (not with --images)")
       ->capture_default_str();
   app.add_option("--outliers", s.outlier_fraction, "Fraction of outlier corners")
       ->capture_default_str();
   app.add_option("--fault", o.faults,
-                 "Inject a fault, e.g. gyro-delay=5ms; may be repeated; list: prints them all")
+                 "Inject a fault, e.g. gyro-delay=5ms; repeatable; list: prints all faults")
       ->allow_extra_args(false);
   app.add_option("--target-shape", o.target_shape,
-                 "The board's own shape, which target.yaml does not state, e.g. "
+                 "True shape of the board, which target.yaml does not state, e.g. "
                  "bow=1mm,stretch=0.3%,keystone=0.2% (also twist, shear, tag-edge)");
-  app.add_option("--threads", o.threads, "Threads that render (0: all cores)")
+  app.add_option("--threads", o.threads, "Rendering threads (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
@@ -84,8 +84,7 @@ int simulate(SimulateOptions o) {
   if (o.images) checkRendered(o.simulation.faults);
   if (o.images && o.target_shape) {
     throw InputError(
-        "--images are rendered of a flat and even board only; leave out --target-shape, or "
-        "--images");
+        "--images can render only a flat board with an even grid; omit --target-shape or --images");
   }
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);
@@ -113,7 +112,7 @@ int simulate(SimulateOptions o) {
 }  // namespace
 
 Command simulateCommand() {
-  return {"simulate", "Simulate a recording with known truth",
+  return {"simulate", "Simulate a recording with ground truth",
           "plumbline simulate --out session --rig euroc --seed 7 --images", [](CLI::App& app) {
             auto options = std::make_shared<SimulateOptions>();
             declareSimulate(app, *options);

@@ -31,19 +31,19 @@ constexpr SkillFigure kFigures[] = {
     {"--speed", &OperatorSkill::speed_m_s, 1, "Speed of the hand [m/s]"},
     {"--turn", &OperatorSkill::turn_rad_s, kDegree, "Turning speed of the hand [deg/s]"},
     {"--position-error-mm", &OperatorSkill::position_error_m, 1e-3,
-     "First error at a suggested view: position, std [mm]"},
+     "Initial position error at a suggested view, std [mm]"},
     {"--angle-error", &OperatorSkill::angle_error_rad, kDegree,
-     "First error at a suggested view: rotation, std [deg]"},
+     "Initial rotation error at a suggested view, std [deg]"},
     {"--correction-s", &OperatorSkill::correction_s, 1,
      "Time constant with which errors are corrected [s]"},
     {"--overshoot", &OperatorSkill::overshoot, 1,
-     "Overshoot of a suggested view, as a fraction of the way"},
+     "Overshoot of a suggested view, as a fraction of the path"},
     {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, "Tremor of the hand: position, std [mm]"},
     {"--tremor", &OperatorSkill::tremor_rad, kDegree, "Tremor of the hand: rotation, std [deg]"},
     {"--off-axis", &OperatorSkill::off_axis_rad, kDegree,
-     "Largest angle of the board's centre off the axis of camera 0 [deg]"},
+     "Largest angle between the board's centre and the optical axis of camera 0 [deg]"},
     {"--fatigue", &OperatorSkill::fatigue_per_min, 1,
-     "Fatigue per minute: growth of tremor and of slowness"},
+     "Fatigue: growth of tremor and of slowness per minute"},
     {"--compliance", &OperatorSkill::compliance, 1,
      "Fraction of the suggestions that are followed"},
     {"--patience-s", &OperatorSkill::patience_s, 1, "Time after which the operator gives up [s]"},
@@ -65,64 +65,65 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   app.add_option("--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
       ->capture_default_str();
   app.add_option("--method", o.method,
-                 "guided; free (views around the board, then faster motion); dance (to and fro "
+                 "guided; free (views around the board, then faster motion); dance (back and forth "
                  "along and about each axis, then faster)")
       ->check(CLI::IsMember({"guided", "free", "dance"}))
       ->capture_default_str();
-  app.add_option("--criterion", o.criterion, "The guide chooses by mi or by predicted-error")
+  app.add_option("--criterion", o.criterion, "Criterion of the guide: mi or predicted-error")
       ->capture_default_str();
   app.add_option("--skill", o.skill,
-                 "expert, practised, novice, or a clumsiness from 0 to 1; single figures follow")
+                 "expert, practised, novice, or a clumsiness from 0 to 1; the options below set "
+                 "single values")
       ->capture_default_str();
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
   }
-  app.add_option("--stop-projection-px", s.guide.views.stop_projection_px,
-                 "The camera stage is over when, and only when, projections over the image are "
-                 "predicted to be off by no more than this [px] (0: by the criterion)")
+  app.add_option(
+         "--stop-projection-px", s.guide.views.stop_projection_px,
+         "Finish the camera stage exactly when the predicted projection error over the image "
+         "(RMS) is at most this [px] (0: use the criterion)")
       ->check(numberWithin(0, 100))
       ->capture_default_str();
   app.add_option(
          "--stop-reprojection-px", s.guide.trajectories.stop_reprojection_px,
-         "The camera-IMU stage is over when, and only when, points that the IMU predicts are "
-         "expected to be off by no more than this [px] (0: by the criterion)")
+         "Finish the camera-IMU stage exactly when the expected reprojection error of points "
+         "predicted by the IMU is at most this [px] (0: use the criterion)")
       ->check(numberWithin(0, 100))
       ->capture_default_str();
   app.add_option("--trajectory-s", s.guide.trajectories.duration_s, "Duration of a trajectory [s]")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--trajectory-amplitude", s.guide.trajectories.amplitude,
-                 "Multiplies the trajectories' size")
+                 "Scale factor of the trajectories")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--trajectory-held-s", s.guide.trajectories.reached_s,
-                 "A trajectory's start is reached when it was held for so long [s]")
+                 "Time at a trajectory's start until it counts as reached [s]")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--operator-speed", s.guide.pace.speed_m_s,
-                 "The guide chooses by gain per second at this speed of the hand [m/s] (0: by gain "
-                 "alone)")
+                 "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   app.add_option("--duration", s.duration_s,
-                 "Length of a recording without guide, at which a guided one ends at last [s]")
+                 "Length of an unguided recording, and limit of a guided one [s]")
       ->check(CLI::Range(5.0, 3600.0))
       ->capture_default_str();
   app.add_option("--trajectories", s.trajectories,
-                 "Guided: over after so many trajectories, if the guide is not done before (0: no "
-                 "limit)")
+                 "Guided: end after this many trajectories, if the guide has not finished before "
+                 "(0: no limit)")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--seed", s.seed, "Seed of person and noise: same seed, same bytes")
+  app.add_option("--seed", s.seed, "Seed of operator and noise: same seed, same bytes")
       ->check(seedFrom(0))
       ->capture_default_str();
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
       ->capture_default_str();
-  app.add_option("--board-bend-mm", s.board_bend_mm, "Bend of the board across, RMS [mm]")
+  app.add_option("--board-bend-mm", s.board_bend_mm, "Bow of the board, RMS [mm]")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   app.add_option("--guide-board", o.guide_board,
-                 "What the guide knows of the board's shape: measured (all), flat (nothing)")
+                 "Board shape that the guide assumes: measured (the true one) or flat")
       ->check(CLI::IsMember({"measured", "flat"}))
       ->capture_default_str();
   app.add_flag("--judge", s.judge, "Also find when the recording was sufficient");
@@ -155,9 +156,9 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
 }
 
 std::string convergenceText(const char* what, const StageConvergence& stage) {
-  const std::string right = stage.right_s ? fmt::format("right after {:.1f} s and {} views",
+  const std::string right = stage.right_s ? fmt::format("accurate after {:.1f} s and {} views",
                                                         *stage.right_s, *stage.right_views)
-                                          : "not right at the end";
+                                          : "not accurate at the end";
   const std::string stop =
       stage.stopped_s ? fmt::format("; the guide stopped after {:.1f} s", *stage.stopped_s) : "";
   return fmt::format("{}: {}{}\n", what, right, stop);
@@ -168,10 +169,10 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
   OutputFolder out(o.output.request("session"));
   const OperatorSimulationSummary made = simulateOperator(simulation, out.path());
   out.commit();
-  say("Simulated a person ({}, {}, seed {}) in {}: {:.1f} s for the cameras, {:.1f} s for the IMU, "
-      "{}\n",
+  say("Simulated an operator ({}, {}, seed {}) in {}: {:.1f} s for the cameras, {:.1f} s for the "
+      "IMU, {}\n",
       o.skill, o.method, simulation.seed, o.output.out, made.camera_s, made.camera_imu_s,
-      made.finished ? "finished" : "given up or out of time");
+      made.finished ? "finished" : "not finished (gave up, or time limit reached)");
   if (simulation.method == OperatorMethod::kGuided) {
     say("{} of {} suggestions reached\n", made.reached, made.suggestions);
   }
@@ -186,7 +187,7 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
 }  // namespace
 
 Command simulateOperatorCommand() {
-  return {"operator", "Simulate an operator's recording, guided or not, with known truth",
+  return {"operator", "Simulate an operator's recording, guided or unguided, with ground truth",
           "plumbline simulate operator --skill novice --out session", [](CLI::App& app) {
             auto options = std::make_shared<SimulateOperatorOptions>();
             declareSimulateOperator(app, *options);

@@ -32,30 +32,30 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
       ->check(seedFrom(0))
       ->capture_default_str();
   app.add_option("--duration", s.simulation.duration_s, "Length [s]")->capture_default_str();
-  app.add_option("--pace", s.flight.pace, "Multiplies every frequency of the motion")
+  app.add_option("--pace", s.flight.pace, "Factor on every frequency of the motion")
       ->capture_default_str();
   app.add_option("--first-rest", s.flight.first_rest_s,
-                 "Rest before take-off [s] (0: begins in motion)")
+                 "Rest before take-off [s] (0: starts in motion)")
       ->capture_default_str();
-  app.add_option("--rests", s.flight.rests, "Number of rests on the way, 1.5 s each")
+  app.add_option("--rests", s.flight.rests, "Number of rests during the flight, 1.5 s each")
       ->capture_default_str();
   app.add_option("--turns", s.flight.turns, "Number of fast turns of 80 degrees in 0.9 s")
       ->capture_default_str();
   app.add_option("--time-offset-ms", o.time_offset_ms,
                  "t_imu = t_cam + this [ms] (default: the rig's)");
-  app.add_option("--tracks", s.tracks.tracks, "Points followed at a time, not for images")
+  app.add_option("--tracks", s.tracks.tracks, "Landmarks tracked at a time (not with --images)")
       ->capture_default_str();
-  app.add_option("--track-sigma", s.tracks.sigma_px, "Noise of tracks [px], not for images")
+  app.add_option("--track-sigma", s.tracks.sigma_px, "Noise of tracks [px] (not with --images)")
       ->capture_default_str();
-  app.add_option("--outliers", s.tracks.outlier_share, "Fraction of outlier sightings")
+  app.add_option("--outliers", s.tracks.outlier_share, "Fraction of outlier observations")
       ->capture_default_str();
   app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
-  app.add_option("--exposure-ms", o.exposure_ms, "Exposure of images, which blurs [ms]")
+  app.add_option("--exposure-ms", o.exposure_ms, "Exposure time of images (motion blur) [ms]")
       ->capture_default_str();
   app.add_option("--drop-outs", s.motion_capture.drop_outs,
                  "Number of gaps of the motion capture, 0.6 s each")
       ->capture_default_str();
-  app.add_option("--threads", s.images.threads, "Threads that render (0: all cores)")
+  app.add_option("--threads", s.images.threads, "Rendering threads (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
@@ -75,7 +75,7 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
   say("Run it: plumbline odometry {0} --calibration {0}/truth/camchain-imucam.yaml "
       "--truth {0}/truth/trajectory.csv --clock-offset auto --out loop\n",
       o.output.out);
-  say("Or against motion capture, which has a clock, a world and a marker body of its own: "
+  say("Or against motion capture, which has its own clock, world frame and marker body: "
       "--clock-offset auto --hand-eye auto\n");
   return kDone;
 }
@@ -83,7 +83,7 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
 }  // namespace
 
 Command simulateSequenceCommand() {
-  return {"sequence", "Simulate a flight through a room for odometry, with known truth",
+  return {"sequence", "Simulate a flight through a room for odometry, with ground truth",
           "plumbline simulate sequence --duration 40 --images --out flight", [](CLI::App& app) {
             auto options = std::make_shared<SimulateSequenceOptions>();
             declareSimulateSequence(app, *options);

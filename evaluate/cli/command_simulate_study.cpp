@@ -22,33 +22,33 @@ struct SimulateStudyOptions {
 void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
   auto& s = o.study;
   o.output.declare(app, "Folder to write")->required();
-  app.add_option("--participants", s.participants, "How many, each with both methods")
+  app.add_option("--participants", s.participants, "Number of participants, each with both methods")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--duration", s.duration_s, "Length of a free recording, about [s]")
+  app.add_option("--duration", s.duration_s, "Approximate length of a free recording [s]")
       ->check(CLI::Range(5.0, 600.0))
       ->capture_default_str();
-  app.add_option("--seed", s.seed, "Seed of people, motion and noise: same seed, same bytes")
+  app.add_option("--seed", s.seed, "Seed of participants, motion and noise: same seed, same bytes")
       ->check(seedFrom(0))
       ->capture_default_str();
-  app.add_option("--held-out", s.held_out, "Evaluation recordings that no method saw")
+  app.add_option("--held-out", s.held_out, "Held-out evaluation recordings")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   app.add_option("--sequences", s.sequences, "Sequences with motion capture")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
-  app.add_option(
-         "--learning", s.learning,
-         "Errors, reaction and time of the second session over the first's (1: no learning)")
+  app.add_option("--learning", s.learning,
+                 "Learning: errors, reaction and time of the second session relative to the first "
+                 "(1: none)")
       ->capture_default_str();
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
       ->capture_default_str();
-  app.add_option("--board-bend-mm", s.board_bend_mm, "Bend of the board across, RMS [mm]")
+  app.add_option("--board-bend-mm", s.board_bend_mm, "Bow of the board, RMS [mm]")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   app.add_option("--guide-board", o.guide_board,
-                 "What the guide knows of the board's shape: measured (all), flat (nothing)")
+                 "Board shape that the guide assumes: measured (the true one) or flat")
       ->check(CLI::IsMember({"measured", "flat"}))
       ->capture_default_str();
   app.add_option("--threads", s.threads, "Threads (0: all cores)")
@@ -76,7 +76,7 @@ int simulateStudyFolder(SimulateStudyOptions o) {
 }  // namespace
 
 Command simulateStudyCommand() {
-  return {"study", "Simulate a user study, guided and not, with known truth",
+  return {"study", "Simulate a user study, guided and unguided, with ground truth",
           "plumbline simulate study --participants 4 --duration 10 --out study", [](CLI::App& app) {
             auto options = std::make_shared<SimulateStudyOptions>();
             declareSimulateStudy(app, *options);

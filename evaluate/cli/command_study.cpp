@@ -56,7 +56,9 @@ void checkWords(const std::string& option, const std::string& words) {
 void refuseReserved(const std::string& option) {
   for (const char* name : {"out", "force", "threads", "cache", "no-cache", "target", "target-shape",
                            "no-report", "session"}) {
-    if (option == name) throw InputError(fmt::format("the study itself gives --{}", option));
+    if (option == name)
+      throw InputError(fmt::format(
+          "--{} is set by the study itself; remove it from the study's options", option));
   }
 }
 
@@ -137,9 +139,11 @@ class NightTeller {
 
 NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   if (o.study.empty()) {
-    throw InputError("a study's definition is missing: plumbline study STUDY.yaml --out FOLDER");
+    throw InputError(
+        "the study's definition is missing; expected plumbline study STUDY.yaml --out FOLDER");
   }
-  if (o.out.empty()) throw InputError("--out is missing: the folder of the study's results");
+  if (o.out.empty())
+    throw InputError("--out is missing; expected the folder of the study's results");
   NightRequest request;
   request.study = o.study;
   request.out = o.out;
@@ -191,7 +195,7 @@ int runSlurm(const StudyOptions& o, PreparedNight night, double seconds) {
 int study(const StudyOptions& o, const CLI::App& app) {
   const Stopwatch watch;
   if (o.engine != "local" && (o.json.file || o.fail_on.level != "never")) {
-    throw InputError("--json and --fail-on belong to --engine local; leave them out");
+    throw InputError("--json and --fail-on need --engine local; omit them");
   }
   const NightRequest request = nightRequest(o, app);
   std::optional<OutputFile> json = reserveJson(o);
@@ -217,8 +221,9 @@ std::function<int()> configureRunStep(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   app.add_option("night", o->night, "The study's folder")->required();
-  app.add_option("steps", o->names, "Names of steps of its plan")->required();
-  app.add_option("--threads", o->threads, "Threads of each")->check(numberWithin(1, kMostJobs));
+  app.add_option("steps", o->names, "Names of steps of the study's plan")->required();
+  app.add_option("--threads", o->threads, "Threads of each step")
+      ->check(numberWithin(1, kMostJobs));
   return [o] {
     int exit_code = kDone;
     for (const std::string& name : o->names) {
@@ -241,8 +246,8 @@ std::function<int()> configureRunPack(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   app.add_option("night", o->night, "The study's folder")->required();
-  app.add_option("packs", o->packs, "File with a line of steps for each task")->required();
-  app.add_option("index", o->index, "Of the line, from 0")->required();
+  app.add_option("packs", o->packs, "File with one line of steps per task")->required();
+  app.add_option("index", o->index, "Line of the task, from 0")->required();
   return [o] {
     int exit_code = kDone;
     for (const std::string& name : stepsOfPack(o->packs, o->index)) {
@@ -263,8 +268,8 @@ std::function<int()> configureAccept(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   app.add_option("night", o->night, "The study's folder")->required();
-  app.add_option("--session", o->session, "Of this session (default: of all)");
-  app.add_option("--figure", o->figure, "This figure, e.g. held_out_rmse_px (default: all)");
+  app.add_option("--session", o->session, "Session (default: all)");
+  app.add_option("--figure", o->figure, "Figure, e.g. held_out_rmse_px (default: all)");
   app.add_option("--note", o->note, "Why the change is right; kept with the history");
   return [o] {
     for (const StudyAlarm& a : acceptChanges(o->night, o->session, o->figure, o->note)) {
@@ -277,28 +282,29 @@ std::function<int()> configureAccept(CLI::App& app) {
 void declareStudy(CLI::App& app, StudyOptions& o) {
   app.add_option("study", o.study, "The study's definition: STUDY.yaml");
   app.add_option("--out", o.out, "Folder of the results, the same every night");
-  app.add_option("--jobs", o.jobs, "Steps at once on this machine (0: all cores)")
+  app.add_option("--jobs", o.jobs, "Parallel steps on this machine (0: all cores)")
       ->check(numberWithin(0, kMostJobs))
       ->capture_default_str();
   app.add_option("--engine", o.engine,
                  "local; slurm (job arrays); commands (prints them, for another scheduler)")
       ->check(CLI::IsMember({"local", "slurm", "commands"}))
       ->capture_default_str();
-  app.add_flag("--redo-failed", o.redo_failed, "Do failed steps again, though nothing changed");
+  app.add_flag("--redo-failed", o.redo_failed, "Rerun failed steps even if nothing changed");
   app.add_option("--recheck", o.recheck,
-                 "Do this many unchanged steps again and compare; others every night")
+                 "Rerun this many unchanged steps and compare; different ones every night")
       ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--slurm-throttle", o.slurm.throttle, "Tasks of an array at once (0: no limit)")
+  app.add_option("--slurm-throttle", o.slurm.throttle,
+                 "Parallel tasks of a job array (0: no limit)")
       ->check(numberFrom(0));
-  app.add_option("--slurm-pack", o.slurm.pack_s, "Seconds of work that one task gets [s]")
+  app.add_option("--slurm-pack", o.slurm.pack_s, "Expected work of one task [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--slurm-rounds", o.slurm.rounds, "Times that steps are submitted, if lost")
+  app.add_option("--slurm-rounds", o.slurm.rounds, "Times that a lost step is submitted")
       ->check(numberWithin(1, 20))
       ->capture_default_str();
   app.add_option("--slurm-options", o.slurm.options,
-                 "Further options of sbatch, e.g. '--partition=short --account=lab'");
+                 "Additional options of sbatch, e.g. '--partition=short --account=lab'");
   o.json.declare(app);
   o.fail_on.declare(app);
   app.add_option("--merge-round", o.merge_round, "")->group("");
@@ -314,16 +320,17 @@ void addPart(CLI::App& app, const char* name, const char* summary, const char* g
 }  // namespace
 
 Command studyCommand() {
-  return {"study", "Calibrate, evaluate and compare all sessions of a study; only what changed",
+  return {"study",
+          "Calibrate, evaluate and compare all sessions of a study; only what changed is run again",
           "plumbline study STUDY.yaml --out night\n  plumbline study accept night --figure ate_m",
           [](CLI::App& app) {
             auto options = std::make_shared<StudyOptions>();
             declareStudy(app, *options);
             std::vector<std::pair<CLI::App*, std::function<int()>>> parts;
-            addPart(app, "accept", "Accept changes against earlier nights", "Subcommands",
+            addPart(app, "accept", "Accept changes relative to earlier nights", "Subcommands",
                     configureAccept, parts);
-            addPart(app, "run-step", "Do steps of a plan", "", configureRunStep, parts);
-            addPart(app, "run-pack", "Do the steps of a task", "", configureRunPack, parts);
+            addPart(app, "run-step", "Run steps of a plan", "", configureRunStep, parts);
+            addPart(app, "run-pack", "Run the steps of a task", "", configureRunPack, parts);
             return std::function<int()>([options, parts, &app] {
               for (const auto& [part, handler] : parts) {
                 if (part->parsed()) return handler();

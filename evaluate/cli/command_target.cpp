@@ -143,7 +143,7 @@ int fitTarget(const FitOptions& o) {
 }
 
 Command fitCommand() {
-  return {"fit", "One board's shape from several recordings, and whether it changed between them",
+  return {"fit", "Estimate a board's shape from several recordings, and test whether it changed",
           "plumbline target fit monday tuesday --out target_shape.yaml", [](CLI::App& app) {
             auto options = std::make_shared<FitOptions>();
             declareFit(app, *options);
@@ -152,7 +152,7 @@ Command fitCommand() {
 }
 
 Command printCommand() {
-  return {"print", "An AprilGrid to print at true size, with its target.yaml",
+  return {"print", "Write an AprilGrid to print at true size, with its target.yaml",
           "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
           [](CLI::App& app) {
             auto options = std::make_shared<PrintOptions>();
@@ -164,7 +164,7 @@ Command printCommand() {
 }  // namespace
 
 Command targetCommand() {
-  return {"target", "The board: its shape from recordings, a sheet to print",
+  return {"target", "Estimate a board's shape from recordings, or print an AprilGrid",
           "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
           [](CLI::App& app) {
             app.require_subcommand(1);

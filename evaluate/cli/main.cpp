@@ -36,7 +36,7 @@ std::atomic<bool> ending{false};
   ending = true;
   abandonWorkplaces();
   const char* clear = isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "";
-  fmt::print(stderr, "{}plumbline: stopped by signal {}; what was unfinished is removed\n", clear,
+  fmt::print(stderr, "{}plumbline: stopped by signal {}; unfinished output was removed\n", clear,
              signal);
   _exit(128 + signal);
 }
@@ -89,27 +89,27 @@ std::string chosenWords(const CLI::App& app) {
 std::string optionFor(InputFault code) {
   switch (code) {
     case InputFault::kNoTarget:
-      return "; --target FILE names it";
+      return "; give it with --target FILE";
     case InputFault::kNoResolution:
-      return "; --resolution WxH states it";
+      return "; give it with --resolution WxH";
     case InputFault::kNoCorners:
       return "; run plumbline detect on it first";
     case InputFault::kNoImuNoise:
-      return "; --imu imu.yaml gives its noise densities";
+      return "; give its noise densities with --imu imu.yaml";
     case InputFault::kNoImuSamples:
-      return "; --no-imu leaves the IMU out";
+      return "; or ignore the IMU with --no-imu";
     case InputFault::kResultExists:
-      return "; --force replaces it";
+      return "; replace it with --force";
     case InputFault::kNoCache:
-      return "; --cache DIR names another, --no-cache none";
+      return "; choose another with --cache DIR, or none with --no-cache";
     case InputFault::kNothingSelected:
       return "; correct --from and --to";
     case InputFault::kUnsupportedModel:
-      return "; --models chooses it";
+      return "; choose it with --models";
     case InputFault::kUnknownCamera:
       return "; correct --only";
     case InputFault::kTooManyCameras:
-      return "; --only chooses cameras, e.g. --only cam0,cam1";
+      return "; choose cameras with --only, e.g. --only cam0,cam1";
     case InputFault::kBadCameraRate:
       return "; correct --camera-rate";
     default:
@@ -162,8 +162,9 @@ int run(int argc, char** argv) {
   keepCommandLine({argv, argv + argc});
   occupyStandardStreams();
   endInOrderOnSignals();
-  CLI::App app{"Calibrates and judges camera-IMU rigs from recordings of an AprilGrid.",
-               "plumbline"};
+  CLI::App app{
+      "Calibrate camera-IMU rigs from recordings of an AprilGrid, and evaluate calibrations.",
+      "plumbline"};
   app.set_version_flag("--version", programVersion());
   app.require_subcommand(1);
   std::map<std::string, std::function<int()>> handlers;

@@ -85,9 +85,9 @@ bool closeOutput() {
   const bool faulty = std::ferror(stdout) != 0;
   if (std::fclose(stdout) != 0 && output_error == 0) output_error = errno;
   if (!faulty && output_error == 0) return true;
-  complain(
-      fmt::format("standard output cannot be written ({}); expected one that takes what is printed",
-                  output_error != 0 ? std::strerror(output_error) : "write error"));
+  complain(fmt::format(
+      "standard output cannot be written ({}); expected a terminal, pipe or file with free space",
+      output_error != 0 ? std::strerror(output_error) : "write error"));
   return false;
 }
 

@@ -244,7 +244,8 @@ void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession
     } else if (files[i].extras.cameras) {
       known = uncertaintyFromFile(*files[i].extras.cameras, c.calibration.cameras);
     }
-    const auto maps = uncertaintyMaps(c, known, options);
+    const auto maps =
+        uncertaintyMaps(c.calibration.cameras, c.label, known, options.ranges_m, options.grid);
     record.uncertainties.insert(record.uncertainties.end(), maps.begin(), maps.end());
   }
   for (std::size_t i = 1; i < files.size(); ++i) {

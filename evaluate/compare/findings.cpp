@@ -50,14 +50,16 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
   f.rule = "Parameters of " + pairName(record, i);
   f.level = beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kCaution;
   if (known == 0) {
-    f.evidence = "no parameter has a standard deviation under both: no significance";
+    f.evidence = "no parameter has a standard deviation in both: significance is unknown";
   } else if (beyond.empty()) {
     f.evidence = fmt::format("{} parameters agree within {} standard deviations (largest {:.2g})",
                              known, bounds.significance, largest);
   } else {
     f.evidence = fmt::format("{} of {} differ by more than {} standard deviations: {}",
                              beyond.size(), known, bounds.significance, fmt::join(names, ", "));
-    f.advice = "look at the projection difference: parameters may trade off without any effect";
+    f.advice =
+        "look at the projection difference: parameters may compensate each other without any "
+        "effect";
   }
   f.value = largest;
   f.threshold = bounds.significance;
@@ -134,8 +136,8 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, const Comparison
   f.evidence = geometryWords(all);
   if (f.level != VerdictLevel::kGood) {
     f.advice =
-        "evaluate both on a session that neither was calibrated on (compare --session): it tells "
-        "which of them its corners and its IMU contradict";
+        "evaluate both on a session that neither was calibrated on (compare --session): its "
+        "corners and its IMU show which of the two is wrong";
   }
   f.value = worst.value;
   f.threshold = worst.bound.caution;
@@ -177,7 +179,8 @@ std::string betterOf(const ComparisonRecord& record, const std::string& label) {
 
 std::string projectionAdvice(const ComparisonRecord& record, const std::string& label) {
   const std::string better = betterOf(record, label);
-  if (better.empty()) return "compare the recordings: corners near the image's border decide there";
+  if (better.empty())
+    return "compare the recordings: corners near the image's border determine the difference there";
   return fmt::format(
       "prefer {}, which predicts the corners better; record more corners near the "
       "image's border, where the two differ most",
@@ -215,7 +218,7 @@ Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction
   Finding f;
   f.rule = fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
   f.evidence = fmt::format(
-      "{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views seen under both",
+      "{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
       clear ? (sigmas < 0 ? p.label : first) + " is better" : std::string("no clear difference"),
       p.difference_px2, p.std_px2, p.views);
   f.value = std::abs(sigmas);
@@ -250,9 +253,10 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
                                   k.resolution.height));
     } else if (k.projection_model != l.projection_model ||
                k.distortion_model != l.distortion_model) {
-      parts.push_back(fmt::format("{} is {}-{} and {}-{}: only projections compare", a[c].name,
-                                  toString(l.projection_model), toString(l.distortion_model),
-                                  toString(k.projection_model), toString(k.distortion_model)));
+      parts.push_back(fmt::format("{} is {}-{} and {}-{}: only projections can be compared",
+                                  a[c].name, toString(l.projection_model),
+                                  toString(l.distortion_model), toString(k.projection_model),
+                                  toString(k.distortion_model)));
     }
   }
   if (a.size() != b.size()) parts.push_back(fmt::format("{} and {} cameras", b.size(), a.size()));

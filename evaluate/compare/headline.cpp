@@ -134,7 +134,7 @@ std::string comparisonHeadline(const ComparisonRecord& record,
                 ? label + " and " + record.calibrations.front().label + " differ "
                 : "they differ ";
     text += projection + (projection.empty() || transform.empty() ? "" : ", and ") + transform;
-    if (projection.empty() && transform.empty()) text += "in nothing that both state";
+    if (projection.empty() && transform.empty()) text += "in no quantity that both state";
     text += ".";
   }
   const std::vector<LoneParameter> lone = loneParameters(record, thresholds);
@@ -144,8 +144,8 @@ std::string comparisonHeadline(const ComparisonRecord& record,
     if (names.empty()) names = loneNames(session, i);
     if (names.empty()) continue;
     text += fmt::format(
-        " {} stands alone: the others{} agree, and it differs from each of them by at least "
-        "the standard deviations in brackets: {}.",
+        " {} is the outlier: the others{} agree, and it differs from each of them by at least the "
+        "standard deviations in brackets: {}.",
         record.calibrations[i].label,
         loneNames(lone, i).empty() ? " and what the session itself gives" : "", names);
   }

@@ -96,10 +96,10 @@ Finding loneFinding(const ComparisonRecord& record, const std::vector<LoneParame
   }
   f.level = VerdictLevel::kCaution;
   f.evidence = fmt::format(
-      "{} stands alone: at least this many standard deviations from each of the others, which "
+      "{} is the outlier: at least this many standard deviations from each of the others, which "
       "agree within {:.2g}: {}",
       label, others, loneNames(lone, i));
-  f.advice = "look at the recording and the options of " + label + " before the others'";
+  f.advice = "check the recording and the options of " + label + " before the others'";
   f.threshold = thresholds.significance;
   f.unit = "sigma";
   return f;

@@ -16,54 +16,6 @@ namespace {
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
 
-// worstDirectionStd() [px] of every grid pixel, for points `range_m` away; NaN where undefined.
-std::vector<double> uncertaintyMap(const Intrinsics& camera, const ProjectionCovariance& covariance,
-                                   double range_m, const ImageGrid& grid) {
-  std::vector<double> map;
-  map.reserve(static_cast<std::size_t>(grid.size()));
-  for (int i = 0; i < grid.size(); ++i) {
-    const auto C = pixelCovariance(camera, covariance, grid.pixel(camera.resolution, i), range_m);
-    map.push_back(C ? worstDirectionStd(*C) : std::nan(""));
-  }
-  return map;
-}
-
-std::optional<Eigen::MatrixXd> intrinsicsBlock(const ParameterCovariance& covariance,
-                                               const CameraCalibration& camera) {
-  const Intrinsics& k = camera.intrinsics;
-  std::vector<Eigen::Index> rows;
-  for (const auto& [name, unit] : intrinsicParameters(k.projection_model, k.distortion_model)) {
-    const auto found = std::find(covariance.names.begin(), covariance.names.end(),
-                                 fmt::format("{}.{}", camera.name, name));
-    if (found == covariance.names.end()) return std::nullopt;
-    rows.push_back(found - covariance.names.begin());
-  }
-  return Eigen::MatrixXd(covariance.matrix(rows, rows));
-}
-
-ImageMap emptyMap(const CameraCalibration& camera, const std::string& label, double range_m,
-                  const ImageGrid& grid) {
-  ImageMap map;
-  map.camera = camera.name;
-  map.label = label;
-  map.range_m = range_m;
-  map.columns = grid.columns;
-  map.rows = grid.rows;
-  map.width = camera.intrinsics.resolution.width;
-  map.height = camera.intrinsics.resolution.height;
-  return map;
-}
-
-std::optional<ProjectionCovariance> projectionCovariance(const Intrinsics& camera,
-                                                         const CameraUncertainty& uncertainty,
-                                                         std::size_t c, double range_m) {
-  if (c < uncertainty.projection.size()) return uncertainty.projection[c];
-  if (c >= uncertainty.intrinsics.size() || !uncertainty.intrinsics[c]) return std::nullopt;
-  ImageFitOptions options;
-  options.range_m = range_m;
-  return imageFitCovariance(camera, *uncertainty.intrinsics[c], options);
-}
-
 const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label,
                      const std::string& camera, double range_m) {
   const auto found = std::find_if(maps.begin(), maps.end(), [&](const ImageMap& m) {
@@ -76,7 +28,7 @@ std::optional<ImageMap> differenceMap(const CameraCalibration& a, const CameraCa
                                       const std::string& label, const DifferenceOptions& options) {
   const auto difference = projectionDifference(a.intrinsics, b.intrinsics, options);
   if (!difference) return std::nullopt;
-  ImageMap map = emptyMap(a, label, options.range_m, options.grid);
+  ImageMap map = imageMapOf(a, label, options.range_m, options.grid);
   map.method =
       options.weights.empty() ? "fit over the focus region" : "fit weighted by uncertainty";
   map.implied = difference->T_BA;
@@ -111,34 +63,6 @@ std::vector<double> differenceWeights(const std::vector<double>& std_A,
     weights.push_back(w * w);
   }
   return weights;
-}
-
-CameraUncertainty uncertaintyFromFile(const ParameterCovariance& covariance,
-                                      const std::vector<CameraCalibration>& cameras) {
-  CameraUncertainty out;
-  out.method = "image fit to the file's covariance";
-  for (const CameraCalibration& camera : cameras) {
-    out.intrinsics.push_back(intrinsicsBlock(covariance, camera));
-  }
-  return out;
-}
-
-std::vector<ImageMap> uncertaintyMaps(const ComparedCalibration& calibration,
-                                      const CameraUncertainty& uncertainty,
-                                      const MapOptions& options) {
-  std::vector<ImageMap> maps;
-  for (std::size_t c = 0; c < calibration.calibration.cameras.size(); ++c) {
-    const CameraCalibration& camera = calibration.calibration.cameras[c];
-    for (const double range : options.ranges_m) {
-      const auto covariance = projectionCovariance(camera.intrinsics, uncertainty, c, range);
-      if (!covariance) continue;
-      ImageMap map = emptyMap(camera, calibration.label, range, options.grid);
-      map.method = uncertainty.method;
-      map.values = uncertaintyMap(camera.intrinsics, *covariance, range, options.grid);
-      maps.push_back(std::move(map));
-    }
-  }
-  return maps;
 }
 
 std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const ComparedCalibration& b,

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/information/projection_uncertainty.h"
 #include "evaluate/compare/projection_difference.h"
+#include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {
@@ -16,20 +16,6 @@ namespace plumbline {
 /// s the two calibrations' standard deviations.
 std::vector<double> differenceWeights(const std::vector<double>& std_A,
                                       const std::vector<double>& std_B);
-
-/// What is known of the uncertainty of one calibration's cameras.
-struct CameraUncertainty {
-  std::string method;  ///< for ImageMap::method; empty: nothing is known
-  /// From a session, one per camera.
-  std::vector<ProjectionCovariance> projection;
-  /// From the calibration's own file, of each camera's stacked intrinsics; used without a session.
-  std::vector<std::optional<Eigen::MatrixXd>> intrinsics;
-};
-
-/// The diagonal blocks of a covariance that belong to each camera's intrinsics, found by name
-/// ("cam0.fu" ...); empty where a name is missing.
-CameraUncertainty uncertaintyFromFile(const ParameterCovariance& covariance,
-                                      const std::vector<CameraCalibration>& cameras);
 
 struct MapOptions {
   std::vector<double> ranges_m{std::numeric_limits<double>::infinity(), 1.0};
@@ -40,12 +26,6 @@ struct MapOptions {
   /// Throws InputError for values out of range.
   void check() const;
 };
-
-/// Standard deviation maps of every camera and range of one calibration; none where nothing is
-/// known. At infinity an image fit takes out a rotation, at a range a transform, as a difference.
-std::vector<ImageMap> uncertaintyMaps(const ComparedCalibration& calibration,
-                                      const CameraUncertainty& uncertainty,
-                                      const MapOptions& options);
 
 /// Difference maps "b - a" of every camera and range that both have with images of one size. The
 /// fit is weighted by `uncertainties` where both calibrations have a map there.

@@ -36,7 +36,7 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
   SessionEstimate own;
   own.session = session.name;
   if (!canBeCalibrated(calibrations.front())) {
-    own.problem = "the first calibration's camera models can be scored, but not calibrated";
+    own.problem = "the first calibration's camera models can be scored but not calibrated";
     return own;
   }
   CameraStageOptions camera = withModelsOf(calibrations.front(), options.camera);

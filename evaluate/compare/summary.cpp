@@ -81,7 +81,7 @@ void addParameters(Text& text, const ComparisonRecord& record) {
 
 void addScores(Text& text, const ComparisonRecord& record) {
   if (record.scores.empty()) return;
-  add(text, "\nOn {} (only poses move):\n", record.name);
+  add(text, "\nOn {} (only poses are estimated):\n", record.name);
   for (const CalibrationScore& s : record.scores) {
     add(text, "  {:<24} ", fitted(s.label));
     if (s.per_camera.empty()) {
@@ -103,14 +103,15 @@ void addScores(Text& text, const ComparisonRecord& record) {
   const auto scored = std::find_if(record.scores.begin(), record.scores.end(),
                                    [](const CalibrationScore& s) { return s.entropy_nats; });
   if (scored == record.scores.end()) return;
-  add(text, "  Entropy: of {} parameters ({} ... {}), corners of {:g} px\n",
+  add(text, "  Entropy of {} parameters ({} ... {}), corner noise {:g} px\n",
       scored->entropy_parameters.size(), scored->entropy_parameters.front(),
       scored->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
   const auto imu = std::find_if(record.scores.begin(), record.scores.end(), [](const auto& s) {
     return s.camera_imu_entropy_nats.has_value();
   });
   if (imu == record.scores.end()) return;
-  add(text, "  Camera-IMU: of T_SC0 and time_offset, the session's IMU noise, cameras fixed\n");
+  add(text,
+      "  Entropy of camera-IMU: T_SC0 and time_offset, the session's IMU noise, cameras fixed\n");
 }
 
 /// Centre and worst value of a map.

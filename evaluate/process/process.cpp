@@ -165,7 +165,7 @@ ProcessEnd runProcess(const ProcessRequest& request) {
 }
 
 std::string toString(const ProcessEnd& end) {
-  if (end.beyond_time) return fmt::format("no end within {:.0f} s", end.seconds);
+  if (end.beyond_time) return fmt::format("did not end within {:.0f} s", end.seconds);
   if (end.exit_code == kNoProgram) return "could not be started (exit code 127)";
   if (end.signal != 0) {
     return fmt::format("killed by signal {} ({})", end.signal, strsignal(end.signal));

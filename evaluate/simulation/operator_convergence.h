@@ -37,9 +37,9 @@ struct ConvergencePoint {
 template <class V>
 void fields(V& v, ConvergencePoint& p) {
   v("t_s", p.t_s, "s", "since the stage began");
-  v("views", p.views, "1", "frames that the calibration stands on");
+  v("views", p.views, "1", "frames of the calibration");
   v("projection_px", p.projection_px, "px", "RMS over the image against the truth, worst camera");
-  v("translation_m", p.translation_m, "m", "T_SC0 against the truth");
+  v("translation_m", p.translation_m, "m", "error of T_SC0");
   v("rotation_rad", p.rotation_rad, "rad", "likewise");
   v("right", p.right, "within the bars");
 }
@@ -54,9 +54,9 @@ struct StageConvergence {
 
 template <class V>
 void fields(V& v, StageConvergence& s) {
-  v("right_s", s.right_s, "s", "within the bars from then on");
-  v("right_views", s.right_views, "1", "with so many frames");
-  v("stopped_s", s.stopped_s, "s", "when the guide said that the stage was over");
+  v("right_s", s.right_s, "s", "time from which it stays within the bars");
+  v("right_views", s.right_views, "1", "number of frames then");
+  v("stopped_s", s.stopped_s, "s", "when the guide finished the stage");
   v("at_end", s.at_end, "of the stage");
   v("points", s.points, "calibrations in the order of time");
 }

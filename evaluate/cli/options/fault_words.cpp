@@ -159,21 +159,19 @@ const FaultDescription& descriptionOf(const std::string& spec, std::string_view 
     if (d.name == name) return d;
     known += (known.empty() ? "" : ", ") + std::string(d.name);
   }
-  throw InputError(
-      fmt::format("--fault {}: no such fault; known are {}; --fault list says what "
-                  "they are",
-                  spec, known));
+  throw InputError(fmt::format(
+      "--fault {}: unknown fault; expected one of {}; --fault list describes them", spec, known));
 }
 
 /// The instant [s], where the fault has one.
 double instantFrom(const std::string& spec, const FaultDescription& d, const Words& words) {
   const std::size_t count = d.instant == TakesInstant::kYes ? 1 : 0;
   if (words.instants.size() != count) {
-    refuse(spec, d, count == 0 ? "it has no instant" : "it needs one instant");
+    refuse(spec, d, count == 0 ? "it takes no time (@TIME)" : "it needs one time (@TIME)");
   }
   if (count == 0) return 0;
   const auto at = amountFrom(words.instants.front(), Quantity::kTime);
-  if (!at) refuse(spec, d, fmt::format("'{}' is not an instant", words.instants.front()));
+  if (!at) refuse(spec, d, fmt::format("'{}' is not a time", words.instants.front()));
   return at->value();
 }
 
@@ -182,7 +180,7 @@ double valueFrom(const std::string& spec, const FaultDescription& d, std::string
                  const FaultValue& value) {
   const auto given = amountFrom(word, value.quantity);
   if (!given) {
-    refuse(spec, d, fmt::format("'{}' is no {}", word, wordsOf(value.quantity).symbol));
+    refuse(spec, d, fmt::format("'{}' is not a value of {}", word, wordsOf(value.quantity).symbol));
   }
   if (given->value() < value.low || given->value() > value.high) {
     const Unit& unit = given->unit;
@@ -211,7 +209,8 @@ void setValues(const std::string& spec, const FaultDescription& d,
     target = valueFrom(spec, d, numbers[next], value);
     ++next;
   }
-  if (next < numbers.size()) refuse(spec, d, fmt::format("'{}' is too much", numbers[next]));
+  if (next < numbers.size())
+    refuse(spec, d, fmt::format("'{}' is one value too many", numbers[next]));
 }
 
 }  // namespace
@@ -234,7 +233,7 @@ Fault faultFrom(const std::string& spec) {
     } else if (takes_camera && camera && !fault.camera) {
       fault.camera = camera;
     } else if (axis || camera) {
-      refuse(spec, d, fmt::format("'{}' does not belong there", word));
+      refuse(spec, d, fmt::format("'{}' is not expected there", word));
     } else {
       numbers.push_back(word);
     }

@@ -117,9 +117,10 @@ void addRange(const std::string& option, const std::vector<std::string>& ends,
   const double to = numberOf(option, ends[2]);
   const double count = std::floor((to - from) / step + 1e-9);
   if (step == 0 || !(count >= 0) || count > kMostAmounts) {
-    throw InputError(fmt::format(
-        "{} {}:{}:{}: expected a step that leads from the first to the last in at most {} steps",
-        option, from, step, to, kMostAmounts));
+    throw InputError(
+        fmt::format("{} {}:{}:{}: expected a step that reaches the last value from the first in at "
+                    "most {} steps",
+                    option, from, step, to, kMostAmounts));
   }
   for (int k = 0; k <= static_cast<int>(count); ++k) amounts.push_back(cleaned(from + k * step));
 }
@@ -250,7 +251,7 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
     }
     if (caution && bad) {
       refuse("--threshold", assignment,
-             fmt::format("CAUTION,BAD with bad the {} of both", rising ? "larger" : "smaller"));
+             fmt::format("CAUTION,BAD with BAD the {} of the two", rising ? "larger" : "smaller"));
     }
   }
   std::vector<std::string> names;
@@ -262,7 +263,7 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds) {
   constexpr double kDay_ms = 86'400'000;
   if (!(std::abs(milliseconds) <= kDay_ms)) {
-    refuse(option, fmt::format("{}", milliseconds), "milliseconds, at most those of a day");
+    refuse(option, fmt::format("{}", milliseconds), "milliseconds, at most one day (86400000)");
   }
   return static_cast<TimeNs>(std::llround(milliseconds * 1e6));
 }
@@ -280,7 +281,7 @@ std::vector<double> amountsFrom(const std::string& option, const std::string& wo
     }
   }
   if (amounts.size() > kMostAmounts) {
-    throw InputError(fmt::format("{}: more than {} amounts", option, kMostAmounts));
+    throw InputError(fmt::format("{}: expected at most {} values", option, kMostAmounts));
   }
   return amounts;
 }

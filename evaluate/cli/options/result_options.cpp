@@ -11,7 +11,7 @@
 namespace plumbline {
 
 void JsonOption::declare(CLI::App& app) {
-  app.add_option("--json", file, "File for the JSON document; - for standard output alone");
+  app.add_option("--json", file, "File for the JSON document; - for standard output only");
 }
 
 std::optional<OutputFile> JsonOption::reserve(const OutputOptions& output,
@@ -26,7 +26,7 @@ std::optional<OutputFile> JsonOption::reserve(const OutputOptions& output,
 
 void FailOnOption::declare(CLI::App& app) {
   app.add_option("--fail-on", level,
-                 "End with exit code 4 where the verdict is that bad: caution, bad, or never")
+                 "Exit with code 4 if the verdict is at least this bad: caution, bad, or never")
       ->check(CLI::IsMember({"caution", "bad", "never"}))
       ->capture_default_str();
 }
@@ -37,10 +37,14 @@ int FailOnOption::exitCode(VerdictLevel verdict) const {
   return verdict >= least ? kVerdict : kDone;
 }
 
+void declareNoReport(CLI::App& app, bool& no_report) {
+  app.add_flag("--no-report", no_report, "Write no report.html");
+}
+
 void ResultOptions::declareResult(CLI::App& app) {
   declare(app)->required();
   json.declare(app);
-  app.add_flag("--no-report", no_report, "Write no report.html");
+  declareNoReport(app, no_report);
   fail_on.declare(app);
 }
 

@@ -41,6 +41,9 @@ struct FailOnOption {
   int exitCode(VerdictLevel verdict) const;
 };
 
+/// --no-report, the same in every command that writes a page among its results.
+void declareNoReport(CLI::App& app, bool& no_report);
+
 /// What a command that writes a folder of results leaves, and how it ends.
 struct ResultOptions : OutputOptions {
   JsonOption json;

@@ -92,22 +92,22 @@ void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--target", target, "Kalibr's target.yaml (default: in the session)");
   app.add_option("--target-shape", target_shape,
                  target_shape == kAuto
-                     ? "The board's own shape: auto (estimated where the recording determines it), "
-                       "flat, or another session's target_shape.yaml"
-                     : "The board's own shape: flat, or a target_shape.yaml")
+                     ? "Shape of the board: auto (estimated where the recording determines it), "
+                       "flat, or the target_shape.yaml of another session"
+                     : "Shape of the board: flat, or a target_shape.yaml")
       ->capture_default_str();
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
   app.add_option("--only", only, "Use only these cameras, e.g. cam0,cam1")->delimiter(',');
-  app.add_option("--from", from_s, "Leave out frames earlier than this [s from the first]")
+  app.add_option("--from", from_s, "Ignore frames earlier than this [s after the first]")
       ->check(numberFrom(0));
-  app.add_option("--to", to_s, "Leave out frames later than this [s from the first]")
+  app.add_option("--to", to_s, "Ignore frames later than this [s after the first]")
       ->check(positiveNumber());
   app.add_option("--stride", stride, "Use every n-th frame")
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--sync-tolerance-ms", sync_tolerance_ms,
-                 "Largest time between the views of one frame [ms]")
+                 "Largest time difference between the views of one frame [ms]")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")
@@ -141,7 +141,7 @@ LoadRequest SessionOptions::request() const {
   request.cache = cacheFolder();
   if (!cache) {  // nobody asked for this one
     request.without_cache = [](const std::string& why) {
-      complain(fmt::format("note: found corners are not kept: {}", why));
+      complain(fmt::format("note: detected corners are not cached: {}", why));
     };
   }
   request.only = only;
@@ -172,7 +172,7 @@ void MeasurementOptions::declare(CLI::App& app) {
                  "Standard deviation of a corner, per axis [px]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--min-corners", frames.min_corners, "Leave out views with fewer corners")
+  app.add_option("--min-corners", frames.min_corners, "Ignore views with fewer corners")
       ->check(numberFrom(1))
       ->capture_default_str();
 }
@@ -184,14 +184,15 @@ MeasurementModel MeasurementOptions::chosen() const {
 }
 
 void EstimationOptions::declare(CLI::App& app) {
-  app.add_option("--models", models,
-                 choose_models
-                     ? "Lens models: auto (chosen for each camera by the error of held-out frames; "
-                       "the default), or " +
-                           calibratedModelWords() + ", one for each camera"
-                     : calibratedModelWords() + ", one for each camera (default: sensor.yaml)");
+  app.add_option(
+      "--models", models,
+      choose_models
+          ? "Lens models: auto (default; chosen per camera by the error on held-out frames), or " +
+                calibratedModelWords() + ", one for each camera"
+          : calibratedModelWords() + ", one for each camera (default: sensor.yaml)");
   app.add_option("--cameras", cameras,
-                 "Calibration whose cameras are used as they are (Kalibr's camchain or ours)");
+                 "Calibration whose cameras are used and kept fixed (Kalibr's camchain or "
+                 "Plumbline's calibration.json)");
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
   measurements.declare(app);
   app.add_option("--outliers", outliers, "none, sigma:K, or kalibr")->capture_default_str();
@@ -250,8 +251,7 @@ CLI::Option* OutputOptions::declare(CLI::App& app, const std::string& help) {
 }
 
 void OutputOptions::declareForce(CLI::App& app) {
-  app.add_flag("--force", force,
-               "Replace an earlier result of this command; files of others never");
+  app.add_flag("--force", force, "Replace an earlier result of this command (never other files)");
 }
 
 OutputRequest OutputOptions::request(const std::string& kind,

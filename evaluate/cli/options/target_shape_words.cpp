@@ -94,7 +94,7 @@ const Word& wordNamed(const std::string& words, const std::string& name) {
   for (const Word& word : allWords()) {
     if (name == word.name) return word;
   }
-  refuse(words, fmt::format("there is no '{}'", name));
+  refuse(words, fmt::format("'{}' is not a term", name));
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
   const Eigen::Vector2d half(0.5 * grid.width(), 0.5 * grid.height());
   std::vector<Eigen::Vector3d> moved(static_cast<std::size_t>(grid.cornerCount()),
                                      Eigen::Vector3d::Zero());
-  if (words.empty()) refuse(words, "no word is given");
+  if (words.empty()) refuse(words, "no term is given");
   std::istringstream parts(words);
   for (std::string part; std::getline(parts, part, ',');) {
     const auto equals = part.find('=');

@@ -24,10 +24,12 @@ void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_option("--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
       ->check(numberWithin(0, kLongest))
       ->capture_default_str();
-  app.add_option("--max-gap", o.max_gap_s, "interpolate: widest gap of the truth to bridge [s]")
+  app.add_option("--max-gap", o.max_gap_s,
+                 "interpolate: widest gap of the truth to interpolate over [s]")
       ->check(numberWithin(0, kLongest))
       ->capture_default_str();
-  app.add_option("--time-offset", o.time_offset_s, "Add this to the estimate's stamps first [s]")
+  app.add_option("--time-offset", o.time_offset_s,
+                 "Add this to the estimate's stamps before pairing [s]")
       ->check(numberWithin(-kLongest, kLongest))
       ->capture_default_str();
 }
@@ -37,12 +39,12 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
                  "t_truth - t_estimate: auto (from angular rates), seconds, or none")
       ->capture_default_str();
   app.add_option("--clock-range", o.clock_range_s,
-                 "auto: search within this, both ways about --time-offset [s]")
+                 "auto: search within +- this around --time-offset [s]")
       ->check(numberWithin(kNarrowest, kWidest))
       ->capture_default_str();
   app.add_option("--hand-eye", o.hand_eye,
-                 "Marker body to the estimate's body: auto (from the data, then the truth is moved "
-                 "to the estimate's body) or none")
+                 "Transform from marker body to the estimate's body: auto (estimated, and applied "
+                 "to the truth) or none")
       ->capture_default_str();
   app.add_flag("--estimate-w-first", o.estimate_w_first,
                "The estimate is TUM with quaternions w x y z");
@@ -54,17 +56,19 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
 }
 
 void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
-  app.add_option("--align", o.align, "se3, sim3, scale, yaw, origin, se3-first, yaw-first or none")
+  app.add_option("--align", o.align,
+                 "Alignment: se3, sim3, scale, yaw, origin, se3-first, yaw-first or none")
       ->capture_default_str();
   app.add_option("--align-first", o.align_first, "Align by the first N pairs only (0: all)")
       ->check(numberFrom(0))
       ->capture_default_str();
-  app.add_option("--rpe", o.rpe, "Distances of relative errors: 1m,10m,1frames,0.5s, or none")
+  app.add_option("--rpe", o.rpe,
+                 "Segment lengths of relative errors (RPE): 1m,10m,1frames,0.5s, or none")
       ->capture_default_str();
   app.add_option("--rpe-pairs", o.rpe_pairs,
-                 "Between which poses: plumbline (from every pose, within 10 % along the truth), "
-                 "evo (one after the other along the estimate), evo-all (from every pose along the "
-                 "estimate), rpg (within 20 %) or ov_eval (within 0.5 m)")
+                 "Pair selection for the RPE: plumbline (from every pose, within 10 % along the "
+                 "truth), evo (consecutive segments along the estimate), evo-all (from every pose "
+                 "along the estimate), rpg (within 20 %) or ov_eval (within 0.5 m)")
       ->capture_default_str();
 }
 
@@ -85,10 +89,9 @@ std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<Relativ
   const RelativePairs pairs = relativePairsFrom(word);
   for (RelativeDelta& delta : deltas) {
     if (!hasPairsOver(pairs, delta.unit)) {
-      throw InputError(
-          fmt::format("--rpe-pairs {}: that tool has no pairs over {}; expected --rpe "
-                      "in metres, e.g. 8m",
-                      word, toString(delta.unit)));
+      throw InputError(fmt::format(
+          "--rpe-pairs {}: this rule selects no pairs over {}; expected --rpe in metres, e.g. 8m",
+          word, toString(delta.unit)));
     }
     delta.pairs = pairs;
   }
@@ -117,11 +120,11 @@ void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words) {
 
 void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_option("--min-coverage", o.min_coverage,
-                 "Share of the truth's time below which a run is partial")
+                 "Share of the truth's time span below which a run is partial")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--coverage-from", o.coverage_from,
-                 "That time begins at the truth's start, or at the estimate's first-pose")
+                 "Where that span starts: start (of the truth) or first-pose (of the estimate)")
       ->capture_default_str();
 }
 

@@ -75,14 +75,15 @@ std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& 
   if (!swapped && !lint::isInverse(given, *straight.T_C0C1, options)) return {};
   const Eigen::Vector3d stated = 1e3 * given.t;
   const Eigen::Vector3d seen = 1e3 * straight.T_C0C1->t;
-  return {bad(swapped ? "Order of cameras" : "Inverted baseline",
-              fmt::format("{}: camera 1 is at ({:.1f}, {:.1f}, {:.1f}) mm in camera 0; the corners "
-                          "say ({:.1f}, {:.1f}, {:.1f}) mm{}",
-                          linted.name, stated.x(), stated.y(), stated.z(), seen.x(), seen.y(),
-                          seen.z(), swapped ? ", and fit the intrinsics better in turn" : ""),
-              swapped ? fmt::format("exchange cam0 and cam1 in {}", linted.name)
-                      : fmt::format("invert T_cn_cnm1 of cam1 in {}", linted.name),
-              {stated.norm(), 1e3 * options.same_translation_m, "mm"})};
+  return {
+      bad(swapped ? "Order of cameras" : "Inverted baseline",
+          fmt::format("{}: camera 1 is at ({:.1f}, {:.1f}, {:.1f}) mm in camera 0; the corners "
+                      "say ({:.1f}, {:.1f}, {:.1f}) mm{}",
+                      linted.name, stated.x(), stated.y(), stated.z(), seen.x(), seen.y(), seen.z(),
+                      swapped ? ", and fit the intrinsics better when exchanged" : ""),
+          swapped ? fmt::format("exchange cam0 and cam1 in {}", linted.name)
+                  : fmt::format("invert T_cn_cnm1 of cam1 in {}", linted.name),
+          {stated.norm(), 1e3 * options.same_translation_m, "mm"})};
 }
 
 // ---- IMU
@@ -141,25 +142,25 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
   const lint::Measured angle{direct, options.rotation_tolerance_rad, "rad"};
   if (direct > options.rotation_tolerance_rad) {
     const std::string text = fmt::format(
-        "T_SC0 is {:.1f} degrees off what gyroscope and camera rates say, its inverse "
-        "{:.1f}",
+        "T_SC0 differs by {:.1f} degrees from the rotation that gyroscope and camera rates give, "
+        "its inverse by {:.1f}",
         direct / kDegree, inverse / kDegree);
     if (inverse < options.rotation_tolerance_rad) return {invertedFinding(linted, text, angle)};
-    return {bad("Contradicting rotation", linted.name + ": " + text,
-                fmt::format("T_cam_imu (T_SC0) in {} is of another rig, or its axes are renamed",
-                            linted.name),
-                angle)};
+    return {
+        bad("Contradicting rotation", linted.name + ": " + text,
+            fmt::format("T_cam_imu (T_SC0) in {} belongs to another rig, or its axes are renamed",
+                        linted.name),
+            angle)};
   }
   const bool own_inverse = inverse < options.rotation_tolerance_rad;
   if (own_inverse && alignment.inertial &&
       leverArmIsInverted(T_SC0, *alignment.inertial, options)) {
     const Eigen::Vector3d seen = 1e3 * alignment.inertial->t_SC0;
-    return {
-        invertedFinding(linted,
-                        fmt::format("the recording puts camera 0 at ({:.0f}, {:.0f}, {:.0f}) mm "
-                                    "in the IMU, where the inverse of T_SC0 has it",
-                                    seen.x(), seen.y(), seen.z()),
-                        angle)};
+    return {invertedFinding(linted,
+                            fmt::format("according to the recording camera 0 is at ({:.0f}, "
+                                        "{:.0f}, {:.0f}) mm in the IMU, as in the inverse of T_SC0",
+                                        seen.x(), seen.y(), seen.z()),
+                            angle)};
   }
   return {};
 }
@@ -196,10 +197,10 @@ std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream
   if (!(worst > options.noise_factor)) return {};
   return {bad("Noise densities",
               fmt::format("{}: the stated noise is {:.1f} (gyroscope) and {:.1f} (accelerometer) "
-                          "times what the samples' scatter allows",
+                          "times the upper bound from the samples' scatter",
                           linted.name, gyro, accel),
-              fmt::format("check the noise densities in {}: discrete ones are the root of the rate "
-                          "({:.1f}) too large, degrees 57 times",
+              fmt::format("check the noise densities in {}: discrete-time ones are too large by "
+                          "the root of the rate ({:.1f}), those in degrees by 57",
                           linted.name, root),
               {worst, options.noise_factor, "-"})};
 }

@@ -69,15 +69,14 @@ std::vector<Finding> leverArm(const LintedCalibration& linted, const LintOptions
              : options.max_lever_arm_m;
   const double arm = c.imu->T_SC0.t.norm();
   if (arm <= bound) return {};
-  return {bad(
-      "Impossible lever arm",
-      fmt::format("{}: the IMU is {:.1f} cm from camera 0{}", linted.name, 100 * arm,
-                  device ? ", of which it shares the device (/" + deviceOf(c.imu->rostopic) + ")"
-                         : std::string()),
-      fmt::format("do not use T_cam_imu of {}, whatever its residuals: calibrate again with "
-                  "motion that turns about all axes",
-                  linted.name),
-      {arm, bound, "m"})};
+  return {bad("Impossible lever arm",
+              fmt::format("{}: the IMU is {:.1f} cm from camera 0{}", linted.name, 100 * arm,
+                          device ? ", of the same device (/" + deviceOf(c.imu->rostopic) + ")"
+                                 : std::string()),
+              fmt::format("do not use T_cam_imu of {}, even if its residuals are small: "
+                          "recalibrate with rotation about all axes",
+                          linted.name),
+              {arm, bound, "m"})};
 }
 
 // ---- intrinsics
@@ -100,18 +99,17 @@ std::vector<Finding> principalPoint(const LintedCalibration& linted,
   const double shift = std::max(std::abs(x), std::abs(y));
   if (shift <= options.max_principal_shift) return {};
   const double scale = impliedScale(k);
-  return {
-      bad("Resolution and principal point",
-          fmt::format("{}: {}'s principal point ({:.1f}, {:.1f}) is {:.0f} % off the middle of "
-                      "{}x{}{}",
-                      linted.name, camera.name, k.projection(n - 2), k.projection(n - 1),
-                      100 * shift, k.resolution.width, k.resolution.height,
-                      scale == 1 ? std::string()
-                                 : fmt::format("; it fits an image {:.2g} times as large", scale)),
-          fmt::format("check resolution and intrinsics of {} in {}: one of them is of scaled or "
-                      "cropped images",
-                      camera.name, linted.name),
-          {shift, options.max_principal_shift, "-"})};
+  return {bad(
+      "Resolution and principal point",
+      fmt::format("{}: {}'s principal point ({:.1f}, {:.1f}) is {:.0f} % off the centre of {}x{}{}",
+                  linted.name, camera.name, k.projection(n - 2), k.projection(n - 1), 100 * shift,
+                  k.resolution.width, k.resolution.height,
+                  scale == 1 ? std::string()
+                             : fmt::format("; it fits an image {:.2g} times as large", scale)),
+      fmt::format("check resolution and intrinsics of {} in {}: one of them belongs to scaled or "
+                  "cropped images",
+                  camera.name, linted.name),
+      {shift, options.max_principal_shift, "-"})};
 }
 
 // ---- IMU

@@ -132,7 +132,7 @@ std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<boo
       found.push_back(bad(
           swapped ? "Order of cameras" : "Inverted baseline",
           fmt::format("T_C0C1 of {} is the inverse of the others' ({:.1f} mm){}", names,
-                      1e3 * length, swapped ? ", and its intrinsics are theirs in turn" : ""),
+                      1e3 * length, swapped ? ", and its intrinsics are theirs exchanged" : ""),
           swapped ? fmt::format("exchange cam0 and cam1 in {}", names)
                   : fmt::format("invert T_cn_cnm1 of cam1 in {}: it maps the previous camera to "
                                 "this one",
@@ -172,8 +172,8 @@ std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& susp
     const Resolution size = all[group[0]].calibration.cameras[0].intrinsics.resolution;
     found.push_back(
         bad("Resolution and principal point",
-            fmt::format("{}: intrinsics and resolution ({}x{} in {}) do not scale alike "
-                        "with the others'",
+            fmt::format("{}: intrinsics and resolution ({}x{} in {}) are not scaled by the same "
+                        "factor as the others'",
                         namesOf(all, group), size.width, size.height, all[group[0]].name),
             fmt::format("check resolution and intrinsics in {}", namesOf(all, group)),
             {static_cast<double>(size.width), 0, "px"}));
@@ -205,8 +205,8 @@ Finding noiseFinding(const LintedCalibration& linted, NoiseFault fault) {
   const std::string advice =
       degrees ? fmt::format("state gyroscope_noise_density in {} in rad/s/sqrt(Hz)", linted.name)
               : fmt::format(
-                    "divide the noise densities in {} by the root of update_rate: "
-                    "continuous-time densities are wanted",
+                    "divide the noise densities in {} by the root of update_rate: continuous-time "
+                    "densities are expected",
                     linted.name);
   return bad(degrees ? "Degrees for radians" : "Discrete noise densities",
              fmt::format("{}: gyroscope_noise_density {:.4g} is another file's times {}",
@@ -259,12 +259,13 @@ std::vector<Finding> oddLeverArms(Calibrations all, const std::vector<bool>& sus
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (distances[k] <= bound) continue;
     const std::string& name = all[used[k]].name;
-    found.push_back(bad("Impossible lever arm",
-                        fmt::format("{}: the IMU is {:.1f} cm from where the other calibrations of "
-                                    "this rig put it",
-                                    name, 100 * distances[k]),
-                        fmt::format("do not use T_cam_imu of {}, whatever its residuals", name),
-                        {distances[k], bound, "m"}));
+    found.push_back(
+        bad("Impossible lever arm",
+            fmt::format(
+                "{}: the IMU is {:.1f} cm from its position in the other calibrations of this rig",
+                name, 100 * distances[k]),
+            fmt::format("do not use T_cam_imu of {}, even if its residuals are small", name),
+            {distances[k], bound, "m"}));
   }
   return found;
 }

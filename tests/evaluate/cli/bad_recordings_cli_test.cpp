@@ -132,7 +132,7 @@ TEST_F(CommandLine, FramesThatTheImuDoesNotCoverAreCounted) {
   const Outcome outcome = calibrate(copy, "--no-report");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, AllOf(HasSubstr("without IMU samples"),
-                                  HasSubstr("Frames that the IMU covers"), HasSubstr("BAD")));
+                                  HasSubstr("Frames covered by the IMU"), HasSubstr("BAD")));
 }
 
 TEST_F(CommandLine, AnImuThatIsDescribedAndMissingIsNotPassedOver) {
@@ -181,8 +181,9 @@ TEST_F(CommandLine, AWrongNumberOfColumnsOrRowsIsNamed) {
   const std::string target = read(session() / "target.yaml");
   const fs::path columns = spoiled();
   write(columns / "target.yaml", replaced(target, "tagCols: 6", "tagCols: 7"));
-  expectRefusal(calibrate(columns), 2,
-                AllOf(HasSubstr("target.yaml:"), HasSubstr("tagCols is 7"), HasSubstr("in line")));
+  expectRefusal(
+      calibrate(columns), 2,
+      AllOf(HasSubstr("target.yaml:"), HasSubstr("tagCols is 7"), HasSubstr("are aligned")));
   fs::remove_all(scratch());
   const fs::path rows = spoiled();
   write(rows / "target.yaml", replaced(target, "tagRows: 6", "tagRows: 8"));

@@ -84,7 +84,7 @@ TEST_F(CommandImages, AnUnusableDefaultCacheIsNotedAndAGivenOneRefused) {
   const Outcome noted = calibrateCam0(images(), "noted", "");
   unsetenv("XDG_CACHE_HOME");
   EXPECT_EQ(noted.exit_code, 0) << noted.text;
-  EXPECT_THAT(noted.text, HasSubstr("note: found corners are not kept"));
+  EXPECT_THAT(noted.text, HasSubstr("note: detected corners are not cached"));
   EXPECT_EQ(calibrateCam0(images(), "out", "--cache " + home + "/x").exit_code, 2);
 }
 

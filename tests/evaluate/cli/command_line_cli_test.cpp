@@ -186,9 +186,9 @@ TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
                   2, HasSubstr("--seed"));
   }
   expectRefusal(calibrate(session(), "--threshold rmse_px=2,1"), 2,
-                AllOf(HasSubstr("--threshold rmse_px=2,1"), HasSubstr("bad the larger")));
+                AllOf(HasSubstr("--threshold rmse_px=2,1"), HasSubstr("BAD the larger")));
   expectRefusal(calibrate(session(), "--threshold coverage=0.5,0.75"), 2,
-                HasSubstr("bad the smaller"));
+                HasSubstr("BAD the smaller"));
 }
 
 TEST_F(CommandLine, PipesAndDevicesAreRefusedAtOnce) {
@@ -271,7 +271,7 @@ TEST_F(CommandLine, ResamplingReportsItsSpread) {
 TEST_F(CommandLine, MoreCornersThanAViewHoldsAreAskedForByOption) {
   expectRefusal(calibrate(session(), "--min-corners 200"), 1,
                 AllOf(HasSubstr("--min-corners 200"), HasSubstr("at least 200 corners"),
-                      HasSubstr("holds 144")));
+                      HasSubstr("most in one view is 144")));
 }
 
 TEST_F(CommandLine, EveryFileReadIsInTheHash) {

@@ -23,7 +23,7 @@ TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   const fs::path one = freshFolder("operator_1"), two = freshFolder("operator_2");
   const Outcome made = plumbline(options + "--judge --out " + one.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
-  EXPECT_THAT(made.text, HasSubstr("Simulated a person (novice, guided, seed 4)"));
+  EXPECT_THAT(made.text, HasSubstr("Simulated an operator (novice, guided, seed 4)"));
   EXPECT_THAT(made.text, HasSubstr("Cameras (0.1 px): "));
   ASSERT_EQ(plumbline(options + "--judge --out " + two.string()).exit_code, 0);
   EXPECT_EQ(contents(one), contents(two)) << "same seed, same bytes";
@@ -84,8 +84,8 @@ TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
   EXPECT_THAT(log, HasSubstr("\"projection_px\":0."));
   EXPECT_THAT(log, HasSubstr("\"reach_s\":"));
   const std::string page = read(out / "report.html");
-  EXPECT_THAT(page, HasSubstr("Predicted way [s]"));
-  EXPECT_THAT(page, HasSubstr("projections are predicted to be off by 0."));
+  EXPECT_THAT(page, HasSubstr("Predicted time [s]"));
+  EXPECT_THAT(page, HasSubstr("predicted projection error 0."));
   fs::remove_all(session), fs::remove_all(out);
 }
 

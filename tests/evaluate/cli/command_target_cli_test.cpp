@@ -73,7 +73,7 @@ TEST_F(CommandTarget, NamesSessionsWhoseBoardBent) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
     return outcome.text;
   };
-  EXPECT_THAT(fit(" " + at("3")), HasSubstr("3: differs by more than chance, but its own"));
+  EXPECT_THAT(fit(" " + at("3")), HasSubstr("3: differs significantly, but its own"));
   EXPECT_THAT(fit(" " + at("4")), HasSubstr("4: differs, and its own shape predicts held-out"));
 }
 

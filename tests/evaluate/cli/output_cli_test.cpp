@@ -242,7 +242,7 @@ TEST_F(FailingCalls, EqualProcessIdsOfContainersDoNotMeet) {
   const Outcome outcome = shell(simulation(1) + " & " + simulation(2) + " & wait");
   EXPECT_TRUE(isWhole(out())) << outcome.text;
   EXPECT_EQ(entriesBeside(), 0U);
-  EXPECT_THAT(outcome.text, AllOf(HasSubstr("The truth is in"), HasSubstr("holds an earlier")));
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("The truth is in"), HasSubstr("contains an earlier")));
 }
 
 TEST_F(FailingCalls, TheLockNamesTheProcess) {  // so that the test above has two of one id

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of several calibrations stands alone, and when none does.
+// Which of several calibrations is the outlier, and when none is.
 #include "evaluate/compare/lone.h"
 
 #include <cmath>
@@ -71,11 +71,11 @@ TEST(LoneParameters, AreFoundAndSaid) {
   const auto findings = loneFindings(record, {});
   ASSERT_THAT(findings, SizeIs(1));
   EXPECT_EQ(findings[0].level, VerdictLevel::kCaution);
-  EXPECT_THAT(findings[0].evidence, HasSubstr("c stands alone"));
+  EXPECT_THAT(findings[0].evidence, HasSubstr("c is the outlier"));
   EXPECT_THAT(findings[0].evidence, HasSubstr("T_SC0.tx (4.9)"));
-  EXPECT_THAT(comparisonHeadline(record), HasSubstr("c stands alone"));
+  EXPECT_THAT(comparisonHeadline(record), HasSubstr("c is the outlier"));
   EXPECT_THAT(comparisonHeadline(comparison({0.010, 0.011, 0.012}, 0.001)),
-              Not(HasSubstr("alone")));
+              Not(HasSubstr("outlier")));
 }
 
 /// Two calibrations, a and b, and what the session itself gives.
@@ -97,7 +97,7 @@ TEST(LoneAgainstSession, OfTwoTheSessionTellsWhichIsOff) {
   ASSERT_THAT(lone, SizeIs(1));
   EXPECT_EQ(lone[0].calibration, 1U);
   EXPECT_NEAR(lone[0].sigmas, 7.9 / std::sqrt(2), 1e-9);
-  EXPECT_THAT(comparisonHeadline(record), HasSubstr("b stands alone"));
+  EXPECT_THAT(comparisonHeadline(record), HasSubstr("b is the outlier"));
   const auto findings = loneFindings(record, {});
   ASSERT_THAT(findings, SizeIs(1));
   EXPECT_THAT(findings[0].rule, HasSubstr("the session itself"));
@@ -106,7 +106,7 @@ TEST(LoneAgainstSession, OfTwoTheSessionTellsWhichIsOff) {
 TEST(LoneAgainstSession, AnEstimateFromTheSameSessionIsNoWitness) {
   // a agrees with the session because it comes from it; nothing is said of b.
   EXPECT_THAT(loneAgainstSession(onSession(0.010, 0.018, 0.0101, false, true)), IsEmpty());
-  // b stands alone although a's agreement counts: b's own origin does not matter.
+  // b is the outlier although a's agreement counts: b's own origin does not matter.
   EXPECT_THAT(loneAgainstSession(onSession(0.010, 0.018, 0.0101, true, false)), SizeIs(1));
 }
 
