@@ -71,7 +71,8 @@ RULES = {"Spikes of the IMU": "spike", "Gaps in the IMU's samples": "gap", "View
          "Tags with another's id": "swapped-ids", "False corners": "false-corners",
          "Readings at the end of the sensor's range": "clip", "Jitter of the frames' stamps": "stamps-jitter",
          "Noise density of the accelerometer": "density"}
-REFUSALS = {"stamped in bursts": "burst", "gravity comes out": "gravity", "wanders": "stamps-wander",
+REFUSALS = {"stamped in bursts": "burst", "estimated gravity is": "gravity",
+            "offset between gyroscope and cameras is not constant": "stamps-wander",
             "disagree about scale": "target-size", "cut off": "clip",
             "jump of the gyroscope's bias": "gyro-bias-jump", "jump of the accelerometer's bias": "accel-bias-jump",
             "changes of the time offset": "stamps-wander", "step of the time offset": "clock-step",

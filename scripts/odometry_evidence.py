@@ -104,7 +104,7 @@ def main():
     table = [errors(o.plumbline, o.work, seed, options) for seed in range(1, o.seeds + 1)]
     print("| ATE [cm] | " + " | ".join(f"seed {i + 1}, {length:.0f} m"
                                       for i, (_, length) in enumerate(table)) +
-          " | median of what it adds |")
+          " | median increase |")
     print("|" + "---|" * (len(table) + 2))
     for kind, name in KINDS.items():
         row = [ate[kind] for ate, _ in table]

@@ -94,7 +94,7 @@ def table(options):
     found = {name: documents for name, documents in found.items() if documents}
     persons = set.intersection(*(set(f) for f in found.values()))
     print(f"{len(persons)} persons, rig {options.rig}; quartiles and median (25 / 50 / 75 %)\n")
-    print("| method | cameras [s] | views | got there | T_SC0 [s] | got there | both [s] |\n|---|---|---|---|---|---|---|")
+    print("| method | cameras [s] | views | reached | T_SC0 [s] | reached | both [s] |\n|---|---|---|---|---|---|---|")
     for name, documents in found.items():
         chosen = [documents[p] for p in sorted(persons)]
         cameras = [needed(d, "cameras") for d in chosen]

@@ -110,7 +110,7 @@ scontrol update nodename="$host" state=drain reason=test
 sleep 3
 "$plumbline" study "$work/data/STUDY.yaml" --out "$work/cluster" --engine slurm >"$work/second.txt" 2>&1 &&
   { echo "a second night began" >&2; exit 1; }
-grep -q "another night is at work here" "$work/second.txt" || { cat "$work/second.txt" >&2; exit 1; }
+grep -q "another night is running here" "$work/second.txt" || { cat "$work/second.txt" >&2; exit 1; }
 scontrol update nodename="$host" state=resume
 
 code=0
