@@ -44,7 +44,8 @@ BadInput unwritable(const std::string& path, int error) {
        "disk"});
 }
 
-constexpr std::string_view kTemporary = ".partial-";
+// A temporary file's name: its final one, this, and six letters that mkostemp() makes of these.
+constexpr std::string_view kTemporary = ".partial-", kMade = "XXXXXX";
 
 // 0, or the errno of what failed.
 int writeAll(int file, std::string_view content) {
@@ -133,7 +134,7 @@ void writeNewFile(const std::filesystem::path& folder, const std::filesystem::pa
 }
 
 void writeFileAtomically(const std::string& path, std::string_view content) {
-  std::string temporary = path + std::string(kTemporary) + "XXXXXX";
+  std::string temporary = path + std::string(kTemporary) + std::string(kMade);
   // Held by a lock as long as it is written, so that it can be told from a dead writer's.
   const Descriptor file{::mkostemp(temporary.data(), O_CLOEXEC)};
   if (file.number < 0) throw unwritable(path, errno);
@@ -146,13 +147,17 @@ void writeFileAtomically(const std::string& path, std::string_view content) {
   throw unwritable(path, error);
 }
 
+bool isTemporaryOf(std::string_view final_name, std::string_view name) {
+  return name.size() == final_name.size() + kTemporary.size() + kMade.size() &&
+         name.starts_with(final_name) && name.substr(final_name.size()).starts_with(kTemporary);
+}
+
 void removeDeadTemporaries(const std::filesystem::path& folder) {
   std::error_code fault;
   for (std::filesystem::directory_iterator it(folder, fault), end; !fault && it != end;
        it.increment(fault)) {
     const std::string name = it->path().filename().string();
-    const std::size_t at = name.rfind(kTemporary);
-    if (at == std::string::npos || name.size() != at + kTemporary.size() + 6) continue;
+    if (!isTemporaryOf(std::string_view(name).substr(0, name.rfind(kTemporary)), name)) continue;
     const Descriptor file{
         ::open(it->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
     struct stat status {};

@@ -47,6 +47,9 @@ void writeNewFile(const std::filesystem::path& folder, const std::filesystem::pa
 /// of a cache; results are outputs (output.h).
 void writeFileAtomically(const std::string& path, std::string_view content);
 
+/// Whether a file's name is one under which writeFileAtomically() writes `final_name`.
+bool isTemporaryOf(std::string_view final_name, std::string_view name);
+
 /// Removes the temporary files that writers died over in a folder; those being written stay.
 void removeDeadTemporaries(const std::filesystem::path& folder);
 

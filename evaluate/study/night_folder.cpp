@@ -57,10 +57,11 @@ void refuseForeign(const fs::path& folder) {
                    {InputFault::kForeignFiles, "is not a folder", "a folder", ""});
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (isTemporaryOf(kStudyMarkFile, name)) continue;  // a first night that was killed at once
     throw badInput(folder.string(), 0,
-                   {InputFault::kForeignFiles,
-                    "holds " + entry.path().filename().string() + " and is not a study's folder",
-                    "", "choose another folder"});
+                   {InputFault::kForeignFiles, "holds " + name + " and is not a study's folder", "",
+                    "choose another folder"});
   }
 }
 
@@ -135,6 +136,7 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
 }
 
 void removeLeftovers(const fs::path& folder, const std::vector<Step>& steps) {
+  removeDeadTemporaries(folder);
   std::set<fs::path> parents;
   for (const Step& step : steps) parents.insert((folder / step.name).parent_path());
   for (const fs::path& parent : parents) {

@@ -36,8 +36,8 @@ class NightLock {
 /// or holds one, and where it cannot be written.
 void takeNightFolder(const std::filesystem::path& folder, const StudyDefinition& study);
 
-/// Removes what processes that were killed left beside the folders of steps: hidden folders of
-/// results in the making, whose lock nobody holds.
+/// Removes what processes that were killed left: temporary files in the study's folder, and beside
+/// the folders of steps hidden folders of results in the making, whose lock nobody holds.
 void removeLeftovers(const std::filesystem::path& folder, const std::vector<Step>& steps);
 
 /// Throws InputError unless a study's results lie in the folder.

@@ -16,6 +16,9 @@ struct Colour {
   bool operator==(const Colour&) const = default;
 };
 
+/// Of what failed or goes beyond its bound.
+inline constexpr Colour kWarningColour{192, 32, 40, 255};
+
 /// The i-th of a cycle of colours that stay apart for colour-blind readers (after Okabe and Ito).
 Colour seriesColour(std::size_t i);
 

@@ -16,8 +16,9 @@ namespace plumbline {
 /// It holds where corners err together within a block, or the model misfits: then the formal S^-1
 /// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise, on recordings
 /// of any length.
-/// At a solution. Blocks are equally many consecutive frames: two correlation lengths of the
-/// scores, where those are correlated, and 40 blocks at most; what neighbouring blocks share is
+///
+/// Computed at a solution. Blocks are equally many consecutive frames: two correlation lengths of
+/// the scores, where those are correlated, and 40 blocks at most; what neighbouring blocks share is
 /// made up for as if the correlation fell exponentially. Empty where there are fewer than 6 frames,
 /// or S is singular.
 std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,

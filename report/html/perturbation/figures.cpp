@@ -130,7 +130,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   const BasinScale scale = scaleOf(record, shifts);
   Series late = markers("overestimated", seriesColour(0));
   Series early = markers("underestimated", seriesColour(2));
-  Series failed = markers("failed", {179, 32, 44, 255});
+  Series failed = markers("failed", kWarningColour);
   for (const PerturbationCase* c : shifts.cases) {
     const bool solved = c->problem.empty() && std::isfinite(c->offset_error_s);
     Series& series = !solved ? failed : c->offset_error_s < 0 ? early : late;
@@ -149,7 +149,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
                   decades(scale, any_failed), false, false};
   plot.series.push_back(
       level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
-            record.offset_bound_s, scale, {179, 32, 44, 255}));
+            record.offset_bound_s, scale, kWarningColour));
   const double std = record.base.time_offset_std_s.value_or(0);
   if (std > std::pow(10, scale.low) && std < std::pow(10, scale.high)) {
     plot.series.push_back(level("std of the base's offset", std, scale, {90, 98, 110, 255}));

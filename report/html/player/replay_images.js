@@ -37,7 +37,7 @@
       this.box = document.createElement('figure');
       this.box.className = 'player-view';
       this.canvas = document.createElement('canvas');
-      this.canvas.setAttribute('aria-label', `View of camera ${camera}; described below it`);
+      this.canvas.setAttribute('aria-label', `View of ${data.cameras[camera].name}; described below it`);
       this.caption = document.createElement('figcaption');
       this.box.append(this.canvas, this.caption);
     }

@@ -21,8 +21,7 @@ using internal::ChartPage;
 using internal::SvgDevice;
 
 constexpr int kColours = 256;
-constexpr Colour kCut{192, 32, 40, 255};  // of arrows that are drawn shorter than they are
-constexpr int kCellLabel = 12;            // [px]
+constexpr int kCellLabel = 12;  // [px]
 
 Range valueRange(const HeatMap& map) {
   if (map.value_range) return *map.value_range;
@@ -181,7 +180,7 @@ std::string toSvg(const VectorField& plot, const std::string& id) {
       device.setShapeTitle(arrow.note);
       const double length = std::hypot(arrow.dx, arrow.dy);
       const bool cut = plot.longest > 0 && length > plot.longest;
-      internal::setPen(painter, cut ? kCut : plot.colour, 1.2);
+      internal::setPen(painter, cut ? kWarningColour : plot.colour, 1.2);
       drawArrow(painter, page, arrow, plot.magnification * (cut ? plot.longest / length : 1));
     }
   });

@@ -160,9 +160,7 @@ TEST_F(EveryCommand, AStudyHasThemToo) {
 
 // On a terminal a verdict has a colour, unless NO_COLOR says otherwise.
 TEST_F(EveryCommand, ColoursStandOnTerminalsAlone) {
-  if (shell("command -v script").exit_code != 0) {
-    GTEST_SKIP() << "script (bsdutils) is missing: terminals are NOT tested";
-  }
+  ASSERT_EQ(shell("command -v script").exit_code, 0) << "install bsdutils";
   fs::create_directories(scratch());
   const auto onTerminal = [&](const std::string& environment) {
     return shell(environment + " script -qec '" + std::string(PLUMBLINE_BINARY) + " calibrate " +

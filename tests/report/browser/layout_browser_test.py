@@ -6,7 +6,7 @@ usage: layout_browser_test.py WRITE_PAGE WRITE_REPLAY_PAGE [PAGE.html ...]
 
 Proves in the document's own measures, at 1400, 800 and 390 px, in light and dark: the page is no wider than
 the window; no text is cut off by its plot or its box, none lies over another of the same plot, none is smaller
-than 12 px (11 px in narrow windows), on canvases neither; text stands out from its ground (WCAG AA, 4.5:1, large text 3:1); no
+than 12 px (11 px in narrow windows), on canvases neither; text stands out from its ground (WCAG AA, 4.5:1, large text 3:1) and so do lines; no
 section or table is empty; heads of tables have their scope, pictures and controls a name; the contents are there or unfold; every control can be used, and nothing is said on the console; a calibration is printed
 on eight sheets at most. With PAGE.html given, those pages are measured instead.
 """
@@ -150,6 +150,23 @@ const checkContrast = (all) => {
     if ((x + 0.05) / (y + 0.05) < (large ? 3 : 4.45)) say('faint', nameOf(e), ((x + 0.05) / (y + 0.05)).toFixed(1));
   }
 };
+// Lines of plots stand out as well, 2.5:1: the palette's yellow on white has 2.9. Thinner ones are the grid.
+const checkLines = () => {
+  for (const svg of document.querySelectorAll('figure svg')) {
+    if (!visible(svg) || svg.querySelector('image')) continue;
+    const ground = groundOf(svg);
+    const lines = [...svg.querySelectorAll('polyline, path, line')].filter((line) => {
+      const style = getComputedStyle(line);
+      return style.stroke !== 'none' && style.fill === 'none' && parseFloat(style.strokeWidth) >= 1.4;
+    });
+    if (new Set(lines.map((line) => getComputedStyle(line).stroke)).size > 8) continue;  // a scale of colours
+    for (const line of lines) {
+      const style = getComputedStyle(line);
+      const [x, y] = [luminance(over(colour(style.stroke), ground)), luminance(ground)].sort((a, b) => b - a);
+      if ((x + 0.05) / (y + 0.05) < 2.5) say('faint line', `${svg.id} ${style.stroke}`, ((x + 0.05) / (y + 0.05)).toFixed(1));
+    }
+  }
+};
 const use = () => {
   let saved = 0;  // a real download would leave the browser waiting
   HTMLAnchorElement.prototype.click = function () { if (this.download && this.href.startsWith('blob:')) ++saved; };
@@ -195,6 +212,7 @@ setTimeout(() => {
   checkContents();
   checkNames();
   checkContrast(all);
+  checkLines();
   if (location.hash === '#use') use();
   setTimeout(finish, 600);
 }, 800);
