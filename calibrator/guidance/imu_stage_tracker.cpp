@@ -19,7 +19,7 @@ namespace {
 
 // RMS error with which findPose() is content [px], above what noise and known cameras leave: then
 // it does not try parts of the view and the mirrored pose.
-constexpr double kGoodPose = 3;
+constexpr double kGoodPosePx = 3;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& ta
     if (out.corners[c].empty()) continue;
     views.push_back({&cameras[c].intrinsics, packed[c].view(0), cameras[c].T_C0Ci.inverse()});
   }
-  const auto pose = findPose(views, kGoodPose);
+  const auto pose = findPose(views, kGoodPosePx);
   if (!pose || !(pose->errorPx() < options.max_rms_px)) return std::nullopt;
   out.T_FC0 = pose->T_C0F.inverse();
   return out;

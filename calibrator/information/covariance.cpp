@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/information/covariance.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -13,29 +12,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal
-
-/// information = D L L^T D, D diagonal.
-struct ScaledFactor {
-  Eigen::VectorXd D;
-  Eigen::LLT<Eigen::MatrixXd> llt;
-};
-
-std::optional<ScaledFactor> factor(const Eigen::MatrixXd& information) {
-  assert(information.rows() == information.cols());
-  if (!information.allFinite() || !(information.diagonal().array() > 0).all()) return std::nullopt;
-  ScaledFactor f;
-  // Scaled to a unit diagonal, so that pixels beside radians do not look like a loss of rank.
-  f.D = information.diagonal().cwiseSqrt();
-  const Eigen::VectorXd inverse = f.D.cwiseInverse();
-  f.llt.compute(inverse.asDiagonal() * information * inverse.asDiagonal());
-  if (f.llt.info() != Eigen::Success) return std::nullopt;
-  const auto pivots = f.llt.matrixLLT().diagonal().array().square();
-  if (information.rows() > 0 && pivots.minCoeff() < kLeastPivot) return std::nullopt;
-  return f;
-}
-
-double logDeterminantOf(const ScaledFactor& f) {
+double logDeterminantOf(const ScaledCholesky& f) {
   return 2 * (f.llt.matrixLLT().diagonal().array().log().sum() + f.D.array().log().sum());
 }
 
@@ -55,13 +32,13 @@ std::vector<int> leadingOf(const Eigen::VectorXd& weights) {
 }  // namespace
 
 std::optional<double> logDeterminant(const Eigen::MatrixXd& information) {
-  const auto f = factor(information);
+  const auto f = scaledCholesky(information);
   if (!f) return std::nullopt;
   return logDeterminantOf(*f);
 }
 
 std::optional<Eigen::MatrixXd> covarianceOf(const Eigen::MatrixXd& information) {
-  const auto f = factor(information);
+  const auto f = scaledCholesky(information);
   if (!f) return std::nullopt;
   const Eigen::Index n = information.rows();
   const Eigen::VectorXd inverse = f->D.cwiseInverse();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/information/predicted_error.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -15,8 +14,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Rounding alone lies below: of a matrix with unit diagonal.
-constexpr double kLeastPivot = 1e-13;
 // What is known before the first view, in corners of later use: so little that a handful of corners
 // outweighs it, so much that two views leave a number.
 constexpr double kKnownBefore = 1e-6;
@@ -29,17 +26,11 @@ constexpr double kTellsApart = 1.5;
 
 MatrixXd symmetric(const MatrixXd& A) { return 0.5 * (A + A.transpose()); }
 
-/// L of A = L L^T, factored with a unit diagonal, so that pixels beside radians do not look like a
-/// loss of rank.
+/// L of A = L L^T.
 std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
-  if (!A.allFinite() || !(A.diagonal().array() > 0).all()) return std::nullopt;
-  const VectorXd D = A.diagonal().cwiseSqrt();
-  const VectorXd inverse = D.cwiseInverse();
-  const Eigen::LLT<MatrixXd> llt(inverse.asDiagonal() * A * inverse.asDiagonal());
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  const MatrixXd L = llt.matrixL();
-  if (!(L.diagonal().array().square() >= kLeastPivot).all()) return std::nullopt;
-  return MatrixXd(D.asDiagonal() * L);
+  const auto f = scaledCholesky(A);
+  if (!f) return std::nullopt;
+  return MatrixXd(f->D.asDiagonal() * MatrixXd(f->llt.matrixL()));
 }
 
 /// Sums over views of what the components are made of.

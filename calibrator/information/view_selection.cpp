@@ -14,7 +14,7 @@ namespace {
 
 // Smallest pivot of the information of the views kept, relative to that of all candidates, at which
 // the parameters count as determined: beyond rounding, below what a handful of views leave.
-constexpr double kLeastPivot = 1e-10;
+constexpr double kLeastViewPivot = 1e-10;
 
 /// 0 .. count - 1 in an order that the seed decides, alike on every platform.
 std::vector<int> shuffled(int count, std::uint64_t seed) {
@@ -39,7 +39,7 @@ std::optional<double> ViewSelector::logDeterminantScaled(const Eigen::MatrixXd& 
                                         inverse_scale_.asDiagonal());
   if (llt.info() != Eigen::Success) return std::nullopt;
   const auto pivots = llt.matrixLLT().diagonal().array();
-  if (!(pivots.square() > kLeastPivot).all()) return std::nullopt;
+  if (!(pivots.square() > kLeastViewPivot).all()) return std::nullopt;
   return 2 * pivots.log().sum();
 }
 

@@ -215,17 +215,17 @@ namespace {
 /// alignment leaves of them.
 double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                  const TimeOffsetEstimate& estimate) {
-  constexpr double kSlope = 0.01;  // [s] over which a slope is taken
+  constexpr double kApart = 0.01;  // [s] of the rates that give a slope
   constexpr double kUnknowns = 7;  // rotation, bias and the offset
   double squares = 0, slopes = 0, count = -kUnknowns;
   const RateAlignment& a = estimate.alignment;
   for (const CameraRate& c : camera) {
     const auto at = gyro.meanRate(c.from, c.to, estimate.offset_s);
-    const auto before = gyro.meanRate(c.from, c.to, estimate.offset_s - kSlope);
-    const auto after = gyro.meanRate(c.from, c.to, estimate.offset_s + kSlope);
+    const auto before = gyro.meanRate(c.from, c.to, estimate.offset_s - kApart);
+    const auto after = gyro.meanRate(c.from, c.to, estimate.offset_s + kApart);
     if (!at || !before || !after) continue;
     squares += (*at - a.R_SC0 * c.rate_C - a.gyro_bias).squaredNorm();
-    slopes += ((*after - *before) / (2 * kSlope)).squaredNorm();
+    slopes += ((*after - *before) / (2 * kApart)).squaredNorm();
     count += 3;
   }
   return slopes > 0 && count > 0 ? std::sqrt(squares / count / slopes) : 1;

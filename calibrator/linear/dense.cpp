@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/linear/dense.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cassert>
 
 namespace plumbline {
 namespace {
 
-constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal
+constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal: below lies rounding
 
 std::vector<int> others(const std::vector<int>& keep, Eigen::Index size) {
   std::vector<char> kept(static_cast<std::size_t>(size), 0);
@@ -35,25 +34,31 @@ QuadraticCost QuadraticCost::through(const Eigen::MatrixXd& J) const {
   return {J.transpose() * H * J, J.transpose() * b, c};
 }
 
+std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A) {
+  assert(A.rows() == A.cols());
+  if (!(A.diagonal().array() > 0).all()) return std::nullopt;
+  ScaledCholesky f;
+  f.D = A.diagonal().cwiseSqrt();
+  const Eigen::VectorXd inverse = f.D.cwiseInverse();
+  f.llt.compute(inverse.asDiagonal() * A * inverse.asDiagonal());
+  if (f.llt.info() != Eigen::Success) return std::nullopt;
+  if (!(f.llt.matrixLLT().diagonal().array().square() >= kLeastPivot).all()) return std::nullopt;
+  return f;
+}
+
 std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep) {
   assert(cost.H.rows() == cost.H.cols() && cost.H.rows() == cost.b.size());
   const std::vector<int> drop = others(keep, cost.b.size());
   QuadraticCost out{cost.H(keep, keep), cost.b(keep), cost.c};
   if (drop.empty()) return out;
-  Eigen::MatrixXd H_dd = cost.H(drop, drop);
-  if (!(H_dd.diagonal().array() > 0).all()) return std::nullopt;
-  // On a unit diagonal the units of the parameters play no part, and a pivot says which share of a
-  // parameter's information is its own.
-  const Eigen::VectorXd scale = H_dd.diagonal().cwiseSqrt().cwiseInverse();
-  H_dd = scale.asDiagonal() * H_dd * scale.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> llt(H_dd);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  if (!(llt.matrixLLT().diagonal().array().square() >= kLeastPivot).all()) return std::nullopt;
+  const auto factor = scaledCholesky(cost.H(drop, drop));
+  if (!factor) return std::nullopt;
+  const Eigen::VectorXd scale = factor->D.cwiseInverse();
   // W = L^-1 H_dk and y = L^-1 b_d: products with their transposes are symmetric to the last bit.
   Eigen::MatrixXd W = scale.asDiagonal() * cost.H(drop, keep);
   Eigen::VectorXd y = scale.asDiagonal() * cost.b(drop);
-  llt.matrixL().solveInPlace(W);
-  llt.matrixL().solveInPlace(y);
+  factor->llt.matrixL().solveInPlace(W);
+  factor->llt.matrixL().solveInPlace(y);
   out.H.triangularView<Eigen::Lower>() -= W.transpose() * W;
   out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
   out.b -= W.transpose() * y;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
@@ -21,6 +22,18 @@ struct QuadraticCost {
   QuadraticCost through(const Eigen::MatrixXd& J) const;
 };
 
+/// A = D L L^T D of a symmetric positive definite n x n matrix, D diagonal. It is scaled to a
+/// unit diagonal before it is factored: pixels beside radians then do not look like a loss of rank.
+struct ScaledCholesky {
+  Eigen::VectorXd D;                ///< square roots of A's diagonal
+  Eigen::LLT<Eigen::MatrixXd> llt;  ///< of D^-1 A D^-1: L
+};
+
+/// Reads the lower triangle of A. Empty where A is not positive definite to working precision: a
+/// pivot of the scaled matrix, the share of a parameter's information that is its own, is below
+/// 1e-13; or where an entry is not finite.
+std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A);
+
 /// The cost that remains of `cost` once the parameters that are not in `keep` are at their best:
 ///   min over d_drop of f = c' + b'^T d_keep + 0.5 d_keep^T H' d_keep,
 ///   H' = H_kk - H_kd H_dd^-1 H_dk,   b' = b_k - H_kd H_dd^-1 b_d,
@@ -28,8 +41,7 @@ struct QuadraticCost {
 /// For a Gaussian, H' is the information of the parameters kept, the others marginalised: H'^-1 is
 /// H^-1 without the rows and columns dropped. `keep` lists distinct indices below n, in the order
 /// that H' shall have; H' is symmetric to the last bit. Only the lower triangle of H_dd is read.
-/// Empty where H_dd is not positive definite to working precision (a pivot below 1e-13 once its
-/// diagonal is scaled to 1): the parameters dropped are not determined.
+/// Empty where scaledCholesky() of H_dd is: the parameters dropped are not determined.
 std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep);
 
 /// A = V diag(values) V^T of a symmetric n x n matrix.

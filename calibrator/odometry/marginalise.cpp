@@ -8,8 +8,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kState = 15;
-
 /// The part of the window that leaves: all its frames, the links beside `leaving`, the landmarks
 /// that go, the prior.
 Window leavingPart(const Window& window, int leaving, const std::set<std::int64_t>& landmarks) {

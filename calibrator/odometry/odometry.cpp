@@ -13,7 +13,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kState = 15;
 constexpr std::size_t kFewTracks = 6;   // fewer do not carry a pose
 constexpr double kFittingShare = 0.15;  // of a frame's sightings, landmarks that fit
 constexpr double kFastest = 50;         // [m/s]

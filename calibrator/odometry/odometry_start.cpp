@@ -11,7 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kState = 15;
 constexpr double kGaugeSigma = 1e-4;       // [m], [rad] of the first frame's position and yaw
 constexpr double kMostWaitingSpans = 2;    // frames kept for a start, in its spans
 constexpr std::size_t kFewestTracks = 12;  // to tell that the rig stands

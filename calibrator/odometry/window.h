@@ -57,8 +57,12 @@ inline bool isUsed(const Landmark& landmark) {
   return landmark.p_W && landmark.sightings.size() >= 2;
 }
 
+/// Terms of a frame's state in the tangent space: pose (6), velocity, biases of gyroscope and
+/// accelerometer.
+inline constexpr int kState = 15;
+
 /// What left the window still says of the frames in it: f(d), with d the displacements of their
-/// states from `points`, 15 each, in the order of `frames`.
+/// states from `points`, kState each, in the order of `frames`.
 struct WindowPrior {
   std::vector<std::int64_t> frames;  ///< serials
   std::vector<ImuState> points;

@@ -11,7 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kState = 15;
 constexpr double kLeastInverseRange = 1e-4;  // [1/m]: what is farther does not show its distance
 constexpr double kRange = 0.05;              // [m]: nothing is nearer
 

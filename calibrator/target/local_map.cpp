@@ -126,7 +126,7 @@ using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 
 /// Tags further than this many rows or columns from the place asked for are not heard.
-constexpr int kReachTags = 2;
+constexpr int kHeardTags = 2;
 
 /// Weighted normal equations of u = (h0 + h1 x + h2 y) / (1 + h6 x + h7 y), v likewise with h3, h4,
 /// h5, multiplied out; (x, y) relative to the place asked for, where the denominator is 1. All
@@ -195,8 +195,8 @@ std::optional<Eigen::Vector2d> LocalMap::predict(int corner_id, int left_out) co
   int heard = 0;
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   for (const Point& point : points_) {
-    if (point.tag_id == left_out || std::abs(point.col - col) > kReachTags ||
-        std::abs(point.row - row) > kReachTags) {
+    if (point.tag_id == left_out || std::abs(point.col - col) > kHeardTags ||
+        std::abs(point.row - row) > kHeardTags) {
       continue;
     }
     if (heard == 0) origin = point.straight;

@@ -12,8 +12,6 @@
 namespace plumbline {
 namespace {
 
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
 // A decimal as mantissa * 10^exponent. Digits beyond the 19 that fit are dropped and counted.
 struct Decimal {
   std::uint64_t mantissa = 0;

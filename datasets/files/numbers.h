@@ -10,6 +10,9 @@
 
 namespace plumbline {
 
+/// 0 to 9, whatever the locale.
+inline bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
 /// A number and where its text stops; `next` is nullptr where no number begins.
 struct ScannedNumber {
   double value = 0;

@@ -15,8 +15,6 @@ namespace {
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
 // The beginning of a cell for a message, without bytes that a terminal would act upon.
 std::string quotable(std::string_view text) {
   std::string out(text.substr(0, 40));

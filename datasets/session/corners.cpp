@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kLayout = "timestamp [ns], corner_id, u [px], v [px]";
+constexpr const char* kCornersLayout = "timestamp [ns], corner_id, u [px], v [px]";
 
 // Turns rows into views; a view's corners gather in one buffer, so that each is allocated once.
 class ViewBuilder {
@@ -115,7 +115,7 @@ class ViewBuilder {
 std::vector<ImageView> readCorners(const std::string& path, const CornerLimits& limits) {
   using NoRows = TextTable::NoRows;
   const MappedFile file(path);
-  TextTable table(path, file.text(), kLayout);
+  TextTable table(path, file.text(), kCornersLayout);
   table.readHeader(limits.may_be_empty ? NoRows::kAccept : NoRows::kRefuse);
   ViewBuilder builder(table, limits);
   while (table.nextRow()) builder.addRow();

@@ -73,7 +73,7 @@ YamlMap unwrapped(const YamlMap& file) {
   return file.has("imu0") ? file.map("imu0", kImuKeys) : file;
 }
 
-constexpr const char* kLayout = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2]";
+constexpr const char* kImuLayout = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2]";
 
 std::string lowered(std::string_view name) {
   std::string text(name);
@@ -144,7 +144,7 @@ ImuDescription readImuDescription(const std::string& path) {
 
 std::vector<ImuSample> readImuSamples(const std::string& path) {
   const MappedFile file(path);
-  TextTable table(path, file.text(), kLayout);
+  TextTable table(path, file.text(), kImuLayout);
   const bool accel_first = accelerationFirst(path, table.readHeader());
   std::vector<ImuSample> samples;
   std::vector<TimeNs> stamps;

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLayout =
+constexpr const char* kSessionLayout =
     "a EuRoC ASL folder: cam0/corners.csv (or cam0/data/<ns>.png), cam0/sensor.yaml, "
     "imu0/data.csv, target.yaml and imu.yaml, optionally below mav0/";
 
@@ -83,14 +83,14 @@ void addCamera(Manifest& manifest, const std::string& camera) {
 
 SessionFolder findSession(const std::string& path) {
   if (!fs::exists(path)) {
-    throw badInput(
-        path, 0,
-        {InputFault::kMissingFile, "does not exist", kLayout, "check the path of the session"});
+    throw badInput(path, 0,
+                   {InputFault::kMissingFile, "does not exist", kSessionLayout,
+                    "check the path of the session"});
   }
   if (!fs::is_directory(path)) {
     throw badInput(
         path, 0,
-        {InputFault::kMissingFile, "is not a folder", kLayout, "give the session's folder"});
+        {InputFault::kMissingFile, "is not a folder", kSessionLayout, "give the session's folder"});
   }
   const fs::path top = fs::weakly_canonical(path);
   const bool is_mav = top.filename() == "mav0";
@@ -109,8 +109,8 @@ SessionFolder findSession(const std::string& path) {
   folder.cameras = camerasIn(folder.root);
   if (folder.cameras.empty()) {
     throw badInput(folder.root, 0,
-                   {InputFault::kEmpty, "contains no camera folder (cam0, cam1, ...)", kLayout,
-                    "give the folder that contains cam0"});
+                   {InputFault::kEmpty, "contains no camera folder (cam0, cam1, ...)",
+                    kSessionLayout, "give the folder that contains cam0"});
   }
   const fs::path imu = fs::path(folder.root) / "imu0";
   if (fs::is_directory(imu)) folder.imu = imu.string();

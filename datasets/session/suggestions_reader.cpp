@@ -13,7 +13,8 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kLayout = "t_ns, stage, id, T_FC0 (tx ty tz qx qy qz qw, or a 4x4 matrix)";
+constexpr const char* kSuggestionsLayout =
+    "t_ns, stage, id, T_FC0 (tx ty tz qx qy qz qw, or a 4x4 matrix)";
 constexpr double kUnitTolerance = 1e-3;
 
 GuideStage stageFrom(TextTable& table) {
@@ -68,7 +69,7 @@ Transform poseFrom(TextTable& table) {
 
 std::vector<Suggestion> readSuggestions(const std::string& path) {
   const MappedFile file(path);
-  TextTable table(path, file.text(), kLayout);
+  TextTable table(path, file.text(), kSuggestionsLayout);
   table.readHeader(TextTable::NoRows::kAccept);
   std::vector<Suggestion> suggestions;
   std::set<std::pair<GuideStage, int>> ids;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include "calibrator/target/tag_family.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/session_reader.h"
 
@@ -9,7 +10,6 @@ namespace {
 
 constexpr const char* kTargetKeys =
     "target_type: aprilgrid with tagRows, tagCols, tagSize [m] and tagSpacing [ratio of tagSize]";
-constexpr int kFamilySize = 587;     // tags of the family tag36h11
 constexpr double kLargestTag = 5.0;  // [m]; above it the size is in another unit
 constexpr double kLargestSpacing = 3.0;
 constexpr double kSmallestSpacing = 0.1;  // Kalibr's black squares need room; below: metres

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/files/bad_input.h"
+#include "datasets/files/table.h"
 #include "datasets/trajectory/trajectory_reader.h"
 
 namespace plumbline {
@@ -22,6 +23,14 @@ struct TrajectorySource {
     return badInput(path, line, complaint);
   }
 };
+
+/// In place of the index of a column that a table lacks.
+inline constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
+
+/// The cell, empty where the row is shorter.
+inline std::string_view cellAt(const Cells& cells, std::size_t i) {
+  return i < cells.size() ? cells[i] : std::string_view();
+}
 
 /// The median of the intervals between poses, of which there must be two.
 TimeNs medianInterval(const std::vector<StampedPose>& poses);

@@ -13,12 +13,11 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-
 // Columns of a rigid body: position x y z and quaternion x y z w.
 struct Body {
   std::string name;
-  std::array<std::size_t, 7> columns = {kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  std::array<std::size_t, 7> columns = {kNoColumn, kNoColumn, kNoColumn, kNoColumn,
+                                        kNoColumn, kNoColumn, kNoColumn};
 };
 
 struct Take {
@@ -26,10 +25,6 @@ struct Take {
   std::vector<Body> bodies;
   std::size_t other_columns = 0;  // markers and the like
 };
-
-std::string cellAt(const Cells& cells, std::size_t i) {
-  return i < cells.size() ? std::string(cells[i]) : std::string();
-}
 
 const std::string& property(const TrajectorySource& source, const Take& take, const char* name) {
   const auto found = take.properties.find(name);
@@ -72,12 +67,12 @@ double rateOf(const TrajectorySource& source, const Take& take) {
                       "frames per second above 0", "export again"});
 }
 
-// Where `kind` and `axis` belong in Body::columns; kNone: elsewhere (Mean Marker Error).
+// Where `kind` and `axis` belong in Body::columns; kNoColumn: elsewhere (Mean Marker Error).
 std::size_t slotOf(const std::string& kind, const std::string& axis) {
   const std::size_t at = std::string("XYZW").find(axis);
-  if (axis.size() != 1 || at == std::string::npos) return kNone;
+  if (axis.size() != 1 || at == std::string::npos) return kNoColumn;
   if (kind == "Rotation") return 3 + at;
-  return kind == "Position" && at < 3 ? at : kNone;
+  return kind == "Position" && at < 3 ? at : kNoColumn;
 }
 
 Body& bodyNamed(Take& take, const std::string& name) {
@@ -99,14 +94,14 @@ void takeColumns(Take& take, const std::vector<Cells>& rows) {
       ++take.other_columns;
       continue;
     }
-    Body& body = bodyNamed(take, cellAt(names, c));
-    const std::size_t slot = slotOf(cellAt(kinds, c), cellAt(axes, c));
-    if (slot != kNone) body.columns[slot] = c;
+    Body& body = bodyNamed(take, std::string(cellAt(names, c)));
+    const std::size_t slot = slotOf(std::string(cellAt(kinds, c)), std::string(cellAt(axes, c)));
+    if (slot != kNoColumn) body.columns[slot] = c;
   }
 }
 
 // Up to and with the row of axes.
-Take readHeader(const TrajectorySource& source, TextTable& table) {
+Take readTake(const TrajectorySource& source, TextTable& table) {
   Take take;
   table.nextLine();
   const Cells pairs = table.cells();
@@ -137,7 +132,7 @@ const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::
   std::vector<std::string> names;
   for (const Body& body : take.bodies) names.push_back(body.name);
   const Body& body = take.bodies[chooseBody(source, names, wanted)];
-  if (std::count(body.columns.begin(), body.columns.end(), kNone) == 0) return body;
+  if (std::count(body.columns.begin(), body.columns.end(), kNoColumn) == 0) return body;
   throw source.fault(
       0, {InputFault::kMissingKey, fmt::format("the rigid body '{}' lacks columns", body.name),
           "Rotation X Y Z W and Position X Y Z", "export again with both"});
@@ -205,7 +200,7 @@ std::size_t chooseBody(const TrajectorySource& source, const std::vector<std::st
 
 TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOptions& options) {
   TextTable table(source.path, source.text);
-  const Take take = readHeader(source, table);
+  const Take take = readTake(source, table);
   const Body& body = bodyOf(source, take, options.body);
   checkConventions(source, take);
   const double divisor = lengthDivisor(source, take);

@@ -13,26 +13,21 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 constexpr const char* kExport = "Vicon's CSV: 'Objects', the rate, names, columns, units";
 
 // Columns of one object; without rw the rotation is a vector.
 struct Object {
   std::string name;
-  std::array<std::size_t, 3> translation = {kNone, kNone, kNone};
-  std::array<std::size_t, 4> rotation = {kNone, kNone, kNone, kNone};  // x, y, z, w
+  std::array<std::size_t, 3> translation = {kNoColumn, kNoColumn, kNoColumn};
+  std::array<std::size_t, 4> rotation = {kNoColumn, kNoColumn, kNoColumn, kNoColumn};  // x, y, z, w
 };
 
-struct Header {
+struct ViconHeader {
   double rate = 0;
   Cells names;
   Cells columns;
   Cells units;
 };
-
-std::string_view cellAt(const Cells& cells, std::size_t i) {
-  return i < cells.size() ? cells[i] : std::string_view();
-}
 
 Cells nextCells(const TrajectorySource& source, TextTable& table) {
   if (table.nextLine()) return table.cells();
@@ -50,9 +45,9 @@ void findSection(const TrajectorySource& source, TextTable& table) {
                          "trajectories of markers carry no orientation: export the objects"});
 }
 
-Header readHeader(const TrajectorySource& source, TextTable& table) {
+ViconHeader readViconHeader(const TrajectorySource& source, TextTable& table) {
   findSection(source, table);
-  Header header;
+  ViconHeader header;
   const Cells rate = nextCells(source, table);
   header.rate = parseNumber(rate[0]).value_or(0);
   if (!(header.rate > 0 && std::isfinite(header.rate))) {
@@ -78,7 +73,7 @@ std::string objectName(std::string_view cell) {
   return std::string(cell);
 }
 
-std::vector<Object> objectsOf(const Header& header) {
+std::vector<Object> objectsOf(const ViconHeader& header) {
   std::vector<Object> objects;
   for (std::size_t c = 2; c < header.columns.size(); ++c) {
     const std::string_view name = cellAt(header.names, c);
@@ -100,14 +95,14 @@ double unitFactor(const TrajectorySource& source, int line, std::string_view uni
                             "mm or m for TX TY TZ, rad or deg for RX RY RZ", "export again"});
 }
 
-Object chooseObject(const TrajectorySource& source, const Header& header,
+Object chooseObject(const TrajectorySource& source, const ViconHeader& header,
                     const std::string& wanted) {
   const std::vector<Object> objects = objectsOf(header);
   std::vector<std::string> names;
   for (const Object& object : objects) names.push_back(object.name);
   const Object& object = objects.at(chooseBody(source, names, wanted));
-  const auto missing = std::count(object.translation.begin(), object.translation.end(), kNone) +
-                       std::count(object.rotation.begin(), object.rotation.begin() + 3, kNone);
+  const auto missing = std::count(object.translation.begin(), object.translation.end(), kNoColumn) +
+                       std::count(object.rotation.begin(), object.rotation.begin() + 3, kNoColumn);
   if (missing == 0) return object;
   throw source.fault(
       0, {InputFault::kMissingKey, fmt::format("the object '{}' lacks columns", object.name),
@@ -125,7 +120,7 @@ class ViconReader {
   ViconReader(const TrajectorySource& source, const std::string& wanted)
       : source_(source),
         table_(source.path, source.text),
-        header_(readHeader(source, table_)),
+        header_(readViconHeader(source, table_)),
         object_(chooseObject(source, header_, wanted)),
         builder_(source, TrajectoryFormat::kVicon, true) {
     const int line = table_.line();
@@ -151,7 +146,7 @@ class ViconReader {
   }
 
  private:
-  bool isVector() const { return object_.rotation[3] == kNone; }
+  bool isVector() const { return object_.rotation[3] == kNoColumn; }
 
   double number(const Cells& cells, std::size_t column) const {
     return table_.numberIn(cells, column);
@@ -203,7 +198,7 @@ class ViconReader {
 
   const TrajectorySource& source_;
   TextTable table_;
-  Header header_;
+  ViconHeader header_;
   Object object_;
   TrajectoryBuilder builder_;
   double length_ = 1;

@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kMostNamed = 4;
+constexpr std::size_t kMostNamedPlaces = 4;
 constexpr std::size_t kFewest = 3;  // of two that differ, neither is the odd one
 
 struct Estimate {
@@ -127,10 +127,10 @@ std::string loneNames(const std::vector<LoneParameter>& lone, std::size_t calibr
   std::vector<std::string> names;
   std::size_t count = 0;
   for (const LoneParameter& p : lone) {
-    if (p.calibration != calibration || ++count > kMostNamed) continue;
+    if (p.calibration != calibration || ++count > kMostNamedPlaces) continue;
     names.push_back(fmt::format("{} ({:.1f})", p.name, p.sigmas));
   }
-  if (count > kMostNamed) names.push_back("...");
+  if (count > kMostNamedPlaces) names.push_back("...");
   return fmt::format("{}", fmt::join(names, ", "));
 }
 

@@ -14,7 +14,6 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr TimeNs kTogether = 2'000'000;  // [ns]: exposures of one frame
 
 constexpr int kMostTracks = 10'000'000;
 
@@ -33,8 +32,8 @@ void append(const ImageView& view, int camera, FrameTracks& frame) {
 void merge(const std::vector<ImageView>& views, int camera, std::vector<FrameTracks>& frames) {
   auto view = views.begin();
   for (FrameTracks& frame : frames) {
-    while (view != views.end() && view->t < frame.t - kTogether) ++view;
-    if (view != views.end() && std::abs(view->t - frame.t) <= kTogether) {
+    while (view != views.end() && view->t < frame.t - kSameFrame) ++view;
+    if (view != views.end() && std::abs(view->t - frame.t) <= kSameFrame) {
       append(*view, camera, frame);
     }
   }

@@ -8,6 +8,9 @@
 
 namespace plumbline {
 
+/// Largest difference of the stamps of one frame's images [ns].
+inline constexpr TimeNs kSameFrame = 2'000'000;
+
 /// What stands in place of images.
 enum class PointSource {
   kImages,   ///< nothing: there are images

@@ -14,7 +14,6 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr TimeNs kTogether = 2'000'000;  // [ns]: exposures of one frame
 
 std::optional<fs::path> truthIn(const fs::path& root) {
   const fs::path places[] = {root / "state_groundtruth_estimate0/data.csv",
@@ -107,9 +106,9 @@ OdometrySequence readOdometrySequence(const std::string& path) {
 }
 
 const ImageFile* imageAt(const std::vector<ImageFile>& images, TimeNs t) {
-  const auto at = std::lower_bound(images.begin(), images.end(), t - kTogether,
+  const auto at = std::lower_bound(images.begin(), images.end(), t - kSameFrame,
                                    [](const ImageFile& image, TimeNs s) { return image.t < s; });
-  return at != images.end() && std::abs(at->t - t) <= kTogether ? &*at : nullptr;
+  return at != images.end() && std::abs(at->t - t) <= kSameFrame ? &*at : nullptr;
 }
 
 }  // namespace plumbline

@@ -70,8 +70,6 @@ std::string wordsFor(const std::string& name) {
 
 bool signedFigure(const std::string& name) { return name == "time_offset_s"; }
 
-double mean(const std::vector<double>& values) { return sampleStatistics(values).mean; }
-
 /// Log-ATE by sequence of a participant's sessions of a method, mean over sessions and runs.
 std::map<std::string, double> logErrors(const StudyRecord& record, const std::string& participant,
                                         const std::string& method) {
@@ -86,7 +84,7 @@ std::map<std::string, double> logErrors(const StudyRecord& record, const std::st
     }
   }
   std::map<std::string, double> errors;
-  for (const auto& [sequence, values] : runs) errors[sequence] = mean(values);
+  for (const auto& [sequence, values] : runs) errors[sequence] = sampleStatistics(values).mean;
   return errors;
 }
 
@@ -108,7 +106,7 @@ std::vector<double> ateValues(const StudyRecord& record, const std::string& part
   std::vector<double> values;
   for (const auto& of_method : common) {
     if (of_method.empty()) return {};
-    values.push_back(mean(of_method));
+    values.push_back(sampleStatistics(of_method).mean);
   }
   return values;
 }
@@ -125,7 +123,7 @@ std::vector<double> figureValues(const StudyRecord& record, const Endpoint& endp
       if (x && std::isfinite(*x)) of_method.push_back(endpoint.ratio ? std::log(*x) : *x);
     }
     if (of_method.empty()) return {};
-    values.push_back(mean(of_method));
+    values.push_back(sampleStatistics(of_method).mean);
   }
   return values;
 }

@@ -6,28 +6,20 @@
 namespace plumbline::store_internal {
 namespace {
 
-constexpr int kApplicationId = 0x504c4d42;  // "PLMB": tells our files from other SQLite files
-constexpr int kSchemaVersion = 2;
-
-int pragma(SQLite::Database& db, const char* name) {
-  return db.execAndGet(std::string("PRAGMA ") + name).getInt();
-}
-
 void makeSchema(SQLite::Database& db) {
   SQLite::Transaction transaction(db);
   db.exec(embedded::schema());
-  db.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
-  db.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+  setOwner(db, kRunStore);
   transaction.commit();
 }
 
 // Version 1 has no runs of kind 'study', and SQLite changes no CHECK of a table in place. Foreign
 // keys are off here (SQLite's default), so that rows that refer to the table outlive its exchange.
 void bringUpToDate(SQLite::Database& db) {
-  if (pragma(db, "user_version") == kSchemaVersion) return;
+  if (pragma(db, "user_version") == kRunStore.schema_version) return;
   SQLite::Transaction transaction(db);
   db.exec(embedded::migrate_1());
-  db.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+  setOwner(db, kRunStore);
   transaction.commit();
 }
 
@@ -36,7 +28,7 @@ std::int64_t writeInto(const std::filesystem::path& path, bool existed,
   try {
     SQLite::Database db(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     if (existed) {
-      checkOwner(db, path.string());
+      checkOwner(db, path.string(), kRunStore);
       bringUpToDate(db);
     } else {
       makeSchema(db);
@@ -55,16 +47,25 @@ std::int64_t writeInto(const std::filesystem::path& path, bool existed,
 
 }  // namespace
 
-void checkOwner(SQLite::Database& db, const std::string& path) {
+int pragma(SQLite::Database& db, const char* name) {
+  return db.execAndGet(std::string("PRAGMA ") + name).getInt();
+}
+
+void setOwner(SQLite::Database& db, const FileKind& kind) {
+  db.exec("PRAGMA application_id = " + std::to_string(kind.application_id));
+  db.exec("PRAGMA user_version = " + std::to_string(kind.schema_version));
+}
+
+void checkOwner(SQLite::Database& db, const std::string& path, const FileKind& kind) {
   const int version = pragma(db, "user_version");
-  if (pragma(db, "application_id") != kApplicationId || version < 1) {
-    throw InputError(path, 0, "is an SQLite file of another program; name a store of Plumbline's");
+  if (pragma(db, "application_id") != kind.application_id || version < 1) {
+    throw InputError(path, 0,
+                     std::string("is an SQLite file of another program; ") + kind.foreign_cure);
   }
-  if (version > kSchemaVersion) {
+  if (version > kind.schema_version) {
     throw InputError(path, 0,
                      "has store version " + std::to_string(version) + ", this program knows " +
-                         std::to_string(kSchemaVersion) +
-                         "; use the Plumbline that wrote it, or write a new store");
+                         std::to_string(kind.schema_version) + "; " + kind.newer_cure);
   }
 }
 

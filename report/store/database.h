@@ -12,8 +12,27 @@
 
 namespace plumbline::store_internal {
 
-/// Refuses a file that is not ours or of another version; throws SQLite's exception for damage.
-void checkOwner(SQLite::Database& db, const std::string& path);
+/// A kind of SQLite file of ours, told from others' by what SQLite keeps in its head.
+struct FileKind {
+  int application_id = 0;
+  int schema_version = 1;
+  const char* foreign_cure = "";  ///< what to do about a file of another program
+  const char* newer_cure = "";    ///< and about one of a newer Plumbline
+};
+
+int pragma(SQLite::Database& db, const char* name);
+
+/// Makes a new file one of this kind.
+void setOwner(SQLite::Database& db, const FileKind& kind);
+
+/// Refuses a file that is not of this kind or of a newer version; throws SQLite's exception for
+/// damage.
+void checkOwner(SQLite::Database& db, const std::string& path, const FileKind& kind);
+
+/// A store of runs.
+inline constexpr FileKind kRunStore{0x504c4d42, 2,  // "PLMB"
+                                    "name a store of Plumbline's",
+                                    "use the Plumbline that wrote it, or write a new store"};
 
 /// Lets `insert` add a run to the store at `path`, within one transaction. A new file is written
 /// under a temporary name and renamed when complete. Nothing partial remains; InputError where the
@@ -29,7 +48,7 @@ auto readStore(const std::filesystem::path& path, const Work& work) {
   }
   try {
     SQLite::Database db(path.string(), SQLite::OPEN_READONLY);
-    checkOwner(db, path.string());
+    checkOwner(db, path.string(), kRunStore);
     return work(db);
   } catch (const InputError&) {
     throw;

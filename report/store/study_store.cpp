@@ -16,6 +16,7 @@
 
 #include "calibrator/base/error.h"
 #include "generated/report/embedded.h"
+#include "report/store/database.h"
 
 namespace plumbline {
 
@@ -27,12 +28,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kApplicationId = 0x504c5354;  // "PLST"
-constexpr int kSchemaVersion = 1;
-
-int pragma(SQLite::Database& db, const char* name) {
-  return db.execAndGet(std::string("PRAGMA ") + name).getInt();
-}
+constexpr store_internal::FileKind kStudyHistory{
+    0x504c5354, 1,  // "PLST"
+    "expected a study's history; choose another folder for the study",
+    "use the Plumbline that wrote it, or choose another folder"};
 
 void bindOne(SQLite::Statement& statement, int column, double value) {
   if (std::isfinite(value)) {
@@ -80,21 +79,6 @@ void load(SQLite::Database& db, const std::string& bytes) {
       sqlite3_deserialize(db.getHandle(), "main", copy, size, size,
                           SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_RESIZEABLE);
   if (code != SQLITE_OK) throw SQLite::Exception(db.getHandle(), code);
-}
-
-void checkOwner(SQLite::Database& db, const std::string& path) {
-  const int version = pragma(db, "user_version");
-  if (pragma(db, "application_id") != kApplicationId || version < 1) {
-    throw InputError(path, 0,
-                     "is an SQLite file of another program; expected a study's history; give the "
-                     "study another folder");
-  }
-  if (version > kSchemaVersion) {
-    throw InputError(path, 0,
-                     "has version " + std::to_string(version) + ", this program knows " +
-                         std::to_string(kSchemaVersion) +
-                         "; use the Plumbline that wrote it, or another folder");
-  }
 }
 
 std::string readFile(const fs::path& path) {
@@ -174,11 +158,10 @@ StudyStore::StudyStore(fs::path path)
   try {
     if (fs::exists(path_)) {
       load(db, readFile(path_));
-      checkOwner(db, path_.string());
+      store_internal::checkOwner(db, path_.string(), kStudyHistory);
     } else {
       db.exec(embedded::study());
-      db.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
-      db.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+      store_internal::setOwner(db, kStudyHistory);
     }
     db.exec("PRAGMA foreign_keys = ON");
   } catch (const SQLite::Exception& error) {

@@ -20,9 +20,9 @@ constexpr int kScreenFrames = 80;
 constexpr int kTestFrames = 200;
 constexpr double kRuledOutSigmas = 3;  // of the mean excess
 constexpr double kAlike = 0.01;        // of a camera's squares: what a model common to all may cost
-constexpr double kRuledOutShare = 0.1;     // of the best one's squares
-constexpr std::size_t kLeastBlocks = 4;    // fewer have no scatter
-constexpr std::size_t kFitCorners = 2000;  // that fit a lens for a start
+constexpr double kRuledOutShare = 0.1;         // of the best one's squares
+constexpr std::size_t kLeastJudgedBlocks = 4;  // fewer have no scatter
+constexpr std::size_t kFitCorners = 2000;      // that fit a lens for a start
 
 /// One camera with its own views and poses.
 CameraPart aloneCamera(const AprilGrid& board, const CameraProblem& problem,
@@ -107,7 +107,7 @@ void score(const AprilGrid& board, const CameraPart& mono, int frames, Trialled&
   HeldOut error = heldOut(board, mono.problem, from, frames, trialSolver());
   const bool finite = std::all_of(error.cost.begin(), error.cost.end(),
                                   [](double cost) { return std::isfinite(cost); });
-  if (finite && error.cost.size() >= kLeastBlocks) trial.error = std::move(error);
+  if (finite && error.cost.size() >= kLeastJudgedBlocks) trial.error = std::move(error);
 }
 
 /// By how much a model exceeds the best.

@@ -13,8 +13,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 32;  // frames
-
 /// Derivatives of the twist of T_CiF = T_C0Ci^-1 T_C0F; the same in every frame.
 struct CameraDerivatives {
   Transform T_CiC0;
@@ -316,8 +314,8 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   const Evaluation at{problem, estimate, layout, derivatives, gram, target};
   CameraNormals out = emptyNormals(problem.frameCount(), layout.size);
   std::vector<std::vector<CameraSums>> sums(
-      static_cast<std::size_t>(chunkCount(problem.frameCount(), kChunk)), emptySums(layout));
-  forChunks(problem.frameCount(), kChunk, problem.threads, [&](const Chunk& chunk) {
+      static_cast<std::size_t>(chunkCount(problem.frameCount(), kFrameChunk)), emptySums(layout));
+  forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     FrameTerms terms;
     for (int f = chunk.begin; f < chunk.end; ++f) {
       addFrame(at, f, terms, out, sums[static_cast<std::size_t>(chunk.index)]);

@@ -54,6 +54,9 @@ struct TargetModel {
   TargetTerms priorGradient(const TargetTerms& terms) const { return information * (terms - mean); }
 };
 
+/// Frames that one task of a parallel loop takes; fixed, so that no result depends on the threads.
+inline constexpr int kFrameChunk = 32;
+
 /// All measurements of the camera batch. The corners are shared between problems (a first solution
 /// on some views, then all of them); who makes the problem keeps them alive.
 struct CameraProblem {

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kTolerance = 1e-6;
 constexpr int kIterations = 50;
-constexpr int kChunk = 32;  // frames
 
 std::vector<FrameView> viewsOf(const CameraProblem& problem, const CameraEstimate& estimate,
                                std::size_t f) {
@@ -36,7 +35,7 @@ RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate)
   RefinedPoses out;
   out.cost.assign(problem.frames.size(), 0);
   std::vector<char> settled(problem.frames.size(), 0);
-  forChunks(problem.frameCount(), kChunk, problem.threads, [&](const Chunk& chunk) {
+  forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto f = static_cast<std::size_t>(i);
       const PoseRefinement refined =

@@ -13,9 +13,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kBlocks = 40;  // they know a variance to 22 %
-constexpr int kUnits = 240;  // frames are summed to at most as many before they make blocks
-constexpr int kChunk = 1;    // units
+constexpr int kMostBlocks = 40;  // they know a variance to 22 %
+constexpr int kUnits = 240;      // frames are summed to at most as many before they make blocks
+constexpr int kUnitChunk = 1;    // units
 
 /// Frames' scores, and information in runs of neighbouring frames.
 struct Pieces {
@@ -46,7 +46,7 @@ Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
   Pieces out{Eigen::MatrixXd(size, problem.frameCount()), {}};
   out.information.assign(static_cast<std::size_t>(std::min(kUnits, problem.frameCount())),
                          Eigen::MatrixXd::Zero(size, size));
-  forChunks(out.units(), kChunk, problem.threads, [&](const Chunk& chunk) {
+  forChunks(out.units(), kUnitChunk, problem.threads, [&](const Chunk& chunk) {
     CameraProblem one = problem;
     one.threads = 1;
     one.prior = nullptr;
@@ -90,7 +90,7 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   const Pieces pieces = piecesOf(problem, solution.estimate);
   RobustCovariance out;
   out.correlation_frames = correlationLength(pieces.scores, *bread);
-  out.blocks = std::min(kBlocks, blocksOf(frames, out.correlation_frames));
+  out.blocks = std::min(kMostBlocks, blocksOf(frames, out.correlation_frames));
   ClusterRobust robust = clusterRobust(sums(pieces, out.blocks), *bread);
   out.matrix =
       robust.matrix / shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);

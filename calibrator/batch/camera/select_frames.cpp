@@ -15,8 +15,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kWorstView = 3;  // times the median RMSE
-constexpr int kChunk = 8;         // frames
+constexpr double kWorstView = 3;    // times the median RMSE
+constexpr int kSelectionChunk = 8;  // frames
 
 std::vector<RigView> rigViews(const CameraProblem& problem, const CameraEstimate& estimate) {
   std::vector<RigView> views;
@@ -35,7 +35,7 @@ std::vector<RigView> rigViews(const CameraProblem& problem, const CameraEstimate
 std::vector<ViewTerms> termsOf(const ViewTermsMaker& maker, const std::vector<RigView>& views,
                                int threads) {
   std::vector<ViewTerms> terms(views.size());
-  forChunks(static_cast<int>(views.size()), kChunk, threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(views.size()), kSelectionChunk, threads, [&](const Chunk& chunk) {
     for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);
          ++i) {
       terms[i] = maker.seen(views[i]);

@@ -12,7 +12,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 32;      // frames
 constexpr double kNear = 1e-3;  // share of the cost that a step takes away near the minimum
 
 struct Step {
@@ -39,8 +38,8 @@ class StepSolver {
     L_.resize(n_.H.size());
     W_ = n_.P;
     y_ = n_.b_pose;
-    std::vector<Eliminated> parts(static_cast<std::size_t>(chunkCount(frames, kChunk)));
-    forChunks(frames, kChunk, threads_, [&](const Chunk& chunk) {
+    std::vector<Eliminated> parts(static_cast<std::size_t>(chunkCount(frames, kFrameChunk)));
+    forChunks(frames, kFrameChunk, threads_, [&](const Chunk& chunk) {
       parts[static_cast<std::size_t>(chunk.index)] = eliminate(chunk);
     });
     Eigen::MatrixXd S = n_.G;

@@ -14,7 +14,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 32;            // frames
 constexpr int kLeastViews = 3;        // of a camera, to start from
 constexpr int kFewCorners = 16;       // a view with as many may have the mirrored pose
 constexpr double kStartLoss = 0.01;   // scale of the Cauchy loss over the image's width
@@ -154,7 +153,7 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
   CameraPoses poses(frames.size());
   const double width = camera.resolution.width;
   const PoseRefinementOptions few = roughPose(camera.resolution, 2);
-  forChunks(static_cast<int>(frames.size()), kChunk, options.threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
     for (int f = chunk.begin; f < chunk.end; ++f) {
       const int v = frames[static_cast<std::size_t>(f)].view[c];
       if (v < 0 || corners.view(v).count < options.min_start_corners) continue;
@@ -218,7 +217,7 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
                               const std::vector<Frame>& frames, const std::vector<CameraPoses>& own,
                               const CameraStageOptions& options) {
   std::vector<std::optional<Transform>> poses(frames.size());
-  forChunks(static_cast<int>(frames.size()), kChunk, options.threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto f = static_cast<std::size_t>(i);
       poses[f] = bestPose(frames[f], f, corners, cameras, own, options.max_start_error);

@@ -18,8 +18,8 @@ using PoseRows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 /// Adds U' H U and U' b of a view, the first six rows of U being T and the others unit vectors of
 /// its own columns; only the first T.cols() columns of the border.
-void addGram(const FaultViewTerms& v, const PoseRows& T, MatrixXd& information,
-             VectorXd& gradient) {
+void addViewGram(const FaultViewTerms& v, const PoseRows& T, MatrixXd& information,
+                 VectorXd& gradient) {
   const Index n = T.cols();
   information.noalias() += T.transpose() * (v.H.leftCols<6>() * T).eval();
   gradient.noalias() += T.transpose() * v.b.head<6>();
@@ -91,7 +91,7 @@ std::optional<ChainCovariance> covarianceOf(const CameraImuProblem& problem,
   for (const FaultViewTerms& v : views) {
     PoseRows T = PoseRows::Zero(6, border);
     addByBorder(v, T);
-    addGram(v, T, chain.border_block, chain.border_gradient);
+    addViewGram(v, T, chain.border_block, chain.border_gradient);
   }
   for (const LinkTerms& t : links) {
     const auto J_B = t.J_B.leftCols(border);
@@ -106,7 +106,7 @@ std::optional<ChainCovariance> covarianceOf(const CameraImuProblem& problem,
 void addTo(ScoreBlock& block, const FaultViewTerms& v, const ChainResponse& W) {
   PoseRows T = v.A_x * W;
   addByBorder(v, T);
-  addGram(v, T, block.information, block.gradient);
+  addViewGram(v, T, block.information, block.gradient);
 }
 
 void addTo(ScoreBlock& block, const LinkTerms& t, const std::vector<ChainResponse>& W) {

@@ -18,7 +18,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-constexpr int kChunk = 64;  // views, links
 using StateRows = Eigen::Matrix<double, Eigen::Dynamic, kChainBlock>;
 
 class ViewRows {
@@ -267,7 +266,7 @@ std::vector<FaultViewTerms> viewTerms(const CameraImuProblem& problem,
     }
   }
   std::vector<FaultViewTerms> out(list.size());
-  forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(list.size()), kImuChunk, problem.threads, [&](const Chunk& chunk) {
     for (int k = chunk.begin; k < chunk.end; ++k) {
       const auto at = static_cast<std::size_t>(k);
       out[at] = rows.view(list[at].frame, list[at].camera);
@@ -286,7 +285,7 @@ std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
   }
   std::vector<LinkTerms> out(list.size());
   std::atomic<bool> covered{true};
-  forChunks(static_cast<int>(list.size()), kChunk, problem.threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(list.size()), kImuChunk, problem.threads, [&](const Chunk& chunk) {
     for (int k = chunk.begin; k < chunk.end; ++k) {
       auto link = rows.link(list[static_cast<std::size_t>(k)]);
       if (link) {

@@ -12,7 +12,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 64;     // intervals
 constexpr int kSegment = 100;  // frames
 constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
@@ -191,8 +190,8 @@ class VarianceComponents {
     if (!inverse) return std::nullopt;
     const Groups information = factors.imu.square().inverse();
     const int count = static_cast<int>(links_.size());
-    std::vector<Evaluation> parts(static_cast<std::size_t>(chunkCount(count, kChunk)));
-    forChunks(count, kChunk, threads_, [&](const Chunk& chunk) {
+    std::vector<Evaluation> parts(static_cast<std::size_t>(chunkCount(count, kImuChunk)));
+    forChunks(count, kImuChunk, threads_, [&](const Chunk& chunk) {
       Evaluation& part = parts[static_cast<std::size_t>(chunk.index)];
       for (int k = chunk.begin; k < chunk.end; ++k) {
         addRows(links_[static_cast<std::size_t>(k)], information, *inverse, part);

@@ -10,8 +10,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 64;  // frames
-
 /// What a chunk of frames adds outside its own blocks.
 struct Partial {
   explicit Partial(int border)
@@ -48,10 +46,10 @@ class Linearisation {
 
   std::optional<CameraImuNormals> run() {
     const int n = problem_.frameCount();
-    std::vector<Partial> partials(static_cast<std::size_t>(chunkCount(n, kChunk)),
+    std::vector<Partial> partials(static_cast<std::size_t>(chunkCount(n, kImuChunk)),
                                   Partial(layout_.size));
     std::atomic<bool> covered{true};
-    forChunks(n, kChunk, problem_.threads, [&](const Chunk& chunk) {
+    forChunks(n, kImuChunk, problem_.threads, [&](const Chunk& chunk) {
       Partial& partial = partials[static_cast<std::size_t>(chunk.index)];
       for (int i = chunk.begin; i < chunk.end; ++i) {
         addCameras(i, partial);
@@ -77,7 +75,7 @@ class Linearisation {
       inertial += p.inertial_cost;
       normals_.squared_px += p.squared_px;
       normals_.offset_noise += p.offset_noise;
-      const std::size_t next = (k + 1) * kChunk;
+      const std::size_t next = (k + 1) * kImuChunk;
       if (next >= chain.diagonal.size()) continue;
       chain.diagonal[next] += p.next_diagonal;
       chain.to_border[next] += p.next_rows;
@@ -308,7 +306,7 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
   ImuWeights weights(problem.links.size());
   std::atomic<bool> covered{true};
   const int count = static_cast<int>(problem.links.size());
-  forChunks(count, kChunk, problem.threads, [&](const Chunk& chunk) {
+  forChunks(count, kImuChunk, problem.threads, [&](const Chunk& chunk) {
     for (int k = chunk.begin; k < chunk.end; ++k) {
       const auto i = static_cast<std::size_t>(k);
       if (problem.links[i] == FrameLink::kBroken) continue;

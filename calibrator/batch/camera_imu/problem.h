@@ -26,6 +26,9 @@ enum class FrameLink {
   kInertial,  ///< pre-integrated motion and the biases' walk
 };
 
+/// Frames, intervals, views or links that one task of a parallel loop takes.
+inline constexpr int kImuChunk = 64;
+
 /// All measurements of the camera-IMU batch.
 struct CameraImuProblem {
   std::vector<PackedCorners> corners;  ///< per camera, all views of the session

@@ -16,7 +16,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kChunk = 8;  // views; fixed, so that no result depends on the number of threads
 constexpr double kWorstView = 3;
 constexpr double kPoseTolerance = 1e-3;  // standard deviations
 constexpr int kPoseIterations = 10;
@@ -179,7 +178,7 @@ std::vector<double> ViewErrorTracker::predictedWith(const std::vector<Transform>
                                                     int threads) const {
   assert(error_);
   std::vector<double> errors(T_FC0.size(), std::numeric_limits<double>::quiet_NaN());
-  forChunks(static_cast<int>(T_FC0.size()), kChunk, threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(T_FC0.size()), kViewChunk, threads, [&](const Chunk& chunk) {
     std::vector<PredictedCorners> memory;
     for (const VisibleTags& tags : visible_) memory.emplace_back(tags.cornerCount());
     for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);

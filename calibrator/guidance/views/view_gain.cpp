@@ -106,7 +106,6 @@ PackedView PredictedCorners::view() {
 
 namespace {
 
-constexpr int kChunk = 8;  // views; fixed, so that no result depends on the number of threads
 // Least pivot of I scaled to a unit diagonal. Below it lies rounding alone: the parameters' units
 // (px, m, rad) are gone, so a pivot is the part of a parameter's information that no other
 // explains.
@@ -249,7 +248,7 @@ double ViewScorer::seenGain(const std::vector<std::vector<Corner>>& corners,
 std::vector<double> ViewScorer::predictedGains(const std::vector<Transform>& T_FC0,
                                                int threads) const {
   std::vector<double> gains(T_FC0.size());
-  forChunks(static_cast<int>(T_FC0.size()), kChunk, threads, [&](const Chunk& chunk) {
+  forChunks(static_cast<int>(T_FC0.size()), kViewChunk, threads, [&](const Chunk& chunk) {
     Sum sum(*this);
     for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);
          ++i) {

@@ -16,6 +16,9 @@
 
 namespace plumbline {
 
+/// Views that one task of a parallel loop takes; fixed, so that no result depends on the threads.
+inline constexpr int kViewChunk = 8;
+
 /// Which tags of a target a camera sees: those with all four corners inside the image by a border
 /// and inside the camera model's domain, and no side shorter than a limit; the same as simulated
 /// recordings have (calibrator/simulate/simulate_views.h), made for many views of one camera. What

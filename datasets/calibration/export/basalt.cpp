@@ -130,7 +130,7 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
   return {{"value0", json}};
 }
 
-std::vector<std::string> warningsOf(const Calibration& calibration) {
+std::vector<std::string> basaltWarnings(const Calibration& calibration) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   warnings.push_back(
       "In the Basalt sources looked at, the line that would add cam_time_offset_ns is commented "
@@ -167,7 +167,7 @@ ExportedFiles exportBasalt(const Calibration& calibration, const ExportOptions& 
   const ExportChecks checks(calibration, options, "Basalt");
   const ImuCalibration& imu = checks.neededImu();
   ExportedFiles out;
-  out.warnings = warningsOf(calibration);
+  out.warnings = basaltWarnings(calibration);
   out.files = {{"basalt_calib.json", calibrationJson(calibration, imu, checks).dump(2) + "\n"},
                {"basalt_notes.txt", notesText(options, out.warnings)}};
   return out;

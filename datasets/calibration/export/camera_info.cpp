@@ -49,7 +49,7 @@ std::string cameraText(const CameraCalibration& camera, const Distortion& distor
          matrixText("projection_matrix", P);
 }
 
-std::vector<std::string> warningsOf(const Calibration& calibration) {
+std::vector<std::string> cameraInfoWarnings(const Calibration& calibration) {
   std::vector<std::string> warnings;
   if (calibration.cameras.size() > 1) {
     warnings.emplace_back(
@@ -69,7 +69,7 @@ std::vector<std::string> warningsOf(const Calibration& calibration) {
 ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptions& options) {
   const ExportChecks checks(calibration, options, "camera_info");
   ExportedFiles out;
-  out.warnings = warningsOf(calibration);
+  out.warnings = cameraInfoWarnings(calibration);
   for (const CameraCalibration& camera : calibration.cameras) {
     const std::string name = plainName(camera.name) + ".yaml";
     for (const ExportFile& file : out.files) {

@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kToolSettings = R"(
+constexpr const char* kOkvis2Settings = R"(
 # From here on: settings of the tool with the values of its own examples. They are no results of
 # the calibration; tune them.
 frontend_parameters:
@@ -41,7 +41,7 @@ output_parameters:
     display_overhead: false
 )";
 
-const char* distortionWord(const CameraCalibration& camera, const ExportChecks& checks) {
+const char* okvis2Distortion(const CameraCalibration& camera, const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
   if (isPinhole(k, DistortionModel::kRational)) return "radialtangential8";
@@ -71,7 +71,7 @@ std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
                        const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   const std::string indent = "        ";
-  const auto distortion = distortionWord(camera, checks);  // first: it refuses what follows
+  const auto distortion = okvis2Distortion(camera, checks);  // first: it refuses what follows
   return fmt::format("     - {{T_SC:\n{0}{1},\n{0}image_dimension: [{2}, {3}],\n", indent,
                      matrixText(T_SC, indent), k.resolution.width, k.resolution.height) +
          fmt::format("{}distortion_coefficients: {},\n{}distortion_type: {},\n", indent,
@@ -126,7 +126,7 @@ ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& 
     text += cameraText(camera, imu.T_SC0 * camera.T_C0Ci, checks);
   }
   text += cameraParameters(calibration) + imuParameters(imu);
-  out.files.push_back({"okvis2.yaml", text + kToolSettings});
+  out.files.push_back({"okvis2.yaml", text + kOkvis2Settings});
   return out;
 }
 

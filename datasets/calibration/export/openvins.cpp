@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-const char* distortionWord(const CameraCalibration& camera, const ExportChecks& checks) {
+const char* openVinsDistortion(const CameraCalibration& camera, const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
   if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
@@ -18,7 +18,7 @@ const char* distortionWord(const CameraCalibration& camera, const ExportChecks& 
   checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
 }
 
-std::vector<std::string> warningsOf(const Calibration& calibration) {
+std::vector<std::string> openVinsWarnings(const Calibration& calibration) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   warnings.push_back(
       fmt::format("To set in estimator_config.yaml, which is not written here: max_cameras: {}, "
@@ -44,7 +44,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
   const Transform T_SCi = calibration.imu->T_SC0 * camera.T_C0Ci;
-  const char* distortion = distortionWord(camera, checks);
+  const char* distortion = openVinsDistortion(camera, checks);
   std::string text = fmt::format("cam{}:\n  T_imu_cam:\n", i) + yamlRows(T_SCi.matrix(), "    ");
   text += fmt::format("  cam_overlaps: {}\n  camera_model: pinhole\n",
                       overlapsText(i, calibration.cameras.size()));
@@ -57,7 +57,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
 }
 
 // Kalibr's model with nothing to correct: accelerometer and gyroscope as calibrated here.
-std::string imuText(const ImuCalibration& imu) {
+std::string openVinsImu(const ImuCalibration& imu) {
   const auto matrix = [](const char* key, const Eigen::MatrixXd& M) {
     return fmt::format("  {}:\n", key) + yamlRows(M, "    ");
   };
@@ -79,7 +79,7 @@ ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions
   const ExportChecks checks(calibration, options, "OpenVINS");
   const ImuCalibration& imu = checks.neededImu();
   ExportedFiles out;
-  out.warnings = warningsOf(calibration);
+  out.warnings = openVinsWarnings(calibration);
   std::vector<std::string> notes = out.warnings;
   notes.insert(notes.begin(),
                "T_imu_cam maps camera to IMU; t_imu = t_cam + timeshift_cam_imu, of which OpenVINS "
@@ -91,8 +91,9 @@ ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions
   const std::string densities =
       "Continuous-time noise densities; scale, misalignment and gravity sensitivity are those of "
       "an ideal IMU. model \"kalibr\" instead of \"calibrated\" lets OpenVINS refine them.";
-  out.files = {{"kalibr_imucam_chain.yaml", cameras},
-               {"kalibr_imu_chain.yaml", opencvHeader(options, {densities}) + "\n" + imuText(imu)}};
+  out.files = {
+      {"kalibr_imucam_chain.yaml", cameras},
+      {"kalibr_imu_chain.yaml", opencvHeader(options, {densities}) + "\n" + openVinsImu(imu)}};
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kAssumedRate = 20;
 
 // Not calibration, but the tool stops without them.
-constexpr const char* kToolSettings = R"(
+constexpr const char* kOrbSlam3Settings = R"(
 # From here on: settings of the tool with the values of its own examples. They are no results of
 # the calibration; tune them.
 ORBextractor.nFeatures: 1200
@@ -49,7 +49,8 @@ void check(const Calibration& calibration, const ExportChecks& checks) {
   checks.knownNoise();
 }
 
-std::vector<std::string> warningsOf(const Calibration& calibration, const ExportOptions& options) {
+std::vector<std::string> orbSlam3Warnings(const Calibration& calibration,
+                                          const ExportOptions& options) {
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   if (calibration.imu) {
     const double td = calibration.imu->timeOffset();
@@ -115,7 +116,7 @@ std::string imageText(const Calibration& calibration, const ExportOptions& optio
       size.width, size.height, std::lround(options.camera_rate_hz.value_or(kAssumedRate)));
 }
 
-std::string imuText(const ImuCalibration& imu) {
+std::string orbSlam3Imu(const ImuCalibration& imu) {
   return "\n# Camera 1 into the IMU (body).\n" + opencvMatrix("IMU.T_b_c1", imu.T_SC0, 'f') +
          "# Continuous-time densities; the tool multiplies by the root of the frequency itself.\n" +
          numberLine("IMU.NoiseGyro", imu.noise.gyro_density) +
@@ -135,7 +136,7 @@ ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions
                   "correct the rate of the images");
   }
   ExportedFiles out;
-  out.warnings = warningsOf(calibration, options);
+  out.warnings = orbSlam3Warnings(calibration, options);
   std::string text = opencvHeader(options, out.warnings) + "\nFile.version: \"1.0\"\n";
   text += fmt::format("Camera.type: \"{}\"\n\n",
                       isFisheye(calibration.cameras[0]) ? "KannalaBrandt8" : "PinHole");
@@ -144,8 +145,8 @@ ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions
   }
   if (calibration.cameras.size() == 2) text += stereoText(calibration);
   text += imageText(calibration, options);
-  if (calibration.imu) text += imuText(*calibration.imu);
-  out.files.push_back({"orbslam3.yaml", text + kToolSettings});
+  if (calibration.imu) text += orbSlam3Imu(*calibration.imu);
+  out.files.push_back({"orbslam3.yaml", text + kOrbSlam3Settings});
   return out;
 }
 

@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kToolSettings = R"(
+constexpr const char* kVinsFusionSettings = R"(
 # From here on: settings of the tool with the values of its own examples. They are no results of
 # the calibration; tune them, and give output_path a folder that is there.
 output_path: "output/"
@@ -96,7 +96,7 @@ std::string cameraText(const CameraCalibration& camera, const CameraDescription&
   return text;
 }
 
-std::vector<std::string> warningsOf(const Calibration& calibration) {
+std::vector<std::string> vinsFusionWarnings(const Calibration& calibration) {
   if (!calibration.imu) return {};
   std::vector<std::string> warnings = unlikeOffsets(calibration);
   warnings.emplace_back(
@@ -136,7 +136,7 @@ std::string transformsText(const Calibration& calibration) {
   return text;
 }
 
-std::string imuText(const ImuCalibration& imu) {
+std::string vinsFusionImu(const ImuCalibration& imu) {
   const ImuNoise& n = imu.noise;
   const double root = std::sqrt(n.rate_hz);
   return fmt::format("\n# Density times sqrt({} Hz).\n", yamlNumber(n.rate_hz)) +
@@ -155,11 +155,11 @@ ExportedFiles exportVinsFusion(const Calibration& calibration, const ExportOptio
   checks.knownNoise();
   if (!calibration.imu && calibration.cameras.size() < 2) checks.neededImu();
   ExportedFiles out;
-  out.warnings = warningsOf(calibration);
+  out.warnings = vinsFusionWarnings(calibration);
   std::string text = opencvHeader(options, out.warnings) + "\n" + headText(calibration) +
                      transformsText(calibration);
-  text += calibration.imu ? imuText(*calibration.imu) : "estimate_td: 0\ntd: 0.0\n";
-  out.files.push_back({"vins_fusion.yaml", text + kToolSettings});
+  text += calibration.imu ? vinsFusionImu(*calibration.imu) : "estimate_td: 0\ntd: 0.0\n";
+  out.files.push_back({"vins_fusion.yaml", text + kVinsFusionSettings});
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
     const CameraCalibration& camera = calibration.cameras[i];
     out.files.push_back(

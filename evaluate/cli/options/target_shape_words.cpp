@@ -15,8 +15,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kLongest = 0.02;  // [m]
-constexpr double kMost = 0.05;     // share
+constexpr double kLongestTerm = 0.02;  // [m]
+constexpr double kMost = 0.05;         // share
 
 /// A corner about the grid's centre.
 struct Place {
@@ -83,7 +83,7 @@ double valueOf(const std::string& words, const Word& word, const std::string& te
   }
   if (unit == "mm") value *= 1e-3;
   if (unit == "%") value *= 1e-2;
-  const double most = word.is_length ? kLongest : kMost;
+  const double most = word.is_length ? kLongestTerm : kMost;
   if (std::abs(value) > most) {
     refuse(words, fmt::format("{} is above {}", word.name, word.is_length ? "20 mm" : "5 %"));
   }

@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kLongest = 4e9;  // [s], more than any two clocks differ; holds as nanoseconds
+constexpr double kLongestTime = 4e9;  // [s], more than any two clocks differ; holds as nanoseconds
 constexpr double kNarrowest = 0.05, kWidest = 600;  // [s] of the search for a clock offset
 
 void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
@@ -22,15 +22,15 @@ void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
                  "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval")
       ->capture_default_str();
   app.add_option("--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
-      ->check(numberWithin(0, kLongest))
+      ->check(numberWithin(0, kLongestTime))
       ->capture_default_str();
   app.add_option("--max-gap", o.max_gap_s,
                  "interpolate: widest gap of the truth to interpolate over [s]")
-      ->check(numberWithin(0, kLongest))
+      ->check(numberWithin(0, kLongestTime))
       ->capture_default_str();
   app.add_option("--time-offset", o.time_offset_s,
                  "Add this to the estimate's stamps before pairing [s]")
-      ->check(numberWithin(-kLongest, kLongest))
+      ->check(numberWithin(-kLongestTime, kLongestTime))
       ->capture_default_str();
 }
 
@@ -78,7 +78,7 @@ double knownOffset(const std::string& word) {
   double value = 0;
   const char* const end = word.data() + word.size();
   const auto [rest, error] = std::from_chars(word.data(), end, value);
-  if (error != std::errc() || rest != end || !(std::abs(value) <= kLongest)) {
+  if (error != std::errc() || rest != end || !(std::abs(value) <= kLongestTime)) {
     throw InputError(
         fmt::format("--clock-offset {}: expected auto, none, or seconds, e.g. -0.035", word));
   }

@@ -13,7 +13,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kLeastRedundancy = 50;         // of residuals that judge a noise density
 constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what the data need
 
 }  // namespace

@@ -12,6 +12,9 @@
 
 namespace plumbline {
 
+/// Residuals, less the parameters fitted to them, below which no noise density is judged.
+inline constexpr double kLeastRedundancy = 50;
+
 /// One rule of the verdict: its name, the unit of what it compares, and what to do where the level
 /// is not good.
 struct Rule {

@@ -19,8 +19,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kLeastRedundancy = 50;  // of residuals that judge noise
-
 /// The rows of a whitened interval that one sensor's samples decide.
 struct RowGroup {
   const char* name;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -13,7 +14,6 @@ namespace plumbline::html_internal {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr double kPi = 3.14159265358979323846;
 constexpr Colour kBandColour{120, 126, 136, 70};
 constexpr std::size_t kMostShown = 1500;  // intervals of a plot of readings
 
@@ -95,7 +95,7 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
   for (int i = 0; i <= 120; ++i) {
     const double x = kReach * (i / 60.0 - 1);
     curve.x.push_back(x);
-    curve.y.push_back(total * plot.bin_width / (sigma * std::sqrt(2 * kPi)) *
+    curve.y.push_back(total * plot.bin_width / (sigma * std::sqrt(2 * std::numbers::pi)) *
                       std::exp(-0.5 * x * x / (sigma * sigma)));
   }
   plot.curves = {std::move(curve)};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -17,7 +18,6 @@ constexpr double kReach = 1.1;      // of a typical arrow, in its cells
 constexpr int kMapColumns = 24;     // and for the RMSE and coverage maps
 constexpr std::size_t kFewest = 8;  // corners that a cell needs before its mean is shown
 constexpr double kShown = 0.999;    // share of the errors inside the scatter's axes
-constexpr double kPi = 3.14159265358979323846;
 
 /// Sums of the errors that fell into each cell of a grid over the image, row by row.
 struct ImageGrid {
@@ -122,7 +122,7 @@ Series normalCurve(const std::string& name, double deviation, double range, doub
   for (int i = 0; i <= 120; ++i) {
     const double x = range * (i / 60.0 - 1);
     curve.x.push_back(x);
-    curve.y.push_back(area / (std::sqrt(2 * kPi) * deviation) *
+    curve.y.push_back(area / (std::sqrt(2 * std::numbers::pi) * deviation) *
                       std::exp(-0.5 * x * x / (deviation * deviation)));
   }
   return curve;

@@ -37,7 +37,7 @@ RoundPose roundPose(const Transform& T) {
 
 /// Values in the order of their first use, each once.
 template <class T>
-struct Table {
+struct OnceEach {
   std::map<T, std::uint32_t> places;
   std::vector<T> values;
   std::uint32_t place(const T& value) {
@@ -47,12 +47,12 @@ struct Table {
   }
 };
 
-struct Tables {
-  Table<std::string> names;
-  Table<RoundPose> poses;
+struct RoundValues {
+  OnceEach<std::string> names;
+  OnceEach<RoundPose> poses;
 };
 
-Json roundJson(const Decision& d, Tables& tables) {
+Json roundJson(const Decision& d, RoundValues& tables) {
   const CandidateRound& round = *d.round;
   std::vector<std::uint32_t> names, poses;
   for (const std::string& name : round.names) names.push_back(tables.names.place(name));
@@ -151,7 +151,7 @@ Json suggestionJson(const SuggestionOutcome& o, const Band& band) {
 }  // namespace
 
 Json roundsJson(const ReplayRecord& record) {
-  Tables tables;
+  RoundValues tables;
   Json rounds = Json::array();
   for (const Decision& d : record.decisions) {
     if (d.round) rounds.push_back(roundJson(d, tables));

@@ -40,7 +40,7 @@ TEST_F(StudyNightHistory, ANewerOrForeignStoreIsLeftAlone) {
   const std::string newer = read(night / "study.sqlite");
   const Outcome outcome = study(root_ / "data", night);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.text, HasSubstr("has version 99, this program knows 1"));
+  EXPECT_THAT(outcome.text, HasSubstr("has store version 99, this program knows 1"));
   EXPECT_EQ(read(night / "study.sqlite"), newer);
   write(night / "study.sqlite", "not a database, but long enough to look like some other file");
   EXPECT_THAT(study(root_ / "data", night).text, HasSubstr("damaged"));
