@@ -9,7 +9,7 @@ source scripts/build_environment.sh
 data=${PLUMBLINE_SHARED_DATA:-$PWD/../shared/data}
 
 scripts/install_dependencies.sh build test
-cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON \
+cmake -S . -B build -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON \
   -DPLUMBLINE_SHARED_DATA="$data" >/dev/null
 cmake --build build
 

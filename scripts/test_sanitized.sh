@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/build_environment.sh
 scripts/install_dependencies.sh build test sanitize
-cmake -S . -B build-sanitized -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-g1 \
+cmake -S . -B build-sanitized -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-g1 \
   -DPLUMBLINE_SANITIZE=ON -DPLUMBLINE_TESTS=ON >/dev/null
 cmake --build build-sanitized --target calibrator_test datasets_test fuzz_test
 # The leak checker is off where a debugger or container forbids ptrace; faults still abort.
