@@ -62,6 +62,7 @@ std::optional<Surface> GridPattern::uniformSurface(Cell low, Cell high) const {
 namespace {
 
 constexpr int kSamples = 64;
+constexpr int kBoardSteps = 3;
 constexpr float kFarAway = 1e6F;  // of rays along the wall: no target there
 
 struct SamplePoint {
@@ -142,6 +143,8 @@ TargetRenderer::TargetRenderer(const Intrinsics& camera, const AprilGrid& target
       target_(target),
       options_((checkTarget(target), options.check(), options)),
       pattern_(target, options.margin_ratio * target.tag_size),
+      surface_(target),
+      is_flat_(surface_.isFlat()),
       rays_(cornerRays(camera)),
       gain_(vignettingGain(camera.resolution, options.vignetting)) {}
 
@@ -149,11 +152,14 @@ TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f
   if (!(n.z() < 0)) return {};  // away from the plane, or no ray: the wall far out
   const float range = -view.c_F.z() / n.z();
   if (!(range < kFarAway)) return {};
-  Hit hit;
-  hit.x = view.c_F.x() + range * n.x();
-  hit.y = view.c_F.y() + range * n.y();
-  hit.cell = pattern_.cellAt(hit.x, hit.y);
-  return hit;
+  Eigen::Vector2f p = view.c_F.head<2>() + range * n.head<2>();
+  // Boards slope by hundredths: each step leaves a few hundredths of the error of the one before.
+  for (int step = 0; step < kBoardSteps && !is_flat_; ++step) {
+    const Eigen::Vector3f d = surface_.displacement(p);
+    const float to_board = (d.z() - view.c_F.z()) / n.z();
+    p = view.c_F.head<2>() + to_board * n.head<2>() - d.head<2>();
+  }
+  return {p.x(), p.y(), pattern_.cellAt(p.x(), p.y())};
 }
 
 std::vector<TargetRenderer::Hit> TargetRenderer::castRow(const View& view, int lattice_row) const {

@@ -11,6 +11,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/image.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/simulate/board_surface.h"
 
 namespace plumbline {
 
@@ -81,11 +82,11 @@ struct RenderOptions {
   void check() const;
 };
 
-/// Renders an AprilGrid (tag36h11, 2-bit border and corner squares, as Kalibr prints it) as one
-/// camera sees it. Exact inverse mapping: each pixel's square, centred on its integer coordinates,
-/// is cast on the target's plane through unproject(); where more than one surface lies in it, 64
-/// points of a Hammersley set give the shares. Light falls off radially, the lens blurs, the sensor
-/// adds noise and rounds. Safe to use from several threads at once.
+/// Renders an AprilGrid (tag36h11, 2-bit border and corner squares, as Kalibr prints it), bent and
+/// stretched as its shape says, as one camera sees it. Exact inverse mapping: each pixel's square,
+/// centred on its integer coordinates, is cast on the board through unproject(); where more than
+/// one surface lies in it, 64 points of a Hammersley set give the shares. Light falls off radially,
+/// the lens blurs, the sensor adds noise and rounds. Safe to use from several threads at once.
 class TargetRenderer {
  public:
   /// Computes the camera's rays, about 1 us per pixel. Throws InputError for a target with more
@@ -98,7 +99,7 @@ class TargetRenderer {
   GrayImage render(const Transform& T_FC, std::uint64_t image) const;
 
  private:
-  /// A lattice point of the pixels' corners on the plane of F.
+  /// A lattice point of the pixels' corners on the board, as a point of the even grid.
   struct Hit {
     float x = 0, y = 0;  // [m]
     GridPattern::Cell cell;
@@ -119,6 +120,8 @@ class TargetRenderer {
   AprilGrid target_;
   RenderOptions options_;
   GridPattern pattern_;
+  BoardSurface surface_;
+  bool is_flat_;
   std::vector<Eigen::Vector3f> rays_;  // of the pixels' corners (x - 0.5, y - 0.5); zero: none
   std::vector<float> gain_;            // of each pixel: vignetting
 };

@@ -282,10 +282,10 @@ void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOp
   format.check();
   if (format.views == ViewFormat::kImages) {
     checkRendered(options.faults);
-    if (!options.target.shape.isFlat()) {
+    if (options.target.shape.terms[kTargetTerms - 1] != 0) {
       throw BadInput(InputFault::kUnsupported,
-                     "images can be rendered only of a flat board with an even grid; write "
-                     "corners, or omit the board's shape");
+                     "tag_edge is an error of a detector and cannot be rendered; write corners, or "
+                     "omit it");
     }
   }
   writeSession(simulated.session, simulated.camera_rate_hz, format.views, folder);

@@ -82,9 +82,9 @@ int simulate(SimulateOptions o) {
     o.simulation.target.shape = targetShapeFromWords(*o.target_shape, o.simulation.target);
   }
   if (o.images) checkRendered(o.simulation.faults);
-  if (o.images && o.target_shape) {
+  if (o.images && o.simulation.target.shape.terms[kTargetTerms - 1] != 0) {
     throw InputError(
-        "--images can render only a flat board with an even grid; omit --target-shape or --images");
+        "--target-shape tag-edge is an error of a detector, which --images cannot show; omit one");
   }
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);

@@ -50,13 +50,30 @@ RenderOptions plainOptions() {
   return o;
 }
 
+/// A point of a tag's left border on the board in F, by the quadratic along y through three corners
+/// of the tag's column: a board's displacement is one.
+Vector3d onLeftBorder(const AprilGrid& target, const std::vector<Vector3d>& corners, int tag,
+                      double s) {
+  const double y = target.corner(4 * tag).y() + s * target.tag_size;
+  Vector3d p = Vector3d::Zero();
+  for (const int i : {0, 2, 5}) {
+    const int id = 4 * (i * target.cols + tag % target.cols);
+    double share = 1;
+    for (const int k : {0, 2, 5}) {
+      if (k != i) share *= (y - target.pitch() * k) / (target.pitch() * (i - k));
+    }
+    p += share * corners[static_cast<std::size_t>(id)];
+  }
+  return p;
+}
+
 /// Where the left border of a tag crosses an image row, according to project() [px]; `s` in (0, 1)
 /// is found along the border by bisection.
 std::optional<double> predictedCrossing(const Intrinsics& camera, const Transform& T_CF,
                                         const AprilGrid& target, int tag, int row) {
-  const Vector2d foot = target.corner(4 * tag);
+  const std::vector<Vector3d> corners = cornerPoints(target);
   const auto at = [&](double s) {
-    return project(camera, T_CF * Vector3d(foot.x(), foot.y() + s * target.tag_size, 0));
+    return project(camera, T_CF * onLeftBorder(target, corners, tag, s));
   };
   double low = 0.15;  // well between the corner squares
   double high = 0.85;
@@ -92,8 +109,7 @@ double measuredCrossing(const GrayImage& image, double x, int row) {
 }
 
 // Sampling to 1/64 pixel and rounding to grey levels leave a few thousandths of a pixel.
-TEST(TargetRenderer, EdgesAreWhereProjectSays) {
-  const AprilGrid target;
+void expectEdgesWhereProjectSays(const AprilGrid& target) {
   for (const auto& [rig, distance] : {std::pair{"euroc", 0.6}, {"d435i", 0.5}, {"tumvi", 0.25}}) {
     SCOPED_TRACE(rig);
     const Intrinsics camera = cameraOf(rig);
@@ -119,6 +135,31 @@ TEST(TargetRenderer, EdgesAreWhereProjectSays) {
     EXPECT_LE(std::sqrt(sum2 / count), 0.01);
     EXPECT_LE(worst, 0.05);
   }
+}
+
+TEST(TargetRenderer, EdgesAreWhereProjectSays) { expectEdgesWhereProjectSays({}); }
+
+// A flat renderer would be off by several pixels.
+TEST(TargetRenderer, EdgesOfABentBoardAreWhereProjectSays) {
+  AprilGrid bent;
+  bent.shape.terms << 3e-3, -1e-3, 1e-3, -2e-3, 5e-4, 1e-3, 2e-3, -1e-3, 3e-3, -2e-3, 2e-3, 0;
+  expectEdgesWhereProjectSays(bent);
+}
+
+TEST(BoardSurface, HasTheShapeAtTheCornersAndNoTagEdge) {
+  AprilGrid bent;
+  bent.shape.terms << 3e-3, -1e-3, 1e-3, -2e-3, 5e-4, 1e-3, 2e-3, -1e-3, 3e-3, -2e-3, 2e-3, 0;
+  const std::vector<Vector3d> corners = cornerPoints(bent);
+  bent.shape.terms[kTargetTerms - 1] = 1e-3;
+  const BoardSurface surface(bent);
+  for (int id = 0; id < bent.cornerCount(); ++id) {
+    const Vector2d p = bent.corner(id);
+    const Vector3d moved =
+        Vector3d(p.x(), p.y(), 0) + surface.displacement(p.cast<float>()).cast<double>();
+    EXPECT_LT((moved - corners[static_cast<std::size_t>(id)]).norm(), 1e-8);
+  }
+  bent.shape.terms.head<kTargetTerms - 1>().setZero();
+  EXPECT_TRUE(BoardSurface(bent).isFlat());
 }
 
 TEST(TargetRenderer, CellsShowTheTagFamilyAndTheCornerSquares) {

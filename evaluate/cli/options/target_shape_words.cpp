@@ -117,7 +117,9 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
           word.displacement({grid.corner(id) - half, half, edge}, value);
     }
   }
-  return {fitTargetTerms(grid, moved), std::nullopt};
+  TargetTerms terms = fitTargetTerms(grid, moved);
+  if (words.find("tag-edge") == std::string::npos) terms[kTargetTerms - 1] = 0;  // not its rounding
+  return {terms, std::nullopt};
 }
 
 }  // namespace plumbline

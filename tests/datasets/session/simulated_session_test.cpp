@@ -225,6 +225,13 @@ TEST_F(SimulatedSessionFiles, ImagesShowWhatReallyStoodThere) {
 
 TEST_F(SimulatedSessionFiles, FaultsThatImagesCannotShowAreRefused) {
   SimulationOptions o = briefOptions();
+  SimulationOptions detector = o;
+  detector.target.shape.terms[kTargetTerms - 1] = 1e-3;
+  SimulatedSessionFormat images;
+  images.views = ViewFormat::kImages;
+  EXPECT_THROW(writeSimulatedSession(simulateSession(smallRig(), detector), detector,
+                                     root_ / "session", images),
+               InputError);
   o.faults = {{.kind = FaultKind::kBow, .value = 0.001}};
   const SimulatedSession s = simulateSession(smallRig(), o);
   SimulatedSessionFormat format;

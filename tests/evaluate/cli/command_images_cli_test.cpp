@@ -4,6 +4,7 @@
 #include <cmath>
 #include <regex>
 
+#include "datasets/session/target_shape.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -114,6 +115,29 @@ TEST_F(CommandImages, ImagesOfAnotherSizeThanStatedAreNamed) {
   write(sensor, replaced(read(sensor), "752, 480", "800, 600"));
   expectRefusal(calibrateCam0(copy, "out", "--no-cache"), 2,
                 AllOf(HasSubstr(".png"), HasSubstr("752x480"), HasSubstr("800x600")));
+}
+
+// The board is rendered as it is bent, and its shape is found in the images. An error of the
+// detector is none of a board's.
+TEST_F(CommandImages, ABentBoardIsRenderedAndFound) {
+  const fs::path bent = scratch() / "bent";
+  const std::string simulate =
+      "simulate --rig euroc --seed 6 --images --duration 8 --camera-rate 4 "
+      "--force --out " +
+      bent.string() + " --target-shape ";
+  const Outcome refused = plumbline(simulate + "tag-edge=0.1mm");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.text, HasSubstr("tag-edge is an error of a detector"));
+  ASSERT_EQ(plumbline(simulate + "bow=2mm,stretch=0.3%,keystone=0.2%").exit_code, 0);
+  const Outcome outcome =
+      plumbline("calibrate --force " + bent.string() + " --no-imu --no-report " +
+                "--models pinhole-radtan --out " + (scratch() / "out").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const TargetTerms truth = readTargetShape((bent / "truth/target_shape.yaml").string(), {}).terms;
+  const TargetTerms found =
+      readTargetShape((scratch() / "out/target_shape.yaml").string(), {}).terms;
+  const TargetTerms error = (found - truth).cwiseAbs();
+  EXPECT_LT(error.head<kTargetTerms - 1>().maxCoeff(), 2e-5) << error.transpose();  // of 0.4 mm
 }
 
 }  // namespace

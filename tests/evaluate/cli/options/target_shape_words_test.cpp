@@ -27,6 +27,13 @@ TEST(TargetShapeWords, ABowLiftsTheMiddleAboveTheCorners) {
   EXPECT_NEAR(p[kTopRight].z(), p[kBottomLeft].z(), 1e-12);
 }
 
+TEST(TargetShapeWords, OnlyTheWordForItWidensTheTags) {
+  const AprilGrid grid;
+  EXPECT_EQ(targetShapeFromWords("bow=2mm,stretch=0.3%,shear=0.1%", grid).terms[kTargetTerms - 1],
+            0);
+  EXPECT_NEAR(targetShapeFromWords("tag-edge=0.1mm", grid).terms[kTargetTerms - 1], 1e-4, 1e-12);
+}
+
 TEST(TargetShapeWords, ATwistLiftsOppositeCorners) {
   const auto p = pointsOf("twist=0.5mm");
   EXPECT_NEAR(p[kTopRight].z() - p[kTopLeft].z(), 1e-3, 1e-9);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/board_surface.h"
+
+#include <Eigen/QR>
+#include <vector>
+
+namespace plumbline {
+
+// The corners' displacements are a quadratic's values, so that least squares finds it exactly. A
+// grid too small to tell some of its terms (one tag) has none of them: the shortest solution.
+BoardSurface::BoardSurface(const AprilGrid& board)
+    : centre_(static_cast<float>(0.5 * board.width()), static_cast<float>(0.5 * board.height())),
+      unit_(centre_.norm()) {
+  AprilGrid printed = board;
+  printed.shape.terms[kTargetTerms - 1] = 0;
+  const std::vector<Eigen::Vector3d> points = cornerPoints(printed);
+  const Eigen::Vector2d centre(0.5 * board.width(), 0.5 * board.height());
+  Eigen::MatrixXd monomials(board.cornerCount(), 6), displacements(board.cornerCount(), 3);
+  for (int id = 0; id < board.cornerCount(); ++id) {
+    const Eigen::Vector2d p = board.corner(id), at = (p - centre) / centre.norm();
+    monomials.row(id) << 1, at.x(), at.y(), at.x() * at.x(), at.x() * at.y(), at.y() * at.y();
+    displacements.row(id) = points[static_cast<std::size_t>(id)].transpose();
+    displacements.row(id).head<2>() -= p.transpose();
+  }
+  const Eigen::MatrixXd quadratic =
+      monomials.completeOrthogonalDecomposition().solve(displacements);
+  polynomial_ = quadratic.transpose().cast<float>();
+}
+
+}  // namespace plumbline
