@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -30,6 +31,21 @@ struct ReadableUnit {
   double factor = 1;
 };
 ReadableUnit readable(const std::string& unit);
+
+/// Index of the name; their number where it is not among them.
+inline std::size_t placeOf(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// The names of the rows, each once, in the order of their first.
+template <class Rows, class Name>
+std::vector<std::string> distinct(const Rows& rows, const Name& name) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) {
+    if (placeOf(names, name(row)) == names.size()) names.push_back(name(row));
+  }
+  return names;
+}
 
 /// JSON as it may stand in a script element: nothing in it looks like the element's end.
 std::string scriptJson(const std::string& json);

@@ -1,32 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "report/html/section.h"
+#include "report/html/text.h"
 
 namespace plumbline::html_internal {
-
-/// Index of the name; their number where it is not among them.
-inline std::size_t placeOf(const std::vector<std::string>& names, const std::string& name) {
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
-/// The names of the rows, each once, in the order of their first.
-template <class Rows, class Name>
-std::vector<std::string> distinct(const Rows& rows, const Name& name) {
-  std::vector<std::string> names;
-  for (const auto& row : rows) {
-    if (placeOf(names, name(row)) == names.size()) names.push_back(name(row));
-  }
-  return names;
-}
 
 /// Page of the session whose figure is nearest to a value, such as a median; "" where none has one.
 template <class Sessions, class Get>

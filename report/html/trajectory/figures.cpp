@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics.h"
+#include "report/html/text.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/svg.h"
 #include "report/plots/ticks.h"
@@ -25,10 +26,6 @@ constexpr Colour kTruth{150, 156, 166, 255};
 bool drawable(const TrajectoryRun& run) {
   return run.t.size() > 1 && run.truth_m.size() == run.t.size() &&
          run.estimate_m.size() == run.t.size() && run.error_m.size() == run.t.size();
-}
-
-std::size_t placeOf(const std::vector<std::string>& names, const std::string& name) {
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
 std::array<double, 5> quantilesOf(const std::vector<double>& values, double least, double most) {
@@ -262,13 +259,7 @@ Block overlayBlock(const TrajectoryRun& run, const Range& colours, std::size_t i
 }  // namespace
 
 std::vector<std::string> sequencesOf(const std::vector<TrajectoryRun>& runs) {
-  std::vector<std::string> names;
-  for (const TrajectoryRun& run : runs) {
-    if (std::find(names.begin(), names.end(), run.sequence) == names.end()) {
-      names.push_back(run.sequence);
-    }
-  }
-  return names;
+  return distinct(runs, [](const TrajectoryRun& run) { return run.sequence; });
 }
 
 void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& label) {

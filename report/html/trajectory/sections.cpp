@@ -94,13 +94,7 @@ std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
 }  // namespace
 
 std::vector<std::string> calibrationsOf(const std::vector<TrajectoryRun>& runs) {
-  std::vector<std::string> names;
-  for (const TrajectoryRun& run : runs) {
-    if (std::find(names.begin(), names.end(), run.calibration) == names.end()) {
-      names.push_back(run.calibration);
-    }
-  }
-  return names;
+  return distinct(runs, [](const TrajectoryRun& run) { return run.calibration; });
 }
 
 std::string runName(const TrajectoryRun& run) {
