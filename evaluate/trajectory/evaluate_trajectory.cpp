@@ -98,7 +98,9 @@ TrajectoryRun measured(TrajectoryRun run, const std::vector<PosePair>& pairs,
 }
 
 // `run` without the figures that need the rotations of both.
-TrajectoryRun withoutRotations(TrajectoryRun run) {
+TrajectoryRun withoutRotations(TrajectoryRun run, const RotationRemark& why) {
+  run.left_out = why.text;
+  run.cure = why.cure;
   run.ate_rotation_deg = {};
   run.rpe.clear();
   run.error_deg.clear();
@@ -195,11 +197,11 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   if (!with_rotation) return evaluation;
   const AlignedPoses poses = alignedPoses(association.pairs, *alignment);
   const RotationRemark rotations = remarkOnRotations(poses, *alignment);
-  if (!rotations.text.empty()) evaluation.remarks.push_back(rotations.text);
-  if (rotations.invalid) {
-    evaluation.run = withoutRotations(std::move(evaluation.run));
+  if (!rotations.cure.empty()) {
+    evaluation.run = withoutRotations(std::move(evaluation.run), rotations);
     return evaluation;
   }
+  if (!rotations.text.empty()) evaluation.remarks.push_back(rotations.text);
   if (estimate.covariances.empty()) return evaluation;
   return withNees(std::move(evaluation), estimate, association, poses);
 }

@@ -124,13 +124,12 @@ RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecor
   if (as_read.spread_deg < kRigidDeg) {
     const std::string turned = fmt::format(
         "as a rotation of {:.1f} deg between the body frames would explain (camera and IMU?). "
-        "Position errors are valid; rotation and relative errors are not reported: run again with "
-        "--hand-eye auto",
+        "Position errors are valid; rotation and relative errors are not reported",
         as_read.angle_deg);
-    return {start + turned, true};
+    return {start + turned, "--hand-eye auto"};
   }
   if (std::min(truth_deg, estimate_deg) >= kRigidDeg) {
-    return {start + "and no constant rotation of the body explains it" + end, false};
+    return {start + "and no constant rotation of the body explains it" + end, ""};
   }
   // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
   const bool truth = truth_deg < kRigidDeg, estimate = estimate_deg < kRigidDeg;
@@ -138,15 +137,14 @@ RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecor
       start + fmt::format(
                   "but by {:.1f} deg if the quaternions of the {} are inverted: they probably map "
                   "the world into the body, even if the header states otherwise. Position errors "
-                  "are valid; rotation and relative errors are not reported: run again with {}",
+                  "are valid; rotation and relative errors are not reported",
                   std::min(truth_deg, estimate_deg),
                   truth && estimate ? "truth or of the estimate"
                   : truth           ? "truth"
-                                    : "estimate",
-                  truth && estimate ? "--truth-inverted or --estimate-inverted"
-                  : truth           ? "--truth-inverted"
-                                    : "--estimate-inverted"),
-      true};
+                                    : "estimate"),
+      truth && estimate ? "--truth-inverted or --estimate-inverted"
+      : truth           ? "--truth-inverted"
+                        : "--estimate-inverted"};
 }
 
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {

@@ -25,8 +25,9 @@ std::vector<std::string> remarksOn(const Association& association);
 /// What is odd about the rotations of aligned poses.
 struct RotationRemark {
   std::string text;  ///< "" where they agree within 15 degrees in the median
-  /// Another body frame, or one file maps the world into the body: the differences are no errors.
-  bool invalid = false;
+  /// The option that makes their differences errors: there is another body frame, or one file maps
+  /// the world into the body. Empty where neither explains them.
+  std::string cure;
 };
 
 /// Why the rotations of aligned poses disagree widely: another body frame (a camera against an

@@ -203,7 +203,9 @@ struct TrajectoryRun {
   RunStatus status = RunStatus::kComplete;
   std::string problem;               ///< why partial or failed; empty if complete
   std::vector<std::string> remarks;  ///< a sentence each, what a reader should know
-  double coverage = 0;  ///< share of the truth's span over which the estimate has poses, 0 to 1
+  std::string left_out;  ///< why rotation and relative errors are not reported; empty: they are
+  std::string cure;      ///< the option of `evaluate trajectory` that makes them valid
+  double coverage = 0;   ///< share of the truth's span over which the estimate has poses, 0 to 1
   double starts_late_s = 0;  ///< first pose of the estimate - of the truth; negative: before it
   AssociationRecord association;
   AlignmentRecord alignment;
@@ -274,6 +276,8 @@ void fields(V& v, TrajectoryRun& r) {
   v.ifSet("nees", r.nees, "where the estimate has covariances");
   v("odometry", r.odometry, "how `plumbline odometry` made the estimate");
   v("remarks", r.remarks, "remarks for the reader, one sentence each");
+  v("left_out", r.left_out, "why rotation and relative errors are not reported; empty: they are");
+  v("cure", r.cure, "the option that makes them valid");
   v.array("t", r.t, "stamp of each pair (thinned to a few thousand)");
   v.array("truth_m", r.truth_m, "positions of the truth");
   v.array("estimate_m", r.estimate_m, "aligned positions of the estimate");

@@ -56,19 +56,18 @@ Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
   return f;
 }
 
-/// Remarks that name the option which cures what they say.
-void addCures(const TrajectoryStudy& study, Findings& findings) {
+/// What was left out because of a file's conventions, once for each calibration.
+void addConventions(const TrajectoryStudy& study, Findings& findings) {
   for (const TrajectoryRun& run : study.runs) {
-    for (const std::string& remark : run.remarks) {
-      if (remark.find("run again with ") == std::string::npos) continue;
-      Finding f;
-      f.rule = "Conventions" + ofCalibration(run.calibration);
-      f.level = VerdictLevel::kCaution;
-      f.evidence = remark;
-      const bool known = std::any_of(findings.begin(), findings.end(),
-                                     [&](const Finding& g) { return g.rule == f.rule; });
-      if (!known) findings.push_back(std::move(f));
-    }
+    if (run.cure.empty()) continue;
+    Finding f;
+    f.rule = "Conventions" + ofCalibration(run.calibration);
+    f.level = VerdictLevel::kCaution;
+    f.evidence = run.left_out;
+    f.advice = "run again with " + run.cure;
+    const bool known = std::any_of(findings.begin(), findings.end(),
+                                   [&](const Finding& g) { return g.rule == f.rule; });
+    if (!known) findings.push_back(std::move(f));
   }
 }
 
@@ -140,7 +139,7 @@ std::string manyRuns(const TrajectoryStudy& study) {
 Verdict trajectoryVerdict(const TrajectoryStudy& study) {
   Findings findings;
   for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
-  addCures(study, findings);
+  addConventions(study, findings);
   addCovariances(study, findings);
   Verdict verdict = makeVerdict(std::move(findings));
   std::string what = study.runs.size() == 1 ? oneRun(study.runs.front()) : manyRuns(study);

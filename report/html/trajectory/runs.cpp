@@ -133,7 +133,9 @@ constexpr std::size_t kNamed = 4;  // runs that share a remark and are named
 Table remarksTable(const std::vector<TrajectoryRun>& runs) {
   std::vector<std::pair<std::string, std::vector<std::string>>> remarks;
   for (const TrajectoryRun& run : runs) {
-    for (const std::string& text : run.remarks) {
+    std::vector<std::string> texts = run.remarks;
+    if (!run.left_out.empty()) texts.push_back(run.left_out);
+    for (const std::string& text : texts) {
       auto known = std::find_if(remarks.begin(), remarks.end(),
                                 [&](const auto& remark) { return remark.first == text; });
       if (known == remarks.end()) known = remarks.insert(remarks.end(), {text, {}});

@@ -97,8 +97,9 @@ TEST(TrajectoryVerdict, ACalibrationIsBetterOnlyBeyondItsInterval) {
 
 TEST(TrajectoryVerdict, ACureThatIsAnOptionIsCautionAndSaidOnce) {
   TrajectoryRun run = completeRun("ours", "1");
-  run.remarks = {"the poses are 0.05 s apart",
-                 "rotations are left out: run again with --truth-inverted"};
+  run.remarks = {"the poses are 0.05 s apart"};
+  run.left_out = "the quaternions of the truth are inverted";
+  run.cure = "--truth-inverted";
   TrajectoryRun other = run;
   other.run = "2";
   const Verdict v = trajectoryVerdict(studyOf({run, other}));
