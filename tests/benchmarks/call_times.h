@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// Processor time of each of many calls [ms], in ascending order at the end.
 class CallTimes {
@@ -34,4 +34,4 @@ class CallTimes {
   std::vector<double> ms_;
 };
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -15,16 +15,16 @@
 namespace plumbline {
 namespace {
 
-testing::WindowRecording recording(double duration_s) {
+test::WindowRecording recording(double duration_s) {
   SimulationOptions options;
   options.duration_s = duration_s;
   options.corner_sigma_px = 0.2;
-  return testing::recordingOf(options, 0.2);
+  return test::recordingOf(options, 0.2);
 }
 
 void scoreSixTrajectories(benchmark::State& state) {
-  const testing::WindowRecording r = recording(3);
-  const auto window = testing::windowOver(r, 30);
+  const test::WindowRecording r = recording(3);
+  const auto window = test::windowOver(r, 30);
   const WindowKnowledge now = *window->knowledge();
   TrajectoryRecording planned;
   planned.target = r.simulated.session.target;
@@ -33,7 +33,7 @@ void scoreSixTrajectories(benchmark::State& state) {
   const TrajectoryScorer scorer(
       planned, lissajousTrajectories(lissajousShapes(), planned.target, r.truth.T_SC0, {}),
       r.truth.cameras);
-  testing::CallTimes times;
+  test::CallTimes times;
   for (auto _ : state) times.time([&] { benchmark::DoNotOptimize(scorer.scores(now).gain_nats); });
   times.report(state);
 }
@@ -41,12 +41,12 @@ BENCHMARK(scoreSixTrajectories)->Unit(benchmark::kMillisecond);
 
 // Marginalisation of the oldest state, solution, and what is then known.
 void windowFrames(benchmark::State& state) {
-  const testing::WindowRecording r = recording(10);
+  const test::WindowRecording r = recording(10);
   std::vector<WindowFrame> frames;
-  for (int i = 30; i < r.problem.frameCount(); ++i) frames.push_back(testing::windowFrame(r, i));
-  const CameraImuProblem first = testing::firstFrames(r, 30);
-  const auto solved = testing::solvedWithOffsetHeld(first, testing::firstStates(r.truth, 30));
-  testing::CallTimes times;
+  for (int i = 30; i < r.problem.frameCount(); ++i) frames.push_back(test::windowFrame(r, i));
+  const CameraImuProblem first = test::firstFrames(r, 30);
+  const auto solved = test::solvedWithOffsetHeld(first, test::firstStates(r.truth, 30));
+  test::CallTimes times;
   for (auto _ : state) {
     auto window = CameraImuWindow::fromBatch(first, solved, r.simulated.session.target);
     for (const WindowFrame& frame : frames) {
@@ -63,16 +63,16 @@ BENCHMARK(windowFrames)->Unit(benchmark::kMillisecond);
 // A minute at 20 Hz in which nobody follows the suggestions. Argument: seconds from one evaluation
 // of the trajectories, which runs within its frame here, to the next; 0: none after the first.
 void cameraImuStageFrames(benchmark::State& state) {
-  const testing::WindowRecording r = recording(60);
-  const auto frames = testing::framesOf(r.simulated.session);
+  const test::WindowRecording r = recording(60);
+  const auto frames = test::framesOf(r.simulated.session);
   GuideOptions options;
   options.trajectories.pixel_sigma = 0.2;
   options.trajectories.threshold_nats = 0;
   const auto every = static_cast<double>(state.range(0));
   options.trajectories.evaluate_every_s = every > 0 ? every : 1e4;
-  testing::CallTimes times;
+  test::CallTimes times;
   for (auto _ : state) {
-    CameraImuGuide guide(testing::rigOf(r.simulated), r.truth.cameras, options);
+    CameraImuGuide guide(test::rigOf(r.simulated), r.truth.cameras, options);
     for (const GuideFrame& frame : frames) {
       times.time([&] { benchmark::DoNotOptimize(guide.step(frame)); });
     }

@@ -20,7 +20,7 @@ const char* rigName(std::int64_t index) { return index == 0 ? "euroc" : "tumvi";
 
 // Argument: rig (0 euroc, radtan; 1 tumvi, equidistant).
 void scoreCandidates(benchmark::State& state) {
-  const testing::LiveRig rig(rigName(state.range(0)), 1, 0.2);
+  const test::LiveRig rig(rigName(state.range(0)), 1, 0.2);
   CameraWindow window(rig.guideRig().target, rig.truth());
   for (int i = 0; i < 10; ++i) {
     const Transform T_FC0 = rig.wandering(0.7 * i);
@@ -31,7 +31,7 @@ void scoreCandidates(benchmark::State& state) {
     T_FC0.push_back(view.T_FC0);
   }
   const Eigen::MatrixXd information = window.information();
-  testing::CallTimes times;
+  test::CallTimes times;
   for (auto _ : state) {
     times.time([&] {
       const ViewScorer scorer(rig.guideRig().target, window.estimate(), information);
@@ -44,7 +44,7 @@ BENCHMARK(scoreCandidates)->ArgName("rig")->Arg(0)->Arg(1)->Unit(benchmark::kMil
 
 // The same candidates by predicted error, with ten views kept.
 void scoreCandidatesByError(benchmark::State& state) {
-  const testing::LiveRig rig(rigName(state.range(0)), 1, 0.2);
+  const test::LiveRig rig(rigName(state.range(0)), 1, 0.2);
   ViewErrorTracker errors(rig.guideRig().target, {});
   for (int i = 0; i < 10; ++i) {
     const Transform T_FC0 = rig.wandering(0.7 * i);
@@ -57,7 +57,7 @@ void scoreCandidatesByError(benchmark::State& state) {
   for (const CandidateView& view : candidateViews(rig.truth(), rig.guideRig().target)) {
     T_FC0.push_back(view.T_FC0);
   }
-  testing::CallTimes times;
+  test::CallTimes times;
   for (auto _ : state) {
     times.time([&] { benchmark::DoNotOptimize(errors.predictedWith(T_FC0, 1)); });
   }
@@ -69,10 +69,10 @@ BENCHMARK(scoreCandidatesByError)->ArgName("rig")->Arg(0)->Arg(1)->Unit(benchmar
 void cameraStageFrames(benchmark::State& state) {
   GuideOptions options;
   options.views.criterion = static_cast<ViewCriterion>(state.range(1));
-  const testing::LiveRig rig(rigName(state.range(0)), 1, 0.2);
+  const test::LiveRig rig(rigName(state.range(0)), 1, 0.2);
   std::vector<GuideFrame> frames;
   for (int i = 0; i < 1200; ++i) frames.push_back(rig.frame(i, i / 20.0, rig.wandering(i / 20.0)));
-  testing::CallTimes times;
+  test::CallTimes times;
   for (auto _ : state) {
     CameraGuide guide(rig.guideRig(), options);
     for (const GuideFrame& frame : frames) {

@@ -31,17 +31,17 @@ Recording recordingOf(const Intrinsics& camera) {
     Vector6d d;
     d << 0.05 * std::sin(i), 0.05 * std::cos(i), 0.1 * std::sin(0.1 * i), 0.1 * std::cos(0.2 * i),
         0.1 * std::sin(0.3 * i), 0.1 * std::sin(0.7 * i);
-    recording.T_CF.push_back(boxplus(testing::examplePose(), d));
+    recording.T_CF.push_back(boxplus(test::examplePose(), d));
     views.push_back(
-        testing::noisyView(target, camera, recording.T_CF.back(), kCornersPerView, 0.3, i));
+        test::noisyView(target, camera, recording.T_CF.back(), kCornersPerView, 0.3, i));
   }
   recording.corners = PackedCorners(target, views);
   return recording;
 }
 
 const Recording& recordingFor(int model) {
-  static const std::vector<Recording> recordings = {recordingOf(testing::radtanCamera()),
-                                                    recordingOf(testing::equidistantCamera())};
+  static const std::vector<Recording> recordings = {recordingOf(test::radtanCamera()),
+                                                    recordingOf(test::equidistantCamera())};
   return recordings[model];
 }
 
@@ -84,9 +84,9 @@ BENCHMARK(evaluateRecording)
 
 void packRecording(benchmark::State& state) {
   const AprilGrid target;
-  const Intrinsics camera = testing::radtanCamera();
+  const Intrinsics camera = test::radtanCamera();
   const ImageView view =
-      testing::noisyView(target, camera, testing::examplePose(), kCornersPerView, 0.3, 1);
+      test::noisyView(target, camera, test::examplePose(), kCornersPerView, 0.3, 1);
   const std::vector<ImageView> views(kViews, view);
   for (auto _ : state) {
     const PackedCorners corners(target, views);
@@ -96,8 +96,8 @@ void packRecording(benchmark::State& state) {
 BENCHMARK(packRecording)->Unit(benchmark::kMillisecond);
 
 void chainToTangents(benchmark::State& state) {
-  const Transform T_FS = testing::examplePose().inverse();
-  const Transform T_C0C1 = testing::examplePose();
+  const Transform T_FS = test::examplePose().inverse();
+  const Transform T_C0C1 = test::examplePose();
   for (auto _ : state) benchmark::DoNotOptimize(cameraImuChain(T_FS, T_C0C1, T_C0C1));
 }
 BENCHMARK(chainToTangents);

@@ -7,7 +7,7 @@
 
 #include "report/records/calibration_score.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A score of 9 px over 10 corners, with 5 corners and the given RMSE [px] in each camera named.
 inline CalibrationScore scoreOf(const std::string& session,
@@ -26,4 +26,4 @@ inline CalibrationScore scoreOf(const std::string& session,
   return score;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -9,7 +9,7 @@
 namespace plumbline::html_internal {
 namespace {
 
-using plumbline::testing::scoreOf;
+using plumbline::test::scoreOf;
 using ::testing::ElementsAre;
 
 TEST(HeldScores, AColumnIsOneCameraInEveryRow) {

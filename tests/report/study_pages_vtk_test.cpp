@@ -27,7 +27,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr double kPixel = 0.11;  // coordinates are written to a tenth of a pixel
+constexpr double kStudyPixel = 0.11;  // coordinates are written to a tenth of a pixel
 
 struct Study {
   const char* name;
@@ -104,7 +104,7 @@ std::vector<std::string> between(const std::string& text, const std::string& ope
   return found;
 }
 
-std::size_t count(const std::string& text, const std::string& what) {
+std::size_t countOf(const std::string& text, const std::string& what) {
   return between(text, what, what.substr(what.size() - 1)).size();
 }
 
@@ -130,7 +130,7 @@ std::vector<std::pair<double, double>> pointsOf(const std::string& svg) {
 
 bool drawnAt(const std::string& svg, double x, double y) {
   for (const auto& [px, py] : pointsOf(svg)) {
-    if (std::abs(px - x) <= kPixel && std::abs(py - y) <= kPixel) return true;
+    if (std::abs(px - x) <= kStudyPixel && std::abs(py - y) <= kStudyPixel) return true;
   }
   return false;
 }
@@ -169,9 +169,9 @@ TEST_P(StudyPages, GiveEveryRowACellForEachColumn) {
   const std::string& page = GetParam().page();
   std::size_t rows = 0;
   for (const std::string& table : between(page, "<table>", "</table>")) {
-    const std::size_t columns = count(table, "<th ") + count(table, "<th>");
+    const std::size_t columns = countOf(table, "<th ") + countOf(table, "<th>");
     for (const std::string& row : between(table.substr(table.find("<tbody>")), "<tr>", "</tr>")) {
-      EXPECT_EQ(count(row, "<td ") + count(row, "<td>"), columns) << row;
+      EXPECT_EQ(countOf(row, "<td ") + countOf(row, "<td>"), columns) << row;
       ++rows;
     }
   }
@@ -232,7 +232,7 @@ TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
         continue;
       }
       ++linked;
-      EXPECT_NEAR(pointsOf(point).front().second, axes.pixelY(*h.rmse_px), kPixel);
+      EXPECT_NEAR(pointsOf(point).front().second, axes.pixelY(*h.rmse_px), kStudyPixel);
     }
   }
   EXPECT_EQ(linked, record.held_out.size());

@@ -24,12 +24,12 @@ constexpr double kDuration = 30;
 
 FaultDiagnosis diagnosisOf(const std::vector<Fault>& faults, std::uint64_t seed = 3,
                            const std::string& rig = "euroc") {
-  SimulationOptions simulation = testing::noisyRecording(seed, kDuration);
+  SimulationOptions simulation = test::noisyRecording(seed, kDuration);
   simulation.trajectory.seed = seed;
   simulation.faults = faults;
-  const SimulatedSession simulated = testing::simulate(simulation, rig);
+  const SimulatedSession simulated = test::simulate(simulation, rig);
   const auto result = calibrateCameraImu(simulated.session, simulated.truth.cameras,
-                                         testing::matchedOptions(simulated, 0.2));
+                                         test::matchedOptions(simulated, 0.2));
   EXPECT_TRUE(result);
   EXPECT_TRUE(result->faults);
   return *result->faults;
@@ -125,13 +125,13 @@ TEST(CameraImuDiagnosis, CameraThatIsBumped) {
   Fault bump = faultOf(FaultKind::kBump, 0.1 * kDegree);
   bump.at_s = 12;
   // Cameras as this recording gives them: a mean of before and after.
-  SimulationOptions simulation = testing::noisyRecording(3, kDuration);
+  SimulationOptions simulation = test::noisyRecording(3, kDuration);
   simulation.faults = {bump};
-  const SimulatedSession simulated = testing::simulate(simulation);
+  const SimulatedSession simulated = test::simulate(simulation);
   const auto cameras = calibrateCameras(simulated.session);
   ASSERT_TRUE(cameras);
-  const auto result = calibrateCameraImu(simulated.session, cameras->cameras,
-                                         testing::matchedOptions(simulated, 0.2));
+  const auto result =
+      calibrateCameraImu(simulated.session, cameras->cameras, test::matchedOptions(simulated, 0.2));
   ASSERT_TRUE(result && result->faults);
   const FaultDiagnosis& bumped = *result->faults;
   ASSERT_FALSE(bumped.causes.empty());
@@ -160,14 +160,14 @@ std::optional<FaultTest> causeOf(const FaultDiagnosis& diagnosis, UnmodelledFaul
 
 /// The cameras are calibrated on the same recording first.
 FaultDiagnosis diagnosisWithOwnCameras(const std::vector<Fault>& faults, const std::string& rig) {
-  SimulationOptions simulation = testing::noisyRecording(5, kDuration);
+  SimulationOptions simulation = test::noisyRecording(5, kDuration);
   simulation.trajectory.seed = 5;
   simulation.faults = faults;
-  const SimulatedSession simulated = testing::simulate(simulation, rig);
+  const SimulatedSession simulated = test::simulate(simulation, rig);
   const auto cameras = calibrateCameras(simulated.session);
   EXPECT_TRUE(cameras);
-  const auto result = calibrateCameraImu(simulated.session, cameras->cameras,
-                                         testing::matchedOptions(simulated, 0.2));
+  const auto result =
+      calibrateCameraImu(simulated.session, cameras->cameras, test::matchedOptions(simulated, 0.2));
   EXPECT_TRUE(result && result->faults);
   return *result->faults;
 }
@@ -240,11 +240,11 @@ TEST(CameraImuDiagnosis, StampsThatWanderAreNamedHoweverFar) {
   int refused = 0;
   for (const char* rig : {"euroc", "tumvi"}) {
     for (const std::uint64_t seed : {2, 3, 6}) {
-      SimulationOptions options = testing::noisyRecording(seed, 30);
+      SimulationOptions options = test::noisyRecording(seed, 30);
       options.trajectory.seed = seed;
       options.faults = {{.kind = FaultKind::kRestamp, .value = 0.01}};
-      const SimulatedSession s = testing::simulate(options, rig);
-      CameraImuOptions robust = testing::matchedOptions(s, 0.2);
+      const SimulatedSession s = test::simulate(options, rig);
+      CameraImuOptions robust = test::matchedOptions(s, 0.2);
       robust.cauchy_px = CameraImuOptions().cauchy_px;
       const auto r = calibrateCameraImu(s.session, s.truth.cameras, robust);
       if (r) {

@@ -4,7 +4,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/simulate_session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A short recording without any noise; IMU samples are those of the analytic trajectory.
 inline SimulationOptions exactRecording(double imu_rate_hz, double duration_s = 5) {
@@ -49,4 +49,4 @@ inline Eigen::Matrix<double, 7, 1> calibrationError(const SimulatedSession& simu
   return error;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

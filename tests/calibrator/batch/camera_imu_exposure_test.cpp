@@ -28,7 +28,7 @@ Instant instantOf(const SimulatedSession& s) {
 }
 
 TEST(ExposurePose, FollowsTheTrajectoryForSomeMilliseconds) {
-  const SimulatedSession s = testing::simulate(testing::exactRecording(1600));
+  const SimulatedSession s = test::simulate(test::exactRecording(1600));
   const Instant at = instantOf(s);
   for (const double delay : {3e-3, -3e-3}) {
     const Transform truth = s.stateAt(at.problem.frames[0].t + toNanoseconds(delay)).T_FS;
@@ -41,7 +41,7 @@ TEST(ExposurePose, FollowsTheTrajectoryForSomeMilliseconds) {
 }
 
 TEST(ExposurePose, DerivativesAreThoseOfDifferences) {
-  const Instant at = instantOf(testing::simulate(testing::exactRecording(200)));
+  const Instant at = instantOf(test::simulate(test::exactRecording(200)));
   constexpr double kDelay = 3e-3;
   constexpr double kStep = 1e-5;
   const auto pose = [&](const CameraImuEstimate& e, double delay) {

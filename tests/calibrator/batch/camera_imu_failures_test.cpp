@@ -11,11 +11,11 @@
 namespace plumbline {
 namespace {
 
+using test::matchedOptions;
+using test::noisyRecording;
+using test::simulate;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using testing::matchedOptions;
-using testing::noisyRecording;
-using testing::simulate;
 
 Failure failureOf(const SimulatedSession& s) {
   const auto r = calibrateCameraImu(s.session, s.truth.cameras, matchedOptions(s, 0.2));

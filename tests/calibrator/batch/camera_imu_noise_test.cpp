@@ -20,10 +20,10 @@ struct Assumed {
 };
 
 ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed) {
-  SimulationOptions simulation = testing::noisyRecording(seed, 10);
+  SimulationOptions simulation = test::noisyRecording(seed, 10);
   simulation.trajectory.seed = seed;
-  const SimulatedSession s = testing::simulate(simulation);
-  CameraImuOptions options = testing::matchedOptions(s, assumed.pixel_sigma);
+  const SimulatedSession s = test::simulate(simulation);
+  CameraImuOptions options = test::matchedOptions(s, assumed.pixel_sigma);
   options.noise = s.session.imu->noise;
   options.noise->gyro_density *= assumed.gyro;
   options.noise->accel_density *= assumed.accel;
@@ -81,11 +81,10 @@ TEST(ImuNoiseCheck, AWrongPixelSigmaDoesNotMatter) {
 }
 
 FrameErrors frameErrorsWith(const std::vector<Fault>& faults) {
-  SimulationOptions simulation = testing::noisyRecording(3, 12);
+  SimulationOptions simulation = test::noisyRecording(3, 12);
   simulation.faults = faults;
-  const SimulatedSession s = testing::simulate(simulation);
-  const auto result =
-      calibrateCameraImu(s.session, s.truth.cameras, testing::matchedOptions(s, 0.2));
+  const SimulatedSession s = test::simulate(simulation);
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, test::matchedOptions(s, 0.2));
   if (!result) throw std::runtime_error(toString(result.failure()));
   return result->frame_errors.value();
 }

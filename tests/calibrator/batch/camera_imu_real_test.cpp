@@ -14,8 +14,8 @@
 namespace plumbline {
 namespace {
 
-const testing::EurocRecording& recording() {
-  static const testing::EurocRecording r = testing::readEurocRecording(PLUMBLINE_SHARED_DATA);
+const test::EurocRecording& recording() {
+  static const test::EurocRecording r = test::readEurocRecording(PLUMBLINE_SHARED_DATA);
   return r;
 }
 

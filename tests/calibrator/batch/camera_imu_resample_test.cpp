@@ -16,8 +16,8 @@ struct Solved {
 };
 
 Solved solved(std::uint64_t seed) {
-  SimulatedSession s = testing::simulate(testing::noisyRecording(seed, 15));
-  const CameraImuOptions options = testing::matchedOptions(s, 0.2);
+  SimulatedSession s = test::simulate(test::noisyRecording(seed, 15));
+  const CameraImuOptions options = test::matchedOptions(s, 0.2);
   auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   if (!result) throw std::runtime_error(toString(result.failure()));
   return {std::move(s), options, std::move(result).value()};

@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kDuration = 20;
+constexpr double kRobustDuration = 20;
 
 Fault faultOf(FaultKind kind, double value, double extent) {
   Fault fault;
@@ -28,10 +28,10 @@ struct Recording {
 };
 
 CameraImuStageResult calibrated(const Recording& recording, const std::vector<Fault>& faults) {
-  SimulationOptions simulation = testing::noisyRecording(recording.seed, kDuration);
+  SimulationOptions simulation = test::noisyRecording(recording.seed, kRobustDuration);
   simulation.trajectory.seed = recording.seed;
   simulation.faults = faults;
-  SimulatedSession simulated = testing::simulate(simulation, recording.rig);
+  SimulatedSession simulated = test::simulate(simulation, recording.rig);
   if (recording.mono) {
     simulated.session.cameras.resize(1);
     simulated.truth.cameras.resize(1);

@@ -12,8 +12,8 @@ namespace plumbline {
 namespace {
 
 struct Case {
-  SimulatedSession simulated = testing::simulate(testing::noisyRecording(3));
-  CameraImuOptions options = testing::matchedOptions(simulated, 0.2);
+  SimulatedSession simulated = test::simulate(test::noisyRecording(3));
+  CameraImuOptions options = test::matchedOptions(simulated, 0.2);
 
   Result<CameraImuStageResult> score(const ImuCalibration& imu) const {
     return scoreCameraImu(simulated.session, simulated.truth.cameras, imu, options);

@@ -10,11 +10,11 @@
 namespace plumbline {
 namespace {
 
-using testing::calibrationError;
-using testing::exactRecording;
-using testing::matchedOptions;
-using testing::noisyRecording;
-using testing::simulate;
+using test::calibrationError;
+using test::exactRecording;
+using test::matchedOptions;
+using test::noisyRecording;
+using test::simulate;
 
 CameraImuStageResult solved(const SimulatedSession& s, const CameraImuOptions& options) {
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);

@@ -43,15 +43,15 @@ TEST_P(CameraImuStatistics, NormalisedErrorsOfEachBlockAreWithinTheirBounds) {
   double offset = 0;
   double state = 0;
   for (int seed = 1; seed <= kRuns; ++seed) {
-    SimulationOptions simulation = testing::noisyRecording(static_cast<std::uint64_t>(seed), 6);
+    SimulationOptions simulation = test::noisyRecording(static_cast<std::uint64_t>(seed), 6);
     simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
-    const SimulatedSession s = testing::simulate(simulation, GetParam());
-    CameraImuOptions options = testing::matchedOptions(s, simulation.corner_sigma_px);
+    const SimulatedSession s = test::simulate(simulation, GetParam());
+    CameraImuOptions options = test::matchedOptions(s, simulation.corner_sigma_px);
     options.state_covariances = true;
     const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
     ASSERT_TRUE(result) << "seed " << seed << ": " << result.failure();
     ASSERT_TRUE(result->summary.converged) << "seed " << seed;
-    const Eigen::VectorXd error = testing::calibrationError(s, *result);
+    const Eigen::VectorXd error = test::calibrationError(s, *result);
     const Eigen::MatrixXd& covariance = result->summary.covariance.matrix;
     translation += squaredNorm(error.head(3), covariance.topLeftCorner(3, 3));
     rotation += squaredNorm(error.segment(3, 3), covariance.block(3, 3, 3, 3));

@@ -55,7 +55,7 @@ double widestAngle(const CameraStageResult& result) {
 
 /// EuRoC's cam0 in the models that have no example of their own size.
 Intrinsics lensOf(ProjectionModel projection, DistortionModel distortion) {
-  for (const Intrinsics& lens : testing::everyModel()) {
+  for (const Intrinsics& lens : test::everyModel()) {
     if (lens.projection_model == projection && lens.distortion_model == distortion) return lens;
   }
   return {};
@@ -78,7 +78,7 @@ TEST(CameraModels, EveryModelRecoversTheLensWithoutNoise) {
 
 /// A fisheye that shows 195 degrees over the height of the image, in this model.
 Intrinsics fisheye(ProjectionModel projection) {
-  Intrinsics lens = testing::doubleSphereCamera();
+  Intrinsics lens = test::doubleSphereCamera();
   lens.resolution = {752, 752};
   lens.projection << -0.2, 0.59, 1, 1, 374.1, 377.3;
   const double half = 195 * std::numbers::pi / 360;
@@ -112,7 +112,7 @@ CameraStageOptions chosen() {
 }
 
 TEST(ModelChoice, FindsTheModelOfTheLens) {
-  for (const Intrinsics& lens : {testing::equidistantCamera(), fisheye(ProjectionModel::kDs)}) {
+  for (const Intrinsics& lens : {test::equidistantCamera(), fisheye(ProjectionModel::kDs)}) {
     const SimulatedSession s = recorded(lens, 0.1, 30);
     const auto result = calibrateCameras(s.session, chosen());
     ASSERT_TRUE(result.ok()) << nameOf(lens) << ": " << result.failure();
@@ -130,14 +130,14 @@ TEST(ModelChoice, FindsTheModelOfTheLens) {
 }
 
 TEST(ModelChoice, KeepsTheStatedModelWhereNoneIsBetter) {
-  SimulatedSession s = recorded(testing::radtanCamera(), 0.2, 30);
+  SimulatedSession s = recorded(test::radtanCamera(), 0.2, 30);
   s.session.cameras[0].camera_model = "pinhole";
   s.session.cameras[0].distortion_model = "radtan";
   const auto result = calibrateCameras(s.session, chosen());
   ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_EQ(result->models[0].reason, ModelReason::kStated);
   EXPECT_EQ(result->models[0].distortion, DistortionModel::kRadtan);
-  CameraStageOptions given = as(testing::radtanCamera());
+  CameraStageOptions given = as(test::radtanCamera());
   given.cauchy_px = CameraStageOptions().cauchy_px;
   given.pixel_sigma = CameraStageOptions().pixel_sigma;
   const auto same = calibrateCameras(s.session, given);
@@ -146,7 +146,7 @@ TEST(ModelChoice, KeepsTheStatedModelWhereNoneIsBetter) {
 }
 
 TEST(ModelChoice, LeavesAStatedModelThatMisfits) {
-  SimulatedSession s = recorded(testing::equidistantCamera(), 0.2, 30);
+  SimulatedSession s = recorded(test::equidistantCamera(), 0.2, 30);
   s.session.cameras[0].camera_model = "pinhole";
   s.session.cameras[0].distortion_model = "radtan";
   const auto result = calibrateCameras(s.session, chosen());
@@ -156,7 +156,7 @@ TEST(ModelChoice, LeavesAStatedModelThatMisfits) {
 }
 
 TEST(ModelChoice, DoesNotDependOnTheNumberOfThreads) {
-  const SimulatedSession s = recorded(testing::eucmCamera(), 0.2);
+  const SimulatedSession s = recorded(test::eucmCamera(), 0.2);
   CameraStageOptions options = chosen();
   const auto one = calibrateCameras(s.session, options);
   options.threads = 3;

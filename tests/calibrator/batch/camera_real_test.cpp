@@ -12,7 +12,7 @@ namespace plumbline {
 namespace {
 
 const Session& euroc() {
-  static const Session session = testing::readEurocRecording(PLUMBLINE_SHARED_DATA).session;
+  static const Session session = test::readEurocRecording(PLUMBLINE_SHARED_DATA).session;
   return session;
 }
 

@@ -12,7 +12,7 @@
 namespace plumbline {
 namespace {
 
-SimulationOptions shortRecording(double sigma_px) {
+SimulationOptions simulatedRecording(double sigma_px) {
   SimulationOptions options;
   options.duration_s = 12;
   options.camera_rate_hz = 5;
@@ -24,7 +24,7 @@ SimulatedSession simulated(const std::string& rig, const SimulationOptions& opti
   return simulateSession(simulatedRig(rig), options);
 }
 
-CameraStageOptions squared(double pixel_sigma = 1) {
+CameraStageOptions squaredError(double pixel_sigma = 1) {
   CameraStageOptions options;
   options.cauchy_px = 0;
   options.pixel_sigma = pixel_sigma;
@@ -38,7 +38,7 @@ Eigen::VectorXd errorOf(const CameraStageResult& result, const Calibration& trut
 
 TEST(CameraBatch, RecoversTheTruthWithoutNoiseForEveryModel) {
   for (const char* rig : {"euroc", "tumvi", "d435i"}) {
-    const SimulatedSession s = simulated(rig, shortRecording(0));
+    const SimulatedSession s = simulated(rig, simulatedRecording(0));
     const auto result = calibrateCameras(s.session);
     ASSERT_TRUE(result.ok()) << rig << ": " << result.failure();
     EXPECT_TRUE(result->summary.converged);
@@ -50,7 +50,7 @@ TEST(CameraBatch, RecoversTheTruthWithoutNoiseForEveryModel) {
 }
 
 TEST(CameraBatch, DoesNotDependOnTheNumberOfThreads) {
-  const SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  const SimulatedSession s = simulated("euroc", simulatedRecording(0.2));
   CameraStageOptions options;
   const auto one = calibrateCameras(s.session, options);
   options.threads = 3;
@@ -62,7 +62,7 @@ TEST(CameraBatch, DoesNotDependOnTheNumberOfThreads) {
 }
 
 TEST(CameraBatch, TheOrderOfTheCamerasOnlyTurnsTheExtrinsicsRound) {
-  const SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  const SimulatedSession s = simulated("euroc", simulatedRecording(0.2));
   Session swapped = s.session;
   std::swap(swapped.cameras[0], swapped.cameras[1]);
   const auto a = calibrateCameras(s.session);
@@ -73,7 +73,7 @@ TEST(CameraBatch, TheOrderOfTheCamerasOnlyTurnsTheExtrinsicsRound) {
 }
 
 TEST(CameraBatch, EqualsCeresWithAndWithoutLoss) {
-  SimulationOptions recording = shortRecording(0.3);
+  SimulationOptions recording = simulatedRecording(0.3);
   recording.duration_s = 4;
   const SimulatedSession s = simulated("euroc", recording);
   for (const double cauchy_px : {0.0, 1.5}) {
@@ -92,7 +92,7 @@ TEST(CameraBatch, EqualsCeresWithAndWithoutLoss) {
 }
 
 TEST(CameraBatch, OutliersAreRejectedAndCounted) {
-  SimulationOptions recording = shortRecording(0.2);
+  SimulationOptions recording = simulatedRecording(0.2);
   recording.outlier_fraction = 0.02;
   const SimulatedSession s = simulated("euroc", recording);
   CameraStageOptions options;
@@ -110,21 +110,21 @@ TEST(CameraBatch, OutliersAreRejectedAndCounted) {
 }
 
 TEST(CameraBatch, SurvivesViewsOfASingleTag) {
-  SimulatedSession s = simulated("euroc", shortRecording(0.1));
+  SimulatedSession s = simulated("euroc", simulatedRecording(0.1));
   for (CameraStream& camera : s.session.cameras) {
     for (std::size_t i = 0; i < camera.views.size(); i += 3) {
       auto& corners = camera.views[i].corners;
       if (corners.size() > 4) corners.resize(4);
     }
   }
-  const auto result = calibrateCameras(s.session, squared(0.1));
+  const auto result = calibrateCameras(s.session, squaredError(0.1));
   ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.1 * std::sqrt(2), 0.01);
 }
 
 TEST(CameraBatch, SelectedViewsAreFewerAndNearlyAsGood) {
-  const SimulatedSession s = simulated("euroc", shortRecording(0.2));
-  CameraStageOptions options = squared(0.2);
+  const SimulatedSession s = simulated("euroc", simulatedRecording(0.2));
+  CameraStageOptions options = squaredError(0.2);
   const auto all = calibrateCameras(s.session, options);
   options.select_views = ViewSelectionOptions{};
   const auto some = calibrateCameras(s.session, options);
@@ -134,7 +134,7 @@ TEST(CameraBatch, SelectedViewsAreFewerAndNearlyAsGood) {
 }
 
 TEST(CameraBatch, CamerasWithoutCommonViewsAreNamed) {
-  SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  SimulatedSession s = simulated("euroc", simulatedRecording(0.2));
   for (ImageView& view : s.session.cameras[1].views) view.t += 100'000'000'000;
   const auto result = calibrateCameras(s.session);
   ASSERT_FALSE(result.ok());
@@ -143,7 +143,7 @@ TEST(CameraBatch, CamerasWithoutCommonViewsAreNamed) {
 }
 
 TEST(CameraBatch, ACameraWithoutViewsIsNamed) {
-  SimulatedSession s = simulated("euroc", shortRecording(0.2));
+  SimulatedSession s = simulated("euroc", simulatedRecording(0.2));
   for (ImageView& view : s.session.cameras[1].views) view.corners.clear();
   const auto result = calibrateCameras(s.session);
   ASSERT_FALSE(result.ok());
@@ -152,12 +152,12 @@ TEST(CameraBatch, ACameraWithoutViewsIsNamed) {
 }
 
 TEST(CameraBatch, FrontoParallelViewsLeaveTheFocalLengthFree) {
-  SimulationOptions recording = shortRecording(0.2);
+  SimulationOptions recording = simulatedRecording(0.2);
   recording.trajectory.kind = MotionKind::kFrontoParallel;
   const SimulatedSession s = simulated("euroc", recording);
   Session mono = s.session;
   mono.cameras.resize(1);
-  const auto result = calibrateCameras(mono, squared());
+  const auto result = calibrateCameras(mono, squaredError());
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.failure().code, FailureCode::kFocalLengthFree);
 }

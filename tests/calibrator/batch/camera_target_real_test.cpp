@@ -15,7 +15,7 @@ namespace {
 constexpr TimeNs kSplit = 36'000'000'000;  // [ns] from the first frame
 
 const Session& recorded() {
-  static const Session session = testing::readEurocRecording(PLUMBLINE_SHARED_DATA).session;
+  static const Session session = test::readEurocRecording(PLUMBLINE_SHARED_DATA).session;
   return session;
 }
 

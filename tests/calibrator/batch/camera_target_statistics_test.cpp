@@ -17,15 +17,15 @@
 namespace plumbline {
 namespace {
 
-constexpr int kSeeds = 100;
-constexpr double kSigma = 0.2;  // [px]
+constexpr int kTargetSeeds = 100;
+constexpr double kTargetSigma = 0.2;  // [px]
 
 SimulatedSession recorded(int seed, const TargetTerms& terms) {
   SimulationOptions recording;
   recording.seed = static_cast<std::uint64_t>(seed);
   recording.duration_s = 12;
   recording.camera_rate_hz = 5;
-  recording.corner_sigma_px = kSigma;
+  recording.corner_sigma_px = kTargetSigma;
   recording.target.shape.terms = terms;
   return simulateSession(simulatedRig("euroc"), recording);
 }
@@ -33,20 +33,20 @@ SimulatedSession recorded(int seed, const TargetTerms& terms) {
 CameraStageOptions optionsOf(TargetMode mode) {
   CameraStageOptions options;
   options.cauchy_px = 0;
-  options.pixel_sigma = kSigma;
+  options.pixel_sigma = kTargetSigma;
   options.target = mode;
   options.threads = 2;
   return options;
 }
 
-double nees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
+double targetNees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
   return error.dot(covariance.llt().solve(error));
 }
 
 TEST(CameraTargetStatistics, AFlatBoardStaysFlatInNinetyFiveOfAHundredRecordings) {
   int flat = 0;
   std::vector<double> ratios;  // of "cluster-robust or formal" to formal
-  for (int seed = 1; seed <= kSeeds; ++seed) {
+  for (int seed = 1; seed <= kTargetSeeds; ++seed) {
     const SimulatedSession s = recorded(seed, TargetTerms::Zero());
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kAuto));
     ASSERT_TRUE(result.ok() && result->target_fit);
@@ -64,19 +64,20 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithABentBoardAreChiSquare) {
   TargetTerms terms;
   terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4, -2e-4;
   double cameras = 0, board = 0;
-  for (int seed = 1; seed <= kSeeds; ++seed) {
+  for (int seed = 1; seed <= kTargetSeeds; ++seed) {
     const SimulatedSession s = recorded(seed, terms);
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kEstimate));
     ASSERT_TRUE(result.ok() && result->target.covariance);
     const Eigen::VectorXd error = oracle::difference({result->cameras, {}}, {s.truth.cameras, {}});
-    cameras += nees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
-    board += nees(result->target.terms - terms, *result->target.covariance) / kTargetTerms;
+    cameras +=
+        targetNees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
+    board += targetNees(result->target.terms - terms, *result->target.covariance) / kTargetTerms;
   }
   // 22 and 12 parameters, 100 seeds: a mean of chi-square over its dof with std 0.030 and 0.041.
-  EXPECT_NEAR(cameras / kSeeds, 1, 0.1);
-  EXPECT_NEAR(board / kSeeds, 1, 0.135);
-  RecordProperty("cameras_nees_per_dof", fmt::format("{:.3f}", cameras / kSeeds));
-  RecordProperty("board_nees_per_dof", fmt::format("{:.3f}", board / kSeeds));
+  EXPECT_NEAR(cameras / kTargetSeeds, 1, 0.1);
+  EXPECT_NEAR(board / kTargetSeeds, 1, 0.135);
+  RecordProperty("cameras_nees_per_dof", fmt::format("{:.3f}", cameras / kTargetSeeds));
+  RecordProperty("board_nees_per_dof", fmt::format("{:.3f}", board / kTargetSeeds));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <stdexcept>
 
-namespace plumbline::testing {
+namespace plumbline::test {
 namespace {
 
 std::string contents(const std::string& path) {
@@ -121,4 +121,4 @@ EurocRecording readEurocRecording(const std::string& shared_data) {
   return recording;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

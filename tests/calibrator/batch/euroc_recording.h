@@ -7,7 +7,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// The recording euroc_imu_april with the calibration that was published with it. A reader for this
 /// folder alone: `calibrator` and its tests stand below the project's readers.
@@ -20,4 +20,4 @@ struct EurocRecording {
 /// file is missing.
 EurocRecording readEurocRecording(const std::string& shared_data);
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

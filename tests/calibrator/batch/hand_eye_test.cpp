@@ -77,14 +77,14 @@ TEST(HandEye, FindsTheClockOffsetWithIt) {
 }
 
 // Normal quantile 3.9: one in ten thousand on each side (Wilson and Hilferty).
-double chiSquareQuantile(double dof, double z) {
+double handEyeQuantile(double dof, double z) {
   const double a = 2 / (9 * dof);
   return dof * std::pow(1 - a + z * std::sqrt(a), 3);
 }
 
-void expectChiSquare(double sum, double dof) {
-  EXPECT_GT(sum, chiSquareQuantile(dof, -3.7));
-  EXPECT_LT(sum, chiSquareQuantile(dof, 3.7));
+void expectHandEyeChiSquare(double sum, double dof) {
+  EXPECT_GT(sum, handEyeQuantile(dof, -3.7));
+  EXPECT_LT(sum, handEyeQuantile(dof, 3.7));
 }
 
 TEST(HandEye, NormalisedErrorsOfAHundredSeedsAreChiSquare) {
@@ -101,8 +101,8 @@ TEST(HandEye, NormalisedErrorsOfAHundredSeedsAreChiSquare) {
     const Matrix6d P_SM = P.topLeftCorner<6, 6>();
     marker += error.head<6>().dot(P_SM.ldlt().solve(error.head<6>()));
   }
-  expectChiSquare(all, 12 * kSeeds);
-  expectChiSquare(marker, 6 * kSeeds);
+  expectHandEyeChiSquare(all, 12 * kSeeds);
+  expectHandEyeChiSquare(marker, 6 * kSeeds);
 }
 
 TEST(HandEye, NoiseIsEstimatedFromTheResiduals) {

@@ -23,16 +23,16 @@
 namespace plumbline {
 namespace {
 
-constexpr int kSeeds = 200;
-constexpr double kSigma = 0.2;  // [px]
-constexpr double kFar = 1e7;    // [m], where translations no longer matter
+constexpr int kProjectionSeeds = 200;
+constexpr double kProjectionSigma = 0.2;  // [px]
+constexpr double kFar = 1e7;              // [m], where translations no longer matter
 
 SimulatedSession measuredAgain(int seed) {
   SimulationOptions recording;
   recording.seed = static_cast<std::uint64_t>(seed);
   recording.duration_s = 10;
   recording.camera_rate_hz = 2;
-  recording.corner_sigma_px = kSigma;
+  recording.corner_sigma_px = kProjectionSigma;
   return simulateSession(simulatedRig("euroc"), recording);
 }
 
@@ -106,7 +106,7 @@ std::vector<Point> points() {
   return all;
 }
 
-struct Sums {
+struct ProjectionSums {
   double aligned = 0;    // of e^T C^-1 e
   double unaligned = 0;  // the same with the intrinsics alone, as if poses did not move
 };
@@ -115,7 +115,7 @@ struct Sums {
 CameraInformation predicted(const SimulatedSession& s, const CameraStageResult& truth,
                             FrameAlignment alignment) {
   CameraInformationOptions options;
-  options.pixel_sigma = kSigma;
+  options.pixel_sigma = kProjectionSigma;
   options.cauchy_px = 0;
   options.alignment = alignment;
   auto information = cameraInformation(s.session, truth, options);
@@ -124,7 +124,7 @@ CameraInformation predicted(const SimulatedSession& s, const CameraStageResult& 
 }
 
 void addErrors(const SimulatedSession& s, const CameraStageResult& moved, FrameAlignment alignment,
-               std::vector<Sums>& sums) {
+               std::vector<ProjectionSums>& sums) {
   const CameraStageResult truth = truthOf(s, moved.frames);
   const CameraInformation information = predicted(s, truth, alignment);
   const bool mean = alignment == FrameAlignment::kMeanFrames;
@@ -149,27 +149,28 @@ void addErrors(const SimulatedSession& s, const CameraStageResult& moved, FrameA
 }
 
 void check(FrameAlignment alignment, const char* name) {
-  std::vector<Sums> sums(points().size());
-  for (int seed = 1; seed <= kSeeds; ++seed) {
+  std::vector<ProjectionSums> sums(points().size());
+  for (int seed = 1; seed <= kProjectionSeeds; ++seed) {
     const SimulatedSession s = measuredAgain(seed);
     CameraStageOptions options;
     options.cauchy_px = 0;
-    options.pixel_sigma = kSigma;
+    options.pixel_sigma = kProjectionSigma;
     options.start = s.truth.cameras;
     const auto result = calibrateCameras(s.session, options);
     ASSERT_TRUE(result.ok()) << seed;
     addErrors(s, *result, alignment, sums);
   }
-  // A sum of 2 kSeeds squared normal errors: relative deviation 1 / sqrt(kSeeds) = 7 %.
-  const double tolerance = 3.9 / std::sqrt(static_cast<double>(kSeeds));
+  // A sum of 2 kProjectionSeeds squared normal errors: relative deviation 1 /
+  // sqrt(kProjectionSeeds) = 7 %.
+  const double tolerance = 3.9 / std::sqrt(static_cast<double>(kProjectionSeeds));
   const std::vector<Point> all = points();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double ratio = sums[i].aligned / (2 * kSeeds);
+    const double ratio = sums[i].aligned / (2 * kProjectionSeeds);
     const std::string what = fmt::format("{} cam{} ({}, {}) at {} m", name, all[i].camera,
                                          all[i].uv.x(), all[i].uv.y(), all[i].range_m);
     EXPECT_NEAR(ratio, 1, tolerance) << what;
     // Intrinsics alone would predict several times the spread: the test can tell.
-    EXPECT_LT(sums[i].unaligned / (2 * kSeeds), 0.5) << what;
+    EXPECT_LT(sums[i].unaligned / (2 * kProjectionSeeds), 0.5) << what;
     ::testing::Test::RecordProperty(fmt::format("{}_{}", name, i), fmt::format("{:.4f}", ratio));
   }
 }

@@ -20,9 +20,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kRuns = 100;      // coverage is known to two percent
-constexpr double kSigma = 0.2;  // [px]
-constexpr double k90 = 1.645;   // quantile 0.95 of the normal distribution
+constexpr int kCoverageRuns = 100;      // coverage is known to two percent
+constexpr double kCoverageSigma = 0.2;  // [px]
+constexpr double k90 = 1.645;           // quantile 0.95 of the normal distribution
 
 /// The noise of every corner of the board a first-order Markov process over the frames in which it
 /// is seen, of the same standard deviation.
@@ -37,7 +37,7 @@ void addMarkovNoise(double correlation, std::uint64_t seed, Session& session) {
         const Eigen::Vector2d n(normal(random), normal(random));
         const auto [at, first] = noise.try_emplace(corner.id, n);
         if (!first) at->second = correlation * at->second + fresh * n;
-        corner.uv += kSigma * at->second;
+        corner.uv += kCoverageSigma * at->second;
       }
     }
   }
@@ -80,12 +80,11 @@ struct Stages {
 };
 
 SimulatedSession recorded(int seed, double duration_s, double correlation) {
-  SimulationOptions simulation =
-      testing::noisyRecording(static_cast<std::uint64_t>(seed), duration_s);
+  SimulationOptions simulation = test::noisyRecording(static_cast<std::uint64_t>(seed), duration_s);
   simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
   simulation.camera_rate_hz = 5;
-  simulation.corner_sigma_px = correlation > 0 ? 0 : kSigma;
-  SimulatedSession s = testing::simulate(simulation);
+  simulation.corner_sigma_px = correlation > 0 ? 0 : kCoverageSigma;
+  SimulatedSession s = test::simulate(simulation);
   s.session.cameras.resize(1);
   s.truth.cameras.resize(1);
   if (correlation > 0) addMarkovNoise(correlation, static_cast<std::uint64_t>(seed), s.session);
@@ -95,11 +94,11 @@ SimulatedSession recorded(int seed, double duration_s, double correlation) {
 void addRun(const SimulatedSession& s, Stages& stages) {
   CameraStageOptions cameras;
   cameras.cauchy_px = 0;
-  cameras.pixel_sigma = kSigma;
+  cameras.pixel_sigma = kCoverageSigma;
   const auto first = calibrateCameras(s.session, cameras);
   ASSERT_TRUE(first && first->summary.robust_std && first->summary.robust_dof);
   const auto second =
-      calibrateCameraImu(s.session, first->cameras, testing::matchedOptions(s, kSigma));
+      calibrateCameraImu(s.session, first->cameras, test::matchedOptions(s, kCoverageSigma));
   ASSERT_TRUE(second);
   const ParameterCovariance& formal = first->summary.covariance;
   stages.camera.add(cameraDifference(s.truth.cameras, first->cameras),
@@ -109,13 +108,13 @@ void addRun(const SimulatedSession& s, Stages& stages) {
   const auto robust = robustDeviationsOfBothStages(*first, *second);
   ASSERT_TRUE(added && robust);
   stages.camera_imu.add(
-      testing::calibrationError(s, *second), *robust,
+      test::calibrationError(s, *second), *robust,
       (second->summary.covariance.matrix.diagonal() + added->diagonal()).cwiseSqrt());
 }
 
 Stages stagesOf(double duration_s, double correlation) {
   Stages stages;
-  for (int seed = 1; seed <= kRuns; ++seed) {
+  for (int seed = 1; seed <= kCoverageRuns; ++seed) {
     addRun(recorded(seed, duration_s, correlation), stages);
   }
   const auto row = [](const Deviates& d) {

@@ -17,8 +17,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int kRuns = 24;
-constexpr double kSigma = 0.2;  // [px]
+constexpr int kStagesRuns = 24;
+constexpr double kStagesSigma = 0.2;  // [px]
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
@@ -30,22 +30,22 @@ struct Run {
 };
 
 Run runOf(int seed, const TargetTerms& board) {
-  SimulationOptions simulation = testing::noisyRecording(static_cast<std::uint64_t>(seed), 20);
+  SimulationOptions simulation = test::noisyRecording(static_cast<std::uint64_t>(seed), 20);
   simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
   simulation.camera_rate_hz = 5;
   simulation.target.shape.terms = board;
-  SimulatedSession s = testing::simulate(simulation);
+  SimulatedSession s = test::simulate(simulation);
   s.session.cameras.resize(1);  // one camera: T_SC0 leans on its principal point
   s.truth.cameras.resize(1);
   CameraStageOptions cameras;
   cameras.cauchy_px = 0;
-  cameras.pixel_sigma = kSigma;
+  cameras.pixel_sigma = kStagesSigma;
   cameras.target = board.isZero(0) ? TargetMode::kGiven : TargetMode::kEstimate;
   const auto first = calibrateCameras(s.session, cameras);
   EXPECT_TRUE(first.ok()) << seed;
   s.session.target.shape = first->target;
   const auto second =
-      calibrateCameraImu(s.session, first->cameras, testing::matchedOptions(s, kSigma));
+      calibrateCameraImu(s.session, first->cameras, test::matchedOptions(s, kStagesSigma));
   EXPECT_TRUE(second.ok()) << seed;
   // Formal in both stages; with a bent board the cameras' part alone is at hand.
   const auto added =
@@ -53,7 +53,7 @@ Run runOf(int seed, const TargetTerms& board) {
                                                    : first->robust_covariance->matrix);
   EXPECT_TRUE(added) << seed;
   Run run;
-  run.error = testing::calibrationError(s, *second);
+  run.error = test::calibrationError(s, *second);
   run.own = second->summary.covariance.matrix;
   run.total = run.own + *added;
   const auto robust = robustDeviationsOfBothStages(*first, *second);
@@ -67,14 +67,14 @@ double nees(const Vector7d& error, const Matrix7d& covariance) {
   return error.head<6>().dot(covariance.topLeftCorner<6, 6>().llt().solve(error.head<6>()));
 }
 
-struct Sums {
+struct StagesSums {
   double own = 0, total = 0;
   std::vector<double> ratios;
 };
 
-Sums sumsOver(const TargetTerms& board) {
-  Sums sums;
-  for (int seed = 1; seed <= kRuns; ++seed) {
+StagesSums sumsOver(const TargetTerms& board) {
+  StagesSums sums;
+  for (int seed = 1; seed <= kStagesRuns; ++seed) {
     const Run run = runOf(seed, board);
     sums.own += nees(run.error, run.own);
     sums.total += nees(run.error, run.total);
@@ -87,7 +87,7 @@ Sums sumsOver(const TargetTerms& board) {
 constexpr double kLow = 94.6, kHigh = 206.5;
 
 TEST(TwoStagesStatistics, TheLeverArmsCovarianceHoldsTheCamerasErrors) {
-  const Sums sums = sumsOver(TargetTerms::Zero());
+  const StagesSums sums = sumsOver(TargetTerms::Zero());
   RecordProperty("nees_own", fmt::format("{:.1f}", sums.own));
   RecordProperty("nees_total", fmt::format("{:.1f}", sums.total));
   RecordProperty("robust_ratio", fmt::format("{:.3f}", median(sums.ratios)));
@@ -101,14 +101,14 @@ TEST(TwoStagesStatistics, TheLeverArmsCovarianceHoldsTheCamerasErrors) {
 TEST(TwoStagesStatistics, AndThoseOfTheBoard) {
   TargetTerms board;
   board << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4, 0;
-  const Sums sums = sumsOver(board);
+  const StagesSums sums = sumsOver(board);
   RecordProperty("nees_own", fmt::format("{:.1f}", sums.own));
   RecordProperty("nees_total", fmt::format("{:.1f}", sums.total));
   EXPECT_GT(sums.total, kLow);
   EXPECT_LT(sums.total, kHigh);
 }
 
-struct Solved {
+struct SolvedStages {
   SimulatedSession simulated;
   CameraStageOptions camera_options;
   CameraImuOptions camera_imu_options;
@@ -117,18 +117,18 @@ struct Solved {
 };
 
 /// One camera on a bent board, both of which are estimated.
-Solved bentBoard() {
-  SimulationOptions simulation = testing::noisyRecording(1, 20);
+SolvedStages bentBoard() {
+  SimulationOptions simulation = test::noisyRecording(1, 20);
   simulation.camera_rate_hz = 5;
   simulation.target.shape.terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4,
       -1e-4, 0;
-  Solved out{testing::simulate(simulation), {}, {}, {}, {}};
+  SolvedStages out{test::simulate(simulation), {}, {}, {}, {}};
   out.simulated.session.cameras.resize(1);
   out.simulated.truth.cameras.resize(1);
   out.camera_options.cauchy_px = 0;
-  out.camera_options.pixel_sigma = kSigma;
+  out.camera_options.pixel_sigma = kStagesSigma;
   out.camera_options.target = TargetMode::kEstimate;
-  out.camera_imu_options = testing::matchedOptions(out.simulated, kSigma);
+  out.camera_imu_options = test::matchedOptions(out.simulated, kStagesSigma);
   out.camera = calibrateCameras(out.simulated.session, out.camera_options).value();
   Session placed = out.simulated.session;
   placed.target.shape = out.camera.target;
@@ -142,7 +142,7 @@ double factor(const Eigen::VectorXd& of, const Eigen::VectorXd& over) {
 }
 
 TEST(TwoStagesStatistics, TheBootstrapDrawsCamerasAndBoardToo) {
-  const Solved s = bentBoard();
+  const SolvedStages s = bentBoard();
   ResampleOptions resample;
   resample.draws = 30;
   resample.segments = 10;
@@ -171,7 +171,7 @@ TEST(TwoStagesStatistics, TheBootstrapDrawsCamerasAndBoardToo) {
 
 // A sum's degrees of freedom lie between those of the part with the fewest and those of both.
 TEST(TwoStagesStatistics, DegreesOfFreedomAreThoseOfBothStages) {
-  const Solved s = bentBoard();
+  const SolvedStages s = bentBoard();
   const auto total = robustDeviationsOfBothStages(s.camera, s.camera_imu);
   ASSERT_TRUE(total && s.camera_imu.faults->robust_dof);
   const RobustCovariance& cameras = *s.camera.robust_covariance;

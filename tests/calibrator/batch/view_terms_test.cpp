@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-SimulatedSession recording() {
+SimulatedSession viewsRecording() {
   SimulationOptions simulation;
   simulation.duration_s = 8;
   simulation.camera_rate_hz = 4;
@@ -28,15 +28,15 @@ SimulatedSession recording() {
 }
 
 /// A stereo recording at its own calibration.
-struct Solved {
-  SimulatedSession simulated = recording();
+struct SolvedViews {
+  SimulatedSession simulated = viewsRecording();
   CameraStageResult result;
   std::vector<PackedCorners> corners;
   CameraProblem problem;
   CameraEstimate estimate;
   std::vector<RigView> views;
 
-  Solved() {
+  SolvedViews() {
     CameraStageOptions options;
     options.cauchy_px = 0;
     options.pixel_sigma = 0.3;
@@ -58,14 +58,15 @@ struct Solved {
   }
 };
 
-const Solved& solved() {
-  static const Solved s;
+const SolvedViews& solved() {
+  static const SolvedViews s;
   return s;
 }
 
 /// Rows (twist of T_C0F 6, cameras 22, fields 84, error) of all corners of a frame, squared up, the
 /// twist eliminated.
-Eigen::MatrixXd denseTerms(const Solved& s, const RigView& rig, const std::vector<FieldBox>& box) {
+Eigen::MatrixXd denseTerms(const SolvedViews& s, const RigView& rig,
+                           const std::vector<FieldBox>& box) {
   constexpr int kColumns = 6 + 22 + 2 * kFieldColumns + 1;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(kColumns, kColumns);
   for (std::size_t c = 0; c < 2; ++c) {
@@ -98,7 +99,7 @@ Eigen::MatrixXd denseTerms(const Solved& s, const RigView& rig, const std::vecto
 }
 
 TEST(ViewTerms, AreTheSumsOverCornersWithoutThePose) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   const auto boxes = seenBoxes(s.views, s.estimate);
   const ViewTermsMaker maker(s.estimate, {boxes, {}}, 0);
   for (const std::size_t f : {std::size_t{0}, s.views.size() / 2}) {
@@ -113,7 +114,7 @@ TEST(ViewTerms, AreTheSumsOverCornersWithoutThePose) {
 }
 
 TEST(ViewTerms, TheInformationIsTheBatchs) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   const auto shares = frameInformation(s.problem, s.estimate);
   const ViewTermsMaker maker(s.estimate, {seenBoxes(s.views, s.estimate), {}}, 0);
   for (std::size_t f = 0; f < s.views.size(); ++f) {
@@ -123,7 +124,7 @@ TEST(ViewTerms, TheInformationIsTheBatchs) {
 }
 
 TEST(ViewTerms, CombinationsOfFieldsAreTheirProducts) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   const auto model = errorModel(s.views, s.estimate, 0, LaterUseKind::kSeen);
   ASSERT_TRUE(model);
   const MisfitField& field = model->maker.field();
@@ -140,14 +141,14 @@ TEST(ViewTerms, CombinationsOfFieldsAreTheirProducts) {
 }
 
 TEST(ViewTerms, AFrameWithoutAPoseSaysNothing) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   const ViewTermsMaker maker(s.estimate, {seenBoxes(s.views, s.estimate), {}}, 0);
   const RigView nothing{{PackedView{}, PackedView{}}, Transform()};
   EXPECT_EQ(maker.seen(nothing).corners, 0);
 }
 
 TEST(CellWeights, RaiseWhatIsRarelySeen) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   const auto seen = cellWeights(s.views, s.estimate, LaterUseKind::kSeen);
   const auto image = cellWeights(s.views, s.estimate, LaterUseKind::kImage);
   ASSERT_EQ(seen.size(), 96u);
@@ -172,7 +173,7 @@ TEST(CellWeights, RaiseWhatIsRarelySeen) {
 }
 
 TEST(ErrorModel, NothingFromTooFewFrames) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   EXPECT_FALSE(errorModel({}, s.estimate, 0, LaterUseKind::kSeen));
   RigView one = s.views[0];
   one.views[1] = PackedView{};  // T_C0C1 stays free
@@ -180,7 +181,7 @@ TEST(ErrorModel, NothingFromTooFewFrames) {
 }
 
 TEST(SelectViewsByError, FewByPredictedErrorAreNearlyAsGoodAsAll) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   CameraStageOptions options;
   options.cauchy_px = 0;
   options.pixel_sigma = 0.3;
@@ -203,7 +204,7 @@ TEST(SelectViewsByError, FewByPredictedErrorAreNearlyAsGoodAsAll) {
 }
 
 TEST(SelectViewsByError, AViewOfSeveralPixelsIsNotTaken) {
-  const Solved& s = solved();
+  const SolvedViews& s = solved();
   Session spoilt = s.simulated.session;
   for (CameraStream& camera : spoilt.cameras) {
     for (std::size_t i = 0; i < camera.views[5].corners.size(); ++i) {

@@ -57,7 +57,7 @@ TEST(Project, WithoutDistortionAPinholeIsAPinhole) {
 }
 
 TEST(Project, TheAxisMeetsThePrincipalPoint) {
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     const Eigen::Vector4d lens = camera.projection.tail<4>();
     expectPixel(project(camera, {0, 0, 2}), lens[2], lens[3]);
     const Projection projection = projectWithJacobians(camera, {0, 0, 2}).value();
@@ -71,13 +71,13 @@ TEST(Project, TheAxisMeetsThePrincipalPoint) {
 
 TEST(Project, EmptyBehindTheCameraAndForNaN) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Intrinsics& camera : testing::allCameras()) {
+  for (const Intrinsics& camera : test::allCameras()) {
     EXPECT_FALSE(project(camera, {0.1, 0.1, -1}).has_value());
     EXPECT_FALSE(project(camera, {0.1, 0.1, 0}).has_value());
     EXPECT_FALSE(project(camera, {nan, 0.1, 1}).has_value());
     EXPECT_FALSE(projectWithJacobians(camera, {0.1, 0.1, -1}).has_value());
   }
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     EXPECT_FALSE(project(camera, {0.1, 0.1, -10}).has_value());
     EXPECT_FALSE(project(camera, {nan, 0.1, 1}).has_value());
     EXPECT_FALSE(project(camera, {0, 0, 0}).has_value());
@@ -99,7 +99,7 @@ double widestAngle(const Intrinsics& camera) {
 TEST(Project, WideModelsEndWhereTheirImageStopsGrowing) {
   using P = ProjectionModel;
   const auto wide = [](P projection, std::initializer_list<double> values) {
-    return testing::cameraOf(projection, DistortionModel::kNone, values, {});
+    return test::cameraOf(projection, DistortionModel::kNone, values, {});
   };
   // Omni: cos = -xi, and -1/xi above 1. EUCM, beta 1: cos = -w. DS, xi 0: the same.
   EXPECT_NEAR(widestAngle(wide(P::kOmni, {0.6, 100, 100, 0, 0})), std::acos(-0.6), 1e-9);
@@ -110,7 +110,7 @@ TEST(Project, WideModelsEndWhereTheirImageStopsGrowing) {
   EXPECT_NEAR(widestAngle(wide(P::kDs, {-0.2, 0, 100, 100, 0, 0})), std::acos(0.2), 1e-9);
   EXPECT_NEAR(widestAngle(wide(P::kDs, {0.2, 0, 100, 100, 0, 0})), std::acos(-0.2), 1e-9);
   // Within those limits the radius grows, up to the limit.
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     double last = -1;
     const double end = widestAngle(camera);
     ASSERT_GT(end, 0.9);
@@ -126,26 +126,26 @@ TEST(Project, WideModelsEndWhereTheirImageStopsGrowing) {
 
 TEST(Project, WideModelsContainThePinhole) {
   const Eigen::Vector3d p(0.3, -0.2, 0.9);
-  const auto pinhole = project(testing::cameraOf(ProjectionModel::kPinhole, DistortionModel::kNone,
-                                                 {100, 200, 10, 20}, {}),
+  const auto pinhole = project(test::cameraOf(ProjectionModel::kPinhole, DistortionModel::kNone,
+                                              {100, 200, 10, 20}, {}),
                                p)
                            .value();
   const auto same = [&](const Intrinsics& camera) {
     return (project(camera, p).value() - pinhole).norm() < 1e-12;
   };
   const auto none = DistortionModel::kNone;
-  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kOmni, none, {0, 100, 200, 10, 20}, {})));
-  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kEucm, none, {0, 3, 100, 200, 10, 20}, {})));
-  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kDs, none, {0, 0, 100, 200, 10, 20}, {})));
-  EXPECT_TRUE(same(testing::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov,
-                                     {100, 200, 10, 20}, {0})));
+  EXPECT_TRUE(same(test::cameraOf(ProjectionModel::kOmni, none, {0, 100, 200, 10, 20}, {})));
+  EXPECT_TRUE(same(test::cameraOf(ProjectionModel::kEucm, none, {0, 3, 100, 200, 10, 20}, {})));
+  EXPECT_TRUE(same(test::cameraOf(ProjectionModel::kDs, none, {0, 0, 100, 200, 10, 20}, {})));
+  EXPECT_TRUE(same(
+      test::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov, {100, 200, 10, 20}, {0})));
   // EUCM with beta = 1 and DS with xi = 0 are the unified model: xi = alpha / (1 - alpha), the
   // focal lengths over 1 - alpha.
-  const auto unified = testing::cameraOf(ProjectionModel::kOmni, none, {1.5, 250, 500, 10, 20}, {});
+  const auto unified = test::cameraOf(ProjectionModel::kOmni, none, {1.5, 250, 500, 10, 20}, {});
   const Eigen::Vector2d uv = project(unified, p).value();
   for (const auto& camera :
-       {testing::cameraOf(ProjectionModel::kEucm, none, {0.6, 1, 100, 200, 10, 20}, {}),
-        testing::cameraOf(ProjectionModel::kDs, none, {0, 0.6, 100, 200, 10, 20}, {})}) {
+       {test::cameraOf(ProjectionModel::kEucm, none, {0.6, 1, 100, 200, 10, 20}, {}),
+        test::cameraOf(ProjectionModel::kDs, none, {0, 0.6, 100, 200, 10, 20}, {})}) {
     EXPECT_LT((project(camera, p).value() - uv).norm(), 1e-12);
   }
 }
@@ -171,7 +171,7 @@ TEST(Project, EquidistantEndsWhereTheAngleStopsGrowing) {
   EXPECT_TRUE(project(camera, {std::tan(0.999999), 0, 1}).has_value());
   EXPECT_FALSE(project(camera, {std::tan(1.000001), 0, 1}).has_value());
   // Without a fold it reaches to the side, though never behind.
-  EXPECT_TRUE(project(testing::equidistantCamera(), {100, 0, 1}).has_value());
+  EXPECT_TRUE(project(test::equidistantCamera(), {100, 0, 1}).has_value());
 }
 
 bool isBeyondNinetyDegrees(const Intrinsics& camera, double u, double v) {
@@ -198,7 +198,7 @@ TEST(Equidistant, TheBoundThatSparesTheSearchNeverReachesBeyondTheFold) {
 }
 
 TEST(Unproject, InvertsProjectOverTheImageForEveryModel) {
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     const double focal = camera.projection[camera.projection.size() - 4];
     for (int u = 0; u < camera.resolution.width; u += 37) {
       for (int v = 0; v < camera.resolution.height; v += 29) {
@@ -234,11 +234,11 @@ TEST(Unproject, RecoversTheRayUpToTheEdgeOfTheDomain) {
 }
 
 TEST(Unproject, EmptyBeyondNinetyDegrees) {
-  EXPECT_FALSE(unproject(testing::equidistantCamera(), {0, 0}).has_value());
+  EXPECT_FALSE(unproject(test::equidistantCamera(), {0, 0}).has_value());
 }
 
 TEST(Models, RefusalNamesWhatIsSupported) {
-  Intrinsics camera = testing::doubleSphereCamera();
+  Intrinsics camera = test::doubleSphereCamera();
   camera.distortion_model = DistortionModel::kRadtan;
   try {
     (void)project(camera, {0, 0, 1});
@@ -254,7 +254,7 @@ TEST(Models, RefusalNamesWhatIsSupported) {
 
 TEST(Models, AllButTheOddPairsOfOmniAreCalibrated) {
   int calibrated = 0;
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     calibrated += canBeCalibrated(camera.projection_model, camera.distortion_model) ? 1 : 0;
   }
   EXPECT_EQ(calibrated, 9);
@@ -265,7 +265,7 @@ TEST(Models, AllButTheOddPairsOfOmniAreCalibrated) {
 }
 
 TEST(Models, RefuseAWrongNumberOfParameters) {
-  Intrinsics camera = testing::radtanCamera();
+  Intrinsics camera = test::radtanCamera();
   camera.distortion = Eigen::Vector2d(0.1, 0.2);
   try {
     (void)project(camera, {0, 0, 1});

@@ -6,7 +6,7 @@
 
 #include "calibrator/base/calibration.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A camera like EuRoC's cam0.
 inline Intrinsics radtanCamera() {
@@ -80,4 +80,4 @@ inline std::vector<Intrinsics> everyModel() {
       eucmCamera()};
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -114,8 +114,8 @@ TEST(CameraJacobians, ByHandForEquidistant) {
 TEST(CameraJacobians, ByHandForOmni) {
   // p = (3, 0, 4), |p| = 5, xi = 0.4: D = 6, x = 1/2; dD/dX = 0.24, dD/dZ = 1.32, dD/dxi = 5, so
   // dx/dX = (1 - 0.12) / 6, dx/dZ = -0.66 / 6, dx/dxi = -2.5 / 6, dy/dY = 1 / 6.
-  const Intrinsics camera = testing::cameraOf(ProjectionModel::kOmni, DistortionModel::kNone,
-                                              {0.4, 600, 300, 10, 20}, {});
+  const Intrinsics camera =
+      test::cameraOf(ProjectionModel::kOmni, DistortionModel::kNone, {0.4, 600, 300, 10, 20}, {});
   const Projection projection = projectWithJacobians(camera, {3, 0, 4}).value();
   EXPECT_TRUE(projection.uv.isApprox(Eigen::Vector2d(310, 20), 1e-14));
   Eigen::Matrix<double, 2, 3> J_point;
@@ -129,8 +129,8 @@ TEST(CameraJacobians, ByHandForOmni) {
 TEST(CameraJacobians, ByHandForEucm) {
   // p = (3, 0, 4), beta = 1, alpha = 1/2: d = 5, D = 4.5, x = 2/3; dD/dX = 0.3, dD/dZ = 0.9,
   // dD/dalpha = 1, dD/dbeta = 0.5 * 9 / 10 = 0.45.
-  const Intrinsics camera = testing::cameraOf(ProjectionModel::kEucm, DistortionModel::kNone,
-                                              {0.5, 1, 450, 900, 10, 20}, {});
+  const Intrinsics camera = test::cameraOf(ProjectionModel::kEucm, DistortionModel::kNone,
+                                           {0.5, 1, 450, 900, 10, 20}, {});
   const Projection projection = projectWithJacobians(camera, {3, 0, 4}).value();
   EXPECT_TRUE(projection.uv.isApprox(Eigen::Vector2d(310, 20), 1e-14));
   Eigen::Matrix<double, 2, 3> J_point;
@@ -145,8 +145,8 @@ TEST(CameraJacobians, ByHandForDoubleSphere) {
   // p = (12, 0, 4) / 4 = (3, 0, 4) with xi = -0.8: d1 = 5, z = 0, d2 = 3; alpha = 1/2: D = 1.5.
   // dz/dX = -0.48, dz/dZ = 0.36, dz/dxi = 5; dD/dz = 1/2 (d2 does not change with z at z = 0), so
   // dD/dX = 0.5 - 0.24 = 0.26, dD/dZ = 0.18, dD/dxi = 2.5, dD/dalpha = 3; x = 2.
-  const Intrinsics camera = testing::cameraOf(ProjectionModel::kDs, DistortionModel::kNone,
-                                              {-0.8, 0.5, 150, 300, 10, 20}, {});
+  const Intrinsics camera = test::cameraOf(ProjectionModel::kDs, DistortionModel::kNone,
+                                           {-0.8, 0.5, 150, 300, 10, 20}, {});
   const Projection projection = projectWithJacobians(camera, {3, 0, 4}).value();
   EXPECT_TRUE(projection.uv.isApprox(Eigen::Vector2d(310, 20), 1e-14));
   Eigen::Matrix<double, 2, 3> J_point;
@@ -163,7 +163,7 @@ TEST(CameraJacobians, ByHandForFov) {
   // d(2 tan(w/2))/dw = 2: -1/pi + 1/pi = 0.
   const double w = std::numbers::pi / 2;
   const Intrinsics camera =
-      testing::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov, {100, 200, 10, 20}, {w});
+      test::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov, {100, 200, 10, 20}, {w});
   const Projection projection = projectWithJacobians(camera, {1, 0, 2}).value();
   EXPECT_TRUE(projection.uv.isApprox(Eigen::Vector2d(60, 20), 1e-14));
   EXPECT_NEAR(projection.J_point(0, 0), 100 / std::numbers::pi, 1e-12);
@@ -173,8 +173,8 @@ TEST(CameraJacobians, ByHandForFov) {
 
 TEST(CameraJacobians, OfFovHoldWhereItsSeriesTakeOver) {
   for (const double w : {0.0, 1e-9, 1e-3, 0.0099, 0.0101, 3.0}) {
-    const Intrinsics camera = testing::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov,
-                                                {100, 200, 10, 20}, {w});
+    const Intrinsics camera =
+        test::cameraOf(ProjectionModel::kPinhole, DistortionModel::kFov, {100, 200, 10, 20}, {w});
     for (const double x : {0.0, 1e-7, 1e-3, 0.2, 1.0, 30.0}) {
       const Eigen::Vector3d p_C(x, -0.5 * x, 1);
       const Jacobian J = analytic(camera, p_C);
@@ -186,7 +186,7 @@ TEST(CameraJacobians, OfFovHoldWhereItsSeriesTakeOver) {
 }
 
 TEST(CameraJacobians, EqualAutomaticDifferentiation) {
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     for (const Eigen::Vector3d& p_C : points()) {
       const Jacobian J = analytic(camera, p_C);
       const Jacobian expected = automatic(camera, p_C);
@@ -199,7 +199,7 @@ TEST(CameraJacobians, EqualAutomaticDifferentiation) {
 }
 
 TEST(CameraJacobians, EqualCentralDifferences) {
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     for (const Eigen::Vector3d& p_C : points()) {
       const Jacobian J = analytic(camera, p_C);
       const Jacobian expected = centralDifferences(camera, p_C);

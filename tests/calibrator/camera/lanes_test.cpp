@@ -45,7 +45,7 @@ TEST(Lanes, ArcTangentMeetsItsEnds) {
 TEST(Lanes, ModelsGiveTheSameInLanesAsInScalars) {
   const double x[4] = {0, 1e-6, 0.4, -1.3};
   const double y[4] = {0, -2e-6, -0.1, 0.8};
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     std::visit(
         [&]<class Model>(Model) {
           const CameraValues values(camera);

@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-std::vector<cv::Point3d> points() {
+std::vector<cv::Point3d> gridPoints() {
   std::vector<cv::Point3d> all;
   for (double x = -0.8; x < 0.9; x += 0.2) {
     for (double y = -0.6; y < 0.7; y += 0.2) all.emplace_back(1.5 * x, 1.5 * y, 1.5);
@@ -27,20 +27,20 @@ std::vector<cv::Point2d> projectedByOpenCv(const Intrinsics& camera) {
   const cv::Vec3d zero(0, 0, 0);
   std::vector<cv::Point2d> uv;
   if (camera.distortion_model == DistortionModel::kEquidistant) {
-    cv::fisheye::projectPoints(points(), uv, zero, zero, K, D);
+    cv::fisheye::projectPoints(gridPoints(), uv, zero, zero, K, D);
   } else {
-    cv::projectPoints(points(), zero, zero, K, D, uv);
+    cv::projectPoints(gridPoints(), zero, zero, K, D, uv);
   }
   return uv;
 }
 
 TEST(Project, EqualsOpenCv) {
-  std::vector<Intrinsics> cameras = testing::allCameras();
-  cameras.push_back(testing::rationalCamera());
+  std::vector<Intrinsics> cameras = test::allCameras();
+  cameras.push_back(test::rationalCamera());
   for (const Intrinsics& camera : cameras) {
     const std::vector<cv::Point2d> expected = projectedByOpenCv(camera);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      const cv::Point3d p = points()[i];
+      const cv::Point3d p = gridPoints()[i];
       const auto uv = project(camera, {p.x, p.y, p.z});
       ASSERT_TRUE(uv.has_value());
       EXPECT_NEAR(uv->x(), expected[i].x, 1e-10);

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-using testing::LiveRig;
+using test::LiveRig;
 
 constexpr double kSigma = 0.3;  // [px]
 
@@ -54,7 +54,7 @@ TEST(CameraGuideByError, StopsWithFewViewsAndSaysHowGoodTheyAre) {
   const LiveRig rig("euroc", 5, kSigma);
   for (const auto later_use : {LaterUseKind::kSeen, LaterUseKind::kImage}) {
     CameraGuide guide(rig.guideRig(), byError(later_use));
-    const auto decisions = testing::playGuided(guide, rig, 1500);
+    const auto decisions = test::playGuided(guide, rig, 1500);
     ASSERT_TRUE(guide.finished()) << toString(later_use);
     const Decision& last = decisions.back();
     EXPECT_GE(last.views_kept, 8);
@@ -76,7 +76,7 @@ TEST(CameraGuideByError, AViewIsKeptWhereItLowersTheErrorEnough) {
   options.views.stop_excess = 1e-6;
   CameraGuide guide(rig.guideRig(), options);
   int kept = 0, passed = 0;
-  for (const Decision& d : testing::playWandering(guide, rig, 200, 10)) {
+  for (const Decision& d : test::playWandering(guide, rig, 200, 10)) {
     if (!d.error_bound_px) continue;
     ASSERT_TRUE(d.error_with_px);
     if (d.reason == GuideReason::kBadFit) continue;
@@ -93,7 +93,7 @@ TEST(CameraGuideByError, AFrameOfSeveralPixelsDoesNotEnter) {
   GuideOptions options = byError();
   options.views.stop_excess = 1e-6;
   CameraGuide guide(rig.guideRig(), options);
-  const auto decisions = testing::playWandering(guide, rig, 150, 10, [](GuideFrame& frame) {
+  const auto decisions = test::playWandering(guide, rig, 150, 10, [](GuideFrame& frame) {
     if (frame.index < 60 || frame.index % 5 != 0) return;
     for (auto& camera : frame.corners) {
       for (std::size_t i = 0; i < camera.size(); ++i) {
@@ -106,7 +106,7 @@ TEST(CameraGuideByError, AFrameOfSeveralPixelsDoesNotEnter) {
       EXPECT_FALSE(d.accepted) << d.frame;
     }
   }
-  EXPECT_GT(testing::countOf(decisions, GuideReason::kBadFit), 0);
+  EXPECT_GT(test::countOf(decisions, GuideReason::kBadFit), 0);
 }
 
 TEST(CameraGuideByError, SuggestsTheCandidateThatLeavesLeast) {
@@ -115,7 +115,7 @@ TEST(CameraGuideByError, SuggestsTheCandidateThatLeavesLeast) {
   options.views.stop_excess = 1e-6;
   CameraGuide guide(rig.guideRig(), options);
   int rounds = 0;
-  for (const Decision& d : testing::playGuided(guide, rig, 300)) {
+  for (const Decision& d : test::playGuided(guide, rig, 300)) {
     if (!d.opened || d.round->error_px.empty()) continue;
     ++rounds;
     ASSERT_EQ(d.round->error_px.size(), d.round->names.size());
@@ -133,8 +133,8 @@ TEST(CameraGuideByError, DecidesTheSameWithAnyNumberOfThreads) {
   CameraGuide one(rig.guideRig(), options);
   options.threads = 3;
   CameraGuide three(rig.guideRig(), options);
-  EXPECT_EQ(testing::textOf(testing::playGuided(one, rig, 120)),
-            testing::textOf(testing::playGuided(three, rig, 120)));
+  EXPECT_EQ(test::textOf(test::playGuided(one, rig, 120)),
+            test::textOf(test::playGuided(three, rig, 120)));
 }
 
 TEST(ViewErrorTracker, ImaginedAndSeenViewsOfOnePlaceAreWorthTheSame) {

@@ -10,12 +10,12 @@
 namespace plumbline {
 namespace {
 
-using testing::LiveRig;
+using test::LiveRig;
 
 TEST(CameraGuide, RecordingTooShortToStartSaysSo) {
   const LiveRig rig("euroc", 1, 0.3);
   CameraGuide guide(rig.guideRig(), {});
-  const auto decisions = testing::playWandering(guide, rig, 2, 10);
+  const auto decisions = test::playWandering(guide, rig, 2, 10);
   for (const Decision& d : decisions) {
     EXPECT_EQ(d.mode, GuideMode::kInitialising);
     EXPECT_EQ(d.reason, GuideReason::kInitialising);
@@ -75,7 +75,7 @@ TEST(CameraGuide, FramesWithoutMotionDoNotStartIt) {
 TEST(CameraGuide, LostTargetIsSaidOnceAndItsReturn) {
   const LiveRig rig("euroc", 2, 0.3);
   CameraGuide guide(rig.guideRig(), {});
-  const auto decisions = testing::playWandering(guide, rig, 120, 10, [](GuideFrame& frame) {
+  const auto decisions = test::playWandering(guide, rig, 120, 10, [](GuideFrame& frame) {
     if (frame.index < 60 || frame.index >= 95) return;
     for (auto& corners : frame.corners) corners.resize(std::min<std::size_t>(corners.size(), 15));
   });
@@ -93,7 +93,7 @@ TEST(CameraGuide, LostTargetIsSaidOnceAndItsReturn) {
 TEST(CameraGuide, CornersThatGiveNoPoseAreLeftOut) {
   const LiveRig rig("euroc", 2, 0.3);
   CameraGuide guide(rig.guideRig(), {});
-  const auto decisions = testing::playWandering(guide, rig, 80, 10, [](GuideFrame& frame) {
+  const auto decisions = test::playWandering(guide, rig, 80, 10, [](GuideFrame& frame) {
     if (frame.index != 70) return;
     for (auto& corners : frame.corners) {  // tags in the wrong order
       for (std::size_t i = 0; i < corners.size() / 2; ++i) {
@@ -111,7 +111,7 @@ TEST(CameraGuide, CornersThatGiveNoPoseAreLeftOut) {
 TEST(CameraGuide, OneCameraIsEnoughForAView) {
   const LiveRig rig("euroc", 2, 0.3);
   CameraGuide guide(rig.guideRig(), {});
-  const auto decisions = testing::playWandering(guide, rig, 60, 10, [](GuideFrame& frame) {
+  const auto decisions = test::playWandering(guide, rig, 60, 10, [](GuideFrame& frame) {
     if (frame.index >= 20 && frame.index % 2 == 0) frame.corners[0].clear();
   });
   int accepted = 0;
@@ -126,7 +126,7 @@ TEST(CameraGuide, OneCameraIsEnoughForAView) {
 TEST(CameraGuide, StampsThatGoBackAndPausesAreSaid) {
   const LiveRig rig("euroc", 3, 0.3);
   CameraGuide guide(rig.guideRig(), {});
-  const auto decisions = testing::playWandering(guide, rig, 60, 10, [](GuideFrame& frame) {
+  const auto decisions = test::playWandering(guide, rig, 60, 10, [](GuideFrame& frame) {
     if (frame.index == 40) frame.t -= 5'000'000'000;
     if (frame.index >= 50) frame.t += 3'000'000'000;
   });
@@ -186,7 +186,7 @@ TEST(CameraGuide, FinishingCostsTheBatch) {
   options.views.threshold_nats = 1;
   options.latency.camera_batch_s = 7;
   CameraGuide guide(rig.guideRig(), options);
-  const auto decisions = testing::playGuided(guide, rig, 2000);
+  const auto decisions = test::playGuided(guide, rig, 2000);
   ASSERT_TRUE(guide.finished());
   EXPECT_EQ(guide.busyUntil(), decisions.back().t + 7'000'000'000);
 }
@@ -194,7 +194,7 @@ TEST(CameraGuide, FinishingCostsTheBatch) {
 /// A free motion of which one frame holds corners that no camera could see from anywhere.
 std::vector<Decision> playedWithWrongFrame(const LiveRig& rig, int index) {
   CameraGuide guide(rig.guideRig(), {});
-  return testing::playWandering(guide, rig, 60, 10, [&](GuideFrame& frame) {
+  return test::playWandering(guide, rig, 60, 10, [&](GuideFrame& frame) {
     if (frame.index != index) return;
     for (auto& corners : frame.corners) {
       for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -212,7 +212,7 @@ const Decision& startOf(const std::vector<Decision>& decisions) {
 TEST(CameraGuide, AFrameWithoutPlausiblePoseLeavesWithTheStart) {
   const LiveRig rig("euroc", 6, 0.3);
   const auto decisions = playedWithWrongFrame(rig, 2);
-  ASSERT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
+  ASSERT_EQ(test::countOf(decisions, GuideReason::kInitialised), 1);
   const Decision& start = startOf(decisions);
   EXPECT_TRUE(decisions[2].accepted);
   EXPECT_EQ(start.withdrawn, std::vector<int>{2});
@@ -230,7 +230,7 @@ TEST(CameraGuide, AFrameWithoutPlausiblePoseLeavesWithTheStart) {
 TEST(CameraGuide, TheFrameThatStartsItMayItselfBeLeftOut) {
   const LiveRig rig("euroc", 6, 0.3);
   const auto decisions = playedWithWrongFrame(rig, 4);
-  ASSERT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
+  ASSERT_EQ(test::countOf(decisions, GuideReason::kInitialised), 1);
   const Decision& start = startOf(decisions);
   ASSERT_EQ(start.frame, 4);
   EXPECT_FALSE(start.accepted);
@@ -247,7 +247,7 @@ TEST(CameraGuide, StartsAnewWhereTheStartExplainsNoneOfTheFramesThatFollow) {
   GuideOptions options;
   options.views.start_move_px = 4;
   CameraGuide guide(rig.guideRig(), options);
-  const auto decisions = testing::playWandering(guide, rig, 90, 10, [&](GuideFrame& frame) {
+  const auto decisions = test::playWandering(guide, rig, 90, 10, [&](GuideFrame& frame) {
     if (frame.index >= 9) return;
     for (auto& corners : frame.corners) {
       for (Corner& corner : corners) corner.uv = 0.4 * corner.uv + Eigen::Vector2d(20, 250);
@@ -262,7 +262,7 @@ TEST(CameraGuide, StartsAnewWhereTheStartExplainsNoneOfTheFramesThatFollow) {
   EXPECT_FALSE(given_up->withdrawn.empty());
   EXPECT_EQ(given_up->views_kept, 0);
   EXPECT_FALSE(given_up->entropy_nats);
-  EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 2);
+  EXPECT_EQ(test::countOf(decisions, GuideReason::kInitialised), 2);
   const auto batch = guide.batch();
   ASSERT_TRUE(batch) << batch.failure();
   EXPECT_NEAR(batch->cameras[0].intrinsics.projection(0), rig.truth()[0].intrinsics.projection(0),
@@ -272,7 +272,7 @@ TEST(CameraGuide, StartsAnewWhereTheStartExplainsNoneOfTheFramesThatFollow) {
 // The first frames are through a lens of 0.8 times the focal length. All that follow have
 // plausible poses under it, so that only a start from other frames tells that it was wrong.
 std::vector<Decision> playedFromAWrongStart(CameraGuide& guide, const LiveRig& rig, double scale) {
-  return testing::playWandering(guide, rig, 120, 10, [&](GuideFrame& frame) {
+  return test::playWandering(guide, rig, 120, 10, [&](GuideFrame& frame) {
     if (frame.index >= 5) return;
     for (auto& corners : frame.corners) {
       const Eigen::Vector2d centre(370, 250);
@@ -308,8 +308,8 @@ TEST(CameraGuide, DoesNotStartAnewWhereTheStartWasRight) {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
     const LiveRig rig("euroc", seed, 0.5);
     CameraGuide guide(rig.guideRig(), {});
-    const auto decisions = testing::playWandering(guide, rig, 150, 10);
-    EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1) << seed;
+    const auto decisions = test::playWandering(guide, rig, 150, 10);
+    EXPECT_EQ(test::countOf(decisions, GuideReason::kInitialised), 1) << seed;
     for (const Decision& d : decisions) EXPECT_TRUE(d.withdrawn.empty()) << seed;
   }
 }
@@ -319,7 +319,7 @@ TEST(CameraGuide, EachAttemptToStartCosts) {
   GuideOptions options;
   options.latency.camera_start_s = 0.5;
   CameraGuide guide(rig.guideRig(), options);
-  const auto decisions = testing::playWandering(guide, rig, 60, 10);
+  const auto decisions = test::playWandering(guide, rig, 60, 10);
   for (std::size_t i = 0; i + 5 < decisions.size(); ++i) {
     if (decisions[i].reason != GuideReason::kInitialised &&
         decisions[i].reason != GuideReason::kInitialiseFailed) {
@@ -328,7 +328,7 @@ TEST(CameraGuide, EachAttemptToStartCosts) {
     for (std::size_t k = 1; k < 5; ++k) EXPECT_EQ(decisions[i + k].reason, GuideReason::kBusy);
     EXPECT_NE(decisions[i + 5].reason, GuideReason::kBusy);
   }
-  EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
+  EXPECT_EQ(test::countOf(decisions, GuideReason::kInitialised), 1);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ double rmseOn(const Session& session, const std::vector<CameraCalibration>& came
 }
 
 TEST(CameraGuideOnEuroc, KeepsAFewViewsThatCalibrateTheWholeRecording) {
-  const Session session = testing::readEurocRecording(PLUMBLINE_SHARED_DATA).session;
+  const Session session = test::readEurocRecording(PLUMBLINE_SHARED_DATA).session;
   GuideRig rig;
   rig.target = session.target;
   for (const CameraStream& camera : session.cameras) {
@@ -46,9 +46,9 @@ TEST(CameraGuideOnEuroc, KeepsAFewViewsThatCalibrateTheWholeRecording) {
   std::vector<Decision> decisions;
   for (const GuideFrame& frame : guideFrames(session)) decisions.push_back(guide.step(frame));
   ASSERT_GE(decisions.size(), 1416u);  // frames with a view of either camera
-  EXPECT_EQ(testing::countOf(decisions, GuideReason::kInitialised), 1);
-  EXPECT_EQ(testing::countOf(decisions, GuideReason::kNotSolved), 0);
-  EXPECT_GE(testing::countOf(decisions, SuggestionEvent::kExpired), 1);
+  EXPECT_EQ(test::countOf(decisions, GuideReason::kInitialised), 1);
+  EXPECT_EQ(test::countOf(decisions, GuideReason::kNotSolved), 0);
+  EXPECT_GE(test::countOf(decisions, SuggestionEvent::kExpired), 1);
   const auto batch = guide.batch();
   ASSERT_TRUE(batch.ok()) << batch.failure();
   EXPECT_EQ(static_cast<int>(batch->frames.size()), decisions.back().views_kept);

@@ -15,7 +15,7 @@
 #include "calibrator/simulate/simulate_session.h"
 #include "calibrator/simulate/simulate_views.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A simulated rig before a target, frame by frame, wherever it is moved to.
 class LiveRig {
@@ -162,4 +162,4 @@ inline int countOf(const std::vector<Decision>& decisions, SuggestionEvent event
                                         [&](const Decision& d) { return d.event == event; }));
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -12,24 +12,24 @@
 namespace plumbline {
 namespace {
 
-using testing::LiveRig;
+using test::LiveRig;
 
-constexpr double kSigma = 0.3;  // [px]
+constexpr double kGuideSigma = 0.3;  // [px]
 
 GuideOptions guideOptions() {
   GuideOptions options;
-  options.views.pixel_sigma = kSigma;
+  options.views.pixel_sigma = kGuideSigma;
   options.views.cauchy_px = 0;
   return options;
 }
 
 TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
   for (const char* name : {"euroc", "tumvi"}) {
-    const LiveRig rig(name, 5, kSigma);
+    const LiveRig rig(name, 5, kGuideSigma);
     CameraGuide guide(rig.guideRig(), guideOptions());
-    const auto decisions = testing::playGuided(guide, rig, 3000);
+    const auto decisions = test::playGuided(guide, rig, 3000);
     ASSERT_TRUE(guide.finished()) << name;
-    EXPECT_GT(testing::countOf(decisions, SuggestionEvent::kReached), 2) << name;
+    EXPECT_GT(test::countOf(decisions, SuggestionEvent::kReached), 2) << name;
     const Decision& last = decisions.back();
     EXPECT_EQ(last.mode, GuideMode::kFinished);
     ASSERT_TRUE(last.round.has_value());
@@ -38,7 +38,7 @@ TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
     const auto batch = guide.batch();
     ASSERT_TRUE(batch.ok()) << batch.failure();
     EXPECT_EQ(static_cast<int>(batch->frames.size()), last.views_kept);
-    EXPECT_NEAR(batch->summary.reprojection.rmse_px, kSigma * std::sqrt(2), 0.02);
+    EXPECT_NEAR(batch->summary.reprojection.rmse_px, kGuideSigma * std::sqrt(2), 0.02);
     // Window and batch agree on what is known.
     EXPECT_NEAR(*last.entropy_nats, batch->summary.entropy_nats, 0.2);
     const Eigen::VectorXd error = cameraDifference(batch->cameras, rig.truth());
@@ -50,9 +50,9 @@ TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
 }
 
 TEST(CameraGuide, EveryViewKeptReachesTheThresholdAndEveryOtherDoesNot) {
-  const LiveRig rig("euroc", 6, kSigma);
+  const LiveRig rig("euroc", 6, kGuideSigma);
   CameraGuide guide(rig.guideRig(), guideOptions());
-  const auto decisions = testing::playWandering(guide, rig, 200, 10);
+  const auto decisions = test::playWandering(guide, rig, 200, 10);
   double entropy = std::numeric_limits<double>::infinity();
   int kept = 0;
   for (const Decision& d : decisions) {
@@ -67,14 +67,14 @@ TEST(CameraGuide, EveryViewKeptReachesTheThresholdAndEveryOtherDoesNot) {
     }
     entropy = *d.entropy_nats;
   }
-  EXPECT_GT(testing::countOf(decisions, GuideReason::kNotInformative), 20);
-  EXPECT_GT(testing::countOf(decisions, GuideReason::kInformative), 20);
+  EXPECT_GT(test::countOf(decisions, GuideReason::kNotInformative), 20);
+  EXPECT_GT(test::countOf(decisions, GuideReason::kInformative), 20);
 }
 
 TEST(CameraGuide, GainOfAFrameIsWhatTheEntropyLoses) {
-  const LiveRig rig("euroc", 7, kSigma);
+  const LiveRig rig("euroc", 7, kGuideSigma);
   CameraGuide guide(rig.guideRig(), guideOptions());
-  const auto decisions = testing::playWandering(guide, rig, 120, 10);
+  const auto decisions = test::playWandering(guide, rig, 120, 10);
   double promised = 0;
   double lost = 0;
   for (std::size_t i = 1; i < decisions.size(); ++i) {
@@ -87,12 +87,12 @@ TEST(CameraGuide, GainOfAFrameIsWhatTheEntropyLoses) {
 }
 
 TEST(CameraGuide, DecidesTheSameWithTwoThreads) {
-  const LiveRig rig("euroc", 8, kSigma);
+  const LiveRig rig("euroc", 8, kGuideSigma);
   const auto run = [&](int threads) {
     GuideOptions options;  // with the loss
     options.threads = threads;
     CameraGuide guide(rig.guideRig(), options);
-    return testing::textOf(testing::playGuided(guide, rig, 150));
+    return test::textOf(test::playGuided(guide, rig, 150));
   };
   const std::string one = run(1);
   EXPECT_NE(one.find("opened"), std::string::npos);
@@ -100,11 +100,11 @@ TEST(CameraGuide, DecidesTheSameWithTwoThreads) {
 }
 
 TEST(CameraGuide, SuggestionsExpireWhereNobodyFollows) {
-  const LiveRig rig("euroc", 9, kSigma);
+  const LiveRig rig("euroc", 9, kGuideSigma);
   CameraGuide guide(rig.guideRig(), guideOptions());
-  const auto decisions = testing::playWandering(guide, rig, 450, 10);
+  const auto decisions = test::playWandering(guide, rig, 450, 10);
   EXPECT_FALSE(guide.finished());
-  EXPECT_GE(testing::countOf(decisions, SuggestionEvent::kExpired), 2);
+  EXPECT_GE(test::countOf(decisions, SuggestionEvent::kExpired), 2);
   std::optional<Suggestion> open;
   int accepted_while_open = 0;
   int next_id = 0;
@@ -133,9 +133,9 @@ TEST(CameraGuide, SuggestionsExpireWhereNobodyFollows) {
 }
 
 TEST(CameraGuide, NumbersSuggestionsFromTheGivenOne) {
-  const LiveRig rig("euroc", 9, kSigma);
+  const LiveRig rig("euroc", 9, kGuideSigma);
   CameraGuide guide(rig.guideRig(), guideOptions(), 7);
-  const auto decisions = testing::playGuided(guide, rig, 150);
+  const auto decisions = test::playGuided(guide, rig, 150);
   for (const Decision& d : decisions) {
     if (d.opened) {
       EXPECT_EQ(d.opened->id, 7);
@@ -146,16 +146,16 @@ TEST(CameraGuide, NumbersSuggestionsFromTheGivenOne) {
 }
 
 TEST(CameraGuide, KeepsAtLeastTheViewsAskedFor) {
-  const LiveRig rig("euroc", 5, kSigma);
+  const LiveRig rig("euroc", 5, kGuideSigma);
   GuideOptions options = guideOptions();
   options.views.threshold_nats = 0.5;
   CameraGuide few(rig.guideRig(), options);
-  testing::playGuided(few, rig, 3000);
+  test::playGuided(few, rig, 3000);
   ASSERT_TRUE(few.finished());
   const int views = static_cast<int>(few.batch()->frames.size());
   options.views.min_views = views + 20;
   CameraGuide more(rig.guideRig(), options);
-  const auto decisions = testing::playGuided(more, rig, 600);
+  const auto decisions = test::playGuided(more, rig, 600);
   for (const Decision& d : decisions) {
     if (d.mode == GuideMode::kFinished) {
       EXPECT_GE(d.views_kept, views + 20);

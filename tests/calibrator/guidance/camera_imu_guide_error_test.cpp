@@ -15,12 +15,12 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSigma = 0.2;  // [px]
+constexpr double kErrorSigma = 0.2;  // [px]
 
 SimulatedSession simulated(double duration_s, std::uint64_t seed) {
   SimulationOptions options;
   options.duration_s = duration_s;
-  options.corner_sigma_px = kSigma;
+  options.corner_sigma_px = kErrorSigma;
   options.seed = options.trajectory.seed = seed;
   return simulateSession(simulatedRig("euroc"), options);
 }
@@ -30,21 +30,21 @@ const SimulatedSession& recording() {
   return s;
 }
 
-GuideOptions byError() {
+GuideOptions byTrajectoryError() {
   GuideOptions options;
-  options.trajectories.pixel_sigma = kSigma;
+  options.trajectories.pixel_sigma = kErrorSigma;
   options.trajectories.cauchy_px = 0;
   options.trajectories.criterion = ViewCriterion::kPredictedError;
   return options;
 }
 
 std::vector<Decision> replayed(const GuideOptions& options) {
-  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, options);
-  return testing::replay(guide, testing::framesOf(recording().session));
+  CameraImuGuide guide(test::rigOf(recording()), recording().truth.cameras, options);
+  return test::replay(guide, test::framesOf(recording().session));
 }
 
 TEST(CameraImuGuideByError, AsksForTheTrajectoryThatLeavesLeast) {
-  GuideOptions options = byError();
+  GuideOptions options = byTrajectoryError();
   options.trajectories.least_lowering = 1e-6;
   std::optional<double> first, last;
   int rounds = 0, opened = 0;
@@ -69,7 +69,7 @@ TEST(CameraImuGuideByError, AsksForTheTrajectoryThatLeavesLeast) {
 }
 
 TEST(CameraImuGuideByError, StopsWhereNoTrajectoryLowersTheErrorByAsMuchAsAskedFor) {
-  GuideOptions options = byError();
+  GuideOptions options = byTrajectoryError();
   options.trajectories.least_lowering = 0.5;
   const auto decisions = replayed(options);
   const auto end = std::find_if(decisions.begin(), decisions.end(),
@@ -92,7 +92,7 @@ TEST(CameraImuGuideByError, StopsWhereNoTrajectoryLowersTheErrorByAsMuchAsAskedF
 
 TEST(CameraImuGuideByError, StopsWhenAndOnlyWhenTheErrorIsWhatWasAskedFor) {
   for (const auto criterion : {ViewCriterion::kMutualInformation, ViewCriterion::kPredictedError}) {
-    GuideOptions options = byError();
+    GuideOptions options = byTrajectoryError();
     options.trajectories.criterion = criterion;
     options.trajectories.threshold_nats = 5;     // by which it would stop at once,
     options.trajectories.least_lowering = 0.99;  // or by this
@@ -114,11 +114,11 @@ double errorOverPrediction(double assumed_px) {
   double sum = 0;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedSession s = simulated(4, static_cast<std::uint64_t>(seed));
-    GuideOptions options = byError();
+    GuideOptions options = byTrajectoryError();
     options.trajectories.pixel_sigma = assumed_px;
     options.trajectories.stop_reprojection_px = 1e-9;  // never
-    CameraImuGuide guide(testing::rigOf(s), s.truth.cameras, options);
-    const auto decisions = testing::replay(guide, testing::framesOf(s.session));
+    CameraImuGuide guide(test::rigOf(s), s.truth.cameras, options);
+    const auto decisions = test::replay(guide, test::framesOf(s.session));
     const auto result = guide.batch();
     if (!result) return std::numeric_limits<double>::quiet_NaN();
     Eigen::Matrix<double, 7, 1> error;
@@ -133,9 +133,9 @@ double errorOverPrediction(double assumed_px) {
 // Mean of 12 of about 3 degrees of freedom each: std 0.24. Too large a sigma hardly matters, for
 // the IMU's noise is most of it; where it is too small the residuals tell.
 TEST(CameraImuGuideByError, PointsAreOffByWhatWasPredicted) {
-  EXPECT_NEAR(errorOverPrediction(kSigma), 1, 0.6);
-  EXPECT_NEAR(errorOverPrediction(5 * kSigma), 1, 0.6);
-  const double cautious = errorOverPrediction(0.5 * kSigma);
+  EXPECT_NEAR(errorOverPrediction(kErrorSigma), 1, 0.6);
+  EXPECT_NEAR(errorOverPrediction(5 * kErrorSigma), 1, 0.6);
+  const double cautious = errorOverPrediction(0.5 * kErrorSigma);
   EXPECT_LT(cautious, 1);
   EXPECT_GT(cautious, 0.1);
 }

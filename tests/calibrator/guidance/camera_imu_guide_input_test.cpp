@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const SimulatedSession& recording() {
+const SimulatedSession& inputRecording() {
   static const SimulatedSession s = [] {
     SimulationOptions options;
     options.duration_s = 8;
@@ -34,12 +34,12 @@ Replay replayed(const std::vector<GuideFrame>& frames) {
   options.trajectories.pixel_sigma = 0.2;
   options.trajectories.cauchy_px = 0;
   options.trajectories.threshold_nats = 0;  // it goes on to the end
-  Replay r{{}, {testing::rigOf(recording()), recording().truth.cameras, options}};
-  r.decisions = testing::replay(r.guide, frames);
+  Replay r{{}, {test::rigOf(inputRecording()), inputRecording().truth.cameras, options}};
+  r.decisions = test::replay(r.guide, frames);
   return r;
 }
 
-std::vector<GuideFrame> frames() { return testing::framesOf(recording().session); }
+std::vector<GuideFrame> frames() { return test::framesOf(inputRecording().session); }
 
 int count(const std::vector<Decision>& decisions, GuideReason reason) {
   return static_cast<int>(
@@ -59,7 +59,7 @@ void expectItWentOn(const Replay& r, std::size_t after) {
   EXPECT_GT(used, static_cast<int>(r.decisions.size() - after) / 2);
   const auto result = r.guide.batch();
   ASSERT_TRUE(result) << result.failure();
-  const Vector6d error = boxminus(recording().truth.imu->T_SC0, result->imu.T_SC0);
+  const Vector6d error = boxminus(inputRecording().truth.imu->T_SC0, result->imu.T_SC0);
   const Eigen::MatrixXd covariance = result->summary.covariance.matrix.topLeftCorner(6, 6);
   EXPECT_LT(error.dot(covariance.llt().solve(error)), 22.46);  // 6 dof, 99.9 %
 }
@@ -79,10 +79,10 @@ TEST(CameraImuGuideInput, ASensorAtRestIsNotEnoughToStart) {
   still.duration_s = 3;
   still.trajectory.kind = MotionKind::kStatic;
   const SimulatedSession s = simulateSession(simulatedRig("euroc"), still);
-  const Replay r = replayed(testing::framesOf(s.session));
+  const Replay r = replayed(test::framesOf(s.session));
   EXPECT_GT(count(r.decisions, GuideReason::kInitialiseFailed), 2);
   EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 0);
-  const Decision* failed = testing::firstWith(r.decisions, GuideReason::kInitialiseFailed);
+  const Decision* failed = test::firstWith(r.decisions, GuideReason::kInitialiseFailed);
   EXPECT_TRUE(failed->failure);
   EXPECT_TRUE(failed->accepted);  // kept for the next try
   EXPECT_EQ(r.decisions.back().mode, GuideMode::kInitialising);
@@ -112,7 +112,7 @@ TEST(CameraImuGuideInput, AnImuGapInTheWindow) {
     EXPECT_FALSE(r.decisions[i].accepted);
     EXPECT_THAT(r.decisions[i].detail, HasSubstr("the last IMU sample is 0."));
   }
-  const Decision* gap = testing::firstWith(r.decisions, GuideReason::kImuGap);
+  const Decision* gap = test::firstWith(r.decisions, GuideReason::kImuGap);
   ASSERT_TRUE(gap);
   EXPECT_THAT(gap->frame, ::testing::AllOf(::testing::Ge(87), ::testing::Le(89)));
   EXPECT_THAT(gap->detail, HasSubstr("IMU samples pause for 0.4"));
@@ -210,7 +210,7 @@ TEST(CameraImuGuideInput, CornersThatFitNoPoseAreLeftOut) {
 
 // Samples that arrive with the frame after: frames wait for them, and none is lost.
 TEST(CameraImuGuideInput, SamplesThatArriveLate) {
-  const Replay late = replayed(testing::framesOf(recording().session, -0.001));
+  const Replay late = replayed(test::framesOf(inputRecording().session, -0.001));
   EXPECT_EQ(count(late.decisions, GuideReason::kNoImu), 0);
   EXPECT_EQ(count(late.decisions, GuideReason::kImuGap), 0);
   expectItWentOn(late, 40);

@@ -13,8 +13,8 @@
 namespace plumbline {
 namespace {
 
-const testing::EurocRecording& recording() {
-  static const testing::EurocRecording r = testing::readEurocRecording(PLUMBLINE_SHARED_DATA);
+const test::EurocRecording& recording() {
+  static const test::EurocRecording r = test::readEurocRecording(PLUMBLINE_SHARED_DATA);
   return r;
 }
 
@@ -40,7 +40,7 @@ struct Replay {
 };
 Replay replayed(const GuideOptions& options) {
   Replay r{{}, {rig(), recording().published, options}};
-  r.decisions = testing::replay(r.guide, testing::framesOf(recording().session));
+  r.decisions = test::replay(r.guide, test::framesOf(recording().session));
   return r;
 }
 
@@ -90,7 +90,7 @@ TEST(CameraImuGuideEuroc, TheWindowEndsNearTheBatch) {
   ImuStageRecording kept(rig(), {});
   std::optional<ImuStageTracker> tracker;
   Decision decision;
-  for (const GuideFrame& frame : testing::framesOf(recording().session)) {
+  for (const GuideFrame& frame : test::framesOf(recording().session)) {
     const auto taken = static_cast<std::size_t>(kept.addSamples(frame.imu));
     if (tracker) tracker->addSamples(std::span(kept.samples()).last(taken));
     auto posed = poseFrame(frame, rig().target, recording().published, {});

@@ -16,18 +16,18 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSigma = 0.2;  // [px]
+constexpr double kImuGuideSigma = 0.2;  // [px]
 
 SimulatedSession simulated(double duration_s) {
   SimulationOptions options;
   options.duration_s = duration_s;
-  options.corner_sigma_px = kSigma;
+  options.corner_sigma_px = kImuGuideSigma;
   options.seed = options.trajectory.seed = 1;
   return simulateSession(simulatedRig("euroc"), options);
 }
 
 /// Shared by the tests, for simulation takes longer than the guide.
-const SimulatedSession& recording() {
+const SimulatedSession& imuGuideRecording() {
   static const SimulatedSession s = simulated(8);
   return s;
 }
@@ -35,26 +35,27 @@ const SimulatedSession& recording() {
 /// Squared error and the noise that was simulated; a threshold that 8 s of recording reach.
 GuideOptions matched() {
   GuideOptions options;
-  options.trajectories.pixel_sigma = kSigma;
+  options.trajectories.pixel_sigma = kImuGuideSigma;
   options.trajectories.cauchy_px = 0;
   options.trajectories.threshold_nats = 1.2;
   return options;
 }
 
 CameraImuGuide guideFor(const SimulatedSession& s, const GuideOptions& options) {
-  return {testing::rigOf(s), s.truth.cameras, options};
+  return {test::rigOf(s), s.truth.cameras, options};
 }
 
-struct Replay {
+struct ImuReplay {
   std::vector<Decision> decisions;
   CameraImuGuide guide;
 };
-Replay replayed(const std::vector<GuideFrame>& frames, const GuideOptions& options = matched()) {
-  Replay r{{}, guideFor(recording(), options)};
-  r.decisions = testing::replay(r.guide, frames);
+ImuReplay imuReplayed(const std::vector<GuideFrame>& imuFrames,
+                      const GuideOptions& options = matched()) {
+  ImuReplay r{{}, guideFor(imuGuideRecording(), options)};
+  r.decisions = test::replay(r.guide, imuFrames);
   return r;
 }
-std::vector<GuideFrame> frames() { return testing::framesOf(recording().session); }
+std::vector<GuideFrame> imuFrames() { return test::framesOf(imuGuideRecording().session); }
 
 /// A threshold that is never reached: the guide goes on to the recording's end.
 GuideOptions endless() {
@@ -65,13 +66,13 @@ GuideOptions endless() {
 
 /// chi-square of T_SC0's error under the batch's own covariance, 6 degrees of freedom.
 double squaredError(const Result<CameraImuStageResult>& result) {
-  const Vector6d error = boxminus(recording().truth.imu->T_SC0, result->imu.T_SC0);
+  const Vector6d error = boxminus(imuGuideRecording().truth.imu->T_SC0, result->imu.T_SC0);
   const Eigen::MatrixXd covariance = result->summary.covariance.matrix.topLeftCorner(6, 6);
   return error.dot(covariance.llt().solve(error));
 }
 constexpr double kChi2_999 = 22.46;  // 6 degrees of freedom, 99.9 %
 
-int count(const std::vector<Decision>& decisions, GuideReason reason) {
+int countIn(const std::vector<Decision>& decisions, GuideReason reason) {
   return static_cast<int>(
       std::count_if(decisions.begin(), decisions.end(),
                     [reason](const Decision& d) { return d.reason == reason; }));
@@ -95,19 +96,19 @@ std::string described(const Decision& d) {
 }
 
 TEST(CameraImuGuide, FinishesWithAnExtrinsicCalibrationWithinItsCovariance) {
-  const Replay r = replayed(frames());
+  const ImuReplay r = imuReplayed(imuFrames());
   ASSERT_TRUE(r.guide.finished());
   const auto result = r.guide.batch();
   ASSERT_TRUE(result) << result.failure();
   EXPECT_LT(squaredError(result), kChi2_999);
-  EXPECT_LT(std::abs(result->imu.timeOffset() - recording().truth.imu->timeOffset()),
+  EXPECT_LT(std::abs(result->imu.timeOffset() - imuGuideRecording().truth.imu->timeOffset()),
             4 * *result->imu.time_offset_std_s);
   EXPECT_LT(result->frames.size(), 120u);  // of those kept before the end, not of all 160
 }
 
 TEST(CameraImuGuide, LogsWhatDroveItsDecisions) {
-  const Replay r = replayed(frames());
-  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  const ImuReplay r = imuReplayed(imuFrames());
+  EXPECT_EQ(countIn(r.decisions, GuideReason::kInitialised), 1);
   std::optional<double> entropy;
   bool finished = false;
   for (const Decision& d : r.decisions) {
@@ -117,7 +118,7 @@ TEST(CameraImuGuide, LogsWhatDroveItsDecisions) {
     finished = d.mode == GuideMode::kFinished;
     if (d.reason != GuideReason::kUsed) continue;
     EXPECT_TRUE(d.accepted && d.T_FC0 && d.rmse_px && d.entropy_nats && d.mi_nats);
-    EXPECT_LT(*d.rmse_px, 3 * kSigma);
+    EXPECT_LT(*d.rmse_px, 3 * kImuGuideSigma);
     EXPECT_GT(*d.mi_nats, -0.05);  // knowledge grows, but for the estimate moving
     if (entropy) {
       EXPECT_NEAR(*entropy - *d.entropy_nats, *d.mi_nats, 1e-12);
@@ -139,7 +140,8 @@ TEST(CameraImuGuide, ThreadsDoNotChangeADecision) {
     options.threads = threads;
     options.latency.trajectories_s = 0.3;
     std::vector<std::string> log;
-    for (const Decision& d : replayed(frames(), options).decisions) log.push_back(described(d));
+    for (const Decision& d : imuReplayed(imuFrames(), options).decisions)
+      log.push_back(described(d));
     if (threads == 1) one = log;
     EXPECT_EQ(log, one) << threads;
   }
@@ -148,10 +150,10 @@ TEST(CameraImuGuide, ThreadsDoNotChangeADecision) {
 // The answer of the evaluator stands on the frame that asked and comes with the first frame at its
 // time; the next one is asked for no sooner than the options say.
 TEST(CameraImuGuide, TheEvaluatorsLatencyShiftsItsAnswers) {
-  const Replay at_once = replayed(frames(), endless());
+  const ImuReplay at_once = imuReplayed(imuFrames(), endless());
   GuideOptions options = endless();
   options.latency.trajectories_s = 0.42;
-  const Replay late = replayed(frames(), options);
+  const ImuReplay late = imuReplayed(imuFrames(), options);
   TimeNs asked = 0;
   for (std::size_t i = 0; i < late.decisions.size(); ++i) {
     if (at_once.decisions[i].round) {
@@ -176,10 +178,10 @@ TEST(CameraImuGuide, TheEvaluatorsLatencyShiftsItsAnswers) {
 TEST(CameraImuGuide, FramesThatComeWhileItIsBusyAreDroppedButTheirSamplesAreNot) {
   GuideOptions options = endless();
   options.latency.imu_frame_s = 0.06;  // more than a frame's interval, less than two
-  const Replay r = replayed(frames(), options);
-  EXPECT_EQ(count(r.decisions, GuideReason::kBusy), 80);
-  EXPECT_EQ(count(r.decisions, GuideReason::kImuGap), 0);
-  EXPECT_GT(count(r.decisions, GuideReason::kUsed), 30);
+  const ImuReplay r = imuReplayed(imuFrames(), options);
+  EXPECT_EQ(countIn(r.decisions, GuideReason::kBusy), 80);
+  EXPECT_EQ(countIn(r.decisions, GuideReason::kImuGap), 0);
+  EXPECT_GT(countIn(r.decisions, GuideReason::kUsed), 30);
   for (const Decision& d : r.decisions) {
     if (d.reason != GuideReason::kBusy) continue;
     EXPECT_FALSE(d.accepted || d.entropy_nats || d.round);
@@ -191,9 +193,9 @@ TEST(CameraImuGuide, ASuggestionIsOpenedReachedAndLeftAloneForItsDuration) {
   options.trajectories.reached_px = 1e6;  // wherever the camera is
   options.trajectories.duration_s = 4;
   options.trajectories.max_speed_m_s = 5;
-  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, options,
+  CameraImuGuide guide(test::rigOf(imuGuideRecording()), imuGuideRecording().truth.cameras, options,
                        {.first_suggestion = 7});
-  const auto decisions = testing::replay(guide, frames());
+  const auto decisions = test::replay(guide, imuFrames());
   std::optional<TimeNs> opened;
   std::optional<TimeNs> reached;
   int next = 7;
@@ -226,7 +228,7 @@ TEST(CameraImuGuide, ASuggestionThatNobodyFollowsExpires) {
   options.trajectories.expires_s = 2;
   options.trajectories.reached_px = 0.1;
   int expired = 0;
-  for (const Decision& d : replayed(frames(), options).decisions) {
+  for (const Decision& d : imuReplayed(imuFrames(), options).decisions) {
     if (d.event == SuggestionEvent::kReached) ADD_FAILURE();
     if (d.event != SuggestionEvent::kExpired) continue;
     ++expired;
@@ -240,7 +242,7 @@ TEST(CameraImuGuide, ASuggestionThatIsOpenAtTheEndIsWithdrawn) {
   GuideOptions options = endless();
   options.trajectories.threshold_nats = 1.2;
   options.trajectories.reached_px = 0.1;
-  const Replay r = replayed(frames(), options);
+  const ImuReplay r = imuReplayed(imuFrames(), options);
   const auto last = std::find_if(r.decisions.begin(), r.decisions.end(),
                                  [](const Decision& d) { return d.mode == GuideMode::kFinished; });
   ASSERT_NE(last, r.decisions.end());
@@ -255,8 +257,8 @@ TEST(CameraImuGuide, WhatWasHeldIsNotHeldOverAPause) {
   GuideOptions options = endless();
   options.trajectories.reached_px = 1e6;  // wherever the camera is
   options.trajectories.reached_s = 1.4;
-  auto paused = frames();
-  const Replay whole = replayed(paused, options);
+  auto paused = imuFrames();
+  const ImuReplay whole = imuReplayed(paused, options);
   const auto opened = std::find_if(whole.decisions.begin(), whole.decisions.end(),
                                    [](const Decision& d) { return d.opened.has_value(); });
   ASSERT_NE(opened, whole.decisions.end());
@@ -268,7 +270,7 @@ TEST(CameraImuGuide, WhatWasHeldIsNotHeldOverAPause) {
                 frame->imu.end());
   }
   paused.erase(paused.begin() + at, paused.begin() + at + 24);
-  const Replay r = replayed(paused, options);
+  const ImuReplay r = imuReplayed(paused, options);
   const auto reached = std::find_if(r.decisions.begin(), r.decisions.end(), [](const Decision& d) {
     return d.event == SuggestionEvent::kReached;
   });
@@ -279,14 +281,14 @@ TEST(CameraImuGuide, WhatWasHeldIsNotHeldOverAPause) {
 
 // What a stage before is still busy with: frames are dropped, their samples are not.
 TEST(CameraImuGuide, BeginsWhenTheStageBeforeIsDone) {
-  const auto all = frames();
+  const auto all = imuFrames();
   const TimeNs busy_until = all[30].t;
-  CameraImuGuide guide(testing::rigOf(recording()), recording().truth.cameras, endless(),
-                       {0, busy_until});
-  const auto decisions = testing::replay(guide, all);
+  CameraImuGuide guide(test::rigOf(imuGuideRecording()), imuGuideRecording().truth.cameras,
+                       endless(), {0, busy_until});
+  const auto decisions = test::replay(guide, all);
   for (std::size_t i = 0; i < 30; ++i) EXPECT_EQ(decisions[i].reason, GuideReason::kBusy);
   EXPECT_EQ(decisions[30].reason, GuideReason::kInitialising);
-  EXPECT_EQ(count(decisions, GuideReason::kNoImu), 0);
+  EXPECT_EQ(countIn(decisions, GuideReason::kNoImu), 0);
 }
 
 }  // namespace

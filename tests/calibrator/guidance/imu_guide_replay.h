@@ -7,7 +7,7 @@
 #include "calibrator/guidance/guide.h"
 #include "calibrator/simulate/simulate_session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 inline GuideRig rigOf(const SimulatedSession& s) {
   GuideRig rig;
@@ -59,4 +59,4 @@ inline const Decision* firstWith(const std::vector<Decision>& decisions, GuideRe
   return nullptr;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-using testing::LiveRig;
+using test::LiveRig;
 
 TEST(OperatorPace, TakesTheLongerOfWalkAndTurn) {
   const OperatorPace pace{0.5, 1.0, 0.4};
@@ -49,7 +49,7 @@ Asked playedAtPace(double speed_m_s, const std::function<void(const Decision&)>&
   options.pace.speed_m_s = speed_m_s;
   CameraGuide guide(rig.guideRig(), options);
   Asked asked;
-  for (const Decision& d : testing::playGuided(guide, rig, 400)) {
+  for (const Decision& d : test::playGuided(guide, rig, 400)) {
     if (look) look(d);
     if (!d.opened) continue;
     ++asked.count;

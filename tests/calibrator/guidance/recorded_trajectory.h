@@ -9,7 +9,7 @@
 #include "calibrator/simulate/simulate_views.h"
 #include "tests/calibrator/window/imu_window_recording.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// How a trajectory is recorded after a recording, by a rig whose truth is known.
 struct RecordedTrajectoryOptions {
@@ -141,4 +141,4 @@ inline TrajectoryRecording plannedRecording(const WindowRecording& r,
   return planned;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -30,24 +30,24 @@ SimulationOptions situation(int k) {
 
 std::vector<Pair> pairsOf(int k) {
   const SimulationOptions options = situation(k);
-  const testing::WindowRecording r = testing::recordingOf(options, options.corner_sigma_px);
-  const auto window = testing::windowOver(r, 25);
+  const test::WindowRecording r = test::recordingOf(options, options.corner_sigma_px);
+  const auto window = test::windowOver(r, 25);
   if (!window) return {};
   const WindowKnowledge now = *window->knowledge();
-  testing::RecordedTrajectoryOptions how;
+  test::RecordedTrajectoryOptions how;
   how.corner_sigma_px = options.corner_sigma_px;
   how.imu_noise = true;
   const auto six = lissajousTrajectories(lissajousShapes(), AprilGrid{}, now.estimate.T_SC0, {});
-  const TrajectoryScorer scorer(testing::plannedRecording(r, how), six, r.truth.cameras);
+  const TrajectoryScorer scorer(test::plannedRecording(r, how), six, r.truth.cameras);
   const auto gains = scorer.scores(now).gain_nats;
-  const auto alone = testing::solvedWithOffsetHeld(r.problem, r.truth);
-  const auto before = testing::batchInformation(r.problem, alone);
+  const auto alone = test::solvedWithOffsetHeld(r.problem, r.truth);
+  const auto before = test::batchInformation(r.problem, alone);
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < six.size(); ++i) {
     how.seed = 100 * static_cast<std::uint64_t>(k) + i;
-    const auto joint = testing::jointProblem(r, testing::recordAlong(six[i], r, now.t, how));
-    const auto solved = testing::solvedWithOffsetHeld(joint.problem, joint.truth);
-    const auto after = testing::batchInformation(joint.problem, solved);
+    const auto joint = test::jointProblem(r, test::recordAlong(six[i], r, now.t, how));
+    const auto solved = test::solvedWithOffsetHeld(joint.problem, joint.truth);
+    const auto after = test::batchInformation(joint.problem, solved);
     pairs.push_back({gains[i], *mutualInformationNats(before, after)});
   }
   return pairs;

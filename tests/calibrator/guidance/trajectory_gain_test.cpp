@@ -13,19 +13,19 @@
 namespace plumbline {
 namespace {
 
-const testing::WindowRecording& recording() {
-  static const testing::WindowRecording r = [] {
+const test::WindowRecording& shortWindow() {
+  static const test::WindowRecording r = [] {
     SimulationOptions options;
     options.duration_s = 2;
     options.corner_sigma_px = 0.2;
-    return testing::recordingOf(options, 0.2);
+    return test::recordingOf(options, 0.2);
   }();
   return r;
 }
 
 /// A window that has seen all frames, at the truth.
 WindowKnowledge knowledgeAtTheTruth() {
-  const testing::WindowRecording& r = recording();
+  const test::WindowRecording& r = shortWindow();
   const auto weights = imuWeights(r.problem, r.truth);
   const auto normals = informationAt(r.problem, r.truth, *weights);
   const auto end = frontEliminated(normals->chain, r.problem.frameCount() - 1);
@@ -35,25 +35,25 @@ WindowKnowledge knowledgeAtTheTruth() {
 }
 
 std::vector<LissajousTrajectory> six() {
-  return lissajousTrajectories(lissajousShapes(), AprilGrid{}, recording().truth.T_SC0, {});
+  return lissajousTrajectories(lissajousShapes(), AprilGrid{}, shortWindow().truth.T_SC0, {});
 }
 
 TrajectoryScorer scorer(const TrajectoryRecording& planned) {
-  return {planned, six(), recording().truth.cameras};
+  return {planned, six(), shortWindow().truth.cameras};
 }
 
 TEST(TrajectoryGain, IsTheInformationThatOneProblemWithTheTrajectoryHasMore) {
   const WindowKnowledge now = knowledgeAtTheTruth();
-  testing::RecordedTrajectoryOptions how;
+  test::RecordedTrajectoryOptions how;
   for (const bool offset : {false, true}) {
-    TrajectoryRecording planned = testing::plannedRecording(recording(), how);
+    TrajectoryRecording planned = test::plannedRecording(shortWindow(), how);
     planned.score_offset = offset;
     const auto gains = scorer(planned).scores(now).gain_nats;
     const auto before = calibrationInformation(now.information, offset);
     for (std::size_t i = 0; i < gains.size(); ++i) {
-      const auto joint = testing::jointProblem(
-          recording(), testing::recordAlong(six()[i], recording(), now.t, how));
-      const auto after = testing::batchInformation(joint.problem, joint.truth, offset);
+      const auto joint =
+          test::jointProblem(shortWindow(), test::recordAlong(six()[i], shortWindow(), now.t, how));
+      const auto after = test::batchInformation(joint.problem, joint.truth, offset);
       EXPECT_GT(gains[i], 0.3) << i;
       EXPECT_NEAR(gains[i], *mutualInformationNats(*before, after), 2e-3 * gains[i]) << i;
     }
@@ -62,14 +62,14 @@ TEST(TrajectoryGain, IsTheInformationThatOneProblemWithTheTrajectoryHasMore) {
 
 TEST(TrajectoryGain, PredictedErrorIsThatOfOneProblemWithTheTrajectory) {
   const WindowKnowledge now = knowledgeAtTheTruth();
-  const testing::RecordedTrajectoryOptions how;
-  const auto scores = scorer(testing::plannedRecording(recording(), how)).scores(now);
-  const ImuReprojection reprojection(recording().truth.cameras);
-  const double before = *scorer(testing::plannedRecording(recording(), how)).squaredPx(now);
+  const test::RecordedTrajectoryOptions how;
+  const auto scores = scorer(test::plannedRecording(shortWindow(), how)).scores(now);
+  const ImuReprojection reprojection(shortWindow().truth.cameras);
+  const double before = *scorer(test::plannedRecording(shortWindow(), how)).squaredPx(now);
   for (std::size_t i = 0; i < scores.squared_px.size(); ++i) {
     const auto joint =
-        testing::jointProblem(recording(), testing::recordAlong(six()[i], recording(), now.t, how));
-    const auto after = testing::batchInformation(joint.problem, joint.truth, true);
+        test::jointProblem(shortWindow(), test::recordAlong(six()[i], shortWindow(), now.t, how));
+    const auto after = test::batchInformation(joint.problem, joint.truth, true);
     const double E = *reprojection.expectedError(after, joint.truth.T_SC0);
     EXPECT_NEAR(scores.squared_px[i], E, 5e-3 * E) << i;
     EXPECT_LT(scores.squared_px[i], 0.9 * before) << i;
@@ -80,7 +80,7 @@ TEST(TrajectoryGain, PredictedErrorIsThatOfOneProblemWithTheTrajectory) {
 CandidateRound roundBy(ViewCriterion criterion, const WindowKnowledge& now) {
   EvaluatorTiming timing;
   timing.criterion = criterion;
-  TrajectoryEvaluator evaluator(scorer(testing::plannedRecording(recording(), {})), timing);
+  TrajectoryEvaluator evaluator(scorer(test::plannedRecording(shortWindow(), {})), timing);
   evaluator.ask(now.t, now, 4);
   return *evaluator.answerAt(now.t);
 }
@@ -103,13 +103,13 @@ TEST(TrajectoryGain, CriteriaDisagreeWhereOneErrorIsMostOfTheShift) {
   EXPECT_GT(at(gain.mi_nats, gain.best), at(gain.mi_nats, error.best));
   EXPECT_LT(at(gain.error_px, error.best), 0.98 * at(gain.error_px, gain.best));
   // Squared errors were scaled by 4.
-  const auto scores = scorer(testing::plannedRecording(recording(), {})).scores(now);
+  const auto scores = scorer(test::plannedRecording(shortWindow(), {})).scores(now);
   EXPECT_NEAR(error.error_px[0], 2 * std::sqrt(scores.squared_px[0]), 1e-12);
 }
 
 TEST(TrajectoryGain, DoesNotDependOnTheNumberOfThreads) {
   const WindowKnowledge now = knowledgeAtTheTruth();
-  const TrajectoryScorer s = scorer(testing::plannedRecording(recording(), {}));
+  const TrajectoryScorer s = scorer(test::plannedRecording(shortWindow(), {}));
   const auto one = s.scores(now, 1).gain_nats;
   EXPECT_EQ(one, s.scores(now, 2).gain_nats);
   EXPECT_EQ(one, s.scores(now, 5).gain_nats);
@@ -117,7 +117,7 @@ TEST(TrajectoryGain, DoesNotDependOnTheNumberOfThreads) {
 
 TEST(TrajectoryGain, FallsAsMoreIsKnown) {
   WindowKnowledge now = knowledgeAtTheTruth();
-  const TrajectoryScorer s = scorer(testing::plannedRecording(recording(), {}));
+  const TrajectoryScorer s = scorer(test::plannedRecording(shortWindow(), {}));
   const auto first = s.scores(now).gain_nats;
   now.information *= 10;
   const auto later = s.scores(now).gain_nats;
@@ -129,7 +129,7 @@ TEST(TrajectoryGain, FallsAsMoreIsKnown) {
 
 TEST(TrajectoryGain, FallsWithTheNoiseOfCornersAndImu) {
   const WindowKnowledge now = knowledgeAtTheTruth();
-  TrajectoryRecording planned = testing::plannedRecording(recording(), {});
+  TrajectoryRecording planned = test::plannedRecording(shortWindow(), {});
   const auto first = scorer(planned).scores(now).gain_nats;
   TrajectoryRecording pixels = planned;
   pixels.pixel_sigma *= 3;
@@ -148,11 +148,11 @@ TEST(TrajectoryGain, FallsWithTheNoiseOfCornersAndImu) {
 // one of zero.
 TEST(TrajectoryGain, WithoutCornersOrKnowledgeThereIsNoScore) {
   WindowKnowledge now = knowledgeAtTheTruth();
-  TrajectoryRecording blind = testing::plannedRecording(recording(), {});
+  TrajectoryRecording blind = test::plannedRecording(shortWindow(), {});
   blind.min_corners = 1000;
   for (const double gain : scorer(blind).scores(now).gain_nats) EXPECT_TRUE(std::isnan(gain));
   now.information.setZero();
-  const auto gains = scorer(testing::plannedRecording(recording(), {})).scores(now).gain_nats;
+  const auto gains = scorer(test::plannedRecording(shortWindow(), {})).scores(now).gain_nats;
   EXPECT_EQ(gains.size(), 6u);
   for (const double gain : gains) EXPECT_TRUE(std::isnan(gain));
 }

@@ -19,7 +19,7 @@
 namespace plumbline {
 namespace {
 
-struct Pair {
+struct GainPair {
   double predicted = 0;  ///< [nats]
   double actual = 0;     ///< 0.5 log of the ratio of the covariances' determinants
 };
@@ -56,8 +56,8 @@ Session withView(const SimulatedSession& s, const Session& session, const Transf
 
 /// Ten candidates after a recording of `seconds` at 3 frames a second.
 void addPairs(std::uint64_t seed, double seconds, const Weighting& weighting,
-              std::vector<Pair>& pairs) {
-  const auto frames = testing::stereoFrames(seed, seconds, 3, 0.3);
+              std::vector<GainPair>& pairs) {
+  const auto frames = test::stereoFrames(seed, seconds, 3, 0.3);
   const Session& session = frames.simulated.session;
   const auto before = calibrateCameras(session, stageOptions(weighting));
   ASSERT_TRUE(before.ok()) << before.failure();
@@ -115,14 +115,14 @@ Line lineThrough(const std::vector<double>& x, const std::vector<double>& y) {
 class PredictedGain : public ::testing::TestWithParam<Weighting> {};
 
 TEST_P(PredictedGain, IsWhatSolvingAgainGives) {
-  std::vector<Pair> pairs;
+  std::vector<GainPair> pairs;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     addPairs(seed, seed % 3 == 0 ? 3 : (seed % 3 == 1 ? 8 : 20), GetParam(), pairs);
   }
   ASSERT_GE(pairs.size(), 200u);
   std::vector<double> predicted;
   std::vector<double> actual;
-  for (const Pair& pair : pairs) {
+  for (const GainPair& pair : pairs) {
     predicted.push_back(bitsFromNats(pair.predicted));
     actual.push_back(bitsFromNats(pair.actual));
   }

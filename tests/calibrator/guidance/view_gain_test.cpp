@@ -37,7 +37,7 @@ Eigen::MatrixXd shareOf(const AprilGrid& target, const CameraEstimate& cameras,
 }
 
 struct Example {
-  testing::StereoFrames frames;
+  test::StereoFrames frames;
   CameraEstimate cameras;
   Eigen::MatrixXd information;
   ViewGainOptions options;
@@ -48,7 +48,7 @@ struct Example {
 
 /// Knows `count` frames of a recording.
 Example exampleOf(const std::string& rig, std::size_t count, double cauchy_px = 0) {
-  Example e{testing::stereoFrames(2, 10, 3, 0.3, rig), {}, {}, {}};
+  Example e{test::stereoFrames(2, 10, 3, 0.3, rig), {}, {}, {}};
   e.cameras = estimateOf(e.frames.simulated.truth.cameras);
   e.options.pixel_sigma = 0.4;
   e.options.cauchy_px = cauchy_px;

@@ -71,7 +71,7 @@ Seen compare(const Intrinsics& camera, InstructionSet set) {
 }
 
 TEST(VisibleTags, AreThoseOfThePlainProjectionForEveryModelAndInstructionSet) {
-  for (const Intrinsics& camera : testing::everyModel()) {
+  for (const Intrinsics& camera : test::everyModel()) {
     SCOPED_TRACE(toString(camera.projection_model) + "-" + toString(camera.distortion_model));
     for (InstructionSet set : availableSets()) {
       const Seen seen = compare(camera, set);

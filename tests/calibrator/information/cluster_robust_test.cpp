@@ -33,7 +33,7 @@ std::vector<MatrixXd> designs() {
   return X;
 }
 
-MatrixXd covarianceOf(const std::vector<MatrixXd>& X) {
+MatrixXd regressionCovariance(const std::vector<MatrixXd>& X) {
   MatrixXd S = MatrixXd::Zero(kParameters, kParameters);
   for (const MatrixXd& x : X) S += x.transpose() * x;
   return S.inverse();
@@ -69,7 +69,7 @@ VectorXd dofOf(const ClusterRobust& robust) {
 TEST(ClusterRobust, IsTheFormalCovarianceInTheMeanOfWhiteNoise) {
   constexpr int kDraws = 20000;
   const auto X = designs();
-  const MatrixXd S = covarianceOf(X);
+  const MatrixXd S = regressionCovariance(X);
   std::mt19937_64 random(1);
   MatrixXd mean = MatrixXd::Zero(kParameters, kParameters);
   VectorXd variance = VectorXd::Zero(kParameters);
@@ -117,7 +117,7 @@ TEST(ClusterRobust, EqualBlocksHaveOneDegreeOfFreedomLessThanThereAre) {
 TEST(ClusterRobust, CombinationsHaveDegreesOfFreedomOfTheirOwn) {
   constexpr int kDraws = 5000;
   const auto X = designs();
-  const MatrixXd S = covarianceOf(X);
+  const MatrixXd S = regressionCovariance(X);
   std::mt19937_64 random(4);
   const Eigen::Vector3d combination(1, 500, -2);
   double mean = 0, square = 0, dof = 0;
@@ -134,7 +134,7 @@ TEST(ClusterRobust, CombinationsHaveDegreesOfFreedomOfTheirOwn) {
 
 TEST(ClusterRobust, AgreesWithTheAdjustmentOfResidualsByRows) {
   const auto X = designs();
-  const MatrixXd S = covarianceOf(X);
+  const MatrixXd S = regressionCovariance(X);
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal;
   BlockScores blocks{MatrixXd(kParameters, kBlocks), {}};

@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-using testing::randomInformation;
+using test::randomInformation;
 
 TEST(Covariance, IsTheInverseWhateverTheUnits) {
   const Eigen::MatrixXd information = randomInformation(8, 40, 1);

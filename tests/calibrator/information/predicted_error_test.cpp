@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kParameters = 6, kFunctions = 4, kRows = 120;
+constexpr int kErrorParameters = 6, kFunctions = 4, kErrorRows = 120;
 
 /// Views of a linear model whose residuals hold noise, a field of each view's own, and a common
 /// one: random columns of parameters and fields, units orders of magnitude apart. Six more columns
@@ -33,26 +33,26 @@ struct LinearViews {
     };
     const VectorXd common = b * draw(kFunctions, 1);
     for (int v = 0; v < views; ++v) {
-      const MatrixXd pose = draw(kRows, 6);
-      const MatrixXd rest = MatrixXd::Identity(kRows, kRows) -
+      const MatrixXd pose = draw(kErrorRows, 6);
+      const MatrixXd rest = MatrixXd::Identity(kErrorRows, kErrorRows) -
                             pose * (pose.transpose() * pose).inverse() * pose.transpose();
-      MatrixXd columns = rest * draw(kRows, kParameters);
-      for (int j = 1; j < kParameters; j += 2) columns.col(j) *= 1e-3;
+      MatrixXd columns = rest * draw(kErrorRows, kErrorParameters);
+      for (int j = 1; j < kErrorParameters; j += 2) columns.col(j) *= 1e-3;
       J.push_back(columns);
-      F.push_back(rest * draw(kRows, kFunctions) + columns.col(0) * draw(1, kFunctions));
+      F.push_back(rest * draw(kErrorRows, kFunctions) + columns.col(0) * draw(1, kFunctions));
       const VectorXd field = common + tau * draw(kFunctions, 1);
-      const VectorXd e = rest * (sigma * draw(kRows, 1)) + F.back() * field;
+      const VectorXd e = rest * (sigma * draw(kErrorRows, 1)) + F.back() * field;
       terms.push_back({J.back().transpose() * J.back(), J.back().transpose() * F.back(),
                        F.back().transpose() * F.back(), F.back().transpose() * e, e.squaredNorm(),
-                       kRows / 2});
+                       kErrorRows / 2});
     }
   }
 };
 
 /// By inverses, as the equation is printed.
 double byInverses(const LinearViews& views, const LaterUse& use, const ErrorComponents& c) {
-  MatrixXd H = MatrixXd::Zero(kParameters, kParameters), G = H;
-  MatrixXd C = MatrixXd::Zero(kParameters, kFunctions);
+  MatrixXd H = MatrixXd::Zero(kErrorParameters, kErrorParameters), G = H;
+  MatrixXd C = MatrixXd::Zero(kErrorParameters, kFunctions);
   for (const ViewTerms& v : views.terms) {
     H += v.I;
     C += v.C;
@@ -94,7 +94,7 @@ TEST(PredictedError, WithoutMisfitItIsTheVarianceInLaterUse) {
   PredictedError error(use, {0.09, 0, 0, 1, true});
   for (const ViewTerms& v : views.terms) error.add(v);
   // Used as it was made: sigma^2 n over the corners.
-  EXPECT_NEAR(error.value(), 0.09 * kParameters / (5 * kRows / 2), 1e-7);
+  EXPECT_NEAR(error.value(), 0.09 * kErrorParameters / (5 * kErrorRows / 2), 1e-7);
 }
 
 /// The equation is an expectation: averaged over draws of noise and fields, least squares on the
@@ -103,7 +103,7 @@ TEST(PredictedError, IsTheMeanExcessOfLeastSquaresOverDraws) {
   constexpr double kSigma = 0.3, kTau = 0.2, kB = 0.15;
   const LinearViews used(6, 0, 0, 0, 4), later(8, 0, 0, 0, 5);
   const LaterUse use = laterUse(later.terms);
-  MatrixXd H = MatrixXd::Zero(kParameters, kParameters);
+  MatrixXd H = MatrixXd::Zero(kErrorParameters, kErrorParameters);
   for (const ViewTerms& v : used.terms) H += v.I;
   const Eigen::LLT<MatrixXd> llt(H);
   const MatrixXd A_T = use.H.ldlt().solve(use.C);
@@ -116,9 +116,9 @@ TEST(PredictedError, IsTheMeanExcessOfLeastSquaresOverDraws) {
   double excess = 0;
   for (int d = 0; d < kDraws; ++d) {
     const VectorXd common = kB * draw(kFunctions);
-    VectorXd g = VectorXd::Zero(kParameters);
+    VectorXd g = VectorXd::Zero(kErrorParameters);
     for (std::size_t v = 0; v < used.J.size(); ++v) {
-      const VectorXd e = kSigma * draw(kRows) + used.F[v] * (common + kTau * draw(kFunctions));
+      const VectorXd e = kSigma * draw(kErrorRows) + used.F[v] * (common + kTau * draw(kFunctions));
       g += used.J[v].transpose() * e;
     }
     // The best that parameters can do in later use under the common field is A_T common.

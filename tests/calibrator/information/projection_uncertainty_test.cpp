@@ -68,7 +68,7 @@ TEST(ProjectionUncertainty, NothingWhereThePixelHasNoRay) {
 }
 
 TEST(ImpliedShift, BothMethodsAgreeWhereAllFramesAreAlike) {
-  const Matrix6d H = testing::randomInformation(6, 40, 1);
+  const Matrix6d H = test::randomInformation(6, 40, 1);
   const Eigen::MatrixXd one = Eigen::MatrixXd::Random(6, 5);
   Eigen::MatrixXd P(18, 5);
   P << one, one, one;

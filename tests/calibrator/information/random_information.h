@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <random>
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// J^T J of `rows` random measurements of n parameters whose units differ by orders of magnitude,
 /// as pixels and radians do.
@@ -19,4 +19,4 @@ inline Eigen::MatrixXd randomInformation(int n, int rows, std::uint64_t seed) {
   return J.transpose() * J;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -12,21 +12,21 @@
 namespace plumbline {
 namespace {
 
-using testing::randomInformation;
+using test::randomInformation;
 
-constexpr int kParameters = 6;
+constexpr int kViewParameters = 6;
 
 // Views of rank 3: one alone does not determine the parameters.
 std::vector<Eigen::MatrixXd> someViews(int count) {
   std::vector<Eigen::MatrixXd> views;
   for (int i = 0; i < count; ++i) {
-    views.push_back(randomInformation(kParameters, 3, static_cast<std::uint64_t>(100 + i)));
+    views.push_back(randomInformation(kViewParameters, 3, static_cast<std::uint64_t>(100 + i)));
   }
   return views;
 }
 
 Eigen::VectorXd typicalOf(const std::vector<Eigen::MatrixXd>& views) {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kParameters, kParameters);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kViewParameters, kViewParameters);
   for (const Eigen::MatrixXd& view : views) sum += view;
   return sum.diagonal();
 }
@@ -34,7 +34,7 @@ Eigen::VectorXd typicalOf(const std::vector<Eigen::MatrixXd>& views) {
 TEST(ViewSelector, IncrementalGainEqualsTheOneFromScratch) {
   const auto views = someViews(30);
   ViewSelector selector(0.0, typicalOf(views));
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kParameters, kParameters);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kViewParameters, kViewParameters);
   int compared = 0;
   for (const Eigen::MatrixXd& view : views) {
     const auto nats = mutualInformationNats(sum, sum + view);
@@ -79,7 +79,7 @@ TEST(SelectViews, EveryViewKeptPassedAndEveryViewLeftOutFails) {
   const auto views = someViews(100);
   const double threshold = 0.3;
   const auto kept = selectViews(views, threshold, 7);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kParameters, kParameters);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kViewParameters, kViewParameters);
   for (const int i : kept) sum += views[static_cast<std::size_t>(i)];
   for (int i = 0; i < 100; ++i) {
     if (std::binary_search(kept.begin(), kept.end(), i)) continue;

@@ -11,7 +11,7 @@ namespace plumbline {
 namespace {
 
 TEST(LensFit, ALensInItsOwnModelIsItself) {
-  for (const Intrinsics& lens : testing::everyModel()) {
+  for (const Intrinsics& lens : test::everyModel()) {
     if (!canBeCalibrated(lens.projection_model, lens.distortion_model)) continue;
     const auto fit = convertedLens(lens, lens.projection_model, lens.distortion_model);
     ASSERT_TRUE(fit) << toString(lens.projection_model) << toString(lens.distortion_model);
@@ -23,14 +23,14 @@ TEST(LensFit, ALensInItsOwnModelIsItself) {
 
 TEST(LensFit, RationalHoldsRadtan) {
   const auto fit =
-      convertedLens(testing::radtanCamera(), ProjectionModel::kPinhole, DistortionModel::kRational);
+      convertedLens(test::radtanCamera(), ProjectionModel::kPinhole, DistortionModel::kRational);
   ASSERT_TRUE(fit);
   EXPECT_LT(fit->most_px, 1e-2);
 }
 
 // A double sphere of 220 degrees: a pinhole shows what lies ahead, the rest is not counted.
 TEST(LensFit, APinholeTakesThePartThatItCanShow) {
-  Intrinsics wide = testing::doubleSphereCamera();
+  Intrinsics wide = test::doubleSphereCamera();
   wide.projection.tail<4>() << 150, 150, 375.5, 239.5;
   const auto fit = convertedLens(wide, ProjectionModel::kPinhole, DistortionModel::kEquidistant);
   const auto whole = convertedLens(wide, ProjectionModel::kEucm, DistortionModel::kNone);
@@ -41,12 +41,12 @@ TEST(LensFit, APinholeTakesThePartThatItCanShow) {
 }
 
 TEST(LensFit, SaysHowMuchAModelMisses) {
-  const auto fit = convertedLens(testing::equidistantCamera(), ProjectionModel::kPinhole,
-                                 DistortionModel::kNone);
+  const auto fit =
+      convertedLens(test::equidistantCamera(), ProjectionModel::kPinhole, DistortionModel::kNone);
   ASSERT_TRUE(fit);
   EXPECT_GT(fit->rms_px, 1);
   EXPECT_GE(fit->most_px, fit->rms_px);
-  EXPECT_FALSE(fitLens(testing::radtanCamera(), {}));
+  EXPECT_FALSE(fitLens(test::radtanCamera(), {}));
 }
 
 }  // namespace

@@ -15,12 +15,12 @@ namespace plumbline::oracle {
 namespace {
 
 // The parameter blocks behind a CameraState.
-struct Blocks {
+struct CameraBlocks {
   std::vector<std::vector<double>> intrinsics;
   std::vector<PoseBlock> T_C0Ci;
   std::vector<PoseBlock> T_FC0;
 
-  explicit Blocks(const CameraState& state) {
+  explicit CameraBlocks(const CameraState& state) {
     for (const CameraCalibration& camera : state.cameras) {
       const Eigen::VectorXd k = camera.intrinsics.stacked();
       intrinsics.emplace_back(k.data(), k.data() + k.size());
@@ -29,7 +29,7 @@ struct Blocks {
     for (const Transform& T : state.T_FC0) T_FC0.push_back(poseBlockFrom(T));
   }
 
-  // Blocks of the calibration in the order of the covariance.
+  // CameraBlocks of the calibration in the order of the covariance.
   std::vector<const double*> globals() const {
     std::vector<const double*> all;
     for (const auto& k : intrinsics) all.push_back(k.data());
@@ -46,7 +46,7 @@ ceres::LossFunction* lossOf(const CameraOptions& options) {
 }
 
 void addView(const Session& session, const CameraState& start, int camera, const ImageView& view,
-             PoseBlock& T_FC0, const CameraOptions& options, Blocks& blocks,
+             PoseBlock& T_FC0, const CameraOptions& options, CameraBlocks& blocks,
              ceres::Problem& problem) {
   for (const Corner& corner : view.corners) {
     const CornerMeasurement measured{session.target.corner(corner.id), corner.uv};
@@ -57,7 +57,7 @@ void addView(const Session& session, const CameraState& start, int camera, const
 }
 
 void build(const Session& session, const std::vector<Frame>& frames, const CameraState& start,
-           const CameraOptions& options, Blocks& blocks, ceres::Problem& problem) {
+           const CameraOptions& options, CameraBlocks& blocks, ceres::Problem& problem) {
   for (std::size_t f = 0; f < frames.size(); ++f) {
     for (std::size_t c = 0; c < session.cameras.size(); ++c) {
       const int view = frames[f].view[c];
@@ -73,7 +73,7 @@ void build(const Session& session, const std::vector<Frame>& frames, const Camer
   problem.SetParameterBlockConstant(blocks.T_C0Ci[0].data());
 }
 
-ceres::Solver::Options solverOptions(const CameraOptions& options, Blocks& blocks) {
+ceres::Solver::Options solverOptions(const CameraOptions& options, CameraBlocks& blocks) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -93,7 +93,7 @@ ceres::Solver::Options solverOptions(const CameraOptions& options, Blocks& block
   return solver;
 }
 
-Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const Blocks& blocks) {
+Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const CameraBlocks& blocks) {
   std::vector<double> scale;
   for (const auto& k : blocks.intrinsics) scale.insert(scale.end(), k.size(), 1.0);
   for (std::size_t i = 1; i < blocks.T_C0Ci.size(); ++i) {
@@ -102,7 +102,7 @@ Eigen::MatrixXd covarianceOf(ceres::Problem& problem, const Blocks& blocks) {
   return tangentCovariance(problem, blocks.globals(), scale);
 }
 
-CameraState stateFrom(const CameraState& start, const Blocks& blocks) {
+CameraState stateFrom(const CameraState& start, const CameraBlocks& blocks) {
   CameraState state = start;
   for (std::size_t c = 0; c < state.cameras.size(); ++c) {
     const auto& k = blocks.intrinsics[c];
@@ -120,7 +120,7 @@ CameraState stateFrom(const CameraState& start, const Blocks& blocks) {
 
 CameraSolution solveCameras(const Session& session, const std::vector<Frame>& frames,
                             const CameraState& start, const CameraOptions& options) {
-  Blocks blocks(start);
+  CameraBlocks blocks(start);
   ceres::Problem problem;
   build(session, frames, start, options, blocks, problem);
   ceres::Solver::Summary summary;

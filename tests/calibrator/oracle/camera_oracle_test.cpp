@@ -14,16 +14,16 @@ namespace plumbline::oracle {
 namespace {
 
 // A stereo recording of a few frames whose truth is known.
-struct Recording {
+struct CameraRecording {
   Session session;
   std::vector<Frame> frames;
   CameraState truth;
 };
 
-Recording stereoRecording(int frames, double noise_px) {
-  Recording recording;
-  CameraCalibration left{"cam0", "", testing::radtanCamera(), Transform(), {}, {}};
-  CameraCalibration right{"cam1", "", testing::equidistantCamera(), Transform(), {}, {}};
+CameraRecording stereoRecording(int frames, double noise_px) {
+  CameraRecording recording;
+  CameraCalibration left{"cam0", "", test::radtanCamera(), Transform(), {}, {}};
+  CameraCalibration right{"cam1", "", test::equidistantCamera(), Transform(), {}, {}};
   right.T_C0Ci = {expSO3({0.01, -0.02, 0.005}), Eigen::Vector3d(0.11, 0.001, -0.002)};
   recording.truth.cameras = {left, right};
   recording.session.cameras.resize(2);
@@ -31,13 +31,13 @@ Recording stereoRecording(int frames, double noise_px) {
     Vector6d d;
     d << 0.1 * std::sin(i), 0.1 * std::cos(i), 0.2 * std::sin(2 * i), 0.3 * std::cos(3 * i),
         0.3 * std::sin(4 * i), 0.3 * std::sin(5 * i);
-    recording.truth.T_FC0.push_back(boxplus(testing::examplePose(), d).inverse());
+    recording.truth.T_FC0.push_back(boxplus(test::examplePose(), d).inverse());
     for (int c = 0; c < 2; ++c) {
       const Transform T_CF =
           (recording.truth.T_FC0[i] * recording.truth.cameras[c].T_C0Ci).inverse();
       recording.session.cameras[c].views.push_back(
-          testing::noisyView(recording.session.target, recording.truth.cameras[c].intrinsics, T_CF,
-                             60, noise_px, 2 * i + c));
+          test::noisyView(recording.session.target, recording.truth.cameras[c].intrinsics, T_CF, 60,
+                          noise_px, 2 * i + c));
     }
     recording.frames.push_back({i, {i, i}});
   }
@@ -56,7 +56,7 @@ CameraState disturbed(CameraState state) {
 }
 
 TEST(CameraOracle, RecoversTheTruthWithoutNoise) {
-  const Recording recording = stereoRecording(8, 0);
+  const CameraRecording recording = stereoRecording(8, 0);
   for (double cauchy_px : {0.0, 1.5}) {
     const CameraSolution solution =
         solveCameras(recording.session, recording.frames, disturbed(recording.truth),
@@ -67,7 +67,7 @@ TEST(CameraOracle, RecoversTheTruthWithoutNoise) {
 }
 
 TEST(CameraOracle, ErrorsWithNoiseAgreeWithTheCovariance) {
-  const Recording recording = stereoRecording(8, 0.5);
+  const CameraRecording recording = stereoRecording(8, 0.5);
   const CameraSolution solution = solveCameras(recording.session, recording.frames,
                                                disturbed(recording.truth), {.pixel_sigma = 0.5});
   EXPECT_TRUE(solution.converged);
@@ -78,7 +78,7 @@ TEST(CameraOracle, ErrorsWithNoiseAgreeWithTheCovariance) {
 }
 
 TEST(CameraOracle, CostIsHalfTheSumOverCornersInUnitsOfSigma) {
-  const Recording recording = stereoRecording(3, 0.5);
+  const CameraRecording recording = stereoRecording(3, 0.5);
   const CameraSolution solution =
       solveCameras(recording.session, recording.frames, recording.truth,
                    {.cauchy_px = 1.5, .pixel_sigma = 2, .covariance = false});

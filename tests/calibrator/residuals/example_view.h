@@ -8,7 +8,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A tilted target, about a metre in front of the camera.
 inline Transform examplePose() {
@@ -29,4 +29,4 @@ inline ImageView noisyView(const AprilGrid& target, const Intrinsics& camera, co
   return view;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

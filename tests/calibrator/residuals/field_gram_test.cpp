@@ -41,14 +41,14 @@ Eigen::MatrixXd denseSums(const Intrinsics& camera, const Transform& T_CF, const
 
 /// A lens of the kernel and one of the plain way, of one formula: without distortion.
 TEST(FieldGram, ThePlainWayIsTheKernels) {
-  Intrinsics vectorised = testing::radtanCamera();
+  Intrinsics vectorised = test::radtanCamera();
   vectorised.distortion.setZero();
   Intrinsics plain = vectorised;
   plain.distortion_model = DistortionModel::kNone;
   plain.distortion.resize(0);
   const AprilGrid target;
-  const Transform T_CF = testing::examplePose();
-  const PackedCorners packed(target, {testing::noisyView(target, plain, T_CF, 144, 0.5, 4)});
+  const Transform T_CF = test::examplePose();
+  const PackedCorners packed(target, {test::noisyView(target, plain, T_CF, 144, 0.5, 4)});
   for (const double cauchy_px : {0.0, 1.0}) {
     const FieldGram a =
         fieldGram(vectorised, T_CF, packed.view(0), kBox, FieldSquares::kKeep, {cauchy_px, 0});
@@ -68,14 +68,14 @@ TEST(FieldGram, ThePlainWayIsTheKernels) {
 
 /// A corner that cannot be projected is charged by its weight in both ways, and has no gradient.
 TEST(FieldGram, ChargesACornerBehindTheCameraByItsWeight) {
-  Intrinsics vectorised = testing::radtanCamera();
+  Intrinsics vectorised = test::radtanCamera();
   vectorised.distortion.setZero();
   Intrinsics plain = vectorised;
   plain.distortion_model = DistortionModel::kNone;
   plain.distortion.resize(0);
   const AprilGrid target;
-  const Transform T_CF = testing::examplePose();
-  const PackedCorners packed(target, {testing::noisyView(target, plain, T_CF, 144, 0.5, 4)});
+  const Transform T_CF = test::examplePose();
+  const PackedCorners packed(target, {test::noisyView(target, plain, T_CF, 144, 0.5, 4)});
   PackedView view = packed.view(0);
   std::vector<double> z(view.z, view.z + view.padded);
   std::vector<double> w(view.w, view.w + view.padded);
@@ -105,10 +105,10 @@ TEST(FieldGram, ChargesACornerBehindTheCameraByItsWeight) {
 class FieldGramOf : public ::testing::TestWithParam<double> {};
 
 TEST_P(FieldGramOf, IsTheSumOverCorners) {
-  for (const Intrinsics& camera : {testing::radtanCamera(), testing::equidistantCamera()}) {
+  for (const Intrinsics& camera : {test::radtanCamera(), test::equidistantCamera()}) {
     const AprilGrid target;
-    const Transform T_CF = testing::examplePose();
-    const PackedCorners packed(target, {testing::noisyView(target, camera, T_CF, 109, 0.7, 3)});
+    const Transform T_CF = test::examplePose();
+    const PackedCorners packed(target, {test::noisyView(target, camera, T_CF, 109, 0.7, 3)});
     const PackedView view = packed.view(0);
     const FieldGram g = fieldGram(camera, T_CF, view, kBox, FieldSquares::kKeep, {GetParam(), 0});
     const Eigen::MatrixXd dense = denseSums(camera, T_CF, view, GetParam());
@@ -129,10 +129,10 @@ TEST_P(FieldGramOf, IsTheSumOverCorners) {
 INSTANTIATE_TEST_SUITE_P(Losses, FieldGramOf, ::testing::Values(0.0, 1.0));
 
 TEST(FieldGram, ThePoseAndIntrinsicsAreThoseOfTheView) {
-  const Intrinsics camera = testing::radtanCamera();
+  const Intrinsics camera = test::radtanCamera();
   const AprilGrid target;
-  const Transform T_CF = testing::examplePose();
-  const PackedCorners packed(target, {testing::noisyView(target, camera, T_CF, 144, 0.3, 5)});
+  const Transform T_CF = test::examplePose();
+  const PackedCorners packed(target, {test::noisyView(target, camera, T_CF, 144, 0.3, 5)});
   for (const double cauchy_px : {0.0, 1.5}) {
     const FieldGram g =
         fieldGram(camera, T_CF, packed.view(0), kBox, FieldSquares::kDrop, {cauchy_px, 0});

@@ -17,7 +17,7 @@
 namespace plumbline {
 namespace {
 
-using Jet = ceres::Jet<double, 14>;
+using GramJet = ceres::Jet<double, 14>;
 using Vector14d = Eigen::Matrix<double, 14, 1>;
 using Matrix14d = Eigen::Matrix<double, 14, 14>;
 
@@ -25,30 +25,30 @@ const AprilGrid kTarget;
 
 struct Scene {
   Intrinsics camera;
-  Transform T_CF = testing::examplePose();
+  Transform T_CF = test::examplePose();
   PackedCorners corners;
 };
 
 Scene sceneOf(const Intrinsics& camera) {
-  Scene scene{camera, testing::examplePose(), {}};
-  const ImageView view = testing::noisyView(kTarget, camera, scene.T_CF, 76, 1.5, 7);
+  Scene scene{camera, test::examplePose(), {}};
+  const ImageView view = test::noisyView(kTarget, camera, scene.T_CF, 76, 1.5, 7);
   scene.corners = PackedCorners(kTarget, {view});
   return scene;
 }
 
 // The errors of all corners as Jets in (twist, intrinsics).
-std::vector<Jet> errorsAsJets(const Scene& scene) {
+std::vector<GramJet> errorsAsJets(const Scene& scene) {
   const Eigen::VectorXd k = scene.camera.stacked();
-  Jet twist[6], parameter[8];
-  for (int i = 0; i < 6; ++i) twist[i] = Jet(0.0, i);
-  for (int i = 0; i < 8; ++i) parameter[i] = Jet(k[i], 6 + i);
+  GramJet twist[6], parameter[8];
+  for (int i = 0; i < 6; ++i) twist[i] = GramJet(0.0, i);
+  for (int i = 0; i < 8; ++i) parameter[i] = GramJet(k[i], 6 + i);
   const PackedView view = scene.corners.view(0);
-  std::vector<Jet> errors;
+  std::vector<GramJet> errors;
   for (int i = 0; i < view.count; ++i) {
     const Eigen::Vector3d p = scene.T_CF * Eigen::Vector3d(view.x[i], view.y[i], 0);
-    const Jet X = p.x() + twist[0] + twist[4] * p.z() - twist[5] * p.y();
-    const Jet Y = p.y() + twist[1] + twist[5] * p.x() - twist[3] * p.z();
-    const Jet Z = p.z() + twist[2] + twist[3] * p.y() - twist[4] * p.x();
+    const GramJet X = p.x() + twist[0] + twist[4] * p.z() - twist[5] * p.y();
+    const GramJet Y = p.y() + twist[1] + twist[5] * p.x() - twist[3] * p.z();
+    const GramJet Z = p.z() + twist[2] + twist[3] * p.y() - twist[4] * p.x();
     std::visit(
         [&]<class Model>(Model) {
           if constexpr (kIsVectorised<Model>) {
@@ -63,11 +63,11 @@ std::vector<Jet> errorsAsJets(const Scene& scene) {
 }
 
 TEST(ViewGram, EqualsTheProductOfJetJacobians) {
-  for (const Intrinsics& camera : testing::allCameras()) {
+  for (const Intrinsics& camera : test::allCameras()) {
     const Scene scene = sceneOf(camera);
     Matrix14d H = Matrix14d::Zero();
     Vector14d b = Vector14d::Zero();
-    for (const Jet& e : errorsAsJets(scene)) {
+    for (const GramJet& e : errorsAsJets(scene)) {
       H += e.v * e.v.transpose();
       b += e.v * e.a;
     }
@@ -90,7 +90,7 @@ double costAt(const Scene& scene, const Vector14d& d, const GramOptions& options
 }
 
 TEST(ViewGram, GradientIsHalfTheSlopeOfTheCostWithAndWithoutLoss) {
-  for (const Intrinsics& camera : testing::allCameras()) {
+  for (const Intrinsics& camera : test::allCameras()) {
     const Scene scene = sceneOf(camera);
     for (const GramOptions& options : {GramOptions{}, GramOptions{.cauchy_px = 1.5}}) {
       const ViewGram gram = viewGram(camera, scene.T_CF, scene.corners.view(0), options);
@@ -111,10 +111,9 @@ TEST(ViewGram, GradientIsHalfTheSlopeOfTheCostWithAndWithoutLoss) {
 
 TEST(ViewGram, HIsHalfTheCurvatureOfTheCostForSmallErrors) {
   // Without noise the Gauss-Newton matrix is the Hessian, and the Cauchy loss starts as |e|^2.
-  const Intrinsics camera = testing::radtanCamera();
-  Scene scene{camera, testing::examplePose(), {}};
-  scene.corners =
-      PackedCorners(kTarget, {testing::noisyView(kTarget, camera, scene.T_CF, 100, 0, 1)});
+  const Intrinsics camera = test::radtanCamera();
+  Scene scene{camera, test::examplePose(), {}};
+  scene.corners = PackedCorners(kTarget, {test::noisyView(kTarget, camera, scene.T_CF, 100, 0, 1)});
   for (const GramOptions& options : {GramOptions{}, GramOptions{.cauchy_px = 1.5}}) {
     const ViewGram gram = viewGram(camera, scene.T_CF, scene.corners.view(0), options);
     for (int i = 0; i < 8; ++i) {
@@ -129,7 +128,7 @@ TEST(ViewGram, HIsHalfTheCurvatureOfTheCostForSmallErrors) {
 }
 
 TEST(ViewGram, TheClampedCurvatureLiesBetweenReweightingAndTheFullSecondDerivative) {
-  const Scene scene = sceneOf(testing::radtanCamera());
+  const Scene scene = sceneOf(test::radtanCamera());
   const auto smallest = [&](double clamp) {
     const GramOptions options{.cauchy_px = 1.5, .triggs_clamp = clamp};
     return viewGram(scene.camera, scene.T_CF, scene.corners.view(0), options).H;

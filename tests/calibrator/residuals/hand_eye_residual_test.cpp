@@ -10,10 +10,10 @@
 namespace plumbline {
 namespace {
 
-constexpr int kColumns = 13;
-using Jacobian = Eigen::Matrix<double, 6, kColumns>;
-using Jet = ceres::Jet<double, kColumns>;
-using Vec3J = oracle::Vec3<Jet>;
+constexpr int kHandEyeColumns = 13;
+using Jacobian = Eigen::Matrix<double, 6, kHandEyeColumns>;
+using HandEyeJet = ceres::Jet<double, kHandEyeColumns>;
+using HandEyeVec3 = oracle::Vec3<HandEyeJet>;
 
 HandEyePair examplePair() {
   HandEyePair pair;
@@ -79,7 +79,7 @@ TEST(HandEyeResidual, JacobiansEqualCentralDifferences) {
   const HandEyeState state = exampleState(pair);
   constexpr double h = 1e-6;  // truncation 1e-12, rounding 1e-10
   Jacobian numeric;
-  for (int k = 0; k < kColumns; ++k) {
+  for (int k = 0; k < kHandEyeColumns; ++k) {
     numeric.col(k) = (handEyeResidual(pair, stepped(state, k, h)).r -
                       handEyeResidual(pair, stepped(state, k, -h)).r) /
                      (2 * h);
@@ -87,31 +87,34 @@ TEST(HandEyeResidual, JacobiansEqualCentralDifferences) {
   EXPECT_LT((numeric - analytic(pair, state)).cwiseAbs().maxCoeff(), 1e-8) << numeric;
 }
 
-Vec3J variable(const Eigen::Vector3d& value, int at) {
-  return {Jet(value(0), at), Jet(value(1), at + 1), Jet(value(2), at + 2)};
+HandEyeVec3 handEyeVariable(const Eigen::Vector3d& value, int at) {
+  return {HandEyeJet(value(0), at), HandEyeJet(value(1), at + 1), HandEyeJet(value(2), at + 2)};
 }
 
-Eigen::Quaternion<Jet> constant(const Eigen::Matrix3d& R) {
+Eigen::Quaternion<HandEyeJet> constant(const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
-  return {Jet(q.w()), Jet(q.x()), Jet(q.y()), Jet(q.z())};
+  return {HandEyeJet(q.w()), HandEyeJet(q.x()), HandEyeJet(q.y()), HandEyeJet(q.z())};
 }
 
-Eigen::Quaternion<Jet> variableRotation(const Eigen::Matrix3d& R, int at) {
-  return oracle::expQuaternion<Jet>(variable(Eigen::Vector3d::Zero(), at)) * constant(R);
+Eigen::Quaternion<HandEyeJet> handEyeRotation(const Eigen::Matrix3d& R, int at) {
+  return oracle::expQuaternion<HandEyeJet>(handEyeVariable(Eigen::Vector3d::Zero(), at)) *
+         constant(R);
 }
 
 TEST(HandEyeResidual, JacobiansEqualAutomaticDifferentiation) {
   const HandEyePair pair = examplePair();
   const HandEyeState state = exampleState(pair);
-  const auto q_SM = variableRotation(state.T_SM.R, 3), q_VW = variableRotation(state.T_VW.R, 9);
+  const auto q_SM = handEyeRotation(state.T_SM.R, 3), q_VW = handEyeRotation(state.T_VW.R, 9);
   const auto q_WS = constant(pair.T_WS.R);
-  const Jet offset(state.offset_s, 12);
-  const Vec3J t_WM = q_WS * variable(state.T_SM.t, 0) + pair.T_WS.t.cast<Jet>();
-  const Vec3J t = q_VW * t_WM + variable(state.T_VW.t, 6) - pair.T_VM.t.cast<Jet>() -
-                  offset * pair.v_V.cast<Jet>();
+  const HandEyeJet offset(state.offset_s, 12);
+  const HandEyeVec3 t_WM = q_WS * handEyeVariable(state.T_SM.t, 0) + pair.T_WS.t.cast<HandEyeJet>();
+  const HandEyeVec3 t = q_VW * t_WM + handEyeVariable(state.T_VW.t, 6) -
+                        pair.T_VM.t.cast<HandEyeJet>() - offset * pair.v_V.cast<HandEyeJet>();
   const auto q_VM =
-      oracle::expQuaternion<Jet>(Vec3J(offset * pair.omega_V.cast<Jet>())) * constant(pair.T_VM.R);
-  const Vec3J angle = oracle::logQuaternion<Jet>(q_VW * q_WS * q_SM * q_VM.conjugate());
+      oracle::expQuaternion<HandEyeJet>(HandEyeVec3(offset * pair.omega_V.cast<HandEyeJet>())) *
+      constant(pair.T_VM.R);
+  const HandEyeVec3 angle =
+      oracle::logQuaternion<HandEyeJet>(q_VW * q_WS * q_SM * q_VM.conjugate());
   Jacobian J;
   for (int k = 0; k < 3; ++k) {
     J.row(k) = t(k).v.transpose();

@@ -35,11 +35,11 @@ Gravity someGravity() { return {Eigen::Vector3d(0.2, -0.9, 0.4).normalized(), 9.
 ImuBias biasOf(const ImuState& s) { return {s.gyro_bias, s.accel_bias}; }
 
 /// Everything r depends on, in one tangent vector: i (15), j (15), gravity (2), t_d.
-constexpr int kColumns = 33;
-using Column = Eigen::Matrix<double, kColumns, 1>;
+constexpr int kImuColumns = 33;
+using Column = Eigen::Matrix<double, kImuColumns, 1>;
 
 ImuResidual residualAt(const Column& d) {
-  const auto samples = testing::wavySamples(0, 200, 0.3);
+  const auto samples = test::wavySamples(0, 200, 0.3);
   const ImuState i = boxplus(someState(), Vector15d(d.head<15>()));
   const ImuState j = boxplus(nextState(someState()), Vector15d(d.segment<15>(15)));
   Gravity g = someGravity();
@@ -49,9 +49,9 @@ ImuResidual residualAt(const Column& d) {
   return imuResidual(*preintegrate(samples, window, biasOf(i)), i, j, g);
 }
 
-Eigen::Matrix<double, 9, kColumns> analytic() {
+Eigen::Matrix<double, 9, kImuColumns> analytic() {
   const ImuResidual r = residualAt(Column::Zero());
-  Eigen::Matrix<double, 9, kColumns> J = Eigen::Matrix<double, 9, kColumns>::Zero();
+  Eigen::Matrix<double, 9, kImuColumns> J = Eigen::Matrix<double, 9, kImuColumns>::Zero();
   J.leftCols<15>() = r.J_i;
   J.middleCols<9>(15) = r.J_j;
   J.middleCols<2>(30) = r.J_gravity;
@@ -89,55 +89,55 @@ TEST(ImuResidual, AnUprightRestingSensorMeasuresGravityUp) {
 }
 
 TEST(ImuResidual, JacobiansEqualCentralDifferences) {
-  Eigen::Matrix<double, 9, kColumns> numeric;
+  Eigen::Matrix<double, 9, kImuColumns> numeric;
   const double h = 1e-5;
-  for (int k = 0; k < kColumns; ++k) {
+  for (int k = 0; k < kImuColumns; ++k) {
     const Column d = h * Column::Unit(k);
     numeric.col(k) = (residualAt(d).r - residualAt(-d).r) / (2 * h);
   }
   EXPECT_LT((analytic() - numeric).cwiseAbs().maxCoeff(), 2e-8);
 }
 
-using Jet = ceres::Jet<double, kColumns>;
-using Vec3J = oracle::Vec3<Jet>;
+using ImuJet = ceres::Jet<double, kImuColumns>;
+using ImuVec3 = oracle::Vec3<ImuJet>;
 
-Vec3J variable(const Eigen::Vector3d& value, int at) {
-  return {Jet(value(0), at), Jet(value(1), at + 1), Jet(value(2), at + 2)};
+ImuVec3 imuVariable(const Eigen::Vector3d& value, int at) {
+  return {ImuJet(value(0), at), ImuJet(value(1), at + 1), ImuJet(value(2), at + 2)};
 }
 
-Eigen::Quaternion<Jet> variableRotation(const Eigen::Matrix3d& R, int at) {
+Eigen::Quaternion<ImuJet> imuRotation(const Eigen::Matrix3d& R, int at) {
   const Eigen::Quaterniond q(R);
-  const Eigen::Quaternion<Jet> base(Jet(q.w()), Jet(q.x()), Jet(q.y()), Jet(q.z()));
-  return oracle::expQuaternion<Jet>(variable(Eigen::Vector3d::Zero(), at)) * base;
+  const Eigen::Quaternion<ImuJet> base(ImuJet(q.w()), ImuJet(q.x()), ImuJet(q.y()), ImuJet(q.z()));
+  return oracle::expQuaternion<ImuJet>(imuVariable(Eigen::Vector3d::Zero(), at)) * base;
 }
 
 TEST(ImuResidual, JacobiansEqualAutomaticDifferentiation) {
-  const auto samples = testing::wavySamples(0, 200, 0.3);
+  const auto samples = test::wavySamples(0, 200, 0.3);
   const ImuState i = someState();
   const ImuState j = nextState(i);
-  const auto q_i = variableRotation(i.T_FS.R, 3);
-  const auto q_j = variableRotation(j.T_FS.R, 18);
-  const Vec3J p_i = variable(i.T_FS.t, 0);
-  const Vec3J p_j = variable(j.T_FS.t, 15);
-  const Vec3J v_i = variable(i.v_F, 6);
-  const Vec3J v_j = variable(j.v_F, 21);
+  const auto q_i = imuRotation(i.T_FS.R, 3);
+  const auto q_j = imuRotation(j.T_FS.R, 18);
+  const ImuVec3 p_i = imuVariable(i.T_FS.t, 0);
+  const ImuVec3 p_j = imuVariable(j.T_FS.t, 15);
+  const ImuVec3 v_i = imuVariable(i.v_F, 6);
+  const ImuVec3 v_j = imuVariable(j.v_F, 21);
   const auto m =
-      testing::oracleMotion<Jet>(samples, kWindow, variable(i.gyro_bias, 9),
-                                 variable(i.accel_bias, 12), Jet(kWindow.time_offset_s, 32));
+      test::oracleMotion<ImuJet>(samples, kWindow, imuVariable(i.gyro_bias, 9),
+                                 imuVariable(i.accel_bias, 12), ImuJet(kWindow.time_offset_s, 32));
   // The sphere to first order: direction + basis d.
   const Gravity gravity = someGravity();
   const auto basis = tangentBasis(gravity.direction);
-  Vec3J g;
+  ImuVec3 g;
   for (int k = 0; k < 3; ++k) {
-    g(k) = gravity.magnitude *
-           (Jet(gravity.direction(k)) + basis(k, 0) * Jet(0.0, 30) + basis(k, 1) * Jet(0.0, 31));
+    g(k) = gravity.magnitude * (ImuJet(gravity.direction(k)) + basis(k, 0) * ImuJet(0.0, 30) +
+                                basis(k, 1) * ImuJet(0.0, 31));
   }
-  const Jet T(kWindow.duration_s());
-  const Vec3J dv = v_j - v_i - g * T;
-  const Vec3J dp = p_j - p_i - v_i * T - g * (T * T / 2.0);
-  const Vec3J r_R = oracle::logQuaternion<Jet>(m.q.conjugate() * q_i.conjugate() * q_j);
-  const Vec3J r_v = q_i.conjugate() * dv - m.v;
-  const Vec3J r_p = q_i.conjugate() * dp - m.p;
+  const ImuJet T(kWindow.duration_s());
+  const ImuVec3 dv = v_j - v_i - g * T;
+  const ImuVec3 dp = p_j - p_i - v_i * T - g * (T * T / 2.0);
+  const ImuVec3 r_R = oracle::logQuaternion<ImuJet>(m.q.conjugate() * q_i.conjugate() * q_j);
+  const ImuVec3 r_v = q_i.conjugate() * dv - m.v;
+  const ImuVec3 r_p = q_i.conjugate() * dp - m.p;
   const auto J = analytic();
   const ImuResidual r = residualAt(Column::Zero());
   for (int k = 0; k < 3; ++k) {
@@ -165,7 +165,7 @@ TEST(GravityDirection, MovesByTheStatedAngleAndStaysAUnitVector) {
 }
 
 TEST(ImuWeight, WhitensTheCovarianceAndTheWalks) {
-  const auto samples = testing::wavySamples(0, 200, 0.3);
+  const auto samples = test::wavySamples(0, 200, 0.3);
   const ImuNoise noise;
   const auto P = preintegrationCovariance(samples, kWindow, {}, noise);
   ASSERT_TRUE(P);

@@ -9,7 +9,7 @@
 #include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/residuals/imu_oracle.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// Smooth rates (up to about 2 rad/s) and forces (up to about 15 m/s^2) on three axes.
 inline std::vector<ImuSample> wavySamples(TimeNs start, double rate_hz, double seconds) {
@@ -61,4 +61,4 @@ inline Eigen::Matrix<double, 9, 7> ceresJacobian(const std::vector<ImuSample>& s
   return J;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "calibrator/base/lie.h"
 #include "calibrator/residuals/view_gram.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// The Gram matrix of one view, corner by corner with dense rows: slow, and plain to see.
 /// Order of the parameters: twist (6), intrinsics (8).
@@ -49,4 +49,4 @@ inline NaiveGram naiveGram(const Intrinsics& camera, const Transform& T_CF, cons
   return gram;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

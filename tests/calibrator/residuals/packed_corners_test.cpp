@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-const AprilGrid kTarget;
+const AprilGrid kPackedTarget;
 
 std::vector<ImageView> viewsOf(const std::vector<int>& counts) {
   std::vector<ImageView> views;
@@ -29,8 +29,8 @@ void expectHolds(const PackedView& packed, const ImageView& view) {
   for (int i = 0; i < packed.count; ++i) {
     const Corner& corner = view.corners[i];
     EXPECT_EQ(packed.id[i], corner.id);
-    EXPECT_EQ(packed.x[i], kTarget.corner(corner.id).x());
-    EXPECT_EQ(packed.y[i], kTarget.corner(corner.id).y());
+    EXPECT_EQ(packed.x[i], kPackedTarget.corner(corner.id).x());
+    EXPECT_EQ(packed.y[i], kPackedTarget.corner(corner.id).y());
     EXPECT_EQ(packed.u[i], corner.uv.x());
     EXPECT_EQ(packed.v[i], corner.uv.y());
     EXPECT_EQ(packed.w[i], 1);
@@ -43,14 +43,14 @@ void expectHolds(const PackedView& packed, const ImageView& view) {
 
 TEST(PackedCorners, HoldsEveryViewPaddedWithItsLastCorner) {
   const std::vector<ImageView> views = viewsOf({1, 8, 0, 9, 143});
-  const PackedCorners corners(kTarget, views);
+  const PackedCorners corners(kPackedTarget, views);
   ASSERT_EQ(corners.viewCount(), 5);
   for (int i = 0; i < 5; ++i) expectHolds(corners.view(i), views[i]);
 }
 
 TEST(PackedCorners, ColumnsAreAlignedInTheOriginalAndInCopies) {
   const std::vector<ImageView> views = viewsOf({3, 17, 8});
-  const PackedCorners original(kTarget, views);
+  const PackedCorners original(kPackedTarget, views);
   const PackedCorners copy = original;
   for (const PackedCorners* corners : {&original, &copy}) {
     for (int i = 0; i < 3; ++i) {
@@ -64,7 +64,7 @@ TEST(PackedCorners, ColumnsAreAlignedInTheOriginalAndInCopies) {
 }
 
 TEST(PackedCorners, AWeightBelongsToOneCornerOfOneView) {
-  PackedCorners corners(kTarget, viewsOf({10, 12}));
+  PackedCorners corners(kPackedTarget, viewsOf({10, 12}));
   corners.setWeight(1, 9, 0);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(corners.view(0).w[i], 1);
   for (int i = 0; i < 12; ++i) EXPECT_EQ(corners.view(1).w[i], i == 9 ? 0 : 1);
@@ -99,7 +99,7 @@ TEST(PackedCorners, TheTagsEdgesDependOnTheirSizeInTheImage) {
 
 TEST(PackedCorners, MayBeEmpty) {
   EXPECT_EQ(PackedCorners().viewCount(), 0);
-  const PackedCorners none(kTarget, viewsOf({0}));
+  const PackedCorners none(kPackedTarget, viewsOf({0}));
   EXPECT_EQ(none.view(0).count, 0);
   EXPECT_EQ(none.view(0).padded, 0);
 }

@@ -14,8 +14,8 @@
 namespace plumbline {
 namespace {
 
-using testing::ceresJacobian;
-using testing::wavySamples;
+using test::ceresJacobian;
+using test::wavySamples;
 
 constexpr TimeNs kEpoch = 1'404'733'405'732'800'000;
 const ImuBias kBias{{0.01, -0.02, 0.03}, {0.1, 0.05, -0.2}};

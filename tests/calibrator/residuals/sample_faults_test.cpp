@@ -17,15 +17,15 @@ namespace {
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Samples = std::vector<ImuSample>;
 
-constexpr TimeNs kEpoch = 1'404'733'405'732'800'000;
+constexpr TimeNs kFaultsEpoch = 1'404'733'405'732'800'000;
 constexpr double kRate = 1000;
-const ImuBias kBias{{0.01, -0.02, 0.03}, {0.1, 0.05, -0.2}};
-const ImuWindow kWindow{kEpoch + 103'000'000, kEpoch + 153'700'000, 0.0123};
+const ImuBias kFaultsBias{{0.01, -0.02, 0.03}, {0.1, 0.05, -0.2}};
+const ImuWindow kFaultsWindow{kFaultsEpoch + 103'000'000, kFaultsEpoch + 153'700'000, 0.0123};
 
 /// Central difference of the motion, by samples with the fault of size -h and +h removed.
 Vector9 differenceQuotient(const std::function<Samples(double)>& without, double h) {
-  const auto low = preintegrate(without(-h), kWindow, kBias);
-  const auto high = preintegrate(without(h), kWindow, kBias);
+  const auto low = preintegrate(without(-h), kFaultsWindow, kFaultsBias);
+  const auto high = preintegrate(without(h), kFaultsWindow, kFaultsBias);
   Vector9 out;
   out << logSO3(low->R.transpose() * high->R), high->v - low->v, high->p - low->p;
   return out / (2 * h);
@@ -39,15 +39,15 @@ void expectNear(const Vector9& derivative, const Vector9& expected) {
 
 class SampleFaultsTest : public ::testing::Test {
  protected:
-  const Samples samples_ = testing::wavySamples(kEpoch, kRate, 0.4);
+  const Samples samples_ = test::wavySamples(kFaultsEpoch, kRate, 0.4);
   const Eigen::Matrix<double, 9, SampleFaults::kCount> J_ =
-      sampleFaultDerivatives(samples_, kWindow, kBias).value();
+      sampleFaultDerivatives(samples_, kFaultsWindow, kFaultsBias).value();
 
   /// Samples less a fault that is linear in the unbiased reading.
   Samples less(const std::function<void(ImuSample&, const ImuBias&)>& fault) const {
     Samples out = samples_;
     for (ImuSample& s : out) {
-      const ImuBias unbiased{s.gyro - kBias.gyro, s.accel - kBias.accel};
+      const ImuBias unbiased{s.gyro - kFaultsBias.gyro, s.accel - kFaultsBias.accel};
       fault(s, unbiased);
     }
     return out;
@@ -108,10 +108,10 @@ TEST_F(SampleFaultsTest, DelayOfTheAccelerometer) {
 }
 
 TEST(SampleFaults, AWindowOffTheSamplesHasNoDerivatives) {
-  const Samples samples = testing::wavySamples(kEpoch, kRate, 0.1);
-  EXPECT_FALSE(sampleFaultDerivatives(samples, kWindow, kBias));
-  EXPECT_FALSE(
-      sampleFaultDerivatives(samples, {kEpoch - 50'000'000, kEpoch + 1'000'000, 0}, kBias));
+  const Samples samples = test::wavySamples(kFaultsEpoch, kRate, 0.1);
+  EXPECT_FALSE(sampleFaultDerivatives(samples, kFaultsWindow, kFaultsBias));
+  EXPECT_FALSE(sampleFaultDerivatives(
+      samples, {kFaultsEpoch - 50'000'000, kFaultsEpoch + 1'000'000, 0}, kFaultsBias));
 }
 
 }  // namespace

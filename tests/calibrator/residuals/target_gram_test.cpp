@@ -71,7 +71,7 @@ Dense denseSums(const Intrinsics& camera, const Transform& T_CF, const AprilGrid
     }
     const double c2 = options.cauchy_px * options.cauchy_px;
     const double slope = c2 > 0 ? 1 / (1 + e.squaredNorm() / c2) : 1.0;
-    sums.H += J.transpose() * testing::naiveWeight(e, options) * J;
+    sums.H += J.transpose() * test::naiveWeight(e, options) * J;
     sums.b += slope * J.transpose() * e;
   }
   return sums;
@@ -87,9 +87,9 @@ Dense assembled(const TargetViewGram& g) {
 
 TEST(TargetViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) {
   const AprilGrid board = bentBoard();
-  const Transform T_CF = testing::examplePose();
-  for (const Intrinsics& camera : testing::allCameras()) {
-    const ImageView view = testing::noisyView(board, camera, T_CF, 51, 2.0, 1);
+  const Transform T_CF = test::examplePose();
+  for (const Intrinsics& camera : test::allCameras()) {
+    const ImageView view = test::noisyView(board, camera, T_CF, 51, 2.0, 1);
     const PackedCorners corners(board, {view});
     const Columns columns(board, corners.view(0));
     for (const GramOptions& options : {GramOptions{0, 0}, GramOptions{1.5, 0.7}}) {
@@ -109,9 +109,9 @@ TEST(TargetViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) 
 
 TEST(TargetViewGram, ItsPartWithoutTheBoardIsViewGram) {
   const AprilGrid board = bentBoard();
-  const Transform T_CF = testing::examplePose();
-  const Intrinsics camera = testing::allCameras().front();
-  const PackedCorners corners(board, {testing::noisyView(board, camera, T_CF, 144, 1.0, 2)});
+  const Transform T_CF = test::examplePose();
+  const Intrinsics camera = test::allCameras().front();
+  const PackedCorners corners(board, {test::noisyView(board, camera, T_CF, 144, 1.0, 2)});
   const Columns columns(board, corners.view(0));
   const ViewGram plain = viewGram(camera, T_CF, corners.view(0));
   const TargetViewGram with = targetViewGram(camera, T_CF, corners.view(0), columns.target);

@@ -17,10 +17,10 @@
 namespace plumbline {
 namespace {
 
-using testing::naiveGram;
-using testing::NaiveGram;
+using test::naiveGram;
+using test::NaiveGram;
 
-const AprilGrid kTarget;
+const AprilGrid kViewTarget;
 
 // Options that take every path of the kernel.
 std::vector<GramOptions> allOptions() {
@@ -66,13 +66,13 @@ void expectEqual(const ViewGram& gram, const NaiveGram& naive) {
 }
 
 TEST(ViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) {
-  const Transform T_CF = testing::examplePose();
-  for (const Intrinsics& camera : testing::allCameras()) {
-    const ImageView view = testing::noisyView(kTarget, camera, T_CF, 144, 2.0, 1);
+  const Transform T_CF = test::examplePose();
+  for (const Intrinsics& camera : test::allCameras()) {
+    const ImageView view = test::noisyView(kViewTarget, camera, T_CF, 144, 2.0, 1);
     ASSERT_EQ(view.corners.size(), 144U);
-    const PackedCorners corners(kTarget, {view});
+    const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
-      const NaiveGram naive = naiveGram(camera, T_CF, kTarget, corners.view(0), options);
+      const NaiveGram naive = naiveGram(camera, T_CF, kViewTarget, corners.view(0), options);
       for (InstructionSet set : availableSets()) {
         expectEqual(viewGramWith(set, camera, T_CF, corners.view(0), options), naive);
       }
@@ -81,15 +81,15 @@ TEST(ViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) {
 }
 
 TEST(ViewGram, DoesNotCountPaddingNorRejectedCorners) {
-  const Transform T_CF = testing::examplePose();
-  for (const Intrinsics& camera : testing::allCameras()) {
+  const Transform T_CF = test::examplePose();
+  for (const Intrinsics& camera : test::allCameras()) {
     for (int count : {1, 4, 7, 8, 9, 47, 48, 49, 97}) {
-      const ImageView view = testing::noisyView(kTarget, camera, T_CF, count, 1.0, count);
-      PackedCorners corners(kTarget, {view});
+      const ImageView view = test::noisyView(kViewTarget, camera, T_CF, count, 1.0, count);
+      PackedCorners corners(kViewTarget, {view});
       if (count > 5) corners.setWeight(0, 3, 0);
       for (const GramOptions& options : allOptions()) {
         const ViewGram gram = viewGram(camera, T_CF, corners.view(0), options);
-        const NaiveGram naive = naiveGram(camera, T_CF, kTarget, corners.view(0), options);
+        const NaiveGram naive = naiveGram(camera, T_CF, kViewTarget, corners.view(0), options);
         EXPECT_LT(scaledDifference(assembled(gram), naive.H), 1e-12) << count << " corners";
         EXPECT_NEAR(gram.cost, naive.cost, 1e-11 * naive.cost) << count << " corners";
       }
@@ -98,10 +98,10 @@ TEST(ViewGram, DoesNotCountPaddingNorRejectedCorners) {
 }
 
 TEST(ViewGram, PoseOnlyAndCostOnlyAreItsParts) {
-  const Transform T_CF = testing::examplePose();
-  for (const Intrinsics& camera : testing::allCameras()) {
-    const ImageView view = testing::noisyView(kTarget, camera, T_CF, 101, 1.0, 3);
-    const PackedCorners corners(kTarget, {view});
+  const Transform T_CF = test::examplePose();
+  for (const Intrinsics& camera : test::allCameras()) {
+    const ImageView view = test::noisyView(kViewTarget, camera, T_CF, 101, 1.0, 3);
+    const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
       for (InstructionSet set : availableSets()) {
         const ViewGram whole = viewGramWith(set, camera, T_CF, corners.view(0), options);
@@ -118,10 +118,10 @@ TEST(ViewGram, PoseOnlyAndCostOnlyAreItsParts) {
 }
 
 TEST(ViewGram, ThePlainWayEqualsTheKernel) {
-  const Transform T_CF = testing::examplePose();
-  for (const Intrinsics& camera : testing::allCameras()) {
-    const ImageView view = testing::noisyView(kTarget, camera, T_CF, 101, 1.0, 3);
-    PackedCorners corners(kTarget, {view});
+  const Transform T_CF = test::examplePose();
+  for (const Intrinsics& camera : test::allCameras()) {
+    const ImageView view = test::noisyView(kViewTarget, camera, T_CF, 101, 1.0, 3);
+    PackedCorners corners(kViewTarget, {view});
     corners.setWeight(0, 7, 0);
     const AnyCameraModel model = cameraModelOf(camera);
     for (const InstructionSet set : {InstructionSet::kBaseline, bestInstructionSet()}) {
@@ -146,12 +146,12 @@ TEST(ViewGram, ThePlainWayEqualsTheKernel) {
 }
 
 TEST(ViewGram, HasTheGradientOfItsCostForEveryModel) {
-  const Transform T_CF = testing::examplePose();
+  const Transform T_CF = test::examplePose();
   const GramOptions options{.cauchy_px = 1.5, .triggs_clamp = 0};
-  for (const Intrinsics& camera : testing::everyModel()) {
-    const ImageView view = testing::noisyView(kTarget, camera, T_CF, 60, 1.0, 3);
+  for (const Intrinsics& camera : test::everyModel()) {
+    const ImageView view = test::noisyView(kViewTarget, camera, T_CF, 60, 1.0, 3);
     ASSERT_GT(view.corners.size(), 40U);
-    const PackedCorners corners(kTarget, {view});
+    const PackedCorners corners(kViewTarget, {view});
     const ViewGram gram = viewGram(camera, T_CF, corners.view(0), options);
     const Eigen::VectorXd k = camera.stacked();
     ASSERT_EQ(gram.b_k.size(), k.size());
@@ -179,11 +179,11 @@ void expectCharged(const ViewGram& gram, double corners) {
 }
 
 TEST(ViewGram, ATargetBehindTheCameraCostsMuchAndHasNoGradient) {
-  Transform behind = testing::examplePose();
+  Transform behind = test::examplePose();
   behind.t.z() = -1.1;
-  for (const Intrinsics& camera : testing::allCameras()) {
-    const ImageView view = testing::noisyView(kTarget, camera, testing::examplePose(), 21, 1.0, 3);
-    const PackedCorners corners(kTarget, {view});
+  for (const Intrinsics& camera : test::allCameras()) {
+    const ImageView view = test::noisyView(kViewTarget, camera, test::examplePose(), 21, 1.0, 3);
+    const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
       for (InstructionSet set : availableSets()) {
         expectCharged(viewGramWith(set, camera, behind, corners.view(0), options), 21);
@@ -196,16 +196,16 @@ TEST(ViewGram, ATargetBehindTheCameraCostsMuchAndHasNoGradient) {
 
 TEST(ViewGram, ParametersThatAreNotFiniteAreChargedToo) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Intrinsics good = testing::radtanCamera();
-  const ImageView view = testing::noisyView(kTarget, good, testing::examplePose(), 21, 1.0, 3);
-  PackedCorners corners(kTarget, {view});
+  const Intrinsics good = test::radtanCamera();
+  const ImageView view = test::noisyView(kViewTarget, good, test::examplePose(), 21, 1.0, 3);
+  PackedCorners corners(kViewTarget, {view});
   corners.setWeight(0, 4, 0);
   Intrinsics camera = good;
   camera.distortion[1] = nan;
-  Transform T_CF = testing::examplePose();
+  Transform T_CF = test::examplePose();
   T_CF.t.x() = nan;
   for (const GramOptions& options : allOptions()) {
-    expectCharged(viewGram(camera, testing::examplePose(), corners.view(0), options), 20);
+    expectCharged(viewGram(camera, test::examplePose(), corners.view(0), options), 20);
     expectCharged(viewGram(good, T_CF, corners.view(0), options), 20);
     EXPECT_EQ(viewCost(good, T_CF, corners.view(0), options), 20 * kInvalidSquaredError);
     EXPECT_EQ(poseGram(camera, T_CF, corners.view(0), options).cost, 20 * kInvalidSquaredError);
@@ -215,11 +215,11 @@ TEST(ViewGram, ParametersThatAreNotFiniteAreChargedToo) {
 TEST(ViewGram, OneCornerBehindTheCameraLeavesTheOthersAsTheyAre) {
   // The target stands across the camera's plane: its far columns lie behind.
   const Transform T_CF(expSO3({0, 1.4, 0}), Eigen::Vector3d(0.3, -0.4, 0.6));
-  for (const Intrinsics& camera : testing::allCameras()) {
+  for (const Intrinsics& camera : test::allCameras()) {
     ImageView view;
     int behind = 0;
-    for (int id = 0; id < kTarget.cornerCount(); ++id) {
-      const Eigen::Vector2d p_F = kTarget.corner(id);
+    for (int id = 0; id < kViewTarget.cornerCount(); ++id) {
+      const Eigen::Vector2d p_F = kViewTarget.corner(id);
       const Eigen::Vector3d p_C = T_CF * Eigen::Vector3d(p_F.x(), p_F.y(), 0);
       const auto uv = project(camera, p_C);
       if (p_C.z() > 0 && !uv) continue;  // beyond the fold: neither here nor there
@@ -228,7 +228,7 @@ TEST(ViewGram, OneCornerBehindTheCameraLeavesTheOthersAsTheyAre) {
     }
     ASSERT_GT(behind, 5);
     ASSERT_GT(static_cast<int>(view.corners.size()) - behind, 20);
-    PackedCorners corners(kTarget, {view});
+    PackedCorners corners(kViewTarget, {view});
     const ViewGram all = viewGram(camera, T_CF, corners.view(0));
     for (std::size_t i = 0; i < view.corners.size(); ++i) {
       if (view.corners[i].uv == Eigen::Vector2d(1, 1)) {
@@ -244,12 +244,12 @@ TEST(ViewGram, OneCornerBehindTheCameraLeavesTheOthersAsTheyAre) {
 TEST(ViewGram, CauchyWeighsAnErrorOfOneScaleByHalf) {
   // All corners are off by exactly c along u: slope 1/2, cost c^2 log 2 each.
   const double c = 1.5;
-  const Intrinsics camera = testing::radtanCamera();
-  const Transform T_CF = testing::examplePose();
-  ImageView view = testing::noisyView(kTarget, camera, T_CF, 30, 0, 1);
-  const PackedCorners exact(kTarget, {view});
+  const Intrinsics camera = test::radtanCamera();
+  const Transform T_CF = test::examplePose();
+  ImageView view = test::noisyView(kViewTarget, camera, T_CF, 30, 0, 1);
+  const PackedCorners exact(kViewTarget, {view});
   for (Corner& corner : view.corners) corner.uv.x() -= c;
-  const PackedCorners shifted(kTarget, {view});
+  const PackedCorners shifted(kViewTarget, {view});
   const GramOptions reweighted{.cauchy_px = c, .triggs_clamp = 0};
   const ViewGram gram = viewGram(camera, T_CF, shifted.view(0), reweighted);
   EXPECT_NEAR(gram.cost, 30 * c * c * std::log(2.0), 1e-10);
@@ -262,10 +262,9 @@ TEST(ViewGram, CauchyWeighsAnErrorOfOneScaleByHalf) {
 }
 
 TEST(ViewGram, AnEmptyViewIsZero) {
-  const PackedCorners corners(kTarget, {ImageView{}});
+  const PackedCorners corners(kViewTarget, {ImageView{}});
   for (const GramOptions& options : allOptions()) {
-    expectCharged(
-        viewGram(testing::radtanCamera(), testing::examplePose(), corners.view(0), options), 0);
+    expectCharged(viewGram(test::radtanCamera(), test::examplePose(), corners.view(0), options), 0);
   }
 }
 

@@ -9,7 +9,7 @@
 
 #include "calibrator/simulate/simulate_session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// Exact samples and corners, no bias.
 inline SimulationOptions soundRecording(double duration_s = 4) {
@@ -45,4 +45,4 @@ inline CornersById cornersById(const SimulatedSession& s) {
   return all;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -15,8 +15,8 @@
 namespace plumbline {
 namespace {
 
-using testing::cornersById;
-using testing::withFaults;
+using test::cornersById;
+using test::withFaults;
 using enum FaultKind;
 
 TEST(Fault, TableIsCompleteAndInOrder) {

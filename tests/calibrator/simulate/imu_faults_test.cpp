@@ -16,9 +16,9 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using testing::forceOf;
-using testing::soundRecording;
-using testing::withFaults;
+using test::forceOf;
+using test::soundRecording;
+using test::withFaults;
 using enum FaultKind;
 
 const SimulatedSession& clean() {
@@ -106,7 +106,7 @@ TEST(ImuFaults, SlippedImuReadsTheSameVectorsInItsTurnedFrame) {
     ASSERT_LE((R * samplesOf(s)[i].accel - samplesOf(clean())[i].accel).norm(), 1e-13);
   }
   // The cameras do not notice.
-  EXPECT_EQ(testing::cornersById(s), testing::cornersById(clean()));
+  EXPECT_EQ(test::cornersById(s), test::cornersById(clean()));
 }
 
 TEST(ImuFaults, BiasJumpsAreInSamplesAndBiases) {

@@ -18,13 +18,13 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using testing::CornersById;
-using testing::cornersById;
-using testing::soundRecording;
-using testing::withFaults;
+using test::CornersById;
+using test::cornersById;
+using test::soundRecording;
+using test::withFaults;
 using enum FaultKind;
 
-const SimulatedSession& clean() {
+const SimulatedSession& cleanRecording() {
   static const SimulatedSession session = withFaults(soundRecording(), {});
   return session;
 }
@@ -151,7 +151,7 @@ TEST(ViewFaults, MovedAndSwayingTargetTakeTheirCornersAlong) {
 TEST(ViewFaults, WrongSizeChangesTheStatedTargetOnly) {
   const SimulatedSession s = withFaults(soundRecording(), {{.kind = kWrongSize, .value = 0.009}});
   EXPECT_DOUBLE_EQ(s.session.target.tag_size, 0.088 * 1.009);
-  EXPECT_EQ(cornersById(s), cornersById(clean()));
+  EXPECT_EQ(cornersById(s), cornersById(cleanRecording()));
 }
 
 TEST(ViewFaults, JitterMovesTheStampsOfAllCamerasAlike) {
@@ -174,7 +174,7 @@ TEST(ViewFaults, JitterMovesTheStampsOfAllCamerasAlike) {
 TEST(ViewFaults, RestampedFramesAreEvenlySpacedAndShowOtherTimes) {
   const SimulatedSession s = withFaults(soundRecording(), {{.kind = kRestamp, .value = 0.1}});
   const auto& views = s.session.cameras[0].views;
-  const auto& before = clean().session.cameras[0].views;
+  const auto& before = cleanRecording().session.cameras[0].views;
   ASSERT_LT(views.size(), before.size());
   EXPECT_EQ(views.front().t, before.front().t);
   EXPECT_EQ(views.back().t, before.back().t);
@@ -221,7 +221,7 @@ TEST(ViewFaults, SwappedTagsKeepTheirCornersAndChangeTheirIds) {
   for (std::size_t i = 0; i < 2; ++i) {
     for (std::size_t k = 0; k < s.session.cameras[i].views.size(); ++k) {
       const ImageView& view = s.session.cameras[i].views[k];
-      const ImageView& was = clean().session.cameras[i].views[k];
+      const ImageView& was = cleanRecording().session.cameras[i].views[k];
       ASSERT_EQ(view.corners.size(), was.corners.size());
       for (std::size_t c = 0; c < view.corners.size(); c += 4) {
         ASSERT_EQ(view.corners[c].id, was.corners[c].id);  // the same ids are there, ascending
@@ -243,7 +243,7 @@ TEST(ViewFaults, SwappedTagsKeepTheirCornersAndChangeTheirIds) {
 TEST(ViewFaults, FalseCornersAreAsManyAndAsFarAsStated) {
   const SimulatedSession s =
       withFaults(soundRecording(), {{.kind = kFalseCorners, .value = 0.1, .extent = 8}});
-  const CornersById exact = cornersById(clean());
+  const CornersById exact = cornersById(cleanRecording());
   const CornersById disturbed = cornersById(s);
   int wrong = 0;
   for (const auto& [key, uv] : disturbed) {

@@ -15,12 +15,12 @@
 namespace plumbline {
 namespace {
 
+using test::lookAt;
+using test::renderClutter;
+using test::renderGrid;
+using test::RenderOptions;
+using test::TestCamera;
 using ::testing::HasSubstr;
-using testing::lookAt;
-using testing::renderClutter;
-using testing::renderGrid;
-using testing::RenderOptions;
-using testing::TestCamera;
 
 /// How a detection compares with the truth of a rendered image.
 struct Score {

@@ -10,8 +10,8 @@
 namespace plumbline {
 namespace {
 
-using testing::lookAt;
-using testing::TestCamera;
+using test::lookAt;
+using test::TestCamera;
 
 TagImage tagSeenBy(const AprilGrid& grid, const TestCamera& camera, int id) {
   TagImage tag{.id = id};

@@ -10,7 +10,7 @@
 
 #include "calibrator/target/tag_family.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 namespace {
 
 /// Grey values before rounding.
@@ -186,4 +186,4 @@ GrayImage renderClutter(int width, int height, const RenderOptions& options) {
   return develop(rectangles(width, height, options), options);
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/image.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A pinhole camera with two radial coefficients that looks at a target: p_C = R p_F + t.
 struct TestCamera {
@@ -48,4 +48,4 @@ GrayImage renderGrid(const AprilGrid& grid, const TestCamera& camera,
 /// Background and noise only.
 GrayImage renderClutter(int width, int height, const RenderOptions& options = {});
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

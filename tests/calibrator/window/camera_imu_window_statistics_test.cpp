@@ -25,15 +25,15 @@ TEST(CameraImuWindowStatistics, MeanNormalisedErrorIsWithinItsInterval) {
     options.duration_s = 8;
     options.corner_sigma_px = 0.2;
     options.seed = options.trajectory.seed = static_cast<std::uint64_t>(seed);
-    const testing::WindowRecording r = testing::recordingOf(options, options.corner_sigma_px);
-    const auto window = testing::windowOver(r, 30);
+    const test::WindowRecording r = test::recordingOf(options, options.corner_sigma_px);
+    const auto window = test::windowOver(r, 30);
     ASSERT_TRUE(window) << "seed " << seed;
     const auto information =
         calibrationInformation(window->knowledge()->information, false).value();
     const Vector6d error = boxminus(window->estimate().T_SC0, r.truth.T_SC0);
     window_sum += error.dot(information * error);
-    const CameraImuEstimate batch = testing::solvedWithOffsetHeld(r.problem, r.truth);
-    const Eigen::MatrixXd all = testing::batchInformation(r.problem, batch);
+    const CameraImuEstimate batch = test::solvedWithOffsetHeld(r.problem, r.truth);
+    const Eigen::MatrixXd all = test::batchInformation(r.problem, batch);
     const Vector6d batch_error = boxminus(batch.T_SC0, r.truth.T_SC0);
     batch_sum += batch_error.dot(all * batch_error);
     const Vector6d d = boxminus(window->estimate().T_SC0, batch.T_SC0);

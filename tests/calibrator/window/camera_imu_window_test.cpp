@@ -21,8 +21,8 @@ SimulationOptions shortRecording(double duration_s = 3) {
   return options;
 }
 
-const testing::WindowRecording& recording() {
-  static const testing::WindowRecording r = testing::recordingOf(shortRecording(), 0.2);
+const test::WindowRecording& recording() {
+  static const test::WindowRecording r = test::recordingOf(shortRecording(), 0.2);
   return r;
 }
 
@@ -33,9 +33,8 @@ struct Solved {
   ImuWeights weights;
 };
 Solved solvedFrames(int count) {
-  Solved s{testing::firstFrames(recording(), count), {}, {}};
-  s.estimate =
-      testing::solvedWithOffsetHeld(s.problem, testing::firstStates(recording().truth, count));
+  Solved s{test::firstFrames(recording(), count), {}, {}};
+  s.estimate = test::solvedWithOffsetHeld(s.problem, test::firstStates(recording().truth, count));
   s.weights = *imuWeights(s.problem, s.estimate);
   return s;
 }
@@ -77,9 +76,9 @@ TEST(CameraImuPrior, CostAtItsPointIsThatOfTheTermsDropped) {
   const Solved s = solvedFrames(8);
   const auto prior = marginaliseFront(s.problem, s.estimate, s.weights, std::nullopt, 5);
   ASSERT_TRUE(prior);
-  CameraImuProblem dropped = testing::firstFrames(recording(), 6);
+  CameraImuProblem dropped = test::firstFrames(recording(), 6);
   for (int& view : dropped.frames.back().view) view = -1;
-  const double cost = normalsAt(dropped, testing::firstStates(s.estimate, 6), s.weights)->cost;
+  const double cost = normalsAt(dropped, test::firstStates(s.estimate, 6), s.weights)->cost;
   CameraImuEstimate after = s.estimate;
   after.states = {s.estimate.states[5]};
   EXPECT_GT(cost, 100);
@@ -149,19 +148,19 @@ TEST(CameraImuWindow, WithoutNoiseItStaysAtTheTruth) {
   exact.imu_noise = false;
   exact.imu_rate_hz = 1000;
   exact.corner_sigma_px = 0;
-  const testing::WindowRecording r = testing::recordingOf(exact, 0.2);
-  const auto window = testing::windowOver(r, 25);
+  const test::WindowRecording r = test::recordingOf(exact, 0.2);
+  const auto window = test::windowOver(r, 25);
   ASSERT_TRUE(window);
   EXPECT_LT(boxminus(window->estimate().T_SC0, r.truth.T_SC0).norm(), 1e-5);
   EXPECT_LT(window->rmsePx(), 1e-3);
 }
 
 TEST(CameraImuWindow, EndsNearTheBatchInItsOwnStandardDeviations) {
-  const auto window = testing::windowOver(recording(), 25);
+  const auto window = test::windowOver(recording(), 25);
   ASSERT_TRUE(window);
-  const auto batch = testing::solvedWithOffsetHeld(recording().problem, recording().truth);
+  const auto batch = test::solvedWithOffsetHeld(recording().problem, recording().truth);
   const Vector6d d = boxminus(window->estimate().T_SC0, batch.T_SC0);
-  const Eigen::MatrixXd information = testing::batchInformation(recording().problem, batch);
+  const Eigen::MatrixXd information = test::batchInformation(recording().problem, batch);
   EXPECT_LT(std::sqrt(d.dot(information * d)), 0.5);
   // What it knows is what the batch knows.
   const auto known = window->knowledge();
@@ -170,12 +169,12 @@ TEST(CameraImuWindow, EndsNearTheBatchInItsOwnStandardDeviations) {
     const auto own = calibrationInformation(known->information, offset);
     ASSERT_TRUE(own);
     EXPECT_NEAR(*entropyNats(*own),
-                *entropyNats(testing::batchInformation(recording().problem, batch, offset)), 0.05);
+                *entropyNats(test::batchInformation(recording().problem, batch, offset)), 0.05);
   }
 }
 
 TEST(CameraImuWindow, HoldsItsSizeAndTheTimeOffset) {
-  const auto window = testing::windowOver(recording(), 25);
+  const auto window = test::windowOver(recording(), 25);
   ASSERT_TRUE(window);
   EXPECT_EQ(window->estimate().states.size(), 3u);
   EXPECT_EQ(window->problem().frames.size(), 3u);
@@ -186,40 +185,38 @@ TEST(CameraImuWindow, HoldsItsSizeAndTheTimeOffset) {
 // Frames 30 to 39 are missing and so are the samples between: the next frame waits for the one
 // after it, both enter, and knowledge of T_SC0 is neither lost nor invented.
 TEST(CameraImuWindow, GoesOnAcrossAGapByTheBiasesWalk) {
-  const testing::WindowRecording& r = recording();
-  auto window = testing::windowOver(r, 25);
-  const CameraImuProblem first = testing::firstFrames(r, 25);
+  const test::WindowRecording& r = recording();
+  auto window = test::windowOver(r, 25);
+  const CameraImuProblem first = test::firstFrames(r, 25);
   window = CameraImuWindow::fromBatch(
-      first, testing::solvedWithOffsetHeld(first, testing::firstStates(r.truth, 25)),
+      first, test::solvedWithOffsetHeld(first, test::firstStates(r.truth, 25)),
       r.simulated.session.target);
   ASSERT_TRUE(window);
-  for (int i = 25; i < 30; ++i)
-    ASSERT_EQ(window->add(testing::windowFrame(r, i)), WindowEnd::kSolved);
+  for (int i = 25; i < 30; ++i) ASSERT_EQ(window->add(test::windowFrame(r, i)), WindowEnd::kSolved);
   const double before =
       *entropyNats(*calibrationInformation(window->knowledge()->information, false));
-  WindowFrame loose = testing::windowFrame(r, 40);
+  WindowFrame loose = test::windowFrame(r, 40);
   loose.link = FrameLink::kBiasWalk;
   EXPECT_EQ(window->add(loose), WindowEnd::kWaiting);
   EXPECT_EQ(window->lastStamp(), r.problem.frames[29].t);
-  EXPECT_EQ(window->add(testing::windowFrame(r, 41)), WindowEnd::kSolved);
+  EXPECT_EQ(window->add(test::windowFrame(r, 41)), WindowEnd::kSolved);
   EXPECT_EQ(window->problem().frames[1].t, r.problem.frames[40].t);
   const double after =
       *entropyNats(*calibrationInformation(window->knowledge()->information, false));
   EXPECT_LT(after, before);
   EXPECT_GT(after, before - 0.1);
-  for (int i = 42; i < 50; ++i)
-    ASSERT_EQ(window->add(testing::windowFrame(r, i)), WindowEnd::kSolved);
+  for (int i = 42; i < 50; ++i) ASSERT_EQ(window->add(test::windowFrame(r, i)), WindowEnd::kSolved);
   const Vector6d error = boxminus(window->estimate().T_SC0, r.truth.T_SC0);
   const auto information = calibrationInformation(window->knowledge()->information, false);
   EXPECT_LT(error.dot(*information * error), 22.46);  // chi-square, 6 dof, 99.9 %
 }
 
 TEST(CameraImuWindow, AFrameThatSamplesDoNotReachLeavesItAsItWas) {
-  const testing::WindowRecording& r = recording();
-  auto window = testing::windowOver(r, 25);
+  const test::WindowRecording& r = recording();
+  auto window = test::windowOver(r, 25);
   ASSERT_TRUE(window);
   const Transform T_SC0 = window->estimate().T_SC0;
-  WindowFrame late = testing::windowFrame(r, 10);
+  WindowFrame late = test::windowFrame(r, 10);
   late.t = window->lastStamp() + toNanoseconds(30);
   EXPECT_EQ(window->add(late), WindowEnd::kNotSolved);
   EXPECT_EQ(window->lastStamp(), r.problem.frames.back().t);

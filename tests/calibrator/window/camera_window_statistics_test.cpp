@@ -26,7 +26,7 @@ double chiSquareQuantile(double dof, double z) {
 }
 
 /// The session's first frames, as a session.
-Session firstFrames(const testing::StereoFrames& frames, std::size_t count) {
+Session firstFrames(const test::StereoFrames& frames, std::size_t count) {
   Session session = frames.simulated.session;
   for (CameraStream& camera : session.cameras) {
     std::erase_if(camera.views, [&](const ImageView& v) { return v.t > frames.t[count - 1]; });
@@ -41,7 +41,7 @@ struct Outcome {
 
 /// As the guide works: a batch on the first frames, then frame by frame.
 std::optional<Outcome> runWindow(std::uint64_t seed) {
-  const testing::StereoFrames frames = testing::stereoFrames(seed, 12, 5, kSigma);
+  const test::StereoFrames frames = test::stereoFrames(seed, 12, 5, kSigma);
   CameraStageOptions batch_options;
   batch_options.cauchy_px = 0;
   batch_options.pixel_sigma = kSigma;

@@ -15,8 +15,8 @@
 namespace plumbline {
 namespace {
 
-using testing::StereoFrames;
-using testing::stereoFrames;
+using test::StereoFrames;
+using test::stereoFrames;
 
 CameraWindow windowAt(const StereoFrames& frames, int first, int count,
                       const CameraWindowOptions& options) {

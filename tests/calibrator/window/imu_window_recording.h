@@ -8,7 +8,7 @@
 #include "calibrator/simulate/simulate_session.h"
 #include "calibrator/window/camera_imu_window.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A simulated recording and the problem of all its frames, at the true time offset.
 struct WindowRecording {
@@ -109,4 +109,4 @@ inline std::optional<CameraImuWindow> windowOver(const WindowRecording& r, int s
   return window;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

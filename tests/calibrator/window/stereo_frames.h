@@ -7,7 +7,7 @@
 #include "calibrator/base/frames.h"
 #include "calibrator/simulate/simulate_session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// Frames of a simulated recording as a window takes them.
 struct StereoFrames {
@@ -46,4 +46,4 @@ inline StereoFrames stereoFrames(std::uint64_t seed, double duration_s, double r
   return framesOf(simulateSession(simulatedRig(rig), options));
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -20,7 +20,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-TrajectoryFile read(const std::string& text, const std::string& body = "") {
+TrajectoryFile readMocap(const std::string& text, const std::string& body = "") {
   const TemporaryFolder folder;
   TrajectoryReadOptions options;
   options.body = body;
@@ -28,7 +28,7 @@ TrajectoryFile read(const std::string& text, const std::string& body = "") {
 }
 
 std::optional<InputFault> refusal(const std::string& text, const std::string& body = "") {
-  return faultOf([&] { read(text, body); });
+  return faultOf([&] { readMocap(text, body); });
 }
 
 struct MotiveHeader {
@@ -58,9 +58,9 @@ constexpr const char* kOneBody =
 
 TEST(MotiveExport, TakesUnitsOrderAndTimeFromTheHeader) {
   const TrajectoryFile file =
-      read(motiveHeader() + kOneBody +
-           "0,0.000000,0.6,0,0,0.8,1000,2500,-3,0.2\n1,0.003000,0,0,0,1,1001,2500,-3,0.2\n"
-           "2,0.006000,0,0.6,0,-0.8,1002,2500,-3,0.2\n");
+      readMocap(motiveHeader() + kOneBody +
+                "0,0.000000,0.6,0,0,0.8,1000,2500,-3,0.2\n1,0.003000,0,0,0,1,1001,2500,-3,0.2\n"
+                "2,0.006000,0,0.6,0,-0.8,1002,2500,-3,0.2\n");
   EXPECT_EQ(file.format, TrajectoryFormat::kMotive);
   ASSERT_EQ(file.trajectory.poses.size(), 3U);
   EXPECT_EQ(file.trajectory.poses[1].t, 2'777'778);  // 1/360 s, not the rounded 3 ms
@@ -76,15 +76,15 @@ TEST(MotiveExport, TheAxesRowDecidesTheColumns) {
   const auto at = columns.find("X,Y,Z,W,");
   columns.replace(at, 8, "W,X,Y,Z,");
   const TrajectoryFile file =
-      read(motiveHeader({"Meters"}) + columns + "0,0.0,0.8,0.6,0,0,1,2,3,0\n");
+      readMocap(motiveHeader({"Meters"}) + columns + "0,0.0,0.8,0.6,0,0,1,2,3,0\n");
   EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0.6, 0, 0, 0.8));
   EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 2, 3));
 }
 
 TEST(MotiveExport, FramesWithoutTheBodyAreSkippedAndCounted) {
-  const TrajectoryFile file = read(motiveHeader() + kOneBody +
-                                   "0,0.000000,0,0,0,1,0,0,0,0\n1,0.003000,,,,,,,,\n"
-                                   "2,0.006000,0,0,0,1,5,0,0,0\n");
+  const TrajectoryFile file = readMocap(motiveHeader() + kOneBody +
+                                        "0,0.000000,0,0,0,1,0,0,0,0\n1,0.003000,,,,,,,,\n"
+                                        "2,0.006000,0,0,0,1,5,0,0,0\n");
   ASSERT_EQ(file.trajectory.poses.size(), 2U);
   EXPECT_EQ(file.trajectory.poses[1].t, 5'555'556);
   EXPECT_THAT(file.remarks, Contains(HasSubstr("1 of 3 frames")));
@@ -104,10 +104,10 @@ const std::string kTwoBodies =
     "0,0.000000,0,0,0,1,1,2,3,0,7,7,7,0,0.6,0,0.8,4,5,6,0\n";
 
 TEST(MotiveExport, TheBodyIsChosenByName) {
-  const TrajectoryFile file = read(motiveHeader({"Meters"}) + kTwoBodies, "B b");
+  const TrajectoryFile file = readMocap(motiveHeader({"Meters"}) + kTwoBodies, "B b");
   EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0, 0.6, 0, 0.8));
-  EXPECT_EQ(read(motiveHeader({"Meters"}) + kTwoBodies, "A").trajectory.poses[0].p,
+  EXPECT_EQ(readMocap(motiveHeader({"Meters"}) + kTwoBodies, "A").trajectory.poses[0].p,
             Eigen::Vector3d(1, 2, 3));
 }
 
@@ -144,8 +144,8 @@ TEST(MotiveExport, FramesThatDisagreeWithTheTimesAreRefused) {
 }
 
 TEST(MotiveExport, ACutRowNamesItsLine) {
-  const auto refused =
-      refusalOf([] { read(motiveHeader() + kOneBody + "0,0.0,0,0,0,1,0,0,0,0\n1,0.003,0,0"); });
+  const auto refused = refusalOf(
+      [] { readMocap(motiveHeader() + kOneBody + "0,0.0,0,0,0,1,0,0,0,0\n1,0.003,0,0"); });
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->line(), 9);
   EXPECT_EQ(refused->code(), InputFault::kTruncated);
@@ -157,7 +157,7 @@ std::string vicon(const std::string& rotation, const std::string& units, const s
 }
 
 TEST(ViconExport, ReadsRotationVectorsInRadians) {
-  const TrajectoryFile file = read(vicon(
+  const TrajectoryFile file = readMocap(vicon(
       "RX,RY,RZ", "rad,rad,rad,mm,mm,mm",
       fmt::format("1,0,0,0,{:.17g},1000,2000,3000\n2,0,0,0,0,1,2,3\n", std::numbers::pi / 2)));
   EXPECT_EQ(file.format, TrajectoryFormat::kVicon);
@@ -175,14 +175,15 @@ TEST(ViconExport, ReadsRotationVectorsInRadians) {
 // would not.
 TEST(ViconExport, ReadsDegrees) {
   const TrajectoryFile file =
-      read(vicon("RX,RY,RZ", "deg,deg,deg,mm,mm,mm", "1,0,60,60,60,0,0,1\n"));
+      readMocap(vicon("RX,RY,RZ", "deg,deg,deg,mm,mm,mm", "1,0,60,60,60,0,0,1\n"));
   const Eigen::AngleAxisd turn(file.trajectory.poses[0].q);
   EXPECT_NEAR(turn.angle(), std::sqrt(3.0) * std::numbers::pi / 3, 1e-14);
   EXPECT_LT((turn.axis() - Eigen::Vector3d::Constant(1 / std::sqrt(3.0))).norm(), 1e-14);
 }
 
 TEST(ViconExport, ReadsQuaternions) {
-  const TrajectoryFile file = read(vicon("RX,RY,RZ,RW", ",,,,m,m,m", "10,0,0.6,0,0,0.8,1,2,3\n"));
+  const TrajectoryFile file =
+      readMocap(vicon("RX,RY,RZ,RW", ",,,,m,m,m", "10,0,0.6,0,0,0.8,1,2,3\n"));
   EXPECT_EQ(file.trajectory.poses[0].t, 50'000'000);
   EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(file.trajectory.poses[0].q.coeffs(), Eigen::Vector4d(0.6, 0, 0, 0.8));
@@ -190,9 +191,9 @@ TEST(ViconExport, ReadsQuaternions) {
 
 TEST(ViconExport, SkipsFramesWithoutTheObjectAndStopsAtTheSectionsEnd) {
   const TrajectoryFile file =
-      read(vicon("RX,RY,RZ", "rad,rad,rad,mm,mm,mm",
-                 "1,0,0,0,0,1,1,1\n2,0,,,,,,\n3,0,0,0,0,0,0,0\n4,0,0,0,0,2,2,2\n\n"
-                 "Trajectories\n200\n,,rig:m1\nFrame,Sub Frame,X,Y,Z\n"));
+      readMocap(vicon("RX,RY,RZ", "rad,rad,rad,mm,mm,mm",
+                      "1,0,0,0,0,1,1,1\n2,0,,,,,,\n3,0,0,0,0,0,0,0\n4,0,0,0,0,2,2,2\n\n"
+                      "Trajectories\n200\n,,rig:m1\nFrame,Sub Frame,X,Y,Z\n"));
   EXPECT_EQ(file.trajectory.poses.size(), 2U);
   EXPECT_THAT(file.remarks, Contains(HasSubstr("2 of 4 frames")));
 }
@@ -202,7 +203,7 @@ TEST(ViconExport, ChoosesAnObjectOfSegments) {
       "Segments\n100\n,,S:Head,,,,,,S:Hand,,,,,\n"
       "Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ,RX,RY,RZ,TX,TY,TZ\n"
       ",,deg,deg,deg,mm,mm,mm,deg,deg,deg,mm,mm,mm\n1,0,0,0,0,1,1,1,90,0,0,2000,0,0\n";
-  const TrajectoryFile file = read(text, "S:Hand");
+  const TrajectoryFile file = readMocap(text, "S:Hand");
   EXPECT_NEAR(file.trajectory.poses[0].p.x(), 2, 1e-12);
   EXPECT_NEAR(file.trajectory.poses[0].q.x(), std::sqrt(0.5), 1e-15);
   EXPECT_EQ(refusal(text), InputFault::kAmbiguous);

@@ -11,8 +11,8 @@
 namespace plumbline {
 namespace {
 
+using test::scoreOf;
 using ::testing::ElementsAre;
-using testing::scoreOf;
 
 std::vector<std::string> wordsOf(const std::string& line) {
   std::istringstream stream(line);

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-fs::path freshFolder(const char* name) {
+fs::path emptyFolder(const char* name) {
   fs::path out =
       fs::path(::testing::TempDir()) / (std::string(name) + "_" + std::to_string(getpid()));
   fs::remove_all(out);
@@ -20,7 +20,7 @@ fs::path freshFolder(const char* name) {
 TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   const std::string options =
       "simulate operator --rig euroc --duration 15 --skill novice --compliance 1 --seed 4 ";
-  const fs::path one = freshFolder("operator_1"), two = freshFolder("operator_2");
+  const fs::path one = emptyFolder("operator_1"), two = emptyFolder("operator_2");
   const Outcome made = plumbline(options + "--judge --out " + one.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
   EXPECT_THAT(made.text, HasSubstr("Simulated an operator (novice, guided, seed 4)"));
@@ -31,7 +31,7 @@ TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   EXPECT_EQ(truth.at("options").at("skill").at("compliance"), 1.0);
   EXPECT_NEAR(truth.at("options").at("skill").at("reaction_s"), 0.9, 1e-9);
   EXPECT_TRUE(truth.at("convergence").at("cameras").contains("at_end"));
-  const fs::path out = freshFolder("operator_replay");
+  const fs::path out = emptyFolder("operator_replay");
   const Outcome replay = plumbline("replay " + one.string() +
                                    " --no-report --no-counterfactuals "
                                    "--out " +
@@ -41,7 +41,7 @@ TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   const auto compliance = nlohmann::json::parse(read(out / "replay.json")).at("compliance");
   EXPECT_EQ(compliance.at("suggestions").size(), truth.at("suggestions").size());
   // What was measured is what was there: scored with the true cameras, noise remains.
-  const fs::path scored = freshFolder("operator_scored");
+  const fs::path scored = emptyFolder("operator_scored");
   const Outcome score =
       plumbline("evaluate calibration " + (one / "truth/camchain-imucam.yaml").string() + " " +
                 one.string() + " --target-shape " + (one / "truth/target_shape.yaml").string() +
@@ -51,7 +51,7 @@ TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
 }
 
 TEST(CommandSimulateOperator, RecordsWithoutAGuideToo) {
-  const fs::path out = freshFolder("operator_dance");
+  const fs::path out = emptyFolder("operator_dance");
   const Outcome made =
       plumbline("simulate operator --method dance --duration 6 --skill 0.3 --out " + out.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
@@ -65,7 +65,7 @@ TEST(CommandSimulateOperator, RecordsWithoutAGuideToo) {
 // Suggestions by gain per second say how long each will take; the replay's log says how long it
 // took, and what the stop was held against.
 TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
-  const fs::path session = freshFolder("operator_pace"), out = freshFolder("operator_pace_out");
+  const fs::path session = emptyFolder("operator_pace"), out = emptyFolder("operator_pace_out");
   const std::string guide = " --operator-speed 0.35 --stop-projection-px 0.1 ";
   const Outcome made =
       plumbline("simulate operator --rig euroc --duration 15 --skill expert --seed 5" + guide +

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-fs::path freshFolder(const char* name) {
+fs::path studyFolder(const char* name) {
   fs::path out =
       fs::path(::testing::TempDir()) / (std::string(name) + "_" + std::to_string(getpid()));
   fs::remove_all(out);
@@ -22,7 +22,7 @@ fs::path freshFolder(const char* name) {
 TEST(CommandSimulateStudy, WritesAStudyThatOurCommandsRead) {
   const std::string options =
       "simulate study --participants 1 --duration 5 --held-out 1 --sequences 1 ";
-  const fs::path one = freshFolder("simulate_study_1"), two = freshFolder("simulate_study_2");
+  const fs::path one = studyFolder("simulate_study_1"), two = studyFolder("simulate_study_2");
   const Outcome made = plumbline(options + "--threads 1 --out " + one.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
   EXPECT_THAT(made.text, HasSubstr("Simulated 2 sessions of 1 participants"));
@@ -33,7 +33,7 @@ TEST(CommandSimulateStudy, WritesAStudyThatOurCommandsRead) {
   EXPECT_EQ(truth.at("board").at("terms").at("z_xx"), 0.3e-3);
   EXPECT_THAT(read(one / "STUDY.yaml"), HasSubstr("name: p01_guided, participant: p01"));
   // A guided recording is understood by the replay, its suggestions too.
-  const fs::path out = freshFolder("simulate_study_replay");
+  const fs::path out = studyFolder("simulate_study_replay");
   const Outcome replay = plumbline("replay " + (one / "sessions/p01_guided").string() +
                                    " --no-report --out " + out.string());
   ASSERT_EQ(replay.exit_code, 0) << replay.text;
@@ -44,7 +44,7 @@ TEST(CommandSimulateStudy, WritesAStudyThatOurCommandsRead) {
 // The board has the size that is stated. By a linear fit it seems 3 % larger, because attitudes are
 // noisy and people whom the guide leads move gently; calibrations in order were cautioned for that.
 TEST(CommandSimulateStudy, BoardsOfTheStatedSizeAreNotBlamed) {
-  const fs::path study = freshFolder("simulate_study_size"), out = freshFolder("size_out");
+  const fs::path study = studyFolder("simulate_study_size"), out = studyFolder("size_out");
   const Outcome made =
       plumbline("simulate study --participants 1 --duration 10 --held-out 0 --sequences 0 --out " +
                 study.string());
@@ -75,7 +75,7 @@ TEST(CommandSimulateStudy, BoardsOfTheStatedSizeAreNotBlamed) {
 // is.
 TEST(CommandSimulateStudy, TruthHasWhatEverybodyWouldHaveTakenWithEitherMethodInEitherPeriod) {
   const auto truthWith = [](const std::string& learning) {
-    const fs::path study = freshFolder("simulate_study_effects");
+    const fs::path study = studyFolder("simulate_study_effects");
     const Outcome made = plumbline(
         "simulate study --participants 4 --duration 8 --held-out 0 --sequences 0 --learning " +
         learning + " --out " + study.string());

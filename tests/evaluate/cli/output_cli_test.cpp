@@ -20,7 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const fs::path kConfigs = fs::path(PLUMBLINE_SOURCE_DIR) / "third_party_configs";
+const fs::path kOutputConfigs = fs::path(PLUMBLINE_SOURCE_DIR) / "third_party_configs";
 
 /// The program with calls that fail (tests/shim), once for every call it makes.
 class FailingCalls : public testing::Test {
@@ -35,9 +35,9 @@ class FailingCalls : public testing::Test {
 
   fs::path out() const { return root_ / "parent/out"; }
   static std::string command(const std::string& words) {
-    const std::string source = (kConfigs / "source/calibration.json").string();
+    const std::string source = (kOutputConfigs / "source/calibration.json").string();
     if (words == "export") return "export " + source + " --to vins-fusion";
-    return "compare " + source + " " + (kConfigs / "kalibr/camchain-imucam.yaml").string() +
+    return "compare " + source + " " + (kOutputConfigs / "kalibr/camchain-imucam.yaml").string() +
            " --no-report --no-cache --grid 3x3";
   }
   Outcome run(const std::string& words, const std::string& environment = "") const {
@@ -189,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(Commands, KilledAnywhere, testing::Values("export", "co
                          [](const auto& info) { return std::string(info.param); });
 
 TEST_F(FailingCalls, AFullStandardOutputIsNoSuccess) {
-  const std::string words = "export " + (kConfigs / "source/calibration.json").string() +
+  const std::string words = "export " + (kOutputConfigs / "source/calibration.json").string() +
                             " --to basalt --out " + out().string();
   const Outcome full = shell(std::string(PLUMBLINE_BINARY) + " " + words + " > /dev/full");
   EXPECT_EQ(full.exit_code, 1);
@@ -214,7 +214,7 @@ TEST_F(FailingCalls, ATooLargeFileIsSaid) {
 }
 
 TEST_F(FailingCalls, SiblingsOfOneNewParentDoNotHurtEachOther) {
-  const std::string source = (kConfigs / "source/calibration.json").string();
+  const std::string source = (kOutputConfigs / "source/calibration.json").string();
   const std::string start = std::string(PLUMBLINE_BINARY) + " export ";
   for (int round = 0; round < 8; ++round) {
     std::string command;
@@ -293,7 +293,7 @@ TEST_F(FailingCalls, SignalsCleanUp) {
 
 // Also between any two of its steps, while the work goes on in another thread.
 TEST_F(FailingCalls, ASignalAtAnyMomentLeavesNothingOrAWholeResult) {
-  const std::string source = (kConfigs / "source/calibration.json").string();
+  const std::string source = (kOutputConfigs / "source/calibration.json").string();
   int stopped = 0;
   for (int i = 0; i < 80; ++i) {
     const pid_t child = fork();

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace plumbline::testing {
+namespace plumbline::test {
 namespace {
 
 std::ifstream opened(const std::string& path) {
@@ -92,4 +92,4 @@ std::vector<CameraCalibration> otherSolversCameras(const std::string& shared_dat
   return cameras;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -7,7 +7,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// The corners that another solver found in euroc_cam_april_images (26 stereo pairs), as a session.
 Session otherSolversSession(const std::string& shared_data);
@@ -16,4 +16,4 @@ Session otherSolversSession(const std::string& shared_data);
 std::vector<CameraCalibration> otherSolversCameras(const std::string& shared_data,
                                                    const std::string& model);
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

@@ -50,11 +50,11 @@ CalibrationScore scoreOnEuroc(const std::string& file, const ScoreOptions& optio
 }
 
 TEST(ScoresOfOtherModels, AnotherSolversCalibrationsFitItsOwnCorners) {
-  const Session session = testing::otherSolversSession(kData);
+  const Session session = test::otherSolversSession(kData);
   std::map<std::string, double> rmse;
   for (const std::string model : {"ds", "eucm", "kb4", "pinhole"}) {
     const auto scored =
-        scoreCameras(session, testing::otherSolversCameras(kData, model), squaredError().camera);
+        scoreCameras(session, test::otherSolversCameras(kData, model), squaredError().camera);
     ASSERT_TRUE(scored) << model << ": " << scored.failure();
     EXPECT_TRUE(scored->summary.converged) << model;
     rmse[model] = scored->summary.reprojection.rmse_px;
@@ -78,9 +78,9 @@ TEST(ScoresOfOtherModels, AnotherSolversCalibrationsFitItsOwnCorners) {
 }
 
 TEST(ScoresOfOtherModels, ThreeModelsOfOneLensSeeTheSame) {
-  const auto eucm = testing::otherSolversCameras(kData, "eucm");
+  const auto eucm = test::otherSolversCameras(kData, "eucm");
   for (const std::string model : {"ds", "kb4"}) {
-    const auto other = testing::otherSolversCameras(kData, model);
+    const auto other = test::otherSolversCameras(kData, model);
     for (std::size_t c = 0; c < 2; ++c) {
       for (double u = 40; u < 752; u += 48) {
         for (double v = 30; v < 480; v += 30) {

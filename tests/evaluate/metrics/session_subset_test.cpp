@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-Session recording() {
+Session recordedSession() {
   SimulationOptions options;
   options.duration_s = 6;
   options.camera_rate_hz = 8;
@@ -25,7 +25,7 @@ std::set<TimeNs> stampsOf(const CameraStream& camera) {
 }
 
 TEST(Folds, PartEveryFrameOnceIntoRunsOfTime) {
-  const Session session = recording();
+  const Session session = recordedSession();
   const auto frames = static_cast<int>(pairFrames(session.cameras).size());
   ASSERT_GT(frames, 30);
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
@@ -47,7 +47,7 @@ TEST(Folds, PartEveryFrameOnceIntoRunsOfTime) {
 }
 
 TEST(Folds, KeepWhatIsNotOfViews) {
-  const Session session = recording();
+  const Session session = recordedSession();
   const Fold fold = foldOf(session, {}, {1, 3});
   for (const Session* part : {&fold.training, &fold.held_out}) {
     EXPECT_EQ(part->name, session.name);
@@ -58,7 +58,7 @@ TEST(Folds, KeepWhatIsNotOfViews) {
 }
 
 TEST(Folds, NoSampleBetweenHeldOutFramesIsForTraining) {
-  const Session session = recording();
+  const Session session = recordedSession();
   for (const double offset_s : {0.0, 0.25}) {
     const Fold fold = foldOf(session, {}, {1, 3, offset_s});
     const auto held_out = stampsOf(fold.held_out.cameras[0]);
@@ -74,7 +74,7 @@ TEST(Folds, NoSampleBetweenHeldOutFramesIsForTraining) {
 }
 
 TEST(Folds, KeepAFramesViewsTogetherWhereStampsAreShifted) {
-  Session session = recording();
+  Session session = recordedSession();
   for (ImageView& view : session.cameras[1].views) view.t += 30'000'000;
   const Fold fold = foldOf(session, {}, {0, 4});
   ASSERT_EQ(fold.held_out.cameras[0].views.size(), fold.held_out.cameras[1].views.size());

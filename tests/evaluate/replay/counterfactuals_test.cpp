@@ -107,7 +107,7 @@ TEST(Counterfactuals, GreedyInformationIsSurestAtEveryNumberOfViews) {
 
 TEST(Counterfactuals, ViewsNeededAreTheFewestThatStayWithinTenPercent) {
   // Exact corners held out: their error is the calibration's own.
-  const testing::SimulatedPool pool = testing::simulatedPool(0, {120, 60, 20});
+  const test::SimulatedPool pool = test::simulatedPool(0, {120, 60, 20});
   const Counterfactuals found = counterfactuals(pool.session, pool.split, {}, quick());
   const double target = 1.1 * found.full_pool_held_out_px;
   for (const char* strategy : {"recorded", "random"}) {

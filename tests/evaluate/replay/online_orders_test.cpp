@@ -17,17 +17,17 @@ namespace {
 
 constexpr double kSigma = 0.3;
 
-testing::SimulatedPool simulated(int index) {
-  testing::SimulatedPoolOptions options;
+test::SimulatedPool simulated(int index) {
+  test::SimulatedPoolOptions options;
   options.frames = 120;
   options.duration_s = 60;
   options.held_out_frames = 40;
   options.sigma_px = kSigma;
   options.held_out_sigma = kSigma;
-  return testing::simulatedPool(index, options);
+  return test::simulatedPool(index, options);
 }
 
-ViewPool prepared(const testing::SimulatedPool& simulated) {
+ViewPool prepared(const test::SimulatedPool& simulated) {
   CameraStageOptions camera;
   camera.cauchy_px = 0;
   camera.pixel_sigma = kSigma;

@@ -5,7 +5,7 @@
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 namespace {
 
 constexpr TimeNs kPause = 1'000'000'000'000;  // from the recording to the held-out frames
@@ -81,4 +81,4 @@ ViewsTo viewsTo(const CounterfactualCurve& curve, double target_px) {
   return to;
 }
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

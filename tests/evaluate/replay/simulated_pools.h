@@ -10,7 +10,7 @@
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/frames.h"
 
-namespace plumbline::testing {
+namespace plumbline::test {
 
 /// A recording of a simulated rig, whose frames are the pool, followed by frames of the same rig on
 /// another motion, held out.
@@ -40,4 +40,4 @@ struct ViewsTo {
 };
 ViewsTo viewsTo(const CounterfactualCurve& curve, double target_px);
 
-}  // namespace plumbline::testing
+}  // namespace plumbline::test

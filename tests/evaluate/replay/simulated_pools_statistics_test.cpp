@@ -13,11 +13,11 @@
 namespace plumbline {
 namespace {
 
-using testing::SimulatedPool;
-using testing::simulatedPool;
-using testing::SimulatedPoolOptions;
-using testing::ViewsTo;
-using testing::viewsTo;
+using test::SimulatedPool;
+using test::simulatedPool;
+using test::SimulatedPoolOptions;
+using test::ViewsTo;
+using test::viewsTo;
 
 constexpr int kPools = 30;
 constexpr int kReference = 80;  // random views

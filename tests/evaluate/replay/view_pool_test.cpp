@@ -13,8 +13,8 @@
 namespace plumbline {
 namespace {
 
-using testing::simulatedPool;
-using testing::SimulatedPool;
+using test::simulatedPool;
+using test::SimulatedPool;
 
 /// A small pool with held-out frames as noisy as its own.
 struct Case {

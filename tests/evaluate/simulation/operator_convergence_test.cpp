@@ -41,7 +41,7 @@ TEST(TrueProjectionError, IsThatOfTheImageWithARotationTakenOut) {
   EXPECT_GT(trueProjectionErrorPx(centred, aside), 0.05);
 }
 
-OperatedOptions options(double duration_s) {
+OperatedOptions convergenceOptions(double duration_s) {
   OperatedOptions o;
   o.simulation.duration_s = duration_s;
   return o;
@@ -49,7 +49,7 @@ OperatedOptions options(double duration_s) {
 
 TEST(Convergence, ComesLaterWithMoreNoise) {
   const SimulatedRig rig = simulatedRig("euroc");
-  OperatedOptions o = options(30);
+  OperatedOptions o = convergenceOptions(30);
   o.simulation.corner_sigma_px = 0.02;
   const OperatedConvergence sharp = convergenceOf(recordFreely(rig, o), o, rig.calibration);
   o.simulation.corner_sigma_px = 0.5;
@@ -69,7 +69,7 @@ TEST(Convergence, ComesLaterWithMoreNoise) {
 // The bars decide: with others the same recording is right from another time on.
 TEST(Convergence, IsHeldAgainstItsBars) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const OperatedOptions o = options(20);
+  const OperatedOptions o = convergenceOptions(20);
   const OperatedSession s = recordFreely(rig, o);
   ConvergenceOptions bars;
   bars.projection_px = 1e3;
@@ -84,7 +84,7 @@ TEST(Convergence, IsHeldAgainstItsBars) {
 
 TEST(Convergence, OfAGuidedRecordingStandsOnTheViewsKept) {
   const SimulatedRig rig = simulatedRig("euroc");
-  OperatedOptions o = options(60);
+  OperatedOptions o = convergenceOptions(60);
   o.trajectories = 1;
   const OperatedSession s = recordGuided(rig, o);
   const OperatedConvergence c = convergenceOf(s, o, rig.calibration);
@@ -111,7 +111,7 @@ TEST(Convergence, TheStopByProjectionsLeavesTheErrorThatWasPredicted) {
   double squares = 0;
   int stopped = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    OperatedOptions o = options(25);
+    OperatedOptions o = convergenceOptions(25);
     o.simulation.seed = o.operator_seed = seed;
     o.trajectories = 1;
     o.skill = personSkill(0.1 * static_cast<double>(seed) - 0.05);

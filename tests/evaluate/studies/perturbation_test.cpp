@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using Kind = PerturbationKind;
 
-const SimulatedSession& simulated() {
+const SimulatedSession& simulatedBriefly() {
   static const SimulatedSession s = [] {
     SimulationOptions options;
     options.duration_s = 4;
@@ -28,8 +28,8 @@ const SimulatedSession& simulated() {
 
 StudyInputs inputs() {
   StudyInputs in;
-  in.session = &simulated().session;
-  in.cameras = simulated().truth.cameras;
+  in.session = &simulatedBriefly().session;
+  in.cameras = simulatedBriefly().truth.cameras;
   return in;
 }
 
@@ -50,13 +50,13 @@ TEST(Perturbation, ShiftsAreAddedInWholeNanoseconds) {
 
 TEST(Perturbation, TheTargetGrowsAndItsProportionsStay) {
   const auto p = perturbed(inputs(), {Kind::kTargetSize, 2});
-  EXPECT_DOUBLE_EQ(p.session->target.tag_size, 1.02 * simulated().session.target.tag_size);
-  EXPECT_EQ(p.session->target.spacing, simulated().session.target.spacing);
+  EXPECT_DOUBLE_EQ(p.session->target.tag_size, 1.02 * simulatedBriefly().session.target.tag_size);
+  EXPECT_EQ(p.session->target.spacing, simulatedBriefly().session.target.spacing);
   EXPECT_TRUE(p.calibrate_cameras);
 }
 
 TEST(Perturbation, AllFourDensitiesAreScaled) {
-  const ImuNoise before = simulated().session.imu->noise;
+  const ImuNoise before = simulatedBriefly().session.imu->noise;
   const ImuNoise after = *perturbed(inputs(), {Kind::kNoiseDensities, 3}).camera_imu.noise;
   EXPECT_DOUBLE_EQ(after.gyro_density, 3 * before.gyro_density);
   EXPECT_DOUBLE_EQ(after.gyro_random_walk, 3 * before.gyro_random_walk);
@@ -68,7 +68,7 @@ TEST(Perturbation, AllFourDensitiesAreScaled) {
 TEST(Perturbation, OnlyFocalLengthsStartElsewhere) {
   const auto p = perturbed(inputs(), {Kind::kInitialIntrinsics, -10});
   for (std::size_t c = 0; c < 2; ++c) {
-    Eigen::VectorXd expected = simulated().truth.cameras[c].intrinsics.projection;
+    Eigen::VectorXd expected = simulatedBriefly().truth.cameras[c].intrinsics.projection;
     expected.head<2>() *= 0.9;
     EXPECT_TRUE(p.camera.start[c].intrinsics.projection.isApprox(expected));
   }
@@ -76,7 +76,7 @@ TEST(Perturbation, OnlyFocalLengthsStartElsewhere) {
 
 TEST(Perturbation, AboutTheStatedShareOfFramesIsLeftOut) {
   const auto p = perturbed(inputs(), {Kind::kDroppedFrames, 40, 7});
-  const auto before = simulated().session.cameras[0].views.size();
+  const auto before = simulatedBriefly().session.cameras[0].views.size();
   const auto after = p.session->cameras[0].views.size();
   EXPECT_NEAR(static_cast<double>(after), 0.6 * before, 4 * std::sqrt(0.24 * before));
   // Both cameras lose the same frames.
@@ -88,7 +88,7 @@ TEST(Perturbation, AboutTheStatedShareOfFramesIsLeftOut) {
 
 TEST(Perturbation, AboutTheStatedShareOfImuSamplesIsLeftOut) {
   const auto p = perturbed(inputs(), {Kind::kDroppedImu, 25, 7});
-  const auto before = static_cast<double>(simulated().session.imu->samples.size());
+  const auto before = static_cast<double>(simulatedBriefly().session.imu->samples.size());
   const auto after = static_cast<double>(p.session->imu->samples.size());
   EXPECT_NEAR(after, 0.75 * before, 4 * std::sqrt(0.1875 * before));
 }
@@ -98,7 +98,7 @@ TEST(Perturbation, CornerNoiseHasTheStatedDeviationAndNoMean) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double squares = 0;
   for (std::size_t c = 0; c < 2; ++c) {
-    const auto& before = simulated().session.cameras[c].views;
+    const auto& before = simulatedBriefly().session.cameras[c].views;
     const auto& after = p.session->cameras[c].views;
     for (std::size_t v = 0; v < before.size(); ++v) {
       for (std::size_t k = 0; k < before[v].corners.size(); ++k) {
@@ -108,7 +108,7 @@ TEST(Perturbation, CornerNoiseHasTheStatedDeviationAndNoMean) {
       }
     }
   }
-  const auto n = static_cast<double>(cornerCount(simulated().session));
+  const auto n = static_cast<double>(cornerCount(simulatedBriefly().session));
   EXPECT_LT((sum / n).cwiseAbs().maxCoeff(), 4 * 0.5 / std::sqrt(n));
   EXPECT_NEAR(squares / (2 * n), 0.25,
               4 * 0.25 / std::sqrt(n));  // std of a variance: s^2 sqrt(2/2n)

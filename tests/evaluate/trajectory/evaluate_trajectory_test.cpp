@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 // A spiral at 10 Hz from `start_s`, 20 s long.
-Trajectory spiral(double start_s) {
+Trajectory spiralFrom(double start_s) {
   Trajectory trajectory;
   for (int i = 0; i < 200; ++i) {
     const double a = 0.1 * i;
@@ -40,7 +40,7 @@ Failure refusal(const Trajectory& estimate, const Trajectory& truth) {
 TEST(EvaluateTrajectories, AnExactEstimateHasNoErrorAndNoRemarks) {
   TrajectoryMetricOptions options;
   options.rpe = {{1, RelativeDelta::Unit::kMetres}, {1, RelativeDelta::Unit::kFrames}};
-  const auto result = evaluateTrajectories(spiral(0), spiral(0), options);
+  const auto result = evaluateTrajectories(spiralFrom(0), spiralFrom(0), options);
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result->run.association.matches, 200U);
   EXPECT_LT(result->run.ate_translation_m.rmse, 1e-12);
@@ -53,59 +53,61 @@ TEST(EvaluateTrajectories, AnExactEstimateHasNoErrorAndNoRemarks) {
 }
 
 TEST(EvaluateTrajectories, CoverageLeavesOutHoles) {
-  Trajectory half = spiral(0);
+  Trajectory half = spiralFrom(0);
   half.poses.erase(half.poses.begin() + 50, half.poses.begin() + 149);
-  EXPECT_NEAR(evaluateTrajectories(half, spiral(0), {})->run.coverage, 99 / 199.0, 1e-12);
+  EXPECT_NEAR(evaluateTrajectories(half, spiralFrom(0), {})->run.coverage, 99 / 199.0, 1e-12);
 }
 
 TEST(EvaluateTrajectories, NoOverlapNamesBothSpansAndTheCause) {
-  const Failure later = refusal(spiral(1000), spiral(1100));
+  const Failure later = refusal(spiralFrom(1000), spiralFrom(1100));
   EXPECT_EQ(later.code, FailureCode::kNoCommonTime);
   EXPECT_THAT(textOf(later).message,
               AllOf(HasSubstr("no overlap in time"), HasSubstr("from 1000.000"),
                     HasSubstr("to 1019.900"), HasSubstr("from 1100.000")));
   EXPECT_THAT(textOf(later).cure, HasSubstr("--time-offset 100"));
-  EXPECT_THAT(textOf(refusal(spiral(1.4e6), spiral(1.4e9))).cure, HasSubstr("unit"));
-  EXPECT_THAT(textOf(refusal(spiral(12), spiral(1.4e9))).cure, HasSubstr("epoch"));
-  EXPECT_THAT(textOf(refusal(spiral(1.4e9 + 7200), spiral(1.4e9))).cure, HasSubstr("time zone"));
+  EXPECT_THAT(textOf(refusal(spiralFrom(1.4e6), spiralFrom(1.4e9))).cure, HasSubstr("unit"));
+  EXPECT_THAT(textOf(refusal(spiralFrom(12), spiralFrom(1.4e9))).cure, HasSubstr("epoch"));
+  EXPECT_THAT(textOf(refusal(spiralFrom(1.4e9 + 7200), spiralFrom(1.4e9))).cure,
+              HasSubstr("time zone"));
 }
 
 TEST(EvaluateTrajectories, TooFewPairsSayHowFarTheStampsAreApart) {
-  const Failure between = refusal(spiral(0.05), spiral(0));
+  const Failure between = refusal(spiralFrom(0.05), spiralFrom(0));
   EXPECT_EQ(between.code, FailureCode::kTooFewPartners);
   EXPECT_THAT(textOf(between).message, AllOf(HasSubstr("0 of 200"), HasSubstr("0.05")));
   EXPECT_NEAR(std::abs(between.number("nearest_s")), 0.05, 1e-6);
   TrajectoryMetricOptions options;
   options.association.rule = AssociationRule::kInterpolate;
-  EXPECT_EQ(evaluateTrajectories(spiral(0.05), spiral(0), options)->run.association.matches, 199U);
+  EXPECT_EQ(evaluateTrajectories(spiralFrom(0.05), spiralFrom(0), options)->run.association.matches,
+            199U);
   options.association.max_gap_s = 0.05;
-  const auto gaps = evaluateTrajectories(spiral(0.05), spiral(0), options);
+  const auto gaps = evaluateTrajectories(spiralFrom(0.05), spiralFrom(0), options);
   EXPECT_EQ(gaps.failure().code, FailureCode::kPartnersInGaps);
   EXPECT_EQ(gaps.failure().number("in_gaps"), 199);
 }
 
 TEST(EvaluateTrajectories, RemarksNameTheClockOffset) {
-  const auto result = evaluateTrajectories(spiral(0.004), spiral(0), {});
+  const auto result = evaluateTrajectories(spiralFrom(0.004), spiralFrom(0), {});
   EXPECT_THAT(result->remarks, Contains(HasSubstr("+4.000 ms")));
 }
 
 TEST(EvaluateTrajectories, RemarksNamePosesThatEvoUsesTwice) {
-  Trajectory estimate = spiral(0);
+  Trajectory estimate = spiralFrom(0);
   estimate.poses.insert(estimate.poses.begin() + 7, estimate.poses[7]);
   estimate.poses.pop_back();
   TrajectoryMetricOptions options;
   options.association.rule = AssociationRule::kEvo;
-  const auto result = evaluateTrajectories(estimate, spiral(0), options);
+  const auto result = evaluateTrajectories(estimate, spiralFrom(0), options);
   EXPECT_EQ(result->run.association.estimate_duplicates, 1U);
   EXPECT_THAT(result->remarks, Contains(HasSubstr("1 poses twice")));
-  EXPECT_THAT(evaluateTrajectories(estimate, spiral(0), {})->remarks, IsEmpty());
+  EXPECT_THAT(evaluateTrajectories(estimate, spiralFrom(0), {})->remarks, IsEmpty());
 }
 
 TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
-  Trajectory estimate = spiral(0);
+  Trajectory estimate = spiralFrom(0);
   const Eigen::Quaterniond q_BC(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
   for (StampedPose& pose : estimate.poses) pose.q = pose.q * q_BC;
-  const auto result = evaluateTrajectories(estimate, spiral(0), {});
+  const auto result = evaluateTrajectories(estimate, spiralFrom(0), {});
   EXPECT_THAT(result->run.left_out, HasSubstr("68.8 deg between the body frames"));
   EXPECT_EQ(result->run.cure, "--hand-eye auto");
   EXPECT_EQ(result->run.ate_rotation_deg.n, 0U) << "known to be no error, so not shown";
@@ -113,7 +115,7 @@ TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
 
 TEST(EvaluateTrajectories, RemarksNameInvertedQuaternions) {
   for (const bool of_truth : {true, false}) {
-    Trajectory truth = spiral(0);
+    Trajectory truth = spiralFrom(0);
     for (std::size_t i = 0; i < truth.poses.size(); ++i) {  // about one axis it could be either
       const double tilt = std::sin(0.3 * static_cast<double>(i));
       truth.poses[i].q *= Eigen::Quaterniond(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()));
@@ -133,17 +135,17 @@ TEST(EvaluateTrajectories, RemarksNameInvertedQuaternions) {
 }
 
 TEST(EvaluateTrajectories, WithoutOrientationsOnlyPositionsAreJudged) {
-  Trajectory truth = spiral(0);
+  Trajectory truth = spiralFrom(0);
   truth.has_orientation = false;
   TrajectoryMetricOptions options;
   options.rpe = {{1, RelativeDelta::Unit::kMetres}};
-  const auto result = evaluateTrajectories(spiral(0), truth, options);
+  const auto result = evaluateTrajectories(spiralFrom(0), truth, options);
   EXPECT_EQ(result->run.ate_translation_m.n, 200U);
   EXPECT_EQ(result->run.ate_rotation_deg.n, 0U);
   EXPECT_THAT(result->run.rpe, IsEmpty());
   EXPECT_THAT(result->remarks, Contains(HasSubstr("no orientations")));
   options.alignment.kind = AlignmentKind::kSe3First;
-  EXPECT_EQ(evaluateTrajectories(spiral(0), truth, options).failure().code,
+  EXPECT_EQ(evaluateTrajectories(spiralFrom(0), truth, options).failure().code,
             FailureCode::kAlignmentNeedsOrientations);
 }
 
@@ -151,7 +153,7 @@ TEST(TrajectoryDocument, HoldsTheFieldsThatScriptsRead) {
   TrajectoryMetricOptions options;
   options.rpe = {{2, RelativeDelta::Unit::kSeconds}};
   const auto json = nlohmann::json::parse(documentOf(
-      SingleTrajectory{evaluateTrajectories(spiral(0), spiral(0), options)->run, {}, {}}));
+      SingleTrajectory{evaluateTrajectories(spiralFrom(0), spiralFrom(0), options)->run, {}, {}}));
   EXPECT_EQ(json["n"], 200);
   EXPECT_EQ(json["association"], "one-to-one");
   EXPECT_EQ(json["alignment"], "se3");

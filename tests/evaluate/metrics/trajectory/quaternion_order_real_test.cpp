@@ -11,15 +11,15 @@
 namespace plumbline {
 namespace {
 
-struct Files {
+struct TwoFiles {
   const char* estimate;
   const char* truth;
 };
 
-const Files kV2{"vio_stereo_V2_01_stamped_traj_estimate.txt", "V2_01_easy.txt"};
-const Files kDesk{"fr2_desk_ORB.txt", "fr2_desk_groundtruth.txt"};
+const TwoFiles kV2{"vio_stereo_V2_01_stamped_traj_estimate.txt", "V2_01_easy.txt"};
+const TwoFiles kDesk{"fr2_desk_ORB.txt", "fr2_desk_groundtruth.txt"};
 
-std::vector<PosePair> pairs(const Files& files) {
+std::vector<PosePair> pairs(const TwoFiles& files) {
   const std::string folder = PLUMBLINE_SHARED_DATA "/trajectories/";
   return associate(readTrajectory(folder + files.estimate).trajectory,
                    readTrajectory(folder + files.truth).trajectory, {})
@@ -33,7 +33,7 @@ Eigen::Quaterniond misread(const Eigen::Quaterniond& q) {
 }
 
 TEST(QuaternionOrderReal, ReorderedFilesAreFound) {
-  for (const Files& files : {kV2, kDesk}) {
+  for (const TwoFiles& files : {kV2, kDesk}) {
     auto estimate = pairs(files), truth = pairs(files);
     for (PosePair& pair : estimate) pair.estimate.q = misread(pair.estimate.q);
     for (PosePair& pair : truth) pair.truth.q = misread(pair.truth.q);
@@ -45,15 +45,15 @@ TEST(QuaternionOrderReal, ReorderedFilesAreFound) {
 }
 
 TEST(QuaternionOrderReal, FilesAsTheyAreHaveNoFault) {
-  const Files files[] = {kV2,
-                         kDesk,
-                         {"vio_stereo_V2_02_stamped_traj_estimate.txt", "V2_02_medium.txt"},
-                         {"V102.txt", "V102_groundtruth.csv"},
-                         {"freiburg1_xyz-rgbdslam.txt", "freiburg1_xyz-groundtruth.txt"},
-                         {"orbslam3_MH01/run1_stereo.txt", "MH_01_easy_groundtruth.txt"},
-                         {"openvins_wrong_calibration/openvins_MH01_nominal_full_000.tum",
-                          "MH_01_easy_groundtruth.txt"}};
-  for (const Files& f : files) EXPECT_FALSE(quaternionOrderFault(pairs(f))) << f.estimate;
+  const TwoFiles files[] = {kV2,
+                            kDesk,
+                            {"vio_stereo_V2_02_stamped_traj_estimate.txt", "V2_02_medium.txt"},
+                            {"V102.txt", "V102_groundtruth.csv"},
+                            {"freiburg1_xyz-rgbdslam.txt", "freiburg1_xyz-groundtruth.txt"},
+                            {"orbslam3_MH01/run1_stereo.txt", "MH_01_easy_groundtruth.txt"},
+                            {"openvins_wrong_calibration/openvins_MH01_nominal_full_000.tum",
+                             "MH_01_easy_groundtruth.txt"}};
+  for (const TwoFiles& f : files) EXPECT_FALSE(quaternionOrderFault(pairs(f))) << f.estimate;
 }
 
 }  // namespace
