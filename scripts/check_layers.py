@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fails where an include breaks the table of rooms in docs/architecture.md, or a heavy library leaks out
-of its room.
+"""Fails where an include breaks the table of rooms in docs/architecture.md, where a heavy library leaks out
+of its room, or where a folder holds more sources than a reader takes in.
 
 That table is the one list of rooms. Its third column names what a room may include besides itself: rooms of
 the same top-level folder by their last name, others in full, or whole top-level folders; the fourth names
 the libraries that are its own.
 """
+import collections
 import re
 import subprocess
 import sys
 
 TABLE = "docs/architecture.md"
+MOST_SOURCES = 25  # of a folder
 HEAVY = {
     "Ceres": r"ceres/",
     "VTK": r"vtk\w+\.h",
@@ -92,6 +94,13 @@ def faults_of(rooms, path, text):
     return faults
 
 
+def crowded(files):
+    """Folders with too many sources."""
+    counts = collections.Counter(path.rsplit("/", 1)[0] for path in files)
+    return [f"{folder}: {count} sources; at most {MOST_SOURCES}: part it" for folder, count in sorted(counts.items())
+            if count > MOST_SOURCES]
+
+
 def read(path):
     with open(path, encoding="utf-8") as file:
         return file.read()
@@ -102,7 +111,7 @@ def main():
     files = subprocess.run(["git", "ls-files", "--", "*.h", "*.cpp"], check=True, text=True,
                            capture_output=True).stdout.split()
     files = [path for path in files if not path.startswith("tests/")]
-    faults = rooms.faults_of_table()
+    faults = rooms.faults_of_table() + crowded(files)
     for path in files:
         faults += faults_of(rooms, path, read(path))
     print("\n".join(faults) if faults else f"layers: {len(files)} files in {len(rooms.includes)} rooms")

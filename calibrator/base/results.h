@@ -11,8 +11,8 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
-#include "calibrator/base/robust_covariance.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/robust_covariance.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 

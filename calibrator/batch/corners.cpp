@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"

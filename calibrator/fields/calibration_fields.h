@@ -13,7 +13,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/base/session.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/fields.h"
 
 namespace plumbline {

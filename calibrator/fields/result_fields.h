@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/results.h"
+#include "calibrator/base/statistics/estimated_variance.h"
 #include "calibrator/fields/calibration_fields.h"
 
 namespace plumbline {

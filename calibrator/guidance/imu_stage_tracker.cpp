@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/imu_rates.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "calibrator/base/robust_covariance.h"
+#include "calibrator/base/statistics/robust_covariance.h"
 
 namespace plumbline {
 

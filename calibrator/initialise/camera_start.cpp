@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/residuals/preintegration.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 

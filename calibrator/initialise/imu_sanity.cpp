@@ -8,7 +8,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

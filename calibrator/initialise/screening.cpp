@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_rates.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/odometry/odometry.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/target/payload.h"
 
 namespace plumbline {

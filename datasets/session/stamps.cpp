@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/bad_input.h"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/target_shape.h"
 #include "evaluate/metrics/headline.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/file_io.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/results/parallel_for.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/replay/online_orders.h"
 #include "evaluate/replay/view_orders.h"
 

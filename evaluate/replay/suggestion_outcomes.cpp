@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/simulate/simulate_views.h"
 

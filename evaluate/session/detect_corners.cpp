@@ -11,7 +11,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/images/image_io.h"
 #include "datasets/session/corner_cache.h"
 #include "datasets/session/session_writer.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
 #include "calibrator/fields/json_fields.h"
 #include "calibrator/simulate/rig.h"

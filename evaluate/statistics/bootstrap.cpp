@@ -7,7 +7,7 @@
 #include <boost/math/distributions/normal.hpp>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/statistics/random_index.h"
 
 namespace plumbline {

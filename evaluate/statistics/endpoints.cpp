@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "report/records/field_walker.h"
 
 namespace plumbline {

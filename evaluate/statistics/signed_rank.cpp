@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/statistics/study_statistics.h"
 
 namespace plumbline {

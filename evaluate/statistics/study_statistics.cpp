@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/statistics/endpoints.h"
 #include "evaluate/statistics/sentences.h"
 #include "evaluate/statistics/several_tests.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/file_io.h"
 
 namespace plumbline {

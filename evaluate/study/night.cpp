@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "evaluate/metrics/headline.h"

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/lie.h"
+#include "calibrator/base/statistics/estimated_variance.h"
 
 namespace plumbline {
 namespace {

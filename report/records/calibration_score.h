@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
 
 namespace plumbline {

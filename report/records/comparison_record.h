@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
 #include "report/records/calibration_record.h"
 #include "report/records/calibration_score.h"

@@ -48,6 +48,11 @@ class Layers(unittest.TestCase):
         self.assertEqual(len(self.faults("low/a.cpp")), 1)
         self.assertEqual(len(self.faults("low/base/a.cpp", '"v.h"')), 1)
 
+    def test_a_crowded_folder_is_named(self):
+        files = [f"low/base/{i}.h" for i in range(check_layers.MOST_SOURCES)]
+        self.assertEqual(check_layers.crowded(files + ["low/base/sub/a.h"]), [])
+        self.assertIn("low/base: 26 sources", check_layers.crowded(files + ["low/base/more.h"])[0])
+
     def test_a_circle_and_an_unknown_name_in_the_table(self):
         self.assertEqual(check_layers.Rooms(TABLE).faults_of_table(), [])
         circle = check_layers.Rooms(TABLE.replace("values | |", "values | `solver` |"))

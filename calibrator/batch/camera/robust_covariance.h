@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "calibrator/base/robust_covariance.h"
+#include "calibrator/base/statistics/robust_covariance.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/information/view_selection.h"
 

@@ -7,7 +7,7 @@
 #include <complex>
 #include <numbers>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "calibrator/base/estimated_variance.h"
 #include "calibrator/base/results.h"
+#include "calibrator/base/statistics/estimated_variance.h"
 #include "calibrator/batch/camera_imu/effective_scores.h"
 
 namespace plumbline {

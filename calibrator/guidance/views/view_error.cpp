@@ -9,7 +9,7 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/initialise/camera_poses.h"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/core.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/target_layout.h"

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/screening.h"
 #include "evaluate/metrics/rules/rules.h"
 

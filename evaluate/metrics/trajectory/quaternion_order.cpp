@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "calibrator/base/lie.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 
 namespace plumbline {

@@ -12,7 +12,7 @@
 
 #include <boost/math/distributions/binomial.hpp>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/parallel_for.h"
 #include "evaluate/study/run_step.h"

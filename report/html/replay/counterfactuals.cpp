@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "report/html/replay/sections.h"
 #include "report/plots/svg.h"
 

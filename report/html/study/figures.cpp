@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "report/html/study/figure_parts.h"
 #include "report/html/study/tables.h"
 #include "report/html/text.h"

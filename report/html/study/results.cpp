@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "report/html/study/tables.h"
 
 namespace plumbline::html_internal {

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "report/html/text.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/svg.h"

@@ -10,7 +10,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/image.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
 
 namespace plumbline {

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/estimated_variance.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/estimated_variance.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/two_stages.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/curves.h"
 #include "tests/evaluate/replay/simulated_pools.h"

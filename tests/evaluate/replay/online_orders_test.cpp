@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/replay/view_orders.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 

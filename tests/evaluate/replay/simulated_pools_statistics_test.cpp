@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/replay/curves.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/estimated_variance.h"
+#include "calibrator/base/statistics/estimated_variance.h"
 
 #include <cassert>
 #include <cmath>

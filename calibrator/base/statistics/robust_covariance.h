@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "calibrator/base/estimated_variance.h"
+#include "calibrator/base/statistics/estimated_variance.h"
 
 namespace plumbline {
 

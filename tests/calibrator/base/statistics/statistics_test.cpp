@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Statistics of scalar errors, by hand.
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 #include <cmath>
 #include <cstdint>

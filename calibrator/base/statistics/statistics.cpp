@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/statistics.h"
+#include "calibrator/base/statistics/statistics.h"
 
 #include <algorithm>
 #include <cassert>

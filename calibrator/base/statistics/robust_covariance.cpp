@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/robust_covariance.h"
+#include "calibrator/base/statistics/robust_covariance.h"
 
 #include <cmath>
 #include <cstddef>
