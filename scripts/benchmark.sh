@@ -14,7 +14,7 @@ build=${BUILD:-build}
 source scripts/build_environment.sh
 
 scripts/install_dependencies.sh build test bench
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON >/dev/null
+cmake -S . -B "$build" -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON >/dev/null
 cmake --build "$build" --target plumbline detector_benchmark guidance_views_benchmark \
   guidance_trajectories_benchmark >&2
 

@@ -158,8 +158,8 @@ void removeDeadTemporaries(const std::filesystem::path& folder) {
        it.increment(fault)) {
     const std::string name = it->path().filename().string();
     if (!isTemporaryOf(std::string_view(name).substr(0, name.rfind(kTemporary)), name)) continue;
-    const Descriptor file{
-        ::open(it->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
+    // For writing, as an exclusive lock on a network file system needs it.
+    const Descriptor file{::open(it->path().c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
     struct stat status {};
     const bool ours = file.number >= 0 && ::fstat(file.number, &status) == 0 &&
                       S_ISREG(status.st_mode) && status.st_uid == ::geteuid();

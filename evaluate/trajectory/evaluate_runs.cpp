@@ -145,8 +145,6 @@ std::vector<RunFile> findRuns(const std::string& pattern,
 
 namespace {
 
-constexpr double kLate = 0.1;  // [s], a start-up worth naming
-
 struct Truth {
   std::filesystem::path path;
   TrajectoryFile file;
@@ -240,7 +238,7 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
   run.status = RunStatus::kPartial;
   run.problem = fmt::format("covers {:.1f} % of the truth's time, less than {:g} %",
                             100 * run.coverage, 100 * min_coverage);
-  if (run.starts_late_s > kLate) {
+  if (run.coverage_from_first_pose >= min_coverage) {
     run.problem += fmt::format(
         "; its first pose is {:.1f} s after the truth's: --coverage-from first-pose ignores the "
         "time before it",

@@ -53,7 +53,9 @@ TrajectoryRun withCoverage(TrajectoryRun run, const Trajectory& estimate, const 
   const TimeNs offset = toNanoseconds(options.association.time_offset_s);
   const TimeNs start = truth.poses.front().t, first = estimate.poses.front().t + offset;
   const bool whole = options.coverage == CoverageSpan::kTruth;
-  run.coverage = coverageOf(estimate.poses, truth, offset, whole ? start : std::max(start, first));
+  run.coverage_from_first_pose = coverageOf(estimate.poses, truth, offset, std::max(start, first));
+  run.coverage =
+      whole ? coverageOf(estimate.poses, truth, offset, start) : run.coverage_from_first_pose;
   run.starts_late_s = secondsBetween(start, first);
   return run;
 }
@@ -97,9 +99,25 @@ TrajectoryRun measured(TrajectoryRun run, const std::vector<PosePair>& pairs,
   return withPlots(std::move(run), pairs, poses, error_deg);
 }
 
+/// An alignment by the first pose's rotation hides what the rotations of the bodies differ by: it
+/// is looked for after one by positions, and the positions are as wrong as the rotation is.
+RotationRemark rotationRemark(const std::vector<PosePair>& pairs, const AlignmentRecord& used,
+                              const AlignmentOptions& options) {
+  if (!standsOnRotation(options.kind)) return remarkOnRotations(pairs, used, options.kind);
+  AlignmentOptions by_positions = options;
+  by_positions.kind = AlignmentKind::kSe3;
+  const Result<AlignmentRecord> alignment = align(pairs, by_positions);
+  if (!alignment) return {};
+  RotationRemark remark = remarkOnRotations(pairs, *alignment, options.kind);
+  if (!remark.cure.empty()) {
+    remark.text += "; the alignment by the first pose turns the positions as wrongly";
+  }
+  return remark;
+}
+
 // `run` without the figures that need the rotations of both.
 TrajectoryRun withoutRotations(TrajectoryRun run, const RotationRemark& why) {
-  run.left_out = why.text;
+  run.left_out = why.text + "; rotation errors, relative errors and NEES are not reported";
   run.cure = why.cure;
   run.ate_rotation_deg = {};
   run.rpe.clear();
@@ -195,15 +213,15 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
       joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));
   TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
   if (!with_rotation) return evaluation;
-  const AlignedPoses poses = alignedPoses(association.pairs, *alignment);
-  const RotationRemark rotations = remarkOnRotations(poses, *alignment);
+  const RotationRemark rotations = rotationRemark(association.pairs, *alignment, options.alignment);
   if (!rotations.cure.empty()) {
     evaluation.run = withoutRotations(std::move(evaluation.run), rotations);
     return evaluation;
   }
   if (!rotations.text.empty()) evaluation.remarks.push_back(rotations.text);
   if (estimate.covariances.empty()) return evaluation;
-  return withNees(std::move(evaluation), estimate, association, poses);
+  return withNees(std::move(evaluation), estimate, association,
+                  alignedPoses(association.pairs, *alignment));
 }
 
 // A file whose w stands first, as its reader took it to stand last.

@@ -92,10 +92,6 @@ Trajectory movedToS(Trajectory truth, const Transform& T_SM) {
   return truth;
 }
 
-bool scaleIsUnknown(AlignmentKind kind) {
-  return kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
-}
-
 }  // namespace
 
 Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& truth,

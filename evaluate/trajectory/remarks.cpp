@@ -110,41 +110,41 @@ std::vector<std::string> remarksOn(const Association& association) {
   return remarks;
 }
 
-RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment) {
+RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
+                                 const AlignmentRecord& alignment, AlignmentKind kind) {
+  const AlignedPoses poses = alignedPoses(pairs, alignment);
   const double median =
       sampleStatistics(absoluteErrors(poses, AbsoluteMeasure::kRotationDeg)).median;
-  if (poses.truth.empty() || median < kOtherBodyDeg) return {};
+  if (pairs.empty() || median < kOtherBodyDeg) return {};
   const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
   const std::string start =
       fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
-  const std::string end = "; position errors are valid, rotation and relative errors are not";
   const BodyRotation as_read = bodyRotation(poses, R, false, false);
   const double truth_deg = bodyRotation(poses, R, true, false).spread_deg;
   const double estimate_deg = bodyRotation(poses, R, false, true).spread_deg;
   if (as_read.spread_deg < kRigidDeg) {
-    const std::string turned = fmt::format(
-        "as a rotation of {:.1f} deg between the body frames would explain (camera and IMU?). "
-        "Position errors are valid; rotation and relative errors are not reported",
-        as_read.angle_deg);
-    return {start + turned, "--hand-eye auto"};
+    // The origins of the bodies differ as well where one is a camera's and one an IMU's.
+    return {start + fmt::format("as a rotation of {:.1f} deg between the body frames would explain "
+                                "(camera and IMU?); position errors include the lever arm between "
+                                "the bodies, if there is one",
+                                as_read.angle_deg),
+            scaleIsUnknown(kind) ? "--align se3 --hand-eye auto" : "--hand-eye auto"};
   }
   if (std::min(truth_deg, estimate_deg) >= kRigidDeg) {
-    return {start + "and no constant rotation of the body explains it" + end, ""};
+    return {start + "and no constant rotation of the body explains it", ""};
   }
   // Both where the two worlds coincide: positions then cannot tell whose quaternions are right.
   const bool truth = truth_deg < kRigidDeg, estimate = estimate_deg < kRigidDeg;
-  return {
-      start + fmt::format(
-                  "but by {:.1f} deg if the quaternions of the {} are inverted: they probably map "
-                  "the world into the body, even if the header states otherwise. Position errors "
-                  "are valid; rotation and relative errors are not reported",
-                  std::min(truth_deg, estimate_deg),
-                  truth && estimate ? "truth or of the estimate"
-                  : truth           ? "truth"
-                                    : "estimate"),
-      truth && estimate ? "--truth-inverted or --estimate-inverted"
-      : truth           ? "--truth-inverted"
-                        : "--estimate-inverted"};
+  return {start + fmt::format("but by {:.1f} deg if the quaternions of the {} are inverted: they "
+                              "probably map the world into the body, even if the header states "
+                              "otherwise",
+                              std::min(truth_deg, estimate_deg),
+                              truth && estimate ? "truth or of the estimate"
+                              : truth           ? "truth"
+                                                : "estimate"),
+          truth && estimate ? "--truth-inverted or --estimate-inverted"
+          : truth           ? "--truth-inverted"
+                            : "--estimate-inverted"};
 }
 
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {

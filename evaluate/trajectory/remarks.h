@@ -30,9 +30,11 @@ struct RotationRemark {
   std::string cure;
 };
 
-/// Why the rotations of aligned poses disagree widely: another body frame (a camera against an
-/// IMU), or quaternions that one file has inverted.
-RotationRemark remarkOnRotations(const AlignedPoses& poses, const AlignmentRecord& alignment);
+/// Why the rotations of poses that were aligned by their positions (least squares) disagree widely:
+/// another body frame (a camera against an IMU), or quaternions that one file has inverted. The
+/// cure is one that the evaluation accepts under `kind`, the alignment that was asked for.
+RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
+                                 const AlignmentRecord& alignment, AlignmentKind kind);
 
 /// kImplausible with the cure where quaternions were read in the wrong order, see
 /// quaternionOrderFault.

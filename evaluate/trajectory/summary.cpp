@@ -122,10 +122,6 @@ std::string trajectorySummary(const TrajectoryEvaluation& evaluation) {
   std::string text =
       table(run) + "\n" + pairsLine(run) + alignmentLine(run.alignment) + neesLines(run);
   for (const std::string& remark : evaluation.remarks) text += "note: " + remark + "\n";
-  if (!evaluation.run.cure.empty()) {
-    text +=
-        fmt::format("note: {}: run again with {}\n", evaluation.run.left_out, evaluation.run.cure);
-  }
   return text;
 }
 

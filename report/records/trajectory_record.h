@@ -206,6 +206,7 @@ struct TrajectoryRun {
   std::string left_out;  ///< why rotation and relative errors are not reported; empty: they are
   std::string cure;      ///< the option of `evaluate trajectory` that makes them valid
   double coverage = 0;   ///< share of the truth's span over which the estimate has poses, 0 to 1
+  double coverage_from_first_pose = 0;  ///< the same of the span from its first pose on
   double starts_late_s = 0;  ///< first pose of the estimate - of the truth; negative: before it
   AssociationRecord association;
   AlignmentRecord alignment;
@@ -235,6 +236,7 @@ inline std::string partName(const TrajectoryRun& r) {
 inline TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   run.status = RunStatus::kFailed;
   run.problem = problem;
+  run.left_out.clear(), run.cure.clear();
   run.t.clear();
   run.truth_m.clear(), run.estimate_m.clear();
   run.truth_rpy_deg.clear(), run.estimate_rpy_deg.clear();
@@ -268,6 +270,8 @@ void fields(V& v, TrajectoryRun& r) {
     });
     v("rpe", r.rpe, "errors of relative motion");
     v("coverage", r.coverage, "1", "share of the truth's span over which the estimate has poses");
+    v("coverage_from_first_pose", r.coverage_from_first_pose, "1",
+      "share of the span from the estimate's first pose on");
     v("starts_late_s", r.starts_late_s, "s", "first pose of the estimate - of the truth");
     v("stamps", r.association, "how stamps were paired");
   }

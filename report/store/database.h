@@ -54,9 +54,9 @@ auto readStore(const std::filesystem::path& path, const Work& work) {
     throw;
   } catch (const std::exception& error) {  // SQLite's, JSON's and the unpackers' complaints
     throw InputError(path.string(), 0,
-                     std::string("is damaged or not a store (") + error.what() +
-                         "); expected a store that Plumbline wrote; run the command again that "
-                         "made it");
+                     std::string("cannot be read as a store (") + error.what() +
+                         "); it is damaged, or another version of Plumbline wrote it; run the "
+                         "command again that made it");
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/base/statistics/estimated_variance.h"
 
-#include <cassert>
 #include <cmath>
 
 #include <boost/math/distributions/normal.hpp>
@@ -15,8 +14,7 @@ EstimatedVariance sumOf(const EstimatedVariance& a, const EstimatedVariance& b) 
 }
 
 double halfWidth90(double std, double dof) {
-  if (std::isnan(std) || std::isnan(dof)) return std::numeric_limits<double>::quiet_NaN();
-  assert(dof > 0);
+  if (std::isnan(std) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
   constexpr double kUpper = 0.95;
   return std * (std::isinf(dof) ? boost::math::quantile(boost::math::normal(), kUpper)
                                 : boost::math::quantile(boost::math::students_t(dof), kUpper));

@@ -25,7 +25,8 @@ struct RobustDeviations {
 
 /// Half width of the 90 % interval about an estimate, in the unit of its deviation:
 ///   std t,   t the quantile 0.95 of Student's t with `dof` degrees of freedom,
-/// of the normal distribution (1.645) where dof is infinite. NaN where either is.
+/// of the normal distribution (1.645) where dof is infinite. NaN where either is, or dof is not
+/// above 0.
 double halfWidth90(double std, double dof);
 
 /// Of every deviation; empty where there are none or their degrees of freedom are not known.

@@ -71,7 +71,7 @@ void check(const std::vector<Fault>& faults, const FaultScope& scope) {
 void checkRendered(const std::vector<Fault>& faults) {
   for (const Fault& fault : faults) {
     if (describe(fault.kind).images == InImages::kYes) continue;
-    throw InputError(titleOf(fault) + ": it cannot be rendered in images; simulate corners");
+    throw InputError(titleOf(fault) + ": is not simulated in images; simulate corners");
   }
 }
 

@@ -15,6 +15,7 @@
 namespace plumbline {
 namespace {
 
+constexpr double kLeastTerm = 1e-12;   // [m], rounding
 constexpr double kLongestTerm = 0.02;  // [m]
 constexpr double kMost = 0.05;         // share
 
@@ -118,7 +119,7 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
     }
   }
   TargetTerms terms = fitTargetTerms(grid, moved);
-  if (words.find("tag-edge") == std::string::npos) terms[kTargetTerms - 1] = 0;  // not its rounding
+  if (std::abs(terms[kTargetTerms - 1]) < kLeastTerm) terms[kTargetTerms - 1] = 0;
   return {terms, std::nullopt};
 }
 

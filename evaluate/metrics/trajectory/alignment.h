@@ -30,6 +30,11 @@ constexpr std::array<const char*, 8> enumWords(AlignmentKind /*of*/) {
   return {"se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none"};
 }
 
+/// Whether the alignment estimates s: lengths of the estimate are then not known beforehand.
+inline bool scaleIsUnknown(AlignmentKind kind) {
+  return kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
+}
+
 struct AlignmentOptions {
   AlignmentKind kind = AlignmentKind::kSe3;
   /// Pairs from the start that the alignment stands on; 0: all. kOrigin, kSe3First and kYawFirst

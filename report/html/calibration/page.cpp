@@ -108,24 +108,30 @@ Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
 }
 
 Section uncertaintySection(const CalibrationRecord& record) {
+  const bool robust = record.camera && record.camera->summary.robust_std;
   Section section{
       "projection-uncertainty",
       "Projection uncertainty",
       "One standard deviation, in the worst direction, of the projection of a far point if the "
       "recording were repeated; a rotation of the camera frame is removed. Large values mark "
-      "regions where the recording does not determine the lens. Errors of a model that does not "
-      "fit are included only as far as they vary over the recording.",
+      "regions where the recording does not determine the lens. " +
+          std::string(robust ? "Errors of a model that does not fit are included only as far as "
+                               "they vary over the recording."
+                             : "Errors of a model that does not fit are not included."),
       {},
       {}};
   std::vector<HeatMap> maps;
+  std::vector<std::string> methods;
   for (const ImageMap& map : record.projection_uncertainty) {
+    if (!sound(map)) continue;
     maps.push_back(heatMap(map, map.camera + ": " + rangeText(map.range_m), "std [px]"));
+    methods.push_back(map.method);
   }
   scaleAlike(addressesOf(maps));
   Block block;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     Figure figure = heatFigure(maps[i], fmt::format("projection-uncertainty-{}", i));
-    figure.caption = "By " + record.projection_uncertainty[i].method + ". " + figure.caption;
+    figure.caption = "By " + methods[i] + ". " + figure.caption;
     block.figures.push_back(std::move(figure));
   }
   section.blocks.push_back(std::move(block));

@@ -111,6 +111,26 @@ TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
   EXPECT_THAT(result->run.left_out, HasSubstr("68.8 deg between the body frames"));
   EXPECT_EQ(result->run.cure, "--hand-eye auto");
   EXPECT_EQ(result->run.ate_rotation_deg.n, 0U) << "known to be no error, so not shown";
+  TrajectoryMetricOptions options;
+  options.alignment.kind = AlignmentKind::kSim3;
+  EXPECT_EQ(evaluateTrajectories(estimate, spiralFrom(0), options)->run.cure,
+            "--align se3 --hand-eye auto")
+      << "hand-eye needs lengths";
+}
+
+// The first pose's rotation is that of its body as well: aligned by it, the positions are turned.
+TEST(EvaluateTrajectories, AnotherBodyIsFoundUnderAnAlignmentByTheFirstPose) {
+  Trajectory estimate = spiralFrom(0);
+  const Eigen::Quaterniond q_BC(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
+  for (StampedPose& pose : estimate.poses) pose.q = pose.q * q_BC;
+  TrajectoryMetricOptions options;
+  for (const AlignmentKind kind : {AlignmentKind::kSe3First, AlignmentKind::kOrigin}) {
+    options.alignment.kind = kind;
+    const auto result = evaluateTrajectories(estimate, spiralFrom(0), options);
+    EXPECT_GT(result->run.ate_translation_m.rmse, 0.1);
+    EXPECT_EQ(result->run.cure, "--hand-eye auto");
+    EXPECT_THAT(result->run.left_out, HasSubstr("turns the positions"));
+  }
 }
 
 TEST(EvaluateTrajectories, RemarksNameInvertedQuaternions) {
