@@ -55,8 +55,8 @@ auto readStore(const std::filesystem::path& path, const Work& work) {
   } catch (const std::exception& error) {  // SQLite's, JSON's and the unpackers' complaints
     throw InputError(path.string(), 0,
                      std::string("cannot be read as a store (") + error.what() +
-                         "); it is damaged, or another version of Plumbline wrote it; run the "
-                         "command again that made it");
+                         "); it is damaged, no store, or one of another version of Plumbline; run "
+                         "the command again that made it");
   }
 }
 

@@ -264,7 +264,7 @@ TEST_F(StoreTest, RefusesWhatIsNoStore) {
   std::ofstream(file())
       << "this is text, and long enough to be looked at as a header of a file....";
   EXPECT_THAT(complaint(), HasSubstr("runs.sqlite"));
-  EXPECT_THAT(complaint(), HasSubstr("damaged or not a store"));
+  EXPECT_THAT(complaint(), HasSubstr("cannot be read as a store"));
   EXPECT_THROW(Store(file()).save(test::syntheticRecord({.frames = 3})), InputError);
 }
 
