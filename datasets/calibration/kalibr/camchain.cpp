@@ -109,6 +109,16 @@ Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibrati
                   "without one of them this camera's place is unknown"});
 }
 
+// Of one camera Kalibr's file states a link; what is far is found where the links are joined.
+void refuseFarPlace(const KalibrCamchain& chain, std::size_t i, const CameraCalibration& camera) {
+  const auto found = implausible(camera);
+  if (!found) return;
+  const KalibrCamera& stated = chain.cameras[i];
+  throw badInput(chain.path, stated.T_cn_cnm1 ? stated.T_cn_cnm1_line : stated.T_cam_imu_line,
+                 {InputFault::kOutOfRange, found->what, found->expected,
+                  "correct the transforms of the cameras up to this one"});
+}
+
 // A camera without a shift of its own takes that of the first camera that has one. The file does
 // not say which shifts were estimated: those that differ were.
 TimeOffsets offsetsOf(const KalibrCamchain& chain) {
@@ -233,6 +243,7 @@ Calibration calibrationOf(const KalibrCamchain& chain) {
     camera.rostopic = chain.cameras[i].rostopic;
     camera.intrinsics = chain.cameras[i].intrinsics;
     camera.T_C0Ci = placeInRig(chain, i, calibration);
+    refuseFarPlace(chain, i, camera);
     calibration.cameras.push_back(std::move(camera));
   }
   if (chain.hasImu()) calibration.imu = imuOf(chain);

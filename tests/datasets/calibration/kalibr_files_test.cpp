@@ -158,6 +158,19 @@ TEST(KalibrFiles, AnInvertedTransformContradictsTheChain) {
   EXPECT_EQ(complaint(good, chainOf(good), chainOf(bad)), InputFault::kContradiction);
 }
 
+// Each link is within 1000 m, and the camera at the end of two is not.
+TEST(KalibrFiles, ACameraThatIsFarOnlyByTheWholeChainIsRefused) {
+  const TemporaryFolder folder;
+  Calibration rig = threeCameraRig();
+  rig.imu.reset();
+  for (int i = 0; i < 3; ++i) rig.cameras[i].T_C0Ci.t = {400.0 * i, 0, 0};
+  EXPECT_NO_THROW((void)readCalibration(folder.write("near.yaml", kalibrCamchainText(rig))));
+  rig.cameras[2].T_C0Ci.t.x() = 1200;
+  const std::string far = kalibrCamchainText(rig);
+  EXPECT_EQ(faultOf([&] { (void)readCalibration(folder.write("far.yaml", far)); }),
+            InputFault::kOutOfRange);
+}
+
 TEST(AtomicFile, LeavesNothingBehindWhereItFails) {
   const TemporaryFolder folder;
   EXPECT_THROW(writeFileAtomically(folder.path("none/file"), "text"), InputError);
