@@ -61,23 +61,23 @@ std::string shortDocument(const Record& record) {
 }
 
 template <class Record>
-Record fromDocument(const std::string& path) {
+Record fromDocument(const Json& document) {
   Record record;
-  fromJson(Json::parse(readBytes(path)), record);
+  fromJson(document, record);
   return record;
 }
 
-/// What the store makes an InputError is one here.
 template <class Record>
-bool isDocumentOf(const std::string& path) {
+bool isDocumentOf(const Json& document, const std::string& path) {
   Record record;
   try {
-    record = fromDocument<Record>(path);
+    record = fromDocument<Record>(document);
   } catch (const std::exception&) {
     return false;
   }
   expectStable(
-      path, record, [](const Record& r) { return documentOf(r); }, fromDocument<Record>);
+      path, record, [](const Record& r) { return documentOf(r); },
+      [](const std::string& copy) { return fromDocument<Record>(Json::parse(readBytes(copy))); });
   return true;
 }
 
@@ -108,12 +108,18 @@ void loadRun(const Store& store, const RunSummary& run) {
 
 Parser document() {
   const auto read = [](const std::string& path) {
-    const bool known = static_cast<int>(isDocumentOf<CalibrationRecord>(path)) +
-                           static_cast<int>(isDocumentOf<TrajectoryRecord>(path)) +
-                           static_cast<int>(isDocumentOf<ComparisonRecord>(path)) +
-                           static_cast<int>(isDocumentOf<PerturbationRecord>(path)) +
-                           static_cast<int>(isDocumentOf<ReplayRecord>(path)) +
-                           static_cast<int>(isDocumentOf<StudyRecord>(path)) >
+    Json json;
+    try {  // what the store makes an InputError is one here
+      json = Json::parse(readBytes(path));
+    } catch (const Json::exception&) {
+      throw InputError(path, 0, "is not JSON");
+    }
+    const bool known = static_cast<int>(isDocumentOf<CalibrationRecord>(json, path)) +
+                           static_cast<int>(isDocumentOf<TrajectoryRecord>(json, path)) +
+                           static_cast<int>(isDocumentOf<ComparisonRecord>(json, path)) +
+                           static_cast<int>(isDocumentOf<PerturbationRecord>(json, path)) +
+                           static_cast<int>(isDocumentOf<ReplayRecord>(json, path)) +
+                           static_cast<int>(isDocumentOf<StudyRecord>(json, path)) >
                        0;
     if (!known) throw InputError(path, 0, "is no document of a record");
   };
