@@ -5,22 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "report/html/stage_view.h"
+#include "report/plots/colour_maps.h"
 
 namespace plumbline::html_internal {
 namespace {
 
 constexpr std::size_t kMostFrusta = 80;  // per camera
 constexpr std::size_t kMostPath = 1500;  // points of the path
-
-Colour rmseColour(double unit) {  // green over amber to red
-  const double u = std::clamp(unit, 0.0, 1.0);
-  const auto mix = [u](double a, double b, double c) {
-    return static_cast<std::uint8_t>(
-        std::lround(u < 0.5 ? a + 2 * u * (b - a) : b + (2 * u - 1) * (c - b)));
-  };
-  return {mix(20, 226, 192), mix(140, 160, 32), mix(110, 30, 40), 255};
-}
 
 Colour timeColour(double unit) {  // pale blue to deep violet
   const double u = std::clamp(unit, 0.0, 1.0);
@@ -126,7 +120,7 @@ SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, doubl
                   frustum(calibration.intrinsics, rig.T_FC0[i] * calibration.T_C0Ci, depth));
     const double unit = (rmse[i] - scene.rmse.min) / (scene.rmse.max - scene.rmse.min);
     const double when = scene.seconds > 0 ? seconds[i] / scene.seconds : 0;
-    object.colours["rmse"].insert(object.colours["rmse"].end(), 5, rmseColour(unit));
+    object.colours["rmse"].insert(object.colours["rmse"].end(), 5, internal::errorColour(unit));
     object.colours["time"].insert(object.colours["time"].end(), 5, timeColour(when));
   }
   return object;
@@ -183,6 +177,16 @@ void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGri
   addAxes(scene, "rig", stage.states[stage.states.size() / 2].T_FS, 1.2 * depth);
 }
 
+std::string gradient(Colour (*colour)(double)) {
+  constexpr int kStops = 5;
+  std::string css = "linear-gradient(90deg";
+  for (int i = 0; i < kStops; ++i) {
+    const Colour c = colour(i / (kStops - 1.0));
+    css += fmt::format(", #{:02x}{:02x}{:02x}", c.red, c.green, c.blue);
+  }
+  return css + ")";
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transform& T_FC,
@@ -202,6 +206,10 @@ std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transfo
   }
   return points;
 }
+
+std::string rmseGradient() { return gradient(internal::errorColour); }
+
+std::string timeGradient() { return gradient(timeColour); }
 
 Scene buildScene(const CalibrationRecord& record) {
   Scene scene;

@@ -56,6 +56,10 @@ std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transfo
 /// axes and gravity.
 Scene buildScene(const CalibrationRecord& record);
 
+/// The colours of SceneObject::colours as CSS gradients, low to high: their legend.
+std::string rmseGradient();
+std::string timeGradient();
+
 /// As scene_viewer.js reads it.
 std::string toJson(const Scene& scene);
 

@@ -4,14 +4,17 @@
 #include <filesystem>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "report/html/calibration/imu_figures.h"
 #include "report/html/calibration/page.h"
 #include "report/html/page_parts.h"
+#include "report/html/scene.h"
 #include "report/html/stage_view.h"
 #include "report/html/text.h"
+#include "report/plots/colour_maps.h"
 #include "report/store/store.h"
 #include "tests/report/markup.h"
 #include "tests/report/synthetic_record.h"
@@ -20,6 +23,7 @@ namespace plumbline {
 namespace {
 
 using test::syntheticRecord;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -74,6 +78,26 @@ TEST(CalibrationPage, NamesTheGapsOfTheStreams) {
   const SampleGap& gap = record.sample_intervals.at(2).gaps.at(0);
   const std::string row = page.substr(page.find("The longest gaps"));
   EXPECT_THAT(row.substr(0, row.find("</table>")), HasSubstr(std::to_string(gap.t)));
+}
+
+// One colour map for a view's error: frusta, their legend and the lines of the plots.
+TEST(CalibrationPage, TheFrustaHaveTheColoursOfTheLegend) {
+  const CalibrationRecord record = syntheticRecord();
+  const auto css = [](double unit) {
+    const Colour c = internal::errorColour(unit);
+    return fmt::format("#{:02x}{:02x}{:02x}", c.red, c.green, c.blue);
+  };
+  const std::string page = renderCalibrationPage(record);
+  const std::string legend = page.substr(page.find("data-legend=\"rmse\""), 200);
+  EXPECT_THAT(legend, AllOf(HasSubstr("(90deg, " + css(0)), HasSubstr(css(1) + ")")));
+  std::set<std::string> seen;
+  for (const html_internal::SceneObject& object : html_internal::buildScene(record).objects) {
+    if (!object.colours.contains("rmse")) continue;
+    for (const Colour& c : object.colours.at("rmse")) {
+      seen.insert(fmt::format("#{:02x}{:02x}{:02x}", c.red, c.green, c.blue));
+    }
+  }
+  EXPECT_TRUE(seen.contains(css(0)) && seen.contains(css(1))) << "the least and the largest error";
 }
 
 // One clock for all plots: a stage whose first frame is later starts later in them.

@@ -287,6 +287,8 @@ Section sceneSection(const CalibrationRecord& record) {
   data values{data::type::object};
   values.set("scene_json", scriptJson(toJson(scene)));
   values.set("scene_still", toStillSvg(scene, "scene-still"));
+  values.set("scene_rmse_gradient", rmseGradient());
+  values.set("scene_time_gradient", timeGradient());
   values.set("scene_rmse_min", fmt::format("{:.2f}", scene.rmse.min));
   values.set("scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max));
   values.set("scene_seconds", fmt::format("{:.1f}", scene.seconds));
