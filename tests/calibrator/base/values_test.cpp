@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small values: statistics, the target's geometry, times, names, errors.
+// Small values: the target's geometry, times, names, errors.
 #include <cmath>
 #include <stdexcept>
 #include <variant>
@@ -10,39 +10,10 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/image.h"
-#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
 
 namespace plumbline {
 namespace {
-
-TEST(Statistics, ByHand) {
-  // Lengths 5, 0, 13, 5, 2.
-  const ErrorStatistics s = summariseErrors({{3, 4}, {0, 0}, {-5, 12}, {-4, 3}, {0, -2}});
-  EXPECT_EQ(s.count, 5U);
-  EXPECT_DOUBLE_EQ(s.rmse_px, std::sqrt((25 + 0 + 169 + 25 + 4) / 5.0));
-  EXPECT_DOUBLE_EQ(s.mean_px, 5);
-  EXPECT_DOUBLE_EQ(s.median_px, 5);
-  EXPECT_DOUBLE_EQ(s.std_px, std::sqrt((0 + 25 + 64 + 0 + 9) / 5.0));
-  EXPECT_NEAR(s.rmse_px * s.rmse_px, s.mean_px * s.mean_px + s.std_px * s.std_px, 1e-12);
-  EXPECT_NEAR(s.axis_mean_px.x(), -1.2, 1e-15);
-  EXPECT_NEAR(s.axis_mean_px.y(), 3.4, 1e-15);
-  EXPECT_NEAR(s.axis_std_px.x(), std::sqrt((9 + 25 + 16) / 5.0 - 1.44), 1e-14);
-}
-
-TEST(Statistics, OfNothingAreZero) {
-  const ErrorStatistics s = summariseErrors({});
-  EXPECT_EQ(s.count, 0U);
-  EXPECT_EQ(s.rmse_px, 0);
-}
-
-TEST(Statistics, QuantileInterpolatesBetweenOrderStatistics) {
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0), 1);
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 1), 4);
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.9), 3.7);
-  EXPECT_DOUBLE_EQ(quantile({7}, 0.3), 7);
-}
 
 TEST(AprilGrid, CornersGoRoundATagFromBottomLeft) {
   const AprilGrid grid;  // 6 x 6, 88 mm, spacing 0.3: 114.4 mm from tag to tag

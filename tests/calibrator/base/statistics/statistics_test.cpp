@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Statistics of scalar errors, by hand.
+// Statistics of errors in the image and of scalar ones, by hand.
 #include "calibrator/base/statistics/statistics.h"
 
 #include <cmath>
@@ -11,6 +11,26 @@
 
 namespace plumbline {
 namespace {
+
+TEST(ErrorStatistics, ByHand) {
+  // Lengths 5, 0, 13, 5, 2.
+  const ErrorStatistics s = summariseErrors({{3, 4}, {0, 0}, {-5, 12}, {-4, 3}, {0, -2}});
+  EXPECT_EQ(s.count, 5U);
+  EXPECT_DOUBLE_EQ(s.rmse_px, std::sqrt((25 + 0 + 169 + 25 + 4) / 5.0));
+  EXPECT_DOUBLE_EQ(s.mean_px, 5);
+  EXPECT_DOUBLE_EQ(s.median_px, 5);
+  EXPECT_DOUBLE_EQ(s.std_px, std::sqrt((0 + 25 + 64 + 0 + 9) / 5.0));
+  EXPECT_NEAR(s.rmse_px * s.rmse_px, s.mean_px * s.mean_px + s.std_px * s.std_px, 1e-12);
+  EXPECT_NEAR(s.axis_mean_px.x(), -1.2, 1e-15);
+  EXPECT_NEAR(s.axis_mean_px.y(), 3.4, 1e-15);
+  EXPECT_NEAR(s.axis_std_px.x(), std::sqrt((9 + 25 + 16) / 5.0 - 1.44), 1e-14);
+}
+
+TEST(ErrorStatistics, OfNothingAreZero) {
+  const ErrorStatistics s = summariseErrors({});
+  EXPECT_EQ(s.count, 0U);
+  EXPECT_EQ(s.rmse_px, 0);
+}
 
 TEST(SampleStatistics, ByHand) {
   const SampleStatistics s = sampleStatistics({3, 1, 4, 2});
@@ -45,6 +65,9 @@ TEST(SampleStatistics, OfNothingAreZero) {
 TEST(Quantile, InterpolatesBetweenNeighboursAndNeedsNoneOnAValue) {
   EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.5), 2.5);
   EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.25), 1.75);
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.9), 3.7);
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0), 1);
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 1), 4);
   EXPECT_DOUBLE_EQ(quantile({5}, 0.9), 5);
   const double never = std::numeric_limits<double>::infinity();
   EXPECT_DOUBLE_EQ(quantile({never, 1, 2}, 0.5), 2);
