@@ -2,7 +2,7 @@
 # The functions with which every folder declares its library, and what is precompiled.
 
 # The sources of a folder are compiled as one where CMAKE_UNITY_BUILD is ON, as the scripts do that build
-# everything: twice as fast, as headers and templates are read once per folder. Names in anonymous
+# everything: headers and templates are read once per folder. Names in anonymous
 # namespaces are therefore unique within a folder. Whoever edits configures without it.
 function(plumbline_unity target)
   get_target_property(sources ${target} SOURCES)
