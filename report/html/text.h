@@ -2,12 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
-#include <cstring>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <vector>
+
+#include "report/plots/base64.h"
 
 namespace plumbline::html_internal {
 
@@ -50,17 +48,6 @@ std::vector<std::string> distinct(const Rows& rows, const Name& name) {
 /// JSON as it may stand in a script element: nothing in it looks like the element's end.
 std::string scriptJson(const std::string& json);
 
-/// RFC 4648, section 4, with padding.
-std::string base64(std::string_view bytes);
-
-/// The values' bytes as they lie in memory (little-endian on every machine that this builds for,
-/// and in every browser).
-template <class T>
-std::string base64(const std::vector<T>& values) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  std::string bytes(values.size() * sizeof(T), '\0');
-  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-  return base64(std::string_view(bytes));
-}
+using internal::base64;
 
 }  // namespace plumbline::html_internal

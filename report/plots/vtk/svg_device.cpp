@@ -19,6 +19,7 @@
 #include <vtkUnsignedCharArray.h>
 
 #include "calibrator/base/lie.h"
+#include "report/plots/base64.h"
 #include "report/plots/vtk/svg_text.h"
 
 namespace plumbline::internal {
@@ -54,8 +55,8 @@ std::string pngUri(vtkImageData* image) {
   writer->WriteToMemoryOn();
   writer->Write();
   vtkUnsignedCharArray* bytes = writer->GetResult();
-  return "data:image/png;base64," +
-         base64(bytes->GetPointer(0), static_cast<std::size_t>(bytes->GetNumberOfValues()));
+  return "data:image/png;base64," + base64({reinterpret_cast<const char*>(bytes->GetPointer(0)),
+                                            static_cast<std::size_t>(bytes->GetNumberOfValues())});
 }
 
 }  // namespace

@@ -102,20 +102,4 @@ std::vector<double> thinLine(const std::vector<double>& points) {
   return keepExtremes(points);
 }
 
-std::string base64(const unsigned char* bytes, std::size_t count) {
-  static constexpr char kAlphabet[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((count + 2) / 3 * 4);
-  for (std::size_t i = 0; i < count; i += 3) {
-    const std::size_t have = std::min<std::size_t>(3, count - i);
-    unsigned triple = 0;
-    for (std::size_t k = 0; k < 3; ++k) triple = triple << 8 | (k < have ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= have ? kAlphabet[(triple >> (18 - 6 * k)) & 63U] : '=';
-    }
-  }
-  return text;
-}
-
 }  // namespace plumbline::internal

@@ -23,7 +23,4 @@ std::string pointList(const std::vector<double>& points, std::string (*write)(do
 /// tenth of a pixel) are merged. Short lines stay as they are.
 std::vector<double> thinLine(const std::vector<double>& points);
 
-/// Base 64 (RFC 4648) of bytes.
-std::string base64(const unsigned char* bytes, std::size_t count);
-
 }  // namespace plumbline::internal
