@@ -49,18 +49,6 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
   return Half{solution.estimate, *formal, robust->matrix, robust->blocks};
 }
 
-Eigen::VectorXd difference(const CameraEstimate& to, const CameraEstimate& from) {
-  const CameraLayout layout(from);
-  Eigen::VectorXd d(layout.size);
-  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
-    d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
-        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
-    if (c > 0) d.segment<6>(layout.T_C0Ci[c]) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
-  }
-  if (from.target) d.tail<kTargetTerms>() = *to.target - *from.target;
-  return d;
-}
-
 /// Where a block of parameters stands in the layout.
 struct Place {
   std::string name;
@@ -139,7 +127,7 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
   if (!first) return std::nullopt;
   const auto second = solveHalf(session, whole, corners, segments[1], options);
   if (!second) return std::nullopt;
-  const Eigen::VectorXd d = difference(second->estimate, first->estimate);
+  const Eigen::VectorXd d = cameraDifference(second->estimate, first->estimate);
   HalvesCheck check;
   check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
   for (Place& place : placesOf(whole, CameraLayout(first->estimate))) {

@@ -31,17 +31,12 @@ QuadraticCost joint(const CameraNormals& normals) {
 }  // namespace
 
 Displacement displacementOf(const CameraEstimate& to, const CameraEstimate& from) {
-  const CameraLayout layout(from.intrinsics);
-  Displacement out{Eigen::VectorXd(layout.size),
-                   Eigen::MatrixXd::Identity(layout.size, layout.size)};
-  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
-    out.d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
-        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
-    if (c == 0) continue;
+  const CameraLayout layout(from);
+  Displacement out{cameraDifference(to, from), Eigen::MatrixXd::Identity(layout.size, layout.size)};
+  for (std::size_t c = 1; c < from.intrinsics.size(); ++c) {
     // Log(Exp(da) R_to R_from^T) = d + Jl^-1(d) da.
-    const int e = layout.T_C0Ci[c];
-    out.d.segment<6>(e) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
-    out.J.block<3, 3>(e + 3, e + 3) = inverseLeftJacobianSO3(out.d.segment<3>(e + 3));
+    const int e = layout.T_C0Ci[c] + 3;
+    out.J.block<3, 3>(e, e) = inverseLeftJacobianSO3(out.d.segment<3>(e));
   }
   return out;
 }

@@ -299,6 +299,18 @@ CameraLayout::CameraLayout(const CameraEstimate& estimate) : CameraLayout(estima
   size += kTargetTerms;
 }
 
+Eigen::VectorXd cameraDifference(const CameraEstimate& to, const CameraEstimate& from) {
+  const CameraLayout layout(from);
+  Eigen::VectorXd d(layout.size);
+  for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {
+    d.segment(layout.intrinsics[c], layout.intrinsics_size[c]) =
+        to.intrinsics[c].stacked() - from.intrinsics[c].stacked();
+    if (c > 0) d.segment<6>(layout.T_C0Ci[c]) = boxminus(to.T_C0Ci[c], from.T_C0Ci[c]);
+  }
+  if (from.target) d.tail<kTargetTerms>() = *to.target - *from.target;
+  return d;
+}
+
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate) {
   return normalsAt(problem, estimate, problem.gram);
 }

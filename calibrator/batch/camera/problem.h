@@ -92,6 +92,10 @@ struct CameraLayout {
   int camerasSize() const { return target < 0 ? size : target; }  ///< of the cameras alone
 };
 
+/// What leads from one estimate to another of the same cameras, in the order of CameraLayout(from):
+/// differences of stacked(), boxminus of T_C0Ci, differences of the board's terms.
+Eigen::VectorXd cameraDifference(const CameraEstimate& to, const CameraEstimate& from);
+
 /// Normal equations at an estimate, in units of pixel_sigma: with d_f the left twist (rho, phi) of
 /// T_C0F in frame f and g the cameras' parameters (tangents of Transform),
 ///   [H_f  P_f; P_f^T  G] [d_f; g] = -[b_f; b].
