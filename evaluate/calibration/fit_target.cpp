@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/calibration/fit_target.h"
 
+#include <algorithm>
 #include <cmath>
+#include <exception>
+#include <functional>
+#include <mutex>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
@@ -36,25 +42,57 @@ TargetFit atMeasuredNoise(const CameraStageResult& stage, double pixel_sigma) {
   return fit;
 }
 
+/// What one session says of the board.
+struct SessionFit {
+  LoadedSession loaded;  ///< without its views
+  TargetFit fit;
+};
+
+/// The camera stages of the sessions, several at a time: each is too short for many threads.
 class SessionStages {
  public:
   SessionStages(const TargetFitRequest& request, const ProgressSink& progress)
-      : request_(request), progress_(progress) {}
+      : request_(request),
+        count_(static_cast<int>(request.sessions.size())),
+        at_once_(std::max(1, std::min(request.camera.threads, count_))),
+        progress_([this, &progress](const std::string& step, double fraction) {
+          const std::lock_guard lock(mutex_);
+          progress(step, fraction);
+        }) {}
 
-  /// The camera stage of a session: with terms of its own, or on a board that is known.
-  Result<CameraStageResult> run(const LoadedSession& loaded, TargetMode mode) const {
-    CameraStageOptions options = request_.camera;
-    options.target = mode;
-    if (options.models.size() == 1) {
-      options.models.resize(loaded.session.cameras.size(), options.models.front());
+  /// work(i) for every session; thrown is what the first of them throws, in their order.
+  void forEach(const std::function<void(std::size_t)>& work) const {
+    std::vector<std::exception_ptr> thrown(request_.sessions.size());
+    parallelCalls(count_, at_once_, [&](int call) {
+      const auto i = static_cast<std::size_t>(call);
+      try {
+        work(i);
+      } catch (...) {
+        thrown[i] = std::current_exception();
+      }
+    });
+    for (const std::exception_ptr& exception : thrown) {
+      if (exception) std::rethrow_exception(exception);
     }
-    progress_("calibrating the cameras of " + loaded.session.name, -1);
-    return calibrateCameras(loaded.session, options);
+  }
+
+  /// With terms of its own.
+  Result<SessionFit> onItsOwn(std::size_t i) const {
+    LoadedSession loaded = load(i);
+    loaded.session.target.shape = {};
+    const auto stage = run(loaded, TargetMode::kEstimate);
+    if (!stage) return stage.failure();
+    if (!stage->target_fit || !stage->target_fit->shape.covariance) {
+      throw InputError(request_.sessions[i].session, 0,
+                       "does not determine the board's shape: omit this session");
+    }
+    loaded.session.cameras.clear();
+    return SessionFit{std::move(loaded), atMeasuredNoise(*stage, request_.camera.pixel_sigma)};
   }
 
   /// Of a session that differs by more than chance.
-  Result<BoardAgreement> onJointBoard(const LoadRequest& load, const JointTarget& joint) const {
-    LoadedSession loaded = loadSession(load, progress_);
+  Result<BoardAgreement> onJointBoard(std::size_t i, const JointTarget& joint) const {
+    LoadedSession loaded = load(i);
     loaded.session.target.shape = joint.shape;
     *loaded.session.target.shape.covariance /= joint.dispersion;  // it is tried as if it were so
     const auto stage = run(loaded, TargetMode::kKnown);
@@ -64,8 +102,30 @@ class SessionStages {
   }
 
  private:
+  LoadedSession load(std::size_t i) const {
+    LoadRequest one = request_.sessions[i];
+    one.threads = threads();
+    return loadSession(one, progress_);
+  }
+
+  Result<CameraStageResult> run(const LoadedSession& loaded, TargetMode mode) const {
+    CameraStageOptions options = request_.camera;
+    options.target = mode;
+    options.threads = threads();
+    if (options.models.size() == 1) {
+      options.models.resize(loaded.session.cameras.size(), options.models.front());
+    }
+    progress_("calibrating the cameras of " + loaded.session.name, -1);
+    return calibrateCameras(loaded.session, options);
+  }
+
+  int threads() const { return std::max(1, request_.camera.threads / at_once_); }
+
   const TargetFitRequest& request_;
-  const ProgressSink& progress_;
+  int count_;
+  int at_once_;
+  mutable std::mutex mutex_;
+  ProgressSink progress_;
 };
 
 std::string agreementText(BoardAgreement agreement) {
@@ -86,30 +146,28 @@ std::string agreementText(BoardAgreement agreement) {
 Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
                                              const ProgressSink& progress) {
   const SessionStages stages(request, progress);
+  const std::size_t count = request.sessions.size();
+  std::vector<std::optional<Result<SessionFit>>> sessions(count);
+  stages.forEach([&](std::size_t i) { sessions[i] = stages.onItsOwn(i); });
   SessionsTarget out;
   std::vector<TargetFit> fits;
-  for (const LoadRequest& load : request.sessions) {
-    LoadedSession loaded = loadSession(load, progress);
-    loaded.session.target.shape = {};
+  for (const auto& session : sessions) {
+    if (!session->ok()) return session->failure();
+    const LoadedSession& loaded = (*session)->loaded;
     if (fits.empty()) out.board = loaded.session.target;
     requireSameGrid(out.board, loaded.session.target, loaded.target_path);
-    const auto stage = stages.run(loaded, TargetMode::kEstimate);
-    if (!stage) return stage.failure();
-    if (!stage->target_fit || !stage->target_fit->shape.covariance) {
-      throw InputError(load.session, 0, "does not determine the board's shape: omit this session");
-    }
-    fits.push_back(atMeasuredNoise(*stage, request.camera.pixel_sigma));
+    fits.push_back((*session)->fit);
     out.names.push_back(loaded.session.name);
   }
   out.joint = joinTargets(fits, TargetModel(out.board).prior_std);
   out.board.shape = out.joint.shape;
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    Result<BoardAgreement> agreement = BoardAgreement::kSame;
-    if (!out.joint.members[i].agrees()) {
-      agreement = stages.onJointBoard(request.sessions[i], out.joint);
-    }
-    if (!agreement) return agreement.failure();
-    out.agreement.push_back(*agreement);
+  std::vector<Result<BoardAgreement>> agreement(count, BoardAgreement::kSame);
+  stages.forEach([&](std::size_t i) {
+    if (!out.joint.members[i].agrees()) agreement[i] = stages.onJointBoard(i, out.joint);
+  });
+  for (const Result<BoardAgreement>& one : agreement) {
+    if (!one) return one.failure();
+    out.agreement.push_back(*one);
   }
   return out;
 }

@@ -57,6 +57,12 @@ TEST_F(CommandTarget, FitsOneBoardToSeveralSessions) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, AllOf(HasSubstr("from 2 sessions"), HasSubstr("the same board")));
   EXPECT_THAT(contents(root_).at("shape.yaml"), HasSubstr("terms_mm"));
+  EXPECT_EQ(plumbline("target fit " + at("1") + " " + at("2") + " --threads 1" +
+                      " --models pinhole-radtan --out " + at("alone.yaml"))
+                .exit_code,
+            0);
+  EXPECT_EQ(contents(root_).at("alone.yaml"), contents(root_).at("shape.yaml"))
+      << "sessions are calibrated one after the other, or at the same time";
   EXPECT_EQ(plumbline("target fit " + at("nowhere") + " --out " + at("y.yaml")).exit_code, 2);
 }
 
