@@ -67,6 +67,21 @@ BadInput irregular(const std::string& path) {
       {InputFault::kMissingFile, "is not a regular file", "a file", "give the path of a file"});
 }
 
+constexpr std::size_t kSmall = 1U << 16U;  // to map and unmap a page takes longer than to copy it
+
+/// What a file has of `size` bytes; false where it cannot be read.
+bool readAll(int file, std::size_t size, std::string& text) {
+  text.resize(size);
+  for (std::size_t at = 0; at < size;) {
+    const ssize_t read = ::read(file, text.data() + at, size - at);
+    if (read < 0 && errno == EINTR) continue;
+    if (read < 0) return false;
+    if (read == 0) text.resize(size = at);  // cut off meanwhile
+    at += static_cast<std::size_t>(read);
+  }
+  return true;
+}
+
 }  // namespace
 
 MappedFile::MappedFile(const std::string& path) {
@@ -78,15 +93,19 @@ MappedFile::MappedFile(const std::string& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   if (file.number < 0 || ::fstat(file.number, &status) != 0) throw unreadable(path);
   if (!S_ISREG(status.st_mode)) throw irregular(path);
-  size_ = static_cast<std::size_t>(status.st_size);
-  if (size_ == 0) return;  // nothing to map; text() is empty
-  void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size <= kSmall) {
+    if (!readAll(file.number, size, copy_)) throw unreadable(path);
+    text_ = copy_;
+    return;
+  }
+  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
   if (memory == MAP_FAILED) throw unreadable(path);
-  data_ = static_cast<const char*>(memory);
+  text_ = {static_cast<const char*>(memory), size};
 }
 
 MappedFile::~MappedFile() {
-  if (size_ > 0) ::munmap(const_cast<char*>(data_), size_);
+  if (text_.size() > kSmall) ::munmap(const_cast<char*>(text_.data()), text_.size());
 }
 
 std::string readStandardInput() {

@@ -8,7 +8,8 @@
 
 namespace plumbline {
 
-/// A whole file mapped read-only into memory: text is parsed where it lies, without a copy.
+/// A whole file in memory, read-only: mapped, so that text is parsed where it lies; a small one is
+/// copied.
 class MappedFile {
  public:
   /// Throws InputError where the file is missing, a folder or not readable.
@@ -17,11 +18,11 @@ class MappedFile {
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
-  std::string_view text() const { return {data_, size_}; }
+  std::string_view text() const { return text_; }
 
  private:
-  const char* data_ = "";
-  std::size_t size_ = 0;
+  std::string copy_;
+  std::string_view text_;
 };
 
 /// All of standard input, once: what a pipe brings. Throws InputError where it cannot be read, or
