@@ -26,8 +26,8 @@ scratch=$(mktemp -d -p "$([ -w /dev/shm ] && echo /dev/shm || echo /tmp)")  # ea
 trap 'rm -rf "$scratch"' EXIT
 export TMPDIR=$scratch
 # A freed byte is kept for a while, so that a late access is seen: 256 MB of it unless said otherwise. One input
-# needs less than 1 MB; that and allocations without their stack are a third faster (the stacks are there when a
-# finding is run alone).
+# needs less than 1 MB; that, allocations without their stack and without a pattern in fresh memory are a third
+# faster (stacks and pattern are there when a finding is run alone).
 # Leaks are looked for by fuzz/parsers_test, on all seeds and regressions: after single executions the leak
 # checker was seen to spin for minutes.
 fast=quarantine_size_mb=1:thread_local_quarantine_size_kb=256:malloc_context_size=0:max_malloc_fill_size=0

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <system_error>
 
 #include <fcntl.h>
@@ -67,19 +68,19 @@ BadInput irregular(const std::string& path) {
       {InputFault::kMissingFile, "is not a regular file", "a file", "give the path of a file"});
 }
 
-constexpr std::size_t kSmall = 1U << 16U;  // to map and unmap a page takes longer than to copy it
+constexpr std::size_t kSmall = 1U << 16U;  // mapping and unmapping takes longer than copying
 
-/// What a file has of `size` bytes; false where it cannot be read.
-bool readAll(int file, std::size_t size, std::string& text) {
-  text.resize(size);
-  for (std::size_t at = 0; at < size;) {
-    const ssize_t read = ::read(file, text.data() + at, size - at);
+/// Reads up to `size` bytes; how many there were, or nothing where the file cannot be read.
+std::optional<std::size_t> readAll(int file, char* to, std::size_t size) {
+  std::size_t at = 0;
+  while (at < size) {
+    const ssize_t read = ::read(file, to + at, size - at);
     if (read < 0 && errno == EINTR) continue;
-    if (read < 0) return false;
-    if (read == 0) text.resize(size = at);  // cut off meanwhile
+    if (read < 0) return std::nullopt;
+    if (read == 0) break;  // cut off meanwhile
     at += static_cast<std::size_t>(read);
   }
-  return true;
+  return at;
 }
 
 }  // namespace
@@ -95,8 +96,11 @@ MappedFile::MappedFile(const std::string& path) {
   if (!S_ISREG(status.st_mode)) throw irregular(path);
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size <= kSmall) {
-    if (!readAll(file.number, size, copy_)) throw unreadable(path);
-    text_ = copy_;
+    // Exactly as long as the file: reading beyond its end is then seen by AddressSanitizer.
+    copy_ = std::make_unique_for_overwrite<char[]>(size);
+    const auto length = readAll(file.number, copy_.get(), size);
+    if (!length) throw unreadable(path);
+    text_ = {copy_.get(), *length};
     return;
   }
   void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);

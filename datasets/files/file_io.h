@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -21,7 +22,7 @@ class MappedFile {
   std::string_view text() const { return text_; }
 
  private:
-  std::string copy_;
+  std::unique_ptr<char[]> copy_;
   std::string_view text_;
 };
 

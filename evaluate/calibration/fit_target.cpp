@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <functional>
-#include <mutex>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera/problem.h"
+#include "evaluate/results/parallel_for.h"
 
 namespace plumbline {
 namespace {
@@ -42,91 +42,82 @@ TargetFit atMeasuredNoise(const CameraStageResult& stage, double pixel_sigma) {
   return fit;
 }
 
-/// What one session says of the board.
-struct SessionFit {
-  LoadedSession loaded;  ///< without its views
-  TargetFit fit;
-};
-
-/// The camera stages of the sessions, several at a time: each is too short for many threads.
+/// The camera stages of sessions. They are read one after the other, since corners are found on all
+/// threads, and calibrated several at a time, since one stage is too short for many threads.
 class SessionStages {
  public:
+  /// Sets the board of a session that was read.
+  using Prepare = std::function<void(LoadedSession& loaded)>;
+  /// Takes what came out, in the order of the sessions.
+  using Use = std::function<void(std::size_t session, const LoadedSession& loaded,
+                                 const CameraStageResult& stage)>;
+
   SessionStages(const TargetFitRequest& request, const ProgressSink& progress)
-      : request_(request),
-        count_(static_cast<int>(request.sessions.size())),
-        at_once_(std::max(1, std::min(request.camera.threads, count_))),
-        progress_([this, &progress](const std::string& step, double fraction) {
-          const std::lock_guard lock(mutex_);
-          progress(step, fraction);
-        }) {}
+      : request_(request), progress_(progress) {}
 
-  /// work(i) for every session; thrown is what the first of them throws, in their order.
-  void forEach(const std::function<void(std::size_t)>& work) const {
-    std::vector<std::exception_ptr> thrown(request_.sessions.size());
-    parallelCalls(count_, at_once_, [&](int call) {
-      const auto i = static_cast<std::size_t>(call);
-      try {
-        work(i);
-      } catch (...) {
-        thrown[i] = std::current_exception();
+  /// Of the sessions `which`, at most as many in memory as there are threads.
+  std::optional<Failure> run(const std::vector<std::size_t>& which, TargetMode mode,
+                             const Prepare& prepare, const Use& use) const {
+    const auto threads = static_cast<std::size_t>(std::max(1, request_.camera.threads));
+    for (std::size_t first = 0; first < which.size(); first += threads) {
+      const std::size_t count = std::min(threads, which.size() - first);
+      std::vector<LoadedSession> loaded;
+      for (std::size_t k = 0; k < count; ++k) {
+        loaded.push_back(loadSession(request_.sessions[which[first + k]], progress_));
+        prepare(loaded.back());
       }
-    });
-    for (const std::exception_ptr& exception : thrown) {
-      if (exception) std::rethrow_exception(exception);
+      progress_("calibrating cameras",
+                static_cast<double>(first) / static_cast<double>(which.size()));
+      std::vector<std::optional<Result<CameraStageResult>>> stages(count);
+      parallelFor(count, static_cast<int>(count), [&](int /*worker*/, std::size_t k) {
+        stages[k] = calibrate(loaded[k], mode, request_.camera.threads / static_cast<int>(count));
+      });
+      for (std::size_t k = 0; k < count; ++k) {
+        if (!stages[k]->ok()) return stages[k]->failure();
+        use(which[first + k], loaded[k], **stages[k]);
+      }
     }
-  }
-
-  /// With terms of its own.
-  Result<SessionFit> onItsOwn(std::size_t i) const {
-    LoadedSession loaded = load(i);
-    loaded.session.target.shape = {};
-    const auto stage = run(loaded, TargetMode::kEstimate);
-    if (!stage) return stage.failure();
-    if (!stage->target_fit || !stage->target_fit->shape.covariance) {
-      throw InputError(request_.sessions[i].session, 0,
-                       "does not determine the board's shape: omit this session");
-    }
-    loaded.session.cameras.clear();
-    return SessionFit{std::move(loaded), atMeasuredNoise(*stage, request_.camera.pixel_sigma)};
-  }
-
-  /// Of a session that differs by more than chance.
-  Result<BoardAgreement> onJointBoard(std::size_t i, const JointTarget& joint) const {
-    LoadedSession loaded = load(i);
-    loaded.session.target.shape = joint.shape;
-    *loaded.session.target.shape.covariance /= joint.dispersion;  // it is tried as if it were so
-    const auto stage = run(loaded, TargetMode::kKnown);
-    if (!stage) return stage.failure();
-    const bool other = stage->target_fit && stage->target_fit->finding == TargetFinding::kOther;
-    return other ? BoardAgreement::kOther : BoardAgreement::kSamePredicted;
+    return std::nullopt;
   }
 
  private:
-  LoadedSession load(std::size_t i) const {
-    LoadRequest one = request_.sessions[i];
-    one.threads = threads();
-    return loadSession(one, progress_);
-  }
-
-  Result<CameraStageResult> run(const LoadedSession& loaded, TargetMode mode) const {
+  Result<CameraStageResult> calibrate(const LoadedSession& loaded, TargetMode mode,
+                                      int threads) const {
     CameraStageOptions options = request_.camera;
     options.target = mode;
-    options.threads = threads();
+    options.threads = threads;
     if (options.models.size() == 1) {
       options.models.resize(loaded.session.cameras.size(), options.models.front());
     }
-    progress_("calibrating the cameras of " + loaded.session.name, -1);
     return calibrateCameras(loaded.session, options);
   }
 
-  int threads() const { return std::max(1, request_.camera.threads / at_once_); }
-
   const TargetFitRequest& request_;
-  int count_;
-  int at_once_;
-  mutable std::mutex mutex_;
-  ProgressSink progress_;
+  const ProgressSink& progress_;
 };
+
+/// Of every session: those that differ by more than chance are calibrated again, on the joint
+/// board.
+Result<std::vector<BoardAgreement>> agreementOf(const SessionStages& stages,
+                                                const JointTarget& joint) {
+  std::vector<BoardAgreement> agreement(joint.members.size(), BoardAgreement::kSame);
+  std::vector<std::size_t> differing;
+  for (std::size_t i = 0; i < joint.members.size(); ++i) {
+    if (!joint.members[i].agrees()) differing.push_back(i);
+  }
+  const auto onJointBoard = [&](LoadedSession& loaded) {
+    loaded.session.target.shape = joint.shape;
+    *loaded.session.target.shape.covariance /= joint.dispersion;  // it is tried as if it were so
+  };
+  const auto compare = [&](std::size_t i, const LoadedSession& /*loaded*/,
+                           const CameraStageResult& stage) {
+    const bool other = stage.target_fit && stage.target_fit->finding == TargetFinding::kOther;
+    agreement[i] = other ? BoardAgreement::kOther : BoardAgreement::kSamePredicted;
+  };
+  const auto failed = stages.run(differing, TargetMode::kKnown, onJointBoard, compare);
+  if (failed) return *failed;
+  return agreement;
+}
 
 std::string agreementText(BoardAgreement agreement) {
   switch (agreement) {
@@ -146,29 +137,33 @@ std::string agreementText(BoardAgreement agreement) {
 Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
                                              const ProgressSink& progress) {
   const SessionStages stages(request, progress);
-  const std::size_t count = request.sessions.size();
-  std::vector<std::optional<Result<SessionFit>>> sessions(count);
-  stages.forEach([&](std::size_t i) { sessions[i] = stages.onItsOwn(i); });
   SessionsTarget out;
   std::vector<TargetFit> fits;
-  for (const auto& session : sessions) {
-    if (!session->ok()) return session->failure();
-    const LoadedSession& loaded = (*session)->loaded;
-    if (fits.empty()) out.board = loaded.session.target;
-    requireSameGrid(out.board, loaded.session.target, loaded.target_path);
-    fits.push_back((*session)->fit);
+  std::optional<AprilGrid> board;
+  const auto asStated = [&](LoadedSession& loaded) {
+    loaded.session.target.shape = {};
+    if (!board) board = loaded.session.target;
+    requireSameGrid(*board, loaded.session.target, loaded.target_path);
+  };
+  std::vector<std::size_t> all(request.sessions.size());
+  std::iota(all.begin(), all.end(), 0);
+  const auto onItsOwn = [&](std::size_t i, const LoadedSession& loaded,
+                            const CameraStageResult& stage) {
+    if (!stage.target_fit || !stage.target_fit->shape.covariance) {
+      throw InputError(request.sessions[i].session, 0,
+                       "does not determine the board's shape: omit this session");
+    }
+    fits.push_back(atMeasuredNoise(stage, request.camera.pixel_sigma));
     out.names.push_back(loaded.session.name);
-  }
+  };
+  const auto failed = stages.run(all, TargetMode::kEstimate, asStated, onItsOwn);
+  if (failed) return *failed;
+  out.board = *board;
   out.joint = joinTargets(fits, TargetModel(out.board).prior_std);
   out.board.shape = out.joint.shape;
-  std::vector<Result<BoardAgreement>> agreement(count, BoardAgreement::kSame);
-  stages.forEach([&](std::size_t i) {
-    if (!out.joint.members[i].agrees()) agreement[i] = stages.onJointBoard(i, out.joint);
-  });
-  for (const Result<BoardAgreement>& one : agreement) {
-    if (!one) return one.failure();
-    out.agreement.push_back(*one);
-  }
+  auto agreement = agreementOf(stages, out.joint);
+  if (!agreement) return agreement.failure();
+  out.agreement = std::move(agreement.value());
   return out;
 }
 

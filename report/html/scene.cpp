@@ -168,7 +168,7 @@ void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGri
   if (stage.gravity_F.norm() > 0) {
     const Eigen::Vector3d from(-0.35 * target.width(), target.height(), 0);
     scene.objects.push_back(
-        arrow("gravity", from, from + length * stage.gravity_F.normalized(), {110, 60, 160, 255}));
+        arrow("gravity", from, from + length * stage.gravity_F.normalized(), {201, 94, 0, 255}));
     const Eigen::Vector3d up = -stage.gravity_F.normalized();
     const Eigen::Vector3d view = (scene.focus - scene.eye).normalized();
     if (std::abs(up.dot(view)) < 0.9) scene.up = up;

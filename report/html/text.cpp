@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -52,8 +53,6 @@ ReadableUnit readable(const std::string& unit) {
   if (unit == "s") return {"ms", 1e3};
   return {unit, 1};
 }
-
-static_assert(std::endian::native == std::endian::little);
 
 std::string scriptJson(const std::string& json) {
   std::string text;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -35,6 +36,7 @@ inline std::string base64(std::string_view bytes) {
 template <class T>
 std::string base64(const std::vector<T>& values) {
   static_assert(std::is_trivially_copyable_v<T>);
+  static_assert(std::endian::native == std::endian::little);
   std::string bytes(values.size() * sizeof(T), '\0');
   if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
   return base64(std::string_view(bytes));

@@ -7,6 +7,7 @@
 #include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/yaml_map.h"
 #include "datasets/session/camera_stream.h"
 #include "datasets/session/corner_cache.h"
 #include "datasets/session/imu.h"
@@ -136,6 +137,7 @@ Parser sensor() {
 
 Parser imu_yaml() {
   const auto read = [](const std::string& path) {
+    YamlMap::load(path, "an IMU");  // once where it is no YAML
     try {
       readKalibrImus(path);
     } catch (const InputError&) {  // refuses less of the models and more of the keys

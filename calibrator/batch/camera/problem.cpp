@@ -300,6 +300,7 @@ CameraLayout::CameraLayout(const CameraEstimate& estimate) : CameraLayout(estima
 }
 
 Eigen::VectorXd cameraDifference(const CameraEstimate& to, const CameraEstimate& from) {
+  assert(!from.target || to.target);
   const CameraLayout layout(from);
   Eigen::VectorXd d(layout.size);
   for (std::size_t c = 0; c < from.intrinsics.size(); ++c) {

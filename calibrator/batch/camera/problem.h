@@ -93,7 +93,8 @@ struct CameraLayout {
 };
 
 /// What leads from one estimate to another of the same cameras, in the order of CameraLayout(from):
-/// differences of stacked(), boxminus of T_C0Ci, differences of the board's terms.
+/// differences of stacked(), boxminus of T_C0Ci, differences of the board's terms. `to` has terms
+/// where `from` has.
 Eigen::VectorXd cameraDifference(const CameraEstimate& to, const CameraEstimate& from);
 
 /// Normal equations at an estimate, in units of pixel_sigma: with d_f the left twist (rho, phi) of

@@ -109,7 +109,8 @@ Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibrati
                   "without one of them this camera's place is unknown"});
 }
 
-// Of one camera Kalibr's file states a link; what is far is found where the links are joined.
+// Kalibr's file states links between neighbours; a place that is too far shows when they are
+// joined.
 void refuseFarPlace(const KalibrCamchain& chain, std::size_t i, const CameraCalibration& camera) {
   const auto found = implausible(camera);
   if (!found) return;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Differences of cameras stand in the order of the camera stage's covariance.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/simulate/rig.h"
 
 namespace plumbline {
@@ -24,6 +27,21 @@ TEST(CameraDifference, ListsIntrinsicsThenTangentsOfAllButTheFirst) {
   EXPECT_NEAR(d[each], 7, 1e-9);
   EXPECT_TRUE(d.segment(each + 1, each - 1).isZero());
   EXPECT_TRUE(d.tail<6>().isApprox(step, 1e-9));
+}
+
+TEST(CameraDifference, EndsWithTheBoardsTermsWhereTheyAreEstimated) {
+  const std::vector<CameraCalibration> cameras = simulatedRig("euroc").calibration.cameras;
+  CameraEstimate from = estimateOf(cameras);
+  CameraEstimate to = from;
+  from.target = TargetTerms::Constant(1e-3);
+  to.target = TargetTerms::Constant(3e-3);
+  to.intrinsics[0].projection[2] += 2;
+  const Eigen::VectorXd d = cameraDifference(to, from);
+  const CameraLayout layout(from);
+  ASSERT_EQ(d.size(), layout.size);
+  EXPECT_NEAR(d[2], 2, 1e-9);
+  EXPECT_TRUE(d.tail<kTargetTerms>().isApproxToConstant(2e-3, 1e-12));
+  EXPECT_NEAR(d.norm(), std::hypot(d[2], d.tail<kTargetTerms>().norm()), 1e-12);
 }
 
 }  // namespace

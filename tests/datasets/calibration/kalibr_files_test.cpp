@@ -6,11 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/files/file_io.h"
 #include "datasets/session/imu.h"
 #include "datasets/session/session_reader.h"
 #include "tests/datasets/refusal.h"
@@ -169,18 +167,6 @@ TEST(KalibrFiles, ACameraThatIsFarOnlyByTheWholeChainIsRefused) {
   const std::string far = kalibrCamchainText(rig);
   EXPECT_EQ(faultOf([&] { (void)readCalibration(folder.write("far.yaml", far)); }),
             InputFault::kOutOfRange);
-}
-
-TEST(AtomicFile, LeavesNothingBehindWhereItFails) {
-  const TemporaryFolder folder;
-  EXPECT_THROW(writeFileAtomically(folder.path("none/file"), "text"), InputError);
-  std::filesystem::create_directories(folder.path("taken/inside"));
-  EXPECT_THROW(writeFileAtomically(folder.path("taken"), "text"), InputError);
-  std::size_t files = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
-    files += entry.is_regular_file() ? 1 : 0;
-  }
-  EXPECT_EQ(files, 0U);
 }
 
 }  // namespace
