@@ -33,6 +33,18 @@ std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
   return MatrixXd(f->D.asDiagonal() * MatrixXd(f->llt.matrixL()));
 }
 
+/// tr(Z^T Q Z) = <Q, Z Z^T> of a symmetric Q, of which only the lower triangle is read.
+double tracedSquare(const MatrixXd& Q, const MatrixXd& Z) {
+  MatrixXd P = MatrixXd::Zero(Z.rows(), Z.rows());
+  P.selfadjointView<Eigen::Lower>().rankUpdate(Z);
+  double twice = 0;
+  for (Eigen::Index j = 0; j < P.cols(); ++j) {
+    const Eigen::Index below = P.rows() - j - 1;
+    twice += Q.col(j).tail(below).dot(P.col(j).tail(below));
+  }
+  return 2 * twice + Q.diagonal().dot(P.diagonal());
+}
+
 /// Sums over views of what the components are made of.
 struct Moments {
   MatrixXd H, C, D;
@@ -177,8 +189,10 @@ double PredictedError::valueWith(const ViewTerms& view) const {
   return evaluate(H_ + view.I, &view.C);
 }
 
-/// With H = U U^T and Z = H^-1 L:  E = sigma^2 |U^-1 L|^2 + tau^2 tr(Z^T Q Z) + b^2 |Z^T C - L^T
-/// A_T|^2.
+/// With Z = H^-1 L and P = Z Z^T = H^-1 H_T H^-1:
+///   E = sigma^2 tr(H_T H^-1) + tau^2 <Q, P> + b^2 |Z^T C - L^T A_T|^2.
+/// The lower triangles of Q and P are enough for <Q, P>: half the multiplications of Q Z and
+/// Z^T C_v.
 double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
   const Eigen::LLT<MatrixXd> llt(H);
   if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
@@ -188,9 +202,9 @@ double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
   if (components_.tau2 == 0 && components_.b2 == 0) return E;
   llt.matrixU().solveInPlace(Z);
   if (components_.tau2 > 0) {
-    double tau = Z.cwiseProduct(Q_ * Z).sum();
-    if (C_v != nullptr) tau += (Z.transpose() * *C_v).squaredNorm();
-    E += components_.tau2 * tau;
+    MatrixXd Q = Q_;
+    if (C_v != nullptr) Q.selfadjointView<Eigen::Lower>().rankUpdate(*C_v);
+    E += components_.tau2 * tracedSquare(Q, Z);
   }
   if (components_.b2 > 0) {
     const MatrixXd C = C_v != nullptr ? MatrixXd(C_ + *C_v) : C_;
