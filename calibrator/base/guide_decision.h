@@ -70,12 +70,13 @@ constexpr std::array<const char*, 5> enumWords(SuggestionEvent /*of*/) {
 struct Suggestion {
   int id = 0;  ///< counts from 0 over both stages
   GuideStage stage = GuideStage::kCamera;
-  TimeNs t = 0;                 ///< when it was shown
-  std::string candidate;        ///< "cam0 x -0.50 y +0.25 tilt-x 30" or "figure 8 horizontal"
-  int camera = 0;               ///< for whose image the view was made; 0 for a trajectory
-  Transform T_FC0;              ///< the view; for a trajectory, its start
-  std::vector<Transform> path;  ///< T_FC0 along a trajectory; empty for a view
-  double mi_nats = 0;           ///< predicted gain
+  TimeNs t = 0;                      ///< when it was shown
+  std::string candidate;             ///< "cam0 x -0.50 y +0.25 tilt-x 30" or "figure 8 horizontal"
+  int camera = 0;                    ///< for whose image the view was made; 0 for a trajectory
+  Transform T_FC0;                   ///< the view; for a trajectory, its start
+  std::vector<Transform> path;       ///< T_FC0 along a trajectory; empty for a view
+  std::optional<double> duration_s;  ///< of a trajectory, start to end [s]; empty for a view
+  double mi_nats = 0;                ///< predicted gain
   /// Predicted error in later use with it [px]; empty before it is known.
   std::optional<double> error_px;
   /// Predicted time until it is reached [s]; empty where nothing is known of the operator's pace.

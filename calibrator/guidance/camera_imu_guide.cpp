@@ -271,6 +271,7 @@ void CameraImuGuide::State::open(const CandidateRound& round, std::size_t asked,
   s.candidate = round.names[asked];
   s.T_FC0 = round.T_FC0[asked];
   s.path = evaluator->trajectories()[asked].path(kPathPoints);
+  s.duration_s = evaluator->trajectories()[asked].durationS();
   s.mi_nats = round.mi_nats[asked];
   if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
@@ -293,11 +294,9 @@ void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
   if (progress.event == SuggestionEvent::kNone) return;
   if (progress.event == SuggestionEvent::kReached) {
     // No new suggestion until the trajectory could be done: the operator is executing this one.
-    const auto& all = evaluator->trajectories();
-    const auto it = std::find_if(all.begin(), all.end(), [&](const LissajousTrajectory& t) {
-      return t.name() == suggestion->suggestion().candidate;
-    });
-    executing_until = frame.t + toNanoseconds(it->durationS());
+    // The next one shall not wait for the evaluator's interval then.
+    executing_until = frame.t + toNanoseconds(*suggestion->suggestion().duration_s);
+    evaluator->answerBy(*executing_until);
   }
   suggestion.reset();
 }

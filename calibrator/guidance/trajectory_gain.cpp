@@ -241,7 +241,8 @@ TrajectoryEvaluator::TrajectoryEvaluator(TrajectoryScorer scorer, const Evaluato
 
 bool TrajectoryEvaluator::isDue(TimeNs t) const {
   if (scores_.valid()) return false;
-  return !asked_ || t >= *asked_ + toNanoseconds(timing_.every_s);
+  if (!asked_ || t >= *asked_ + toNanoseconds(timing_.every_s)) return true;
+  return also_due_ && t >= *also_due_ && *asked_ < *also_due_;
 }
 
 void TrajectoryEvaluator::ask(TimeNs t, WindowKnowledge now, double error_scale) {

@@ -105,8 +105,10 @@ class TrajectoryEvaluator {
 
   const std::vector<LissajousTrajectory>& trajectories() const { return scorer_->trajectories(); }
   /// Whether a new evaluation should start with the frame at `t`: the last one was answered, and it
-  /// was asked for long enough ago.
+  /// was asked for long enough ago, or before what answerBy() wants.
   bool isDue(TimeNs t) const;
+  /// Besides, an evaluation is due early enough to be answered at `t`.
+  void answerBy(TimeNs t) { also_due_ = t - toNanoseconds(timing_.latency_s); }
   /// Predicted errors are multiplied by `error_scale`.
   void ask(TimeNs t, WindowKnowledge now, double error_scale = 1);
   /// E of what is known now [px^2], without scale; see TrajectoryScorer.
@@ -120,7 +122,8 @@ class TrajectoryEvaluator {
   std::shared_ptr<const TrajectoryScorer> scorer_;
   EvaluatorTiming timing_;
   std::optional<TimeNs> asked_;  // the last one
-  double error_scale_ = 1;       // of the last one
+  std::optional<TimeNs> also_due_;
+  double error_scale_ = 1;  // of the last one
   std::future<TrajectoryScores> scores_;
 };
 

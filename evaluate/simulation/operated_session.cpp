@@ -88,8 +88,7 @@ GuideRig guideRigOf(const SimulatedRig& rig, const OperatedOptions& options) {
 /// to its end before anything else, whatever the guide asks for meanwhile.
 class Attention {
  public:
-  Attention(Recording& recording, double trajectory_s)
-      : recording_(recording), trajectory_s_(trajectory_s) {}
+  explicit Attention(Recording& recording) : recording_(recording) {}
 
   void see(const Decision& d, double t_s) {
     OperatedSession& result = recording_.result();
@@ -97,7 +96,7 @@ class Attention {
     if (d.event == SuggestionEvent::kReached) {
       ++result.reached;
       shown_.reset();
-      if (d.stage == GuideStage::kCameraImu) return recording_.person().go(t_s, trajectory_s_);
+      if (d.stage == GuideStage::kCameraImu) return recording_.person().go(t_s);
     }
     if (d.event != SuggestionEvent::kNone) {
       shown_ = d.opened;
@@ -112,7 +111,6 @@ class Attention {
 
  private:
   Recording& recording_;
-  double trajectory_s_;
   std::optional<Suggestion> shown_;
   int followed_ = 0;
 };
@@ -151,7 +149,7 @@ OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& opt
   Recording recording(rig, options);
   Guide guide(guideRigOf(rig, options), options.guide);
   recording.result().finished = false;
-  Attention attention(recording, options.guide.trajectories.duration_s);
+  Attention attention(recording);
   int frame = 0;
   for (; frame < recording.frames(); ++frame) {
     const double t_s = recording.secondsAt(frame);

@@ -46,14 +46,13 @@ void SimulatedOperator::show(const std::optional<Suggestion>& suggestion, double
   following_since_s_.reset();
 }
 
-void SimulatedOperator::go(double t_s, double duration_s) {
-  if (!shown_ || shown_->path.empty() || ignored_ == shown_->id) return;
+void SimulatedOperator::go(double t_s) {
+  if (!shown_ || !shown_->duration_s || ignored_ == shown_->id) return;
   following_since_s_ = t_s + skill_.reaction_s;
-  following_for_s_ = duration_s;
 }
 
 bool SimulatedOperator::hasFollowed(double t_s) const {
-  return following_since_s_ && t_s >= *following_since_s_ + following_for_s_ + kApproach_s;
+  return following_since_s_ && t_s >= *following_since_s_ + *shown_->duration_s + kApproach_s;
 }
 
 Eigen::Vector3d SimulatedOperator::normal(double std) {
@@ -97,7 +96,7 @@ Transform SimulatedOperator::goal() {
 
 Transform SimulatedOperator::suggestedGoal() {
   if (following_since_s_ && t_s_ >= *following_since_s_) {
-    const double share = std::min(1.0, (t_s_ - *following_since_s_) / following_for_s_);
+    const double share = std::min(1.0, (t_s_ - *following_since_s_) / *pursued_->duration_s);
     const auto& path = pursued_->path;
     return path[static_cast<std::size_t>(share * static_cast<double>(path.size() - 1))];
   }

@@ -30,9 +30,9 @@ class SimulatedOperator {
 
   /// What the guide shows from now on; empty: nothing.
   void show(const std::optional<Suggestion>& suggestion, double t_s);
-  /// The start of the trajectory shown was reached, says the guide: it may be followed, within the
-  /// duration that the guide shows.
-  void go(double t_s, double duration_s);
+  /// The start of the trajectory shown was reached, says the guide: it may be followed, within its
+  /// duration.
+  void go(double t_s);
   /// A trajectory was begun; who shows something else now interrupts it.
   bool isFollowing() const { return following_since_s_.has_value(); }
   /// The trajectory shown was followed to its end by t_s.
@@ -69,7 +69,6 @@ class SimulatedOperator {
   std::optional<Suggestion> shown_, pursued_;
   double shown_at_s_ = 0, noticed_at_s_ = 0;
   std::optional<double> following_since_s_;
-  double following_for_s_ = 0;
   std::optional<int> ignored_;              // id
   Vector6d error_ = Vector6d::Zero();       // with which the view is met
   Vector6d beyond_ = Vector6d::Zero();      // by which it is passed, ...

@@ -205,9 +205,11 @@ TEST(CameraImuGuide, ASuggestionIsOpenedReachedAndLeftAloneForItsDuration) {
       EXPECT_EQ(d.opened->id, next++);
       EXPECT_EQ(d.opened->path.size(), 60u);
       EXPECT_LT(boxminus(d.opened->path.front(), d.opened->T_FC0).norm(), 1e-12);
+      EXPECT_EQ(d.opened->duration_s, 4);
       EXPECT_EQ(d.mode, GuideMode::kSuggesting);
       if (reached) {
         EXPECT_GE(d.t - *reached, 4'000'000'000);
+        EXPECT_LE(d.t - *reached, 4'100'000'000) << "not the evaluator's next interval";
       }
       if (!opened) opened = d.t;
     }

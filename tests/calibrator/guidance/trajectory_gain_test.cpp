@@ -85,6 +85,25 @@ CandidateRound roundBy(ViewCriterion criterion, const WindowKnowledge& now) {
   return *evaluator.answerAt(now.t);
 }
 
+TEST(TrajectoryGain, AnAnswerThatIsWantedDoesNotWaitForTheInterval) {
+  const WindowKnowledge now = knowledgeAtTheTruth();
+  EvaluatorTiming timing;
+  timing.every_s = 1;
+  timing.latency_s = 0.25;
+  TrajectoryEvaluator evaluator(scorer(test::plannedRecording(shortWindow(), {})), timing);
+  const auto after = [&](double s) { return now.t + toNanoseconds(s); };
+  evaluator.ask(now.t, now);
+  EXPECT_FALSE(evaluator.isDue(after(2))) << "not answered yet";
+  ASSERT_TRUE(evaluator.answerAt(after(0.25)));
+  evaluator.answerBy(after(0.75));
+  EXPECT_FALSE(evaluator.isDue(after(0.45)));
+  ASSERT_TRUE(evaluator.isDue(after(0.5)));
+  evaluator.ask(after(0.5), now);
+  EXPECT_TRUE(evaluator.answerAt(after(0.75)));
+  EXPECT_FALSE(evaluator.isDue(after(1.4))) << "wanted once";
+  EXPECT_TRUE(evaluator.isDue(after(1.5)));
+}
+
 // One axis of T_SC0's translation is hardly known, and nearly every trajectory makes it known.
 // Information counts by ratios: it takes the one that adds most to all the rest as well. In
 // pixels the axis is all that is left, and the one that settles it best is asked for.

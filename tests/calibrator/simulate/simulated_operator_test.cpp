@@ -99,11 +99,12 @@ TEST(SimulatedOperator, MeetsAViewInexactlyAndCorrectsItself) {
 TEST(SimulatedOperator, FollowsATrajectoryOnceTheGuideSaysGo) {
   Suggestion s = viewAt({0.2, 0.3, 1.2});
   for (int k = 0; k <= 50; ++k) s.path.push_back(viewAt({0.2 + 0.01 * k, 0.3, 1.2}).T_FC0);
+  s.duration_s = 5;
   SimulatedOperator p = person(exact());
   p.show(s, 0);
   for (int k = 0; k < 80; ++k) p.next();
   EXPECT_LT((p.next().t - s.T_FC0.t).norm(), 2e-3) << "waits at its start";
-  p.go(8, 5);
+  p.go(8);
   EXPECT_FALSE(p.hasFollowed(9));
   for (int k = 0; k < 80; ++k) p.next();
   EXPECT_LT((p.next().t - s.path.back().t).norm(), 0.01);

@@ -69,7 +69,7 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   Decision d = decided();
   d.event = SuggestionEvent::kOpened;
   d.suggestion = 3;
-  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, 0.5, 0.25, 2.5};
+  d.opened = Suggestion{3, GuideStage::kCamera, d.t, "cam0 centre", 0, {}, {}, {}, 0.5, 0.25, 2.5};
   d.opened->T_FC0.t = {1, 2, 3};
   d.round = CandidateRound{d.t,
                            d.t + 40'000'000,
