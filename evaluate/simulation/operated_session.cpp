@@ -93,25 +93,37 @@ class Attention {
   void see(const Decision& d, double t_s) {
     OperatedSession& result = recording_.result();
     if (d.opened) result.suggestions.push_back(*d.opened);
+    SimulatedOperator& person = recording_.person();
     if (d.event == SuggestionEvent::kReached) {
       ++result.reached;
-      shown_.reset();
-      if (d.stage == GuideStage::kCameraImu) return recording_.person().go(t_s);
+      const std::optional<Suggestion> reached = std::exchange(shown_, std::nullopt);
+      if (d.stage == GuideStage::kCameraImu) {
+        if (!person.isFollowing()) return person.go(t_s);
+        next_ = reached;
+      }
     }
     if (d.event != SuggestionEvent::kNone) {
       shown_ = d.opened;
-      if (!recording_.person().isFollowing()) recording_.person().show(shown_, t_s);
+      if (!person.isFollowing()) person.show(shown_, t_s);
     }
-    if (recording_.person().hasFollowed(t_s)) {
-      ++followed_;
-      recording_.person().show(shown_, t_s);
-    }
+    if (person.hasFollowed(t_s)) followNext(t_s);
   }
   int followed() const { return followed_; }
 
  private:
+  /// Whoever ended a trajectory where the next one starts, which the guide has noticed, goes on
+  /// with that one.
+  void followNext(double t_s) {
+    ++followed_;
+    const bool goes_on = next_.has_value();
+    recording_.person().show(goes_on ? next_ : shown_, t_s);
+    if (goes_on) recording_.person().go(t_s);
+    next_.reset();
+  }
+
   Recording& recording_;
   std::optional<Suggestion> shown_;
+  std::optional<Suggestion> next_;  // reached while another trajectory was being followed
   int followed_ = 0;
 };
 
