@@ -68,6 +68,7 @@ bool SimulatedOperator::attends() {
   if (pursued_ && pursued_->id == shown_->id) return true;
   if (skill_.compliance < 1 && random_.uniform() >= skill_.compliance) {
     ignored_ = shown_->id;
+    following_since_s_.reset();
     return false;
   }
   begin(*shown_);

@@ -111,6 +111,24 @@ TEST(SimulatedOperator, FollowsATrajectoryOnceTheGuideSaysGo) {
   EXPECT_TRUE(p.hasFollowed(15));
 }
 
+// Told to go before it was noticed, as when the trajectory before ended where this one starts.
+TEST(SimulatedOperator, DoesNotFollowATrajectoryThatIsIgnored) {
+  Suggestion s = viewAt({0.2, 0.3, 1.2});
+  s.path = {s.T_FC0, viewAt({0.7, 0.3, 1.2}).T_FC0};
+  s.duration_s = 5;
+  for (const double compliance : {0.0, 1.0}) {
+    OperatorSkill skill = exact();
+    skill.compliance = compliance;
+    SimulatedOperator p = person(skill);
+    p.show(s, 0);
+    p.go(0);
+    EXPECT_TRUE(p.isFollowing());
+    for (int k = 0; k < 80; ++k) p.next();
+    EXPECT_EQ(p.isFollowing(), compliance == 1);
+    EXPECT_EQ(p.hasFollowed(8), compliance == 1);
+  }
+}
+
 TEST(SimulatedOperator, TremblesByItsSkill) {
   OperatorSkill skill = exact();
   skill.tremor_m = 1e-3;
