@@ -14,7 +14,10 @@ list(TRANSFORM PLUMBLINE_PARSERS REPLACE "(.+)" "PLUMBLINE_PARSER(\\1)\n" OUTPUT
 list(JOIN parsers "" parsers)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/generated/fuzz/parser_list.inc CONTENT "${parsers}" @ONLY)
 
-plumbline_tests(fuzz LIBRARIES calibrator datasets store)
+if(NOT PLUMBLINE_SANITIZE)  # only seeds and regressions: compiling takes longer
+  set(plain PLAIN)
+endif()
+plumbline_tests(fuzz ${plain} LIBRARIES calibrator datasets store)
 target_sources(plumbline_fuzz_test_helpers PRIVATE
                report/synthetic_record.cpp report/synthetic_replay.cpp
                report/synthetic_replay_judgements.cpp report/synthetic_replay_rig.cpp)
