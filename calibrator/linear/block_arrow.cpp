@@ -30,6 +30,11 @@ struct Carry {
   bool positive = true;
 };
 
+/// Blocks are eliminated from the ends towards the middle, the middle one last. Of a block with
+/// pivot A = L L' and coupled columns c = (N | C | b) the rows keep (L' | L^-1 c), and (L^-1 c)'
+/// (L^-1 c) = c' A^-1 c is what its Schur complement takes off the neighbour and the border. The
+/// gradient goes along as one more column of the border: forward substitution costs no pass of its
+/// own.
 class Elimination {
  public:
   /// `released`, if given, is the system itself: its couplings to the border go as they are used.
@@ -51,6 +56,7 @@ class Elimination {
         options_.threads, [&] { sweep(0, middle_, +1, front); },
         [&] { sweep(system_.blocks() - 1, middle_, -1, back); });
     if (!front.positive || !back.positive) return std::nullopt;
+    // Both neighbours of the middle block write to it: their carries add up in its rows as well.
     front.gram += back.gram;
     front.log_det += back.log_det;
     if (system_.blocks() > 0) eliminate(middle_, 0, front);
@@ -108,6 +114,7 @@ class Elimination {
     const auto at = static_cast<std::size_t>(i);
     RowMatrix& rows = eliminated_[at];
     rows.setZero(kB, columns_);
+    // Only the upper triangle: factoriseRows() reads no more.
     for (int r = 0; r < kB; ++r) {
       for (int c = r; c < kB; ++c) rows(r, c) = system_.diagonal[at](r, c);
       rows(r, r) *= 1 + options_.damping;
@@ -123,12 +130,16 @@ class Elimination {
     carry.positive = factoriseRows(rows);
     if (!carry.positive) return;
     carry.log_det += 2 * rows.diagonal().array().log().sum();
+    // Rows of the first part were this block's own and are used up; from here on they are the
+    // neighbour's. Those of the border go on summing.
     carry.gram.topRows<kPart>().setZero();
     addGram(rows, kNeighbour, carry.gram);
   }
 
   std::optional<ChainSolution> substitute(const Carry& carry) const {
     const int m = system_.border();
+    // S = B - C' (chain)^-1 C and s = b_B - C' (chain)^-1 b; S x_B = -s. (The damped chain, and B
+    // damped likewise.)
     const auto handed_on = carry.gram.block(kPart, kPart, m + 1, m + 1);
     ChainSolution out;
     Eigen::MatrixXd S = system_.border_block;
@@ -142,7 +153,8 @@ class Elimination {
     if (!out.border_step.allFinite()) return std::nullopt;
     out.chain_log_det = carry.log_det;
     out.border_log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
-    // b' H^-1 b: the eliminated blocks' share has been summed as the gradient column went along.
+    // b' H^-1 b: the eliminated blocks' share has been summed as the gradient column went along;
+    // the border adds s' S^-1 s = -s' x_B.
     out.decrement = handed_on(m, m) - s.dot(out.border_step);
     backSweeps(out);
     return out;
@@ -163,6 +175,7 @@ class Elimination {
         });
   }
 
+  /// L' x_i = -L^-1 (b_i + C_i x_B + N x_neighbour), whose terms stand in the rows as they are.
   void blockStep(int i, int direction, ChainSolution& out) const {
     const RowMatrix& rows = eliminated_[static_cast<std::size_t>(i)];
     const int m = system_.border();
@@ -200,6 +213,7 @@ class Elimination {
     const auto at = static_cast<std::size_t>(i);
     const RowMatrix& rows = eliminated_[at];
     const int m = system_.border();
+    // K = A^-1 c = L'^-1 (L^-1 c). Its gradient column meets only zeros of S.
     const RowMatrix K = solveUpper(rows, rows.rightCols(columns_ - kNeighbour));
     const RowMatrix KS = product(K, coupledCovariance(direction == 0 ? -1 : i + direction, out));
     RowMatrix identity = RowMatrix::Zero(kB, kPart);
@@ -215,6 +229,7 @@ class Elimination {
     if (direction < 0) out.next[at - 1] = -KS.leftCols<kB>().transpose();
   }
 
+  /// W_i = -K_B - K_N W_neighbour, the columns of K = A^-1 (N | C) by whom they couple to.
   void blockResponse(int i, int direction, std::vector<ChainResponse>& out) {
     const auto at = static_cast<std::size_t>(i);
     RowMatrix& rows = eliminated_[at];

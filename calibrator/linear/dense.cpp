@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal: below lies rounding
 
+/// The indices below `size` that are not in `keep`, ascending.
 std::vector<int> others(const std::vector<int>& keep, Eigen::Index size) {
   std::vector<char> kept(static_cast<std::size_t>(size), 0);
   for (const int i : keep) {
@@ -31,6 +32,7 @@ QuadraticCost QuadraticCost::at(const Eigen::VectorXd& d) const {
 }
 
 QuadraticCost QuadraticCost::through(const Eigen::MatrixXd& J) const {
+  // The curvature of the change of coordinates, which b would multiply, is left out (Gauss-Newton).
   return {J.transpose() * H * J, J.transpose() * b, c};
 }
 
@@ -42,6 +44,7 @@ std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A) {
   const Eigen::VectorXd inverse = f.D.cwiseInverse();
   f.llt.compute(inverse.asDiagonal() * A * inverse.asDiagonal());
   if (f.llt.info() != Eigen::Success) return std::nullopt;
+  // With a unit diagonal the pivot of parameter j is 1 - R^2 of its regression on those before it.
   if (!(f.llt.matrixLLT().diagonal().array().square() >= kLeastPivot).all()) return std::nullopt;
   return f;
 }

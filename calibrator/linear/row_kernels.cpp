@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+// Haswell is the first x86-64 with AVX2 and fused multiply-add; the loader chooses the clone.
 #if defined(__x86_64__)
 #define PLUMBLINE_CLONES [[gnu::target_clones("default", "arch=haswell")]]
 #else
@@ -17,6 +18,7 @@ namespace {
 /// kRowLanes doubles at once (GCC vector extension); halves where the machine has no more.
 using Row [[gnu::vector_size(8 * kRowLanes)]] = double;
 
+/// By memcpy, since rows of a matrix need not be aligned to a whole Row.
 [[gnu::always_inline]] inline Row load(const double* from) {
   Row row;
   std::memcpy(&row, from, sizeof row);
@@ -27,7 +29,8 @@ using Row [[gnu::vector_size(8 * kRowLanes)]] = double;
   std::memcpy(to, &row, sizeof row);
 }
 
-/// to -= factor * from, from column `first` on, rounded down to whole lanes.
+/// to -= factor * from, from column `first` on, rounded down to whole lanes: what stands to the
+/// left of `first` in the same lanes is spoilt, and lies below the diagonal, where nobody reads.
 [[gnu::always_inline]] inline void subtract(double factor, const double* from, double* to,
                                             int first, int columns) {
   for (int c = first / kRowLanes * kRowLanes; c < columns; c += kRowLanes) {
@@ -41,6 +44,8 @@ using Row [[gnu::vector_size(8 * kRowLanes)]] = double;
   }
 }
 
+/// Right-looking Cholesky by rows: row j of (A | B) divided by the root of its pivot is row j of
+/// (L' | L^-1 B), and its outer product is taken off all later rows, the coupled columns included.
 PLUMBLINE_CLONES bool factorise(double* rows, int n, int columns) {
   for (int j = 0; j < n; ++j) {
     double* const row = rows + j * columns;
@@ -71,6 +76,8 @@ PLUMBLINE_CLONES void addGramTiles(const double* P, int n, int stride, double* g
   }
 }
 
+/// By rows of B, from the last: each solved row is taken off those above, so that all inner loops
+/// run along rows.
 PLUMBLINE_CLONES void backSubstitute(const double* U, int n, int stride, double* B, int columns) {
   for (int i = n - 1; i >= 0; --i) {
     double* const row = B + i * columns;
