@@ -20,6 +20,7 @@ struct FieldInput {
   bool squares = false;
 };
 
+/// (pixel - centre) / half, held to [-1, 1].
 template <int W>
 [[gnu::always_inline]] inline Lanes<W> clampedPlace(const Lanes<W>& pixel, double centre,
                                                     double half) {
@@ -82,12 +83,14 @@ template <int W, int kEnd, int kRow = 0>
 }
 
 /// The corners of one group: the columns of the view, and the functions, all times the root of
-/// the corner's weight.
+/// the corner's weight: one set of columns is then both factors of every product. That is possible
+/// because the weight is a scalar (re-weighted least squares), not the 2x2 one of viewGram().
 template <int W, int S, class Model, bool kRobust>
 [[gnu::always_inline]] inline void fillGroup(const gram::Input& in, const FieldBox& box, int first,
                                              int j, double* left, double* functions,
                                              Lanes<W>& invalid, Lanes<W>& squared) {
   auto g = gram::projectGroup<W, Model>(in, first + j, invalid);
+  // g.squared holds one weight; the cost counts w^2, and no loss.
   squared += g.w * g.squared;
   if constexpr (kRobust) {
     const Lanes<W> slope = 1.0 / (1.0 + (g.e_u * g.e_u + g.e_v * g.e_v) * in.inverse_c2);
@@ -100,6 +103,8 @@ template <int W, int S, class Model, bool kRobust>
                   });
 }
 
+/// Sums over a view as gram::sumView() has them, and against the functions beside. Rows u and v are
+/// summed apart, for each has columns of its own in F.
 template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline auto sumFields(const gram::Input& in, const FieldInput& f) {
   using gram::kChunk;
@@ -127,12 +132,15 @@ template <int W, class Model, bool kRobust>
     }
     if (f.squares) addAgainst<W, kFieldFunctions>(functions, functions, n, &sums.squares[0][0]);
   }
+  // Unlike viewGram(), cost is squared_error whatever the loss.
   const double charged = kInvalidSquaredError * gram::sumOf<W>(invalid);
   sums.view.squared[0] += charged;
   sums.view.cost = gram::sumOf<W>(sums.view.squared);
   return sums;
 }
 
+/// Rows of k in the order fu fv pu pv, shape. The columns of u do not meet fv and pv, nor those of
+/// v fu and pu: zero.
 template <int W, int kShape, int S>
 [[gnu::always_inline]] inline void writeFields(const FieldSums<W, S>& sums, FieldGram& out) {
   out.H_k_f.setZero(4 + kShape, kFieldColumns);
@@ -165,6 +173,7 @@ template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline void compute(const gram::Input& in, const FieldInput& f,
                                            FieldGram& out) {
   const auto sums = sumFields<W, Model, kRobust>(in, f);
+  // Sums of the u-v coupling stay zero: a scalar weight brings none.
   gram::writePose<W>(sums.view, out);
   gram::writeIntrinsics<W, Model::kShape>(sums.view, out);
   writeFields<W, Model::kShape>(sums, out);
@@ -215,6 +224,7 @@ class PlainSum {
   void add(const Projection& at, const Eigen::Vector3d& p, const Eigen::Vector2d& e, double weight,
            const Eigen::Matrix<double, kFieldFunctions, 1>& f) {
     Eigen::Matrix<double, 2, 6> J;
+    // Of the twist p' = p + rho + phi x p.
     J << at.J_point, -at.J_point * skew(p);
     const Eigen::MatrixXd J_k = at.J_intrinsics;
     out_.H += weight * J.transpose() * J;

@@ -42,8 +42,9 @@ struct FieldGram : ViewGram {
 enum class FieldSquares { kKeep, kDrop };
 
 /// Corners weigh w^2 of the view (any weight here, 0 or more: its root is the column's factor),
-/// times 1 / (1 + |e|^2 / c^2) where there is a loss; triggs_clamp does not matter. Without
-/// FieldSquares::kKeep H_f is zero. Vectorised as viewGram() is.
+/// times 1 / (1 + |e|^2 / c^2) where there is a loss; triggs_clamp does not matter, and `cost` is
+/// squared_error, the loss left out. Without FieldSquares::kKeep H_f is zero. Vectorised as
+/// viewGram() is.
 FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                     const FieldBox& box, FieldSquares squares, const GramOptions& options = {});
 

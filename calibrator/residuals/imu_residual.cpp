@@ -26,6 +26,8 @@ Vector15d boxminus(const ImuState& to, const ImuState& from) {
   return d;
 }
 
+// Right-handed: col(0) x col(1) = direction. Not continuous in the direction (unitOrthogonal()
+// picks axes), so that coordinates are of use only with the basis at the same direction.
 Eigen::Matrix<double, 3, 2> tangentBasis(const Eigen::Vector3d& direction) {
   Eigen::Matrix<double, 3, 2> basis;
   basis.col(0) = direction.unitOrthogonal();
@@ -36,6 +38,7 @@ Eigen::Matrix<double, 3, 2> tangentBasis(const Eigen::Vector3d& direction) {
 // Along the great circle, so that a long step stays on the sphere.
 Eigen::Vector3d boxplusDirection(const Eigen::Vector3d& direction, const Eigen::Vector2d& d) {
   const double angle = d.norm();
+  // d / angle has no direction; to first order it is the same.
   if (angle < 1e-12) return (direction + tangentBasis(direction) * d).normalized();
   const Eigen::Vector3d towards = tangentBasis(direction) * (d / angle);
   return (std::cos(angle) * direction + std::sin(angle) * towards).normalized();
@@ -48,6 +51,7 @@ ImuResidual imuResidual(const Preintegration& motion, const ImuState& i, const I
   const Eigen::Matrix3d R_SF = i.T_FS.R.transpose();
   const Eigen::Vector3d dv = j.v_F - i.v_F - g * T;
   const Eigen::Vector3d dp = j.T_FS.t - i.T_FS.t - i.v_F * T - g * (0.5 * T * T);
+  // (dv, dp: what the states say of the motion, gravity taken off, in F.)
   const Eigen::Vector3d r_R = logSO3(motion.R.transpose() * R_SF * j.T_FS.R);
 
   ImuResidual out;
@@ -55,6 +59,9 @@ ImuResidual imuResidual(const Preintegration& motion, const ImuState& i, const I
 
   // R_i' Exp(a) R_j = R_i' R_j Exp(R_j' a): a turn of either frame acts on the right of r_R's
   // rotation, with opposite signs. The bias, dR(b + d) = dR Exp(R_bg d), acts on its left.
+  // R_i <- Exp(a) R_i makes R_i' dv into R_i' (dv - a x dv): + R_i' [dv]x. The motion's own
+  // derivatives enter with a minus, for the residual is states minus motion; t_d acts on R as the
+  // bias does.
   const Eigen::Matrix3d J_R = inverseRightJacobianSO3(r_R) * j.T_FS.R.transpose();
   const Eigen::Matrix3d J_left = inverseLeftJacobianSO3(r_R);
   out.J_i.setZero();

@@ -22,6 +22,7 @@ std::vector<double> edgesOf(const AprilGrid& target, const ImageView& view) {
   for (std::size_t tag = 0; tag < edges.size(); ++tag) {
     double sum = 0;
     int count = 0;
+    // A tag's corners go round it, so that k and k + 1 share an edge.
     for (std::size_t k = 0; k < 4; ++k) {
       const Eigen::Vector2d* a = at[4 * tag + k];
       const Eigen::Vector2d* b = at[4 * tag + (k + 1) % 4];
@@ -47,12 +48,15 @@ std::vector<double> edgeScales(const AprilGrid& target, const ImageView& view) {
   return scales;
 }
 
-/// Corners of a board as seen by a detector that does not widen the tags, and by how much it does.
+/// Corners of a board as seen by a detector that does not widen the tags, and by how much it does:
+/// that differs from view to view with the size at which a tag is seen.
 struct PlacedBoard {
   explicit PlacedBoard(AprilGrid board) : tag_edge(board.shape.terms[kTargetTerms - 1]) {
     board.shape.terms[kTargetTerms - 1] = 0;
     points = cornerPoints(board);
   }
+  /// Corner `id` moved outward by half of what the tag seems wider: 1 and 2 lie to the right, 2 and
+  /// 3 at the top.
   Eigen::Vector3d point(int id, double edge_scale) const {
     const int k = id % 4;
     const double half = 0.5 * tag_edge * edge_scale;

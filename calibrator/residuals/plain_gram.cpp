@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kFarthest = 1e9;  // [m]
 
-/// The loss at one corner: its cost, and the 2x2 weight of its squares (see GramOptions).
+/// The loss at one corner: its cost rho(|e|^2), slope rho', and the 2x2 weight of its squares
+/// M = rho' (I - beta n n^T) (see GramOptions).
 struct Weighted {
   double cost = 0;
   double slope = 1;
@@ -32,7 +33,8 @@ struct Weighted {
   }
 };
 
-/// One corner's error and derivatives; what cannot be projected has none.
+/// One corner's error and derivatives; what cannot be projected has none. Columns: rho, phi,
+/// intrinsics in the order of stacked(), and the board's terms, which the caller fills in.
 template <class Model, bool kIntrinsics, bool kTarget>
 struct CornerTerms {
   static constexpr int kLens = 6 + (kIntrinsics ? 4 + Model::kShape : 0);
@@ -54,6 +56,7 @@ struct CornerTerms {
     J.template leftCols<3>() = J_point;
     J.template middleCols<3>(3) = -J_point * skew(p);
     if constexpr (kIntrinsics) {
+      // Of (fu, fv, pu, pv), with the row u before the row v.
       J.template middleCols<4>(6 + Model::kLeading) << m.x, 0, 1, 0, 0, m.y, 0, 1;
       for (int i = 0; i < Model::kShape; ++i) {
         J.col(6 + shapeColumn<Model>(i)) << lens.fu * m.J_k[0][i], lens.fv * m.J_k[1][i];
@@ -89,7 +92,7 @@ struct Chunk {
     ++count;
   }
 
-  /// Up to whole lanes.
+  /// Up to whole lanes of the widest kernel (4), with corners that add nothing.
   void fillUp() {
     while (count % 4 != 0) {
       for (int i = 0; i < N; ++i) {
@@ -108,6 +111,7 @@ struct Chunk {
   }
 };
 
+/// Rows u, then rows v, into one sum: their coupling is in M J already.
 template <int W, int N>
 [[gnu::always_inline]] inline void addChunk(const Chunk<N>& c, Sums<N>& sums) {
   Lanes<W> products[N][N + 1] = {};
@@ -148,6 +152,8 @@ Eigen::Matrix<double, 3, kTargetTerms> targetColumns(const TargetColumns& target
   return TargetBasis::columns(f);
 }
 
+/// H = sum J' M J and b = sum rho' J' e over the corners with weight; those that cannot be
+/// projected are charged and have no derivative.
 template <class Model, bool kIntrinsics, bool kTarget = false>
 auto sumView(const View& view, const TargetColumns* target = nullptr) {
   using C = CornerTerms<Model, kIntrinsics, kTarget>;

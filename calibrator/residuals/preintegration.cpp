@@ -46,6 +46,8 @@ bool forEachSegment(std::span<const ImuSample> samples, const ImuWindow& window,
   const double duration = window.duration_s();
   if (tau(0) > 0 || tau(samples.size() - 1) < duration) return false;
   std::size_t k = segmentStart(samples, window);
+  // segmentStart() rounds t_d to nanoseconds; here times are exact, so that it may be one off, and
+  // no piece of zero length comes first.
   while (k > 0 && tau(k) > 0) --k;
   while (k + 2 < samples.size() && tau(k + 1) <= 0) ++k;
 
@@ -73,12 +75,16 @@ bool forEachSegment(std::span<const ImuSample> samples, const ImuWindow& window,
 
 /// What one segment does: the rotation over it, and the rotation vector's derivatives.
 struct SegmentRotation {
-  Eigen::Matrix3d R;     // Exp(theta)
+  Eigen::Matrix3d R;     // Exp(theta), from the end of the segment to its start
   Eigen::Matrix3d J_bg;  // right perturbation of R by the gyro bias
   Eigen::Vector3d J_td;  // and by t_d
 };
 
-/// theta = (w0 + w1) dt / 2 + dt^2/12 w0 x w1 (Magnus expansion of a linear rate, second term).
+/// theta = (w0 + w1) dt / 2 + dt^2/12 w0 x w1 (Magnus expansion of a linear rate, second term; its
+/// sign is that of R' = R [w]x, body rates). R changes as Exp(theta + d) = R Exp(Jr d).
+/// With t_d the window's ends move while the samples stay: the first piece gets shorter, the last
+/// one longer (dt_td = -1, +1; 0 for a piece that is both), and the rate at an end that moves
+/// follows the slope between its samples.
 SegmentRotation rotateSegment(const ImuSegment& s) {
   const double c = s.dt * s.dt / 12;
   const Eigen::Vector3d mean = 0.5 * (s.w0 + s.w1);
@@ -86,6 +92,7 @@ SegmentRotation rotateSegment(const ImuSegment& s) {
   const Eigen::Matrix3d Jr = rightJacobianSO3(theta);
   SegmentRotation r;
   r.R = expSO3(theta);
+  // d/db [(w0 - b) x (w1 - b)] = [w1 - w0]x at b = 0.
   r.J_bg = Jr * (c * skew(s.w1 - s.w0) - s.dt * Eigen::Matrix3d::Identity());
   r.J_td.setZero();
   if (s.first || s.last) {
@@ -118,10 +125,14 @@ void advanceOffsetDerivative(const ImuSegment& s, const Eigen::Matrix3d& R1,
 }
 
 /// Adds one segment (bias already taken off its samples) to the integrals and their derivatives.
+/// The rotated force is linear from b0 = R a0 to b1 = R1 a1:
+///   v += dt (b0 + b1) / 2,   p += v dt + dt^2 (b0 / 3 + b1 / 6),
+/// p before v, for it takes the velocity at the segment's start; derivatives likewise.
 void advance(const ImuSegment& s, Preintegration& o) {
   const double dt = s.dt;
   const SegmentRotation step = rotateSegment(s);
   const Eigen::Matrix3d R1 = o.R * step.R;
+  // R Exp(R_bg d) dR Exp(J d) = R dR Exp((dR' R_bg + J) d) to first order.
   const Eigen::Matrix3d R_bg1 = step.R.transpose() * o.R_bg + step.J_bg;
   const Eigen::Vector3d R_td1 = step.R.transpose() * o.R_td + step.J_td;
   advanceOffsetDerivative(s, R1, R_td1, o);
@@ -142,6 +153,7 @@ void advance(const ImuSegment& s, Preintegration& o) {
   o.R_td = R_td1;
 }
 
+// Slopes stay, for the bias is constant over a window.
 ImuSegment withoutBias(const ImuSegment& s, const ImuBias& bias) {
   ImuSegment out = s;
   out.w0 -= bias.gyro;
@@ -155,6 +167,8 @@ ImuSegment withoutBias(const ImuSegment& s, const ImuBias& bias) {
 /// attitude error enters velocity as A dt and position as A dt^2/2; noise of the segment itself
 /// enters with half of that lever, and white force noise has the position variance q dt^3/3.
 /// By blocks of 3: F = (dR' 0 0 | A dt, I, 0 | A dt^2/2, I dt, I).
+/// What the segment's own rate noise does to velocity and position is of rank 3 here (G G', so
+/// dt^3 / 4 where white noise has dt^3 / 3): a difference of third order in the sample interval.
 void advanceCovariance(const ImuSegment& s, const Eigen::Matrix3d& R, const Eigen::Matrix3d& dR,
                        const ImuNoise& noise, Matrix9d& P) {
   const double dt = s.dt;
@@ -180,8 +194,8 @@ void advanceCovariance(const ImuSegment& s, const Eigen::Matrix3d& R, const Eige
   P.diagonal().tail<3>().array() += accel * dt * dt / 3;
 }
 
-/// Mean of the samples within +- half_width_s of an instant of the IMU's clock, bias taken off; at
-/// least the nearest sample.
+/// Mean of the samples within +- half_width_s of an instant of the IMU's clock, bias taken off;
+/// where there is none, the next sample after it, or the last of all.
 ImuBias meanAround(std::span<const ImuSample> samples, TimeNs centre, double half_width_s,
                    const ImuBias& bias) {
   const TimeNs reach = toNanoseconds(half_width_s);

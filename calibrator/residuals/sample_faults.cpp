@@ -25,7 +25,9 @@ Eigen::Vector3d slopeAround(std::span<const ImuSample> samples, std::ptrdiff_t n
   return (samples[b].accel - samples[a].accel) / secondsBetween(samples[a].t, samples[b].t);
 }
 
-/// Changes of rate and force, in S_i, by every fault.
+/// Changes of rate and force, in S_i, as a unit of every fault is taken off the samples: with
+/// M = E_rc the rate loses e_r w_c, hence the minus. The delay's column is left to the caller: the
+/// force at t is read at t + d, so that it changes by + d times the slope.
 void addChanges(const Eigen::Matrix3d& R, const Eigen::Vector3d& w, const Eigen::Vector3d& a,
                 Columns& dw, Columns& da) {
   dw.setZero();
@@ -59,12 +61,14 @@ std::optional<Eigen::Matrix<double, 9, SampleFaults::kCount>> sampleFaultDerivat
     const double t1 = secondsAfter(window, next->t);
     const double to = std::min(t1, end);
     const double dt = to - at;
+    // Of the midpoint within its sample interval, whose readings are joined linearly.
     const double share = (0.5 * (at + to) - t0) / (t1 - t0);
     const Eigen::Vector3d w = s0.gyro + share * (next->gyro - s0.gyro) - bias.gyro;
     const Eigen::Vector3d a = s0.accel + share * (next->accel - s0.accel) - bias.accel;
     const Eigen::Matrix3d R_mid = R * expSO3(0.5 * dt * w);
     addChanges(R_mid, w, a, dw, da);
     da.col(SampleFaults::kDelay) = R_mid * slopeAround(samples, next - samples.begin());
+    // psi at the middle of the interval, as the force is taken there.
     const Columns psi_mid = psi + 0.5 * dt * dw;
     const Columns acceleration = da - skew(R_mid * a) * psi_mid;
     p += dt * v + 0.5 * dt * dt * acceleration;
@@ -74,6 +78,7 @@ std::optional<Eigen::Matrix<double, 9, SampleFaults::kCount>> sampleFaultDerivat
     at = to;
   }
   Eigen::Matrix<double, 9, SampleFaults::kCount> out;
+  // From a turn in S_i on the left to one on the right: R' psi.
   out << R.transpose() * psi, v, p;
   return out;
 }

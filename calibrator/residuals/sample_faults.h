@@ -26,7 +26,7 @@ struct SampleFaults {
 /// so that a residual's derivative is minus these. With psi the rotation's change in S_i,
 ///   psi' = R dw,   v' = psi x (R a) + R da,   p' = v,
 /// by the midpoint rule over the samples (error of the derivative O(interval^2)); the slope of the
-/// force, which the delay needs, over five samples. Empty where the samples do not cover the
+/// force, which the delay needs, over five intervals. Empty where the samples do not cover the
 /// window.
 std::optional<Eigen::Matrix<double, 9, SampleFaults::kCount>> sampleFaultDerivatives(
     std::span<const ImuSample> samples, const ImuWindow& window, const ImuBias& bias);

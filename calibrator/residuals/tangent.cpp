@@ -21,6 +21,7 @@ Matrix6d adjoint(const Transform& T_AB) {
 }
 
 Matrix6d twistFromTangent(const Transform& T) {
+  // da turns about the frame's own origin at t, phi about that of the frame it is in.
   Matrix6d A = Matrix6d::Identity();
   A.topRightCorner<3, 3>() = skew(T.t);
   return A;
@@ -30,6 +31,7 @@ CameraImuChain cameraImuChain(const Transform& T_FS, const Transform& T_SC0,
                               const Transform& T_C0Ci) {
   const Transform T_CiC0 = T_C0Ci.inverse();
   const Transform T_CiS = T_CiC0 * T_SC0.inverse();
+  // (A, B) = (S, F), (C0, S), (Ci, C0).
   CameraImuChain chain;
   chain.T_CiF = T_CiS * T_FS.inverse();
   chain.A_FS = throughInverse(T_CiS, T_FS);

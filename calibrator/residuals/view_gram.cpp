@@ -36,7 +36,8 @@ template <int W, class Model, bool kRobust>
   gram::writeTarget<W, Model::kShape>(sums, out);
 }
 
-// One entry per version: only these functions carry the instruction set.
+// One entry per version: only these functions carry the instruction set. Lanes are the doubles of
+// a register: two with SSE2, four with AVX2.
 template <class Model, bool kRobust>
 struct Baseline {
   static void pose(const gram::Input& in, PoseGram& out) {
@@ -81,6 +82,8 @@ gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const Packe
   return in;
 }
 
+/// A weight of 0 does not silence derivatives that are NaN (0 * NaN), so that such parameters do
+/// not reach the kernels.
 bool allFinite(const Intrinsics& camera, const Transform& T_CF) {
   return camera.projection.allFinite() && camera.distortion.allFinite() && T_CF.R.allFinite() &&
          T_CF.t.allFinite();
