@@ -28,6 +28,8 @@ struct RayPoint {
   Eigen::Vector3d ray;
 };
 
+/// At most kCornersOfStart of the used corners, evenly over the view. Corners without a ray are
+/// left out.
 std::vector<RayPoint> rayPoints(const Intrinsics& camera, const PackedView& view) {
   std::vector<int> used;
   for (int i = 0; i < view.count; ++i) {
@@ -51,7 +53,10 @@ struct Homography {
 };
 
 /// In a frame whose z axis is the mean ray, where H(2, 2), the depth of the target's centre, is
-/// positive: scaled to 1.
+/// positive: scaled to 1. Two rows of ray x H X = 0 for each corner,
+///   r_z (h_axis . X) - r_axis (h_2 . X) = 0,   axis x and y,
+/// in least squares. Target coordinates about their centre and over their RMS spread keep the 8 x 8
+/// system well conditioned (as Hartley 1997). Empty for corners on a line.
 std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
                                           const Eigen::Matrix3d& R_ZC) {
   Homography out;
@@ -62,6 +67,7 @@ std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
   for (const RayPoint& p : points) {
     spread += (p.target - out.centre) * (p.target - out.centre).transpose() / n;
   }
+  // det / trace^2 is the ratio of the variances across and along, where one is small.
   if (!(spread.determinant() > kLine * spread.trace() * spread.trace())) return std::nullopt;
   out.scale = std::sqrt(spread.trace());
   Matrix8d A = Matrix8d::Zero();
@@ -92,6 +98,7 @@ PoseGram frameGram(const std::vector<FrameView>& views, const Transform& T_C0F,
   PoseGram sum;
   for (const FrameView& v : views) {
     const PoseGram g = poseGram(*v.camera, v.T_CiC0 * T_C0F, v.view, options);
+    // Twists of C0 to those of Ci: the adjoint of T_CiC0 (residuals/tangent.h).
     const Eigen::Matrix3d& R = v.T_CiC0.R;
     Matrix6d A;
     A << R, skew(v.T_CiC0.t) * R, Eigen::Matrix3d::Zero(), R;
@@ -111,6 +118,7 @@ double countUsed(const std::vector<FrameView>& views) {
   return count;
 }
 
+/// p' = Exp(phi) p + rho: to first order the twist p + rho + phi x p of poseGram().
 Transform twisted(const Transform& T, const Vector6d& x) {
   const Eigen::Matrix3d turn = expSO3(x.tail<3>());
   return {Eigen::Quaterniond(turn * T.R), turn * T.t + x.head<3>()};
@@ -121,6 +129,7 @@ Eigen::Matrix3d shortestTurn(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
   const Eigen::Vector3d from = a.normalized();
   const Eigen::Vector3d to = b.normalized();
   const Eigen::Vector3d v = from.cross(to);
+  // (1 + cos, sin n) is 2 cos(angle / 2) times the quaternion (cos(angle / 2), sin(angle / 2) n).
   return Eigen::Quaterniond(1 + from.dot(to), v.x(), v.y(), v.z()).normalized().toRotationMatrix();
 }
 
@@ -130,7 +139,8 @@ Eigen::Vector2d centreOf(const PackedView& view) {
   return centre / std::max(1, view.count);
 }
 
-/// Runs of consecutive corners, which lie close together on the target.
+/// Runs of consecutive corners, which lie close together on the target. For homographyPose(), which
+/// does not look at z and edge; those are not moved along.
 std::vector<PackedView> partsOf(const PackedView& view) {
   std::vector<PackedView> parts;
   const int size = kCornersOfStart;
@@ -166,6 +176,7 @@ class PoseSteps {
     A.diagonal() *= 1 + damping;
     const Eigen::LLT<Matrix6d> llt(A);
     if (llt.info() != Eigen::Success) return std::nullopt;
+    // The decrement b' A^-1 b of minimise() is -x' b.
     x_ = -llt.solve(now_.b);
     return -x_.dot(now_.b);
   }
@@ -205,6 +216,8 @@ std::optional<Transform> homographyPose(const Intrinsics& camera, const PackedVi
   if (!h) return std::nullopt;
   const Eigen::Vector3d x = h->H.col(0) / h->scale;
   const Eigen::Vector3d y = h->H.col(1) / h->scale;
+  // H = (r_x, r_y, t) up to scale: the first two columns of a rotation have length 1. The target is
+  // in front, since H(2, 2) > 0.
   const double scale = 2 / (x.norm() + y.norm());
   Eigen::Matrix3d R_ZF;
   R_ZF << scale * x, scale * y, scale * scale * x.cross(y);
@@ -255,6 +268,7 @@ std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, doub
       [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
   const Transform T_C0Ci = most.T_CiC0.inverse();
   std::optional<PoseRefinement> best;
+  // The least cost over all views decides, not that of the view that gave the start.
   const auto attempt = [&](const Transform& T_CiF) {
     const PoseRefinement pose = refinePose(views, T_C0Ci * T_CiF, options);
     if (!best || pose.cost < best->cost) best = pose;

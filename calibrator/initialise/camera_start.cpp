@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-// Of the image's width: 0.15 is a fisheye of 380 degrees over its width, 6 a field of 10 degrees.
+// Of the image's width: 0.2 is a fisheye of 286 degrees over its width, 6 a field of 10 degrees.
 // Rungs of 15 % lie inside the basin of the batch that follows.
 constexpr double kShortest = 0.2;
 constexpr double kLongest = 6;
@@ -36,6 +36,7 @@ double costOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
   for (const PackedView& view : views) {
     const auto pose = homographyPose(camera, view);
     if (!pose) {
+      // The error of a corner that cannot be projected (root of kInvalidSquaredError).
       errors.push_back(1e5);
       continue;
     }
@@ -44,6 +45,7 @@ double costOf(const Intrinsics& camera, const std::vector<PackedView>& views) {
   return middleOf(errors);
 }
 
+/// At most kViews of the views, evenly over the recording: the time grows with rungs times views.
 std::vector<PackedView> spread(const std::vector<PackedView>& views) {
   if (views.size() <= kViews) return views;
   std::vector<PackedView> some;
@@ -55,8 +57,9 @@ struct Rung {
   double focal, cost;
 };
 
-/// Of the rungs that are as good as the best one that closest to `likely`; then the other local
-/// minima, the lowest first.
+/// Of the rungs that are as good as the best one that closest to `likely` (as a ratio: rungs are
+/// even in the logarithm); then the other local minima, the lowest first. Head-on views make all
+/// rungs alike, and `likely` decides.
 std::vector<double> bestOf(const std::vector<Rung>& rungs, double likely, int count) {
   double least = rungs.front().cost;
   for (const Rung& r : rungs) least = std::min(least, r.cost);
@@ -93,9 +96,11 @@ Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
   double magnification = 1;  // of the model at its centre, under a focal length of 1
   auto shape = camera.projection.head(camera.projection.size() - 4);
   if (projection == ProjectionModel::kOmni) {
+    // x / (xi |p| + z): 1 / (1 + xi) on the axis.
     shape << 1;
     magnification = 0.5;
   } else if (projection == ProjectionModel::kEucm) {
+    // x / (alpha d + (1 - alpha) z): 1 on the axis, where d = z.
     shape << 0.5, 1;
   } else if (projection == ProjectionModel::kDs) {
     shape << -0.2, 0.6;  // the magnification of the first sphere is 1 / (1 + xi)
@@ -103,6 +108,7 @@ Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
   }
   if (distortion == DistortionModel::kFov) {
     camera.distortion[0] = kMiddleOfFov;
+    // atan(2 r tan(w / 2)) / w has this slope at r = 0.
     magnification *= 2 * std::tan(0.5 * kMiddleOfFov) / kMiddleOfFov;
   }
   const double focal = focal_px / magnification;
@@ -121,6 +127,7 @@ std::vector<double> focalCandidates(ProjectionModel projection, DistortionModel 
   for (double f = kShortest; f < kLongest; f *= kRung) {
     const double focal = f * resolution.width;
     const Intrinsics camera = plainCamera(projection, distortion, resolution, focal);
+    // The floor keeps kFlat a ratio of errors that mean something where corners have no noise.
     rungs.push_back({focal, costOf(camera, some) + kNoiseFloorPx});
   }
   return bestOf(rungs, likely, count);
@@ -147,7 +154,8 @@ struct Edge {
   std::size_t from = 0, to = 0, shared = 0;
 };
 
-/// The edge with most shared frames from a camera that is reached to one that is not.
+/// The edge with most shared frames from a camera that is reached to one that is not (a step of
+/// Prim's algorithm). Empty (shared == 0) where no frame joins the two sides.
 Edge widestEdge(const std::vector<CameraPoses>& poses, const std::vector<bool>& reached) {
   Edge best;
   for (std::size_t from = 0; from < poses.size(); ++from) {
@@ -174,6 +182,8 @@ Failure noOverlap(const std::vector<std::string>& names, const std::vector<bool>
 Transform medianTransform(const std::vector<Transform>& transforms) {
   assert(!transforms.empty());
   Transform middle = transforms.front();
+  // Rotation vectors add like vectors only about a common reference that is close: the median
+  // itself, found anew from its own tangent.
   for (int round = 0; round < 3; ++round) {
     std::vector<double> d[6];
     for (const Transform& T : transforms) {

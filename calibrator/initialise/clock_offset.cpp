@@ -33,7 +33,8 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 using Matrix37d = Eigen::Matrix<double, 3, 7>;
 
-// Mean body rates between poses at least `interval_s` apart.
+// Mean body rates between poses at least `interval_s` apart, Log(R_i' R_j) / dt. Over longer
+// intervals the poses' own noise, which is divided by dt, counts less.
 std::vector<CameraRate> ratesOf(std::span<const StampedPose> poses, double interval_s,
                                 double max_gap_s) {
   std::vector<CameraRate> rates;
@@ -65,11 +66,14 @@ std::vector<ImuSample> samplesOf(const std::vector<CameraRate>& rates) {
   return samples;
 }
 
+// Along x, so that vectors and magnitudes take the same way; the rotation is then held at the
+// identity.
 std::vector<CameraRate> magnitudesOf(std::vector<CameraRate> rates) {
   for (CameraRate& rate : rates) rate.rate_C = Eigen::Vector3d(rate.rate_C.norm(), 0, 0);
   return rates;
 }
 
+// A constant rate tells nothing of the clocks: what varies does.
 double rmsAboutMean(const std::vector<CameraRate>& rates) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const CameraRate& rate : rates) mean += rate.rate_C / static_cast<double>(rates.size());
@@ -83,6 +87,7 @@ struct RateTriple {
   Eigen::Vector3d truth, slope, estimate;
 };
 
+// Intervals that the truth does not cover, with kSlope to either side, are left out.
 std::vector<RateTriple> triplesAt(const std::vector<CameraRate>& estimate,
                                   const GyroIntegral& truth, double offset_s) {
   std::vector<RateTriple> triples;
@@ -108,6 +113,7 @@ Eigen::Vector3d residualOf(const RateTriple& rate, const Model& model) {
   return rate.truth - model.R * rate.estimate - model.b;
 }
 
+// r = truth + slope dt - Exp(da) R e - b: -da x (R e) = [R e]x da.
 Matrix37d jacobianOf(const RateTriple& rate, const Model& model) {
   Matrix37d J = Matrix37d::Zero();
   if (model.turns) J.leftCols<3>() = skew(model.R * rate.estimate);
@@ -128,6 +134,7 @@ Matrix7d normalMatrix(const std::vector<RateTriple>& rates, const Model& model) 
   return A;
 }
 
+// A Gauss-Newton step; its share in time stays within a step of the search, where the slopes hold.
 Model improved(Model model, const std::vector<RateTriple>& rates) {
   Vector7d g = Vector7d::Zero();
   for (const RateTriple& rate : rates) {
@@ -140,7 +147,9 @@ Model improved(Model model, const std::vector<RateTriple>& rates) {
   return model;
 }
 
-// Standard deviation of the offset from its scores, summed over segments of time.
+// Standard deviation of the offset from its scores, summed over segments of time (sandwich): row 6
+// of (J'J)^-1 times a segment's score is what the segment moves the offset by. The scores of all
+// segments add up to zero at the optimum, hence kSegments - 1.
 double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
   const Matrix7d inverse = pseudoInverse(normalMatrix(rates, model));
   double variance = 0;
@@ -157,6 +166,8 @@ double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
   return std::sqrt(variance * kSegments / (kSegments - 1.0));
 }
 
+// The truth plays the gyroscope of estimateTimeOffset(), the estimate the camera: R_SC0 is R_MS,
+// and the offset is added to the estimate's stamps.
 Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
                               const std::vector<CameraRate>& truth, RateFeature feature,
                               const ClockOffsetOptions& options) {
@@ -164,6 +175,7 @@ Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
   const GyroIntegral integral(samples);
   TimeOffsetOptions search;
   search.max_offset_s = options.max_offset_s;
+  // At least five steps to either side, however short the range is.
   search.coarse_step_s = std::min(kStep, options.max_offset_s / 5);
   const Result<TimeOffsetEstimate> start = estimateTimeOffset(estimate, integral, search);
   if (!start) return start.failure();

@@ -22,6 +22,7 @@ struct Moments {
   double camera = 0;                                // trace of the camera's
 };
 
+/// About the means: a constant bias of the gyroscope drops out, and the rotation is found first.
 Moments momentsOf(std::span<const RatePair> pairs) {
   Moments m;
   const double n = static_cast<double>(pairs.size());
@@ -75,6 +76,8 @@ struct Grid {
   std::size_t covered = 0;  ///< rates covered at best
 };
 
+/// One step more than the range on either side, so that its ends can be local maxima. Offsets that
+/// cover too few rates have score -1.
 Grid coarseGrid(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                 const TimeOffsetOptions& options) {
   Grid grid;
@@ -212,7 +215,8 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
 namespace {
 
 /// Standard deviation of an offset that moves the gyroscope's rates along their slopes, by what the
-/// alignment leaves of them.
+/// alignment leaves of them: s / sqrt(sum |slope|^2), s^2 the mean square left, rotation and bias
+/// taken as known. 1 s where nothing moves.
 double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                  const TimeOffsetEstimate& estimate) {
   constexpr double kApart = 0.01;  // [s] of the rates that give a slope
@@ -273,6 +277,7 @@ std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
   if (2 * found.size() < parts) return std::nullopt;
   PartOffsets out;
   double most = -1;
+  // The pair that differs most in its own deviations, not in seconds.
   for (const Part& a : found) {
     for (const Part& b : found) {
       const double difference = b.estimate.offset_s - a.estimate.offset_s;

@@ -72,6 +72,8 @@ void addVariances(const CameraPose& a, const CameraPose& b, const CameraPose& c,
   const double positions = c.position_variance / (T2 * T2) + a.position_variance / (T1 * T1) +
                            b.position_variance * std::pow(1 / T1 + 1 / T2, 2);
   const double attitude = 0.5 * (a.rotation_variance + b.rotation_variance);
+  // Of the mean over T of a walk that begins at zero: q T / 3. Of white noise weighted by a
+  // triangle of base 2 T and area 1: q times 2 int_0^T (s / T^2)^2 ds = 2 q / (3 T).
   const double gyro = noise.gyro_density * noise.gyro_density * mean / 3;
   const double accel = noise.accel_density * noise.accel_density * 2 / (3 * mean);
   e.positions = positions / (mean * mean);
@@ -156,7 +158,8 @@ double rmsOf(const std::vector<Equation>& equations, const Unknowns& x) {
   return std::sqrt(squared / (3 * static_cast<double>(equations.size())));
 }
 
-/// Without the equations that contradict the fit of the rest.
+/// Without the equations that contradict the fit of the rest. Every round judges all of them, so
+/// that one that an early, bad fit left out may come back.
 std::vector<Equation> agreeing(const std::vector<Equation>& all,
                                const InertialAlignmentOptions& options) {
   constexpr double kChiMedian = 1.538;  // median of |x| for three unit Gaussians
@@ -198,6 +201,8 @@ InertialAlignment solve(const std::vector<Equation>& all, const InertialAlignmen
       out.residual_rms * std::sqrt(fit.ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
   Unknowns down = Unknowns::Zero();
   down.segment<3>(4) = x.segment<3>(4).normalized();
+  // Up to here in metres of the stated target, from here on in true ones; the deviation of gravity
+  // is at that scale, the scale taken as known.
   out.residual_rms *= std::abs(out.scale);
   out.gravity_std = out.residual_rms * std::sqrt(down.dot(fit.ldlt.solve(down)));
   out.t_SC0 = out.scale * x.segment<3>(1);

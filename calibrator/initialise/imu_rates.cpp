@@ -77,6 +77,7 @@ Eigen::Vector3d GyroIntegral::at(std::size_t k, TimeNs t, double offset_s) const
   const ImuSample& s = samples_[k];
   const ImuSample& next = samples_[k + 1];
   const double step = secondsBetween(s.t, next.t);
+  // The rate is linear between k and k + 1: int = dt w_k + dt^2 / (2 step) (w_k+1 - w_k).
   return integral_[k] + dt * (s.gyro + (0.5 * dt / step) * (next.gyro - s.gyro));
 }
 
@@ -87,6 +88,7 @@ std::optional<Eigen::Vector3d> GyroIntegral::meanRate(TimeNs from, TimeNs to,
   if (secondsBetween(to, samples_.back().t) - offset_s < 0) return std::nullopt;
   const std::size_t first = before(from, offset_s);
   const std::size_t last = before(to, offset_s);
+  // gaps_[k] counts up to the interval that begins at k: of intervals first .. last none is a gap.
   // A mean across a pause of the samples is no measurement.
   if (gaps_[last] != (first == 0 ? 0 : gaps_[first - 1])) return std::nullopt;
   return (at(last, to, offset_s) - at(first, from, offset_s)) / secondsBetween(from, to);

@@ -73,6 +73,8 @@ std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
   const auto fail = [&](FailureCode code) {
     return Failure{code, {{"accel", accel}, {"gyro", gyro}, {"gravity", g}}};
   };
+  // A sensor that is moved to and fro has a median specific force near g; a rate of 10 rad/s in the
+  // median is no calibration's. The intervals are wide, for units are wrong by factors.
   if (isNear(gyro, g, 0.3) && !isNear(accel, g, 0.5)) return fail(FailureCode::kColumnsSwapped);
   if (isNear(accel, 1, 0.3)) return fail(FailureCode::kAccelerometerInG);
   if (isNear(accel, 1000, 0.3)) return fail(FailureCode::kAccelerometerInMilliG);
@@ -86,6 +88,8 @@ std::optional<Failure> checkExcitation(const RateAlignment& alignment,
   if (rms(0) < options.min_excitation_rad_s) {
     return Failure{FailureCode::kNoRotation, {{"rms", rms(0)}}};
   }
+  // Two axes fix a rotation, so that the least of the three may be zero. The axis told is the one
+  // that is turned about.
   if (rms(1) < options.min_excitation_rad_s) {
     const Eigen::Vector3d axis = alignment.excitation_axes.col(0);
     return Failure{FailureCode::kRotationAboutOneAxis, {{"axis", axis}, {"rms", rms(1)}}};

@@ -41,8 +41,7 @@ std::optional<Failure> checkSampleStamps(std::span<const ImuSample> samples);
 std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
                                         const SanityOptions& options = {});
 
-/// Rotation too small or about one axis only: kNotObservable, with the axis that is not turned
-/// about.
+/// Rotation too small or about one axis only: kNotObservable, with that axis.
 std::optional<Failure> checkExcitation(const RateAlignment& alignment,
                                        const SanityOptions& options = {});
 

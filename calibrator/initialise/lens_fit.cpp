@@ -50,6 +50,7 @@ class LensSteps {
     lens_ = next_;
     H_ = next_H_;
     b_ = next_b_;
+    // squares_ is still that of attempt(), the last evaluation.
     cost_ = 0.5 * squares_;
   }
 
@@ -80,6 +81,8 @@ class LensSteps {
   double cost_ = 0;
 };
 
+/// Whether a point takes part. A pinhole's plane coordinates grow without bound towards 90 degrees:
+/// a few points there would decide the fit.
 bool canBeFitted(const Intrinsics& lens, const SeenPoint& point) {
   if (lens.projection_model == ProjectionModel::kPinhole &&
       !(point.p_C.head<2>().norm() < kMostSlope * point.p_C.z())) {
@@ -101,6 +104,7 @@ std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPo
   std::vector<SeenPoint> used;
   std::copy_if(points.begin(), points.end(), std::back_inserter(used),
                [&](const SeenPoint& p) { return canBeFitted(start, p); });
+  // Two equations a point.
   if (2 * static_cast<Eigen::Index>(used.size()) < start.stacked().size()) return std::nullopt;
   LensSteps steps(start, used);
   MinimiserOptions options;
@@ -130,6 +134,7 @@ std::optional<LensFit> convertedLens(const Intrinsics& from, ProjectionModel pro
   std::vector<SeenPoint> points;
   for (int i = 0; i < columns; ++i) {
     for (int j = 0; j < rows; ++j) {
+      // Middles of even cells of the image, which spans -0.5 to width - 0.5.
       const Eigen::Vector2d uv((i + 0.5) * from.resolution.width / columns - 0.5,
                                (j + 0.5) * from.resolution.height / rows - 0.5);
       const auto ray = unproject(from, uv);

@@ -20,7 +20,7 @@ constexpr double kLeastNoise = 0.3;      // of the stated white noise: densities
 constexpr double kSettled = 0.15;        // of the spike, what neighbours may keep without it
 constexpr std::size_t kScaleBlock = 50;  // samples over which the noise is taken, on either side
 constexpr double kGaussian = 1.4826;     // standard deviation over median of |x|
-// Variance of d for white noise: 1 + (1 + 16 + 16 + 1) / 36.
+// Standard deviation of d for white noise of 1: the root of 1 + (1 + 16 + 16 + 1) / 36.
 constexpr double kNoiseOfDistance = 1.394;
 
 double reading(const ImuSample& s, int channel) {
@@ -57,6 +57,8 @@ bool isRegular(std::span<const ImuSample> samples, std::size_t k, double interva
   return true;
 }
 
+/// A spike shows in the distances of its neighbours as well, by 2/3 and 1/6 of its size; the
+/// largest is itself.
 bool isLargest(const std::vector<double>& distances, std::size_t k) {
   for (std::size_t i = k - kReach; i <= k + kReach; ++i) {
     if (std::abs(distances[i]) > std::abs(distances[k])) return false;
@@ -64,7 +66,8 @@ bool isLargest(const std::vector<double>& distances, std::size_t k) {
   return true;
 }
 
-/// Whether the neighbours of k agree with each other once x_k is what they say.
+/// Whether the neighbours of k agree with each other once x_k is what they say. `around` holds x_k
+/// in the middle with 2 kReach samples on either side. After a jump they do not.
 bool settlesWithout(std::vector<double> around, double distance) {
   constexpr std::size_t kMiddle = 2 * kReach;
   around[kMiddle] -= distance;
@@ -74,6 +77,7 @@ bool settlesWithout(std::vector<double> around, double distance) {
   return true;
 }
 
+/// Where neighbours are missing, at the ends, nothing is found.
 void findInChannel(std::span<const ImuSample> samples, int channel, double least, double interval_s,
                    std::vector<ImuSpike>& spikes) {
   const std::size_t n = samples.size();
@@ -121,6 +125,8 @@ constexpr std::size_t kFewestCorners = 4;
 constexpr double kTurned = 5e-3;          // [rad]
 constexpr TimeNs kSameFrame = 5'000'000;  // [ns] between stamps of cameras
 
+/// To the last digit: noise makes any two images of the same differ in it. Too few corners tell
+/// nothing.
 bool sameCorners(const ImageView& a, const ImageView& b) {
   if (a.corners.size() < kFewestCorners || a.corners.size() != b.corners.size()) return false;
   return std::equal(a.corners.begin(), a.corners.end(), b.corners.begin(),
@@ -175,7 +181,8 @@ std::vector<double> distancesOf(const Intrinsics& camera, const PackedView& view
   return out;
 }
 
-/// The shortest side that is seen of a tag [px].
+/// The shortest side that is seen of a tag [px], of those between corners that follow each other;
+/// infinite where none is seen.
 double sideOf(const PackedView& view, const std::vector<int>& corners) {
   double side = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
@@ -196,6 +203,7 @@ std::vector<ImuSpike> findSpikes(std::span<const ImuSample> samples, const ImuNo
   const double root_rate = std::sqrt(1 / interval_s);
   for (int channel = 0; channel < 6; ++channel) {
     const double density = channel < 3 ? noise.gyro_density : noise.accel_density;
+    // Discrete noise of a density is density * sqrt(rate).
     findInChannel(samples, channel, kLeastNoise * kNoiseOfDistance * density * root_rate,
                   interval_s, spikes);
   }
@@ -266,6 +274,7 @@ std::vector<std::vector<int>> repeatedViews(const Session& session) {
       if (!sameCorners(views[k - 1], views[k])) continue;
       const TimeNs from = views[k - 1].t;
       const TimeNs to = views[k].t;
+      // Under no offset of the clocks, which is not known yet.
       const auto rate = gyro ? gyro->meanRate(from, to, 0) : std::nullopt;
       const bool turned = rate && rate->norm() * secondsBetween(from, to) > kTurned;
       if (turned || anotherChanged(session, c, from, to)) {
@@ -303,6 +312,8 @@ std::vector<MisplacedTag> findMisplacedTags(const AprilGrid& target, const Intri
     });
     if (!off) continue;
     MisplacedTag found{.tag = tag, .place = tag};
+    // Another place must be nearer than a quarter of a side; otherwise the tag is off, but not
+    // misplaced.
     double nearest = kInPlace * side;
     for (int place = 0; place < target.tagCount(); ++place) {
       const double d = distanceFromPlace(target, camera, view, corners, place, T_CF);
