@@ -24,7 +24,9 @@ QuadraticCost firstBlock(const BlockArrow& chain) {
   return out;
 }
 
-/// `end` (block i, border) with block i + 1 put between them.
+/// `end` (block i, border) with block i + 1 put between them: (block i, block i + 1, border), of
+/// which the first is then eliminated. `end` holds the border's own block and all that earlier
+/// blocks say; block i + 1 brings its diagonal and its coupling to the border.
 QuadraticCost joined(const QuadraticCost& end, const BlockArrow& chain, std::size_t i) {
   const int m = chain.border();
   const int size = 2 * kState + m;
@@ -41,7 +43,7 @@ QuadraticCost joined(const QuadraticCost& end, const BlockArrow& chain, std::siz
   return out;
 }
 
-/// The d with boxplusDirection(from, d) == to.
+/// The d with boxplusDirection(from, d) == to; zero for opposite directions, which have none.
 Eigen::Vector2d directionMinus(const Eigen::Vector3d& to, const Eigen::Vector3d& from) {
   const Eigen::Vector2d across = tangentBasis(from).transpose() * to;
   const double sine = across.norm();
@@ -80,6 +82,8 @@ Displacement displacementOf(const CameraImuEstimate& to, const CameraImuEstimate
   out.d << boxminus(to.states.front(), from.states.front()), boxminus(to.T_SC0, from.T_SC0),
       directionMinus(to.gravity_direction, from.gravity_direction),
       to.timeOffset() - from.timeOffset();
+  // Log(Exp(da) R_to R_from') = d + Jl^-1(d) da. For gravity, to first order in d, a change of
+  // basis.
   out.J.block<3, 3>(3, 3) = inverseLeftJacobianSO3(out.d.segment<3>(3));
   out.J.block<3, 3>(T + 3, T + 3) = inverseLeftJacobianSO3(out.d.segment<3>(T + 3));
   out.J.block<2, 2>(g, g) =
@@ -112,6 +116,7 @@ std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
   if (prior) addPrior(*prior, estimate, *normals);
   auto cost = frontEliminated(normals->chain, count);
   if (!cost) return std::nullopt;
+  // frontEliminated() starts at a cost of 0; the terms' own (and the prior's) comes on top.
   cost->c += normals->cost;
   CameraImuEstimate point = estimate;
   point.states = {estimate.states[static_cast<std::size_t>(count)]};

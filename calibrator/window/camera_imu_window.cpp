@@ -20,11 +20,13 @@ void fixOffset(BlockArrow& chain) {
   constexpr int k = BorderLayout::kOffset;
   chain.border_block.row(k).setZero();
   chain.border_block.col(k).setZero();
+  // Any positive number: without coupling and gradient its step is zero.
   chain.border_block(k, k) = 1;
   chain.border_gradient(k) = 0;
   for (ChainBorderRows& rows : chain.to_border) rows.col(k).setZero();
 }
 
+/// Without those that the batch has rejected.
 std::vector<Corner> cornersOf(const PackedView& view) {
   std::vector<Corner> corners;
   for (int k = 0; k < view.count; ++k) {
@@ -74,6 +76,7 @@ std::optional<CameraImuWindow> CameraImuWindow::fromBatch(const CameraImuProblem
   const auto weights = imuWeights(problem, estimate);
   if (!weights) return std::nullopt;
   window.weights_ = *weights;
+  // All frames but the last `states` leave at once, one block after the other.
   if (!window.marginaliseOldest() || !window.solve()) return std::nullopt;
   return window;
 }
@@ -85,6 +88,7 @@ void CameraImuWindow::addSamples(std::span<const ImuSample> samples) {
 WindowEnd CameraImuWindow::add(const WindowFrame& frame) {
   assert(frame.t > (waiting_ ? waiting_->t : lastStamp()));
   assert(frame.link != FrameLink::kBroken);
+  // It would enter with a velocity that nothing determines.
   if (frame.link == FrameLink::kBiasWalk) {
     waiting_ = frame;
     return WindowEnd::kWaiting;
@@ -225,6 +229,7 @@ bool CameraImuWindow::solve() {
                                                     .first_damping = kFirstDamping});
   cost_ = steps.normals().cost;
   squared_px_ = steps.normals().squared_px;
+  // Out of iterations close to the minimum is a solution as well: the last step says how close.
   return summary.end != MinimiserEnd::kNoStep && summary.last_step < options_.max_last_step;
 }
 
@@ -240,6 +245,7 @@ std::optional<WindowKnowledge> CameraImuWindow::knowledge() const {
   auto normals = informationAt(problem_, estimate_, weights_);
   if (!normals) return std::nullopt;
   if (prior_) addPrior(*prior_, estimate_, *normals);
+  // Of the offset as well, which system() holds: its column is in `normals` as it is.
   auto cost = frontEliminated(normals->chain, problem_.frameCount() - 1);
   if (!cost) return std::nullopt;
   WindowKnowledge out{std::move(cost->H), estimate_, lastStamp()};
@@ -253,6 +259,8 @@ std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& inf
   assert(first >= 0);
   std::vector<int> keep(6);
   std::iota(keep.begin(), keep.end(), first);
+  // Without `offset`, its row, the last one, is left out of the information: the offset is then
+  // held.
   const int size = first + (offset ? BorderLayout::kFixed : BorderLayout::kOffset);
   if (offset) keep.push_back(size - 1);
   const auto cost =

@@ -31,6 +31,7 @@ QuadraticCost joint(const CameraNormals& normals) {
 }  // namespace
 
 Displacement displacementOf(const CameraEstimate& to, const CameraEstimate& from) {
+  // Intrinsics and translations add, so that only rotations have a derivative other than 1.
   const CameraLayout layout(from);
   Displacement out{cameraDifference(to, from), Eigen::MatrixXd::Identity(layout.size, layout.size)};
   for (std::size_t c = 1; c < from.intrinsics.size(); ++c) {
