@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-constexpr float kCrowdedPx = 8;
+constexpr float kCrowdedPx = 8;      // two tracks closer than this are taken for one
 constexpr double kParallel = 1e-12;  // two normals that give no direction
 constexpr int kSearchLevel = 2;      // of the pyramids, at which an epipolar line is searched
 constexpr int kKnownLevels = 2;      // for a match whose distance is known
@@ -78,7 +78,9 @@ void FeatureTracker::follow(const Eigen::Matrix3d& R_before_now) {
 }
 
 /// A point moves in the plane of its turned ray and the camera's translation: its normal
-/// n = f_now x R f_before is normal to the translation, which two tracks give.
+/// n = f_now x R f_before is normal to the translation, which two tracks give. Nothing is dropped
+/// where too few are there, or agree, to vote. The seed is the number of tracks: same images, same
+/// result.
 void FeatureTracker::keepOneMotion(std::vector<Feature>& moved,
                                    const std::vector<Eigen::Vector3d>& before,
                                    const Eigen::Matrix3d& R_now_before) const {
@@ -103,6 +105,8 @@ void FeatureTracker::keepOneMotion(std::vector<Feature>& moved,
       // n is the ray's displacement turned by 90 degrees: along the direction it is what leaves the
       // epipolar plane, [rad] for rays across the direction.
       const double across = direction.cross(moved[i].ray).norm();
+      // A floor near the epipole, where the ray is along the direction and any displacement would
+      // count.
       fits[i] = std::abs(normals[i].dot(direction)) < limit * std::max(across, 0.05);
       count += fits[i] != 0;
     }
@@ -127,7 +131,8 @@ void FeatureTracker::addCorners() {
 }
 
 /// The inverse depth at which the feature looks most alike along its epipolar line, about a pixel
-/// of the search's level apart.
+/// of the search's level apart: across the baseline an inverse depth rho moves it by
+/// focal |t| rho pixels. From infinity (rho = 0) to the nearest depth.
 std::optional<double> FeatureTracker::searched(const Feature& f, std::size_t camera,
                                                const Transform& T_C0) const {
   const Intrinsics& lens = rig_.cameras[camera];
@@ -164,6 +169,7 @@ void FeatureTracker::matchInto(std::size_t camera, FrameTracks& out) {
     // turned + rho t is along ray:  rho = (turned x ray) . (ray x t) / |ray x t|^2.
     const Eigen::Vector3d across = ray->cross(T_C0.t);
     const double rho = turned.cross(*ray).dot(across) / across.squaredNorm();
+    // [1/m]. A far point may come out behind infinity by the noise of its place; it is put there.
     const double noise = options_.epipolar_px / focal / T_C0.t.norm();
     if (!(rho > -noise && rho < 1 / options_.nearest_m)) continue;
     f.inverse_depth = std::max(rho, 0.0);

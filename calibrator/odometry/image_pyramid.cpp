@@ -24,6 +24,7 @@ GrayImage halved(const GrayImageView& from) {
     std::uint8_t* out = to.row(y);
     for (int x = 0; x < width; ++x) {
       const int* m = mid + 2 * x;
+      // The weights of both axes add up to 16 * 16; + 128 rounds.
       out[x] = static_cast<std::uint8_t>((m[-2] + m[2] + 4 * (m[-1] + m[1]) + 6 * m[0] + 128) >> 8);
     }
   }

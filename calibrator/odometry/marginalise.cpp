@@ -8,8 +8,9 @@
 namespace plumbline {
 namespace {
 
-/// The part of the window that leaves: all its frames, the links beside `leaving`, the landmarks
-/// that go, the prior.
+/// The part of the window that leaves: all its frames (so that indices stay), the links beside
+/// `leaving`, the landmarks that go, the prior. A link belongs to the frame before it, hence
+/// leaving - 1.
 Window leavingPart(const Window& window, int leaving, const std::set<std::int64_t>& landmarks) {
   Window part;
   part.frames = window.frames;
@@ -42,6 +43,7 @@ std::vector<int> framesOf(const Window& part, int leaving) {
   return {frames.begin(), frames.end()};
 }
 
+/// Takes the frame out with all its sightings. The link that led to it leads nowhere now.
 void dropFrame(Window& window, int leaving) {
   const std::int64_t serial = window.frames[static_cast<std::size_t>(leaving)].serial;
   window.frames.erase(window.frames.begin() + leaving);

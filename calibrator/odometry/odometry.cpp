@@ -20,6 +20,7 @@ constexpr double kLargestGyroBias = 1, kLargestAccelBias = 5;  // [rad/s], [m/s^
 constexpr double kRelinkGyro = 2e-3, kRelinkAccel = 0.05;  // change of bias after which a link is
                                                            // integrated anew
 
+/// The upper one of an even number; 0 of none.
 double medianOf(std::vector<float> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -63,15 +64,18 @@ void Odometry::step(const FrameTracks& frame) {
   const auto isOld = [&](const FrameTracks& f) {
     return secondsBetween(f.t, frame.t) > options_.still_span_s;
   };
+  // The front stays the last frame that is older than the span.
   while (latest_.size() > 2 && isOld(latest_[1])) latest_.pop_front();
   if (!isRunning()) return begin(frame);
   if (!append(frame)) return begin(frame);
+  // Before anything is adapted to the new frame: what the IMU and the map predicted of it.
   rememberInnovations();
   rememberEpipolar(frame);
   placeLandmarks();
   optimise(options_.iterations);
   gate();
   if (const auto cause = isLost(frame)) {
+    // The frame that shows the loss has no pose, so that begin() may start with it.
     result_.poses.pop_back();
     lose(frame.t, *cause);
     return begin(frame);
@@ -213,6 +217,8 @@ bool Odometry::isKeyframe(const FrameTracks& frame) const {
   const OdometryFrame& keyframe = window_.frames[static_cast<std::size_t>(last)];
   if (secondsBetween(keyframe.t, frame.t) > options_.keyframe_interval_s) return true;
   const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
+  // The last keyframe to now, by the window up to its last frame and by the gyroscope from there;
+  // what rotation leaves of the rays is parallax.
   const Eigen::Matrix3d R_kf_now = (keyframe.state.T_FS.R * R_SC).transpose() *
                                    (window_.frames.back().state.T_FS.R *
                                     expectedRotation(window_.frames.back().t, frame.t) * R_SC);
@@ -224,12 +230,14 @@ bool Odometry::isKeyframe(const FrameTracks& frame) const {
     const auto seen = rig_.sighting(0, p.uv, 1);
     if (!seen) continue;
     ++common;
+    // Chord of the angle between the rays, at the focal length: pixels in the middle of the image.
     parallax += (R_kf_now * seen->f - ray->second).norm() * rig_.cameras[0].projection.tail(4)[0];
   }
   if (common < options_.keyframe_share * static_cast<double>(keyframe_rays_.size())) return true;
   return parallax > options_.keyframe_parallax_px * common;
 }
 
+/// A velocity or bias beyond these is not of the sensor: the minimisation has run away.
 bool Odometry::isSane() const {
   const ImuState& s = window_.frames.back().state;
   return s.v_F.norm() < kFastest && s.gyro_bias.norm() < kLargestGyroBias &&
@@ -249,6 +257,7 @@ std::optional<OdometryLoss> Odometry::isLost(const FrameTracks& frame) {
     last_fit_ = frame.t;
   }
   if (secondsBetween(last_fit_, frame.t) <= options_.max_blind_s) return std::nullopt;
+  // Nothing to see, or plenty that does not fit.
   return seen < 2 * kFewTracks ? OdometryLoss::kBlind : OdometryLoss::kDiverged;
 }
 
@@ -276,6 +285,7 @@ void Odometry::rememberCovariances() {
     if (pose == pose_of_.end()) continue;
     const auto row = static_cast<Eigen::Index>(kState * i);
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(cost.H.rows(), 6);
+    // Six columns of the inverse, those of the pose.
     unit.middleRows<6>(row).setIdentity();
     result_.poses[pose->second].covariance = ldlt.solve(unit).middleRows<6>(row);
   }
@@ -285,6 +295,7 @@ void Odometry::shrink() {
   const auto recent = static_cast<std::size_t>(options_.recent_frames);
   for (std::size_t i = 1; i + recent < window_.frames.size();) {
     const OdometryFrame& frame = window_.frames[i];
+    // The prior speaks of frames with a first estimate: they leave by marginalisation alone.
     if (frame.keyframe || frame.first_estimate) {
       ++i;
     } else {

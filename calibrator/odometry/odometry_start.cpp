@@ -30,7 +30,9 @@ std::vector<std::size_t> chosenOf(std::size_t count, int most) {
   return chosen;
 }
 
-/// Position and yaw of the first frame, which nothing observes, and what is known of its biases.
+/// Position and yaw of the first frame, which nothing observes, and what is known of its biases:
+/// that they are zero, give or take their sigma. So the gradient at the state's own bias b is H b.
+/// Row 5 is the turn about W's z axis.
 WindowPrior gaugePrior(const OdometryFrame& first, const StartOptions& s) {
   WindowPrior prior;
   prior.frames = {first.serial};
@@ -132,6 +134,7 @@ bool Odometry::stands() const {
   if (latest_.size() < 3) return false;
   const FrameTracks& then = latest_.front();
   const FrameTracks& now = latest_.back();
+  // Frames do not fall on the ends of the span.
   if (secondsBetween(then.t, now.t) < 0.7 * options_.still_span_s) return false;
   std::map<std::int64_t, Eigen::Vector2d> places;
   for (const TrackPoint& p : then.points) {

@@ -86,6 +86,7 @@ std::optional<Template> templateAt(const GrayImageView& image, const Eigen::Vect
     }
   }
   removeMean(t.level);
+  // A free offset of the grey levels takes the mean out of everything that is compared with them.
   removeMean(t.dx);
   removeMean(t.dy);
   t.norm = std::sqrt(sumOf([&](int i) { return t.level[i] * t.level[i]; }));
@@ -112,6 +113,7 @@ Comparison compare(const Template& t, Patch& seen) {
   removeMean(seen);
   const float norm = std::sqrt(sumOf([&](int i) { return seen[i] * seen[i]; })) + 1e-6F;
   const float inner = sumOf([&](int i) { return seen[i] * t.level[i]; });
+  // Contrast is limited, so that plain noise is not blown up to the template.
   const float gain = std::clamp(t.norm / norm, 1 / kContrast, kContrast);
   for (int i = 0; i < kPixels; ++i) seen[i] = gain * seen[i] - t.level[i];
   return {{sumOf([&](int i) { return seen[i] * t.dx[i]; }),
@@ -124,6 +126,9 @@ struct LevelResult {
   float correlation = 0;
 };
 
+/// Inverse compositional steps: with H the template's, the template would have to move by H^-1 sum
+/// grad (seen - template), so the place moves by as much the other way. The correlation is that
+/// before the last step.
 std::optional<LevelResult> refine(const Template& t, const GrayImageView& image,
                                   Eigen::Vector2f place, const PatchTrackerOptions& options) {
   Patch seen;
@@ -195,6 +200,7 @@ std::optional<Eigen::Vector2f> trackThereAndBack(const ImagePyramid& from, const
                                                  const PatchTrackerOptions& options) {
   const auto there = trackPatch(from, to, at, guess, levels, options);
   if (!there) return std::nullopt;
+  // From where it should end, on the fine levels alone: the way back only confirms.
   const auto back = trackPatch(to, from, *there, at, options.round_trip_levels, options);
   if (!back || !((*back - at).norm() < options.round_trip_px)) return std::nullopt;
   return there;

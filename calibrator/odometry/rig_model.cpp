@@ -33,6 +33,7 @@ std::optional<Sighting> RigModel::sighting(int camera, const Eigen::Vector2d& uv
   if (!f) return std::nullopt;
   const auto projected = projectWithJacobians(intrinsics, *f);
   if (!projected) return std::nullopt;
+  // With |f| = 1, B spans the derivatives of p / |p|.
   const Eigen::Matrix<double, 3, 2> B = tangentBasis(*f);
   Sighting s;
   s.camera = camera;

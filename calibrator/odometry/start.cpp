@@ -46,6 +46,9 @@ struct Row {
   Eigen::Matrix<double, 2, kGlobals> J;
 };
 
+/// Gauss-Newton on the 12 global unknowns, landmarks eliminated as they are visited, so that the
+/// time is linear in the sightings. The IMU is integrated anew at every step, from the first frame
+/// to each: the biases have moved.
 class StartProblem {
  public:
   StartProblem(std::span<const StartFrame> frames, std::span<const ImuSample> samples,
@@ -89,6 +92,8 @@ class StartProblem {
     const Eigen::Vector3d p = point.p.value_or(Eigen::Vector3d::Zero());
     const Eigen::Vector3d y = m.R.transpose() * (p - positionOf(k));  // in S_k
     const Eigen::Vector3d p_C = T_SC.R.transpose() * (y - T_SC.t);
+    // While the point has no place the equation is used as it is, linear in all unknowns: neither
+    // the weight 1 / |p_C| nor a first guess is needed.
     const double w = point.p ? 1 / std::max(p_C.norm(), 0.1) : 1;
     const Eigen::Matrix<double, 2, 3> G = w * seen.M * T_SC.R.transpose();
     Row r;
@@ -96,6 +101,7 @@ class StartProblem {
     r.J_point = G * m.R.transpose();
     r.J.leftCols<3>() = -t * r.J_point;
     r.J.middleCols<3>(3) = -0.5 * t * t * r.J_point;
+    // R' y, with R <- R Exp(R_bg d): y + [y]x R_bg d; the position moves by p_bg d.
     r.J.middleCols<3>(6) = G * (skew(y) * m.R_bg - m.R.transpose() * m.p_bg);
     r.J.rightCols<3>() = -r.J_point * m.p_ba;
     return r;
@@ -122,6 +128,7 @@ class StartProblem {
       for (const auto& [k, seen] : point.sightings) {
         const Row r = row(k, seen, point);
         const double s = r.e.squaredNorm();
+        // Cauchy (c = 2 sigma) once the points have their places: before, all errors are large.
         const double w = iteration < 3 ? 1 : 1 / (1 + s / 4);
         sum += w * s;
         count += 2;
@@ -154,12 +161,14 @@ class StartProblem {
 
   /// The first step is linear: biases stay, and gravity is free, for its direction is not known.
   void addPriors(int iteration, GlobalVector& b) {
+    // 1e-5: as good as fixed.
     const double gyro = iteration == 0 ? 1e-5 : options_.gyro_bias_sigma;
     const double accel = iteration == 0 ? 1e-5 : options_.accel_bias_sigma;
     H_.diagonal().segment<3>(6).setConstant(1 / (gyro * gyro));
     H_.diagonal().tail<3>().setConstant(1 / (accel * accel));
     b.segment<3>(6) = globals_.bias.gyro / (gyro * gyro);
     b.tail<3>() = globals_.bias.accel / (accel * accel);
+    // A deviation of 1000 m/s (m/s^2): only so that the system has a solution.
     H_.diagonal().head<6>().array() += 1e-6;
     if (options_.velocity_sigma) {
       const double still = 1 / (*options_.velocity_sigma * *options_.velocity_sigma);
@@ -177,6 +186,7 @@ class StartProblem {
   std::optional<StartEstimate> estimate() const {
     StartEstimate out;
     out.rms = rms_;
+    // Of whitened residuals, so that the inverse is the covariance; H_ is that of the last step.
     const GlobalMatrix P = H_.ldlt().solve(GlobalMatrix::Identity());
     out.velocity_std = std::sqrt(P.diagonal().head<3>().maxCoeff());
     out.tilt_std = std::sqrt(P.diagonal().segment<3>(3).maxCoeff()) / rig_.gravity_m_s2;
@@ -184,6 +194,7 @@ class StartProblem {
                             out.velocity_std < options_.max_velocity_std &&
                             out.tilt_std < options_.max_tilt_std;
     if (!determined) return std::nullopt;  // also for NaN
+    // The yaw is free: the shortest turn that levels gravity.
     const Eigen::Matrix3d R_WS =
         Eigen::Quaterniond::FromTwoVectors(globals_.g, -Eigen::Vector3d::UnitZ())
             .toRotationMatrix();

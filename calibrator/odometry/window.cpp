@@ -19,7 +19,8 @@ int Window::indexOf(std::int64_t serial) const {
 
 namespace {
 
-/// Whether a pause of more than max_gap_s lies between the samples about [from, to].
+/// Whether a pause of more than max_gap_s lies between the samples about [from, to], or they do not
+/// reach from one end to the other.
 bool hasGap(std::span<const ImuSample> samples, TimeNs from, TimeNs to, double max_gap_s) {
   auto at = std::upper_bound(samples.begin(), samples.end(), from,
                              [](TimeNs t, const ImuSample& s) { return t < s.t; });
@@ -59,6 +60,7 @@ ImuState predicted(const ImuState& from, const ImuLink& link, double gravity_m_s
   const Eigen::Vector3d g(0, 0, -gravity_m_s2);
   const double T = m.duration_s;
   ImuState to = from;
+  // Products of many links drift off the rotations by rounding.
   to.T_FS.R = nearestRotation(from.T_FS.R * m.R);
   to.T_FS.t = from.T_FS.t + from.v_F * T + 0.5 * T * T * g + from.T_FS.R * m.p;
   to.v_F = from.v_F + T * g + from.T_FS.R * m.v;
@@ -70,6 +72,7 @@ std::optional<Eigen::Vector2d> sightingError(const Sighting& seen, const RigMode
   const Transform& T_SC = rig.T_SC[static_cast<std::size_t>(seen.camera)];
   const Eigen::Vector3d p_S = T_WS.R.transpose() * (p_W - T_WS.t);
   const Eigen::Vector3d p_C = T_SC.R.transpose() * (p_S - T_SC.t);
+  // [m]: what is nearer along the ray counts as behind.
   if (p_C.dot(seen.f) <= 0.02) return std::nullopt;
   return Eigen::Vector2d(seen.M * p_C / p_C.norm());
 }
@@ -110,8 +113,10 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
                            rig.T_SC[static_cast<std::size_t>(s.seen.camera)];
     const Eigen::Vector3d ray = T_WC.R * s.seen.f;
     if (first.isZero()) first = ray;
+    // The angle to the first ray stands for those between all pairs.
     least_cosine = std::min(least_cosine, first.dot(ray));
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+    // Least sum of squared distances to the rays: sum (I - r r') (p - c) = 0.
     A += across;
     b += across * T_WC.t;
   }

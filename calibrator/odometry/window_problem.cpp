@@ -52,6 +52,7 @@ Eigen::Matrix<double, 15, 1> linkError(const ImuLink& link, const ImuState& i, c
 LinkTerm linkTerm(const ImuLink& link, const OdometryFrame& i, const OdometryFrame& j,
                   const Gravity& gravity) {
   LinkTerm term;
+  // The error where the states are, its derivatives at their first estimates.
   term.r = linkError(link, i.state, j.state, gravity);
   const ImuResidual at = imuResidual(motionAt(link, i.point()), i.point(), j.point(), gravity);
   term.J_i.setZero();
@@ -113,6 +114,8 @@ void WindowProblem::linearise() {
   linearised_ = true;
 }
 
+/// Gradient b + H d at the states, H as it was. The tangent at the states is taken for that at the
+/// prior's points: they differ by a turn of the order of d.
 void WindowProblem::addPrior() {
   const WindowPrior& prior = window_.prior;
   if (prior.frames.empty()) return;
@@ -156,6 +159,9 @@ void WindowProblem::addStill() {
   }
 }
 
+/// Coordinates of a landmark's step alone: p = centre + u / rho from the camera that saw it first,
+/// which stands still meanwhile. What is estimated is p_W, so the first frame's pose has no further
+/// derivative by it. dp/du = range * tangents, dp/drho = -range^2 u.
 void WindowProblem::placeTerm(LandmarkTerm& term, const Landmark& landmark) const {
   const LandmarkSighting& first = landmark.sightings.front();
   const auto frame = static_cast<std::size_t>(window_.indexOf(first.frame));
@@ -170,6 +176,8 @@ void WindowProblem::placeTerm(LandmarkTerm& term, const Landmark& landmark) cons
   term.D.col(2) = -range * range * term.direction;
 }
 
+/// H_ and b_ get the frames' own part; W = J_pose' J by frame, V = J' J and b = J' e stay with the
+/// landmark until it is eliminated. A frame that sees it with two cameras has one slot.
 void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
   LandmarkTerm term;
   term.id = id;
@@ -184,6 +192,7 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
     const OdometryFrame& frame = window_.frames[static_cast<std::size_t>(index)];
     const auto r = sightingResidual(s.seen, rig_, frame.state.T_FS, frame.point().T_FS, term.p_W);
     if (!r) continue;
+    // Re-weighted squares, by rho' at the present error.
     const double w = weight(r->e.squaredNorm(), model_.cauchy);
     const Eigen::Matrix<double, 2, 3> J = r->J_point * term.D;
     const auto place = std::lower_bound(term.frames.begin(), term.frames.end(), index);
@@ -216,6 +225,7 @@ bool WindowProblem::eliminate(double damping, Eigen::MatrixXd& H, Eigen::VectorX
       const auto slot = static_cast<Eigen::Index>(6 * i);
       const Eigen::Index row = kState * term.frames[i];
       b.segment<6>(row).noalias() -= term.W.middleRows<6>(slot) * Vb;
+      // Frames ascend: the lower triangle alone.
       for (std::size_t j = 0; j <= i; ++j) {
         H.block<6, 6>(row, kState * term.frames[j]).noalias() -= WV.middleRows<6>(slot).lazyProduct(
             term.W.middleRows<6>(static_cast<Eigen::Index>(6 * j)).transpose());
@@ -236,8 +246,10 @@ std::optional<double> WindowProblem::solve(double damping) {
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(H);
   if (llt.info() != Eigen::Success) return std::nullopt;
   step_ = -(scale.asDiagonal() * llt.solve(scale.cwiseProduct(b)));
+  // b' (H + damping)^-1 b over states and landmarks together.
   double decrement = -b_.dot(step_);
   for (LandmarkTerm& term : terms_) {
+    // x_l = -V^-1 (b_l + W' x), by the landmark's own 3 x 3 inverse.
     Eigen::Vector3d rhs = -term.b;
     for (std::size_t i = 0; i < term.frames.size(); ++i) {
       rhs -= term.W.middleRows<6>(static_cast<Eigen::Index>(6 * i)).transpose() *
@@ -254,12 +266,14 @@ Trial WindowProblem::attempt() {
   states_.clear();
   points_.clear();
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
+    // In the window itself, for costOf() reads it; afterwards all goes back.
     states_.push_back(window_.frames[i].state);
     window_.frames[i].state = boxplus(
         states_.back(), Vector15(step_.segment<kState>(kState * static_cast<Eigen::Index>(i))));
   }
   for (const LandmarkTerm& term : terms_) {
     points_.push_back(term.p_W);
+    // At most four times nearer in one step, and never behind the camera or beyond infinity.
     const double inverse_range = std::clamp(term.inverse_range + term.step.z(), kLeastInverseRange,
                                             std::min(1 / kRange, 4 * term.inverse_range));
     const Eigen::Vector3d towards =
