@@ -6,16 +6,19 @@
 namespace plumbline {
 namespace {
 
+// uv = (fu m_x + pu, fv m_y + pv) for every model, m its image of the point at unit focal length.
 template <CameraModel Model>
 std::optional<Eigen::Vector2d> projectAs(Model, const Intrinsics& camera,
                                          const Eigen::Vector3d& p_C) {
   const CameraValues lens(camera);
   const double* k = lens.k.data();
+  // Before image(), which does not look whether the point can be seen.
   if (!Model::isInDomain(k, p_C.x(), p_C.y(), p_C.z())) return std::nullopt;
   const auto m = Model::image(k, p_C.x(), p_C.y(), p_C.z());
   return Eigen::Vector2d(lens.fu * m.x + lens.pu, lens.fv * m.y + lens.pv);
 }
 
+// d uv = diag(fu, fv) dm + (m_x dfu, m_y dfv) + (dpu, dpv).
 template <CameraModel Model>
 std::optional<Projection> projectWithJacobiansAs(Model, const Intrinsics& camera,
                                                  const Eigen::Vector3d& p_C) {
@@ -29,6 +32,7 @@ std::optional<Projection> projectWithJacobiansAs(Model, const Intrinsics& camera
     out.J_point.col(j) << lens.fu * m.J_point[0][j], lens.fv * m.J_point[1][j];
   }
   out.J_intrinsics.setZero(2, 4 + Model::kShape);
+  // Rows u, v by fu, fv, pu, pv.
   out.J_intrinsics.middleCols<4>(Model::kLeading) << m.x, 0, 1, 0, 0, m.y, 0, 1;
   for (int j = 0; j < Model::kShape; ++j) {
     out.J_intrinsics.col(shapeColumn<Model>(j)) << lens.fu * m.J_k[0][j], lens.fv * m.J_k[1][j];

@@ -15,7 +15,7 @@ void visitMembers(const std::variant<Models...>*, const Visit& visit) {
   (visit(Models{}), ...);
 }
 
-// Calls visit(Model{}) for every model.
+// Calls visit(Model{}) for every model, so that AnyCameraModel is the one list of them.
 template <class Visit>
 void forEachModel(const Visit& visit) {
   visitMembers(static_cast<const AnyCameraModel*>(nullptr), visit);
