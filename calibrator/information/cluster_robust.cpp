@@ -44,12 +44,15 @@ ClusterRobust clusterRobust(const BlockScores& blocks, const MatrixXd& covarianc
     out.degrees.adjustment.emplace_back(adjustment(out.degrees.leverage.back()) * C.transpose());
     half.col(b) = out.degrees.adjustment.back() * blocks.scores.col(b);
   }
+  // S^-1 u = C (I - G)^(-1/2) C' s, for (I - H S^-1)^(-1/2) = C'^-1 (I - G)^(-1/2) C'.
   const MatrixXd root = C * half;
   out.matrix = root * root.transpose();
   return out;
 }
 
 double correlationLength(const MatrixXd& scores, const MatrixXd& covariance) {
+  // covariance = L L', and L' s has the covariance I where s has that of white noise. No mean is
+  // taken off: at an optimum the scores add up to zero.
   const MatrixXd half = covariance.llt().matrixU();
   const MatrixXd white = half * scores;
   const double power = white.squaredNorm();
@@ -60,6 +63,7 @@ double correlationLength(const MatrixXd& scores, const MatrixXd& covariance) {
     const Index rest = pieces - k;
     const double rho = white.leftCols(rest).cwiseProduct(white.rightCols(rest)).sum() / power;
     if (rho < kUncorrelated) break;
+    // Up to there, lest the noise of many small correlations adds up.
     length += 2 * rho;
   }
   return length;

@@ -12,6 +12,7 @@
 namespace plumbline {
 namespace {
 
+// Of A = D L L' D.
 double logDeterminantOf(const ScaledCholesky& f) {
   return 2 * (f.llt.matrixLLT().diagonal().array().log().sum() + f.D.array().log().sum());
 }
@@ -75,6 +76,7 @@ std::vector<FreeDirection> freeDirections(const Eigen::MatrixXd& information,
   const Eigen::MatrixXd scaled = sizes.asDiagonal() * information * sizes.asDiagonal();
   const SymmetricEigen eigen = symmetricEigen(scaled);
   std::vector<FreeDirection> free;
+  // Ascending; an eigenvalue that is NaN counts as free.
   for (Eigen::Index i = 0; i < sizes.size() && !(eigen.values(i) >= 1); ++i) {
     FreeDirection direction;
     const double eigenvalue = eigen.values(i);

@@ -26,7 +26,7 @@ constexpr double kTellsApart = 1.5;
 
 MatrixXd symmetric(const MatrixXd& A) { return 0.5 * (A + A.transpose()); }
 
-/// L of A = L L^T.
+/// L of A = L L^T, from the scaled factorisation: units may differ between parameters.
 std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
   const auto f = scaledCholesky(A);
   if (!f) return std::nullopt;
@@ -71,6 +71,8 @@ struct Moments {
     D_trace += view.D.trace();
     MatrixXd ridged = view.D;
     ridged.diagonal().array() += kFieldRidge * view.D.trace() / std::max(K, 1.0) + 1e-9;
+    // s^T D^-1 s is what a field of the view's own takes of its squared error; the ridge bounds
+    // what functions take that the view hardly sees.
     fitted += view.s.dot(ridged.llt().solve(view.s));
     fields += std::min(K, view.corners);
     squared_px += view.squared_px;
@@ -79,8 +81,11 @@ struct Moments {
   }
 
   double sigma2() const {
+    // Rows less what was fitted to them: poses, parameters, and fields, which are no more than the
+    // view has corners.
     const double free = 2 * corners - 6 * views - static_cast<double>(H.rows()) - fields;
     const double left = std::max(kLeastNoiseShare * squared_px, squared_px - fitted);
+    // Few corners a view would leave next to nothing to divide by.
     return left / std::max(free, 0.5 * corners);
   }
 };
@@ -171,6 +176,7 @@ PredictedError::PredictedError(const LaterUse& use, const ErrorComponents& compo
   const auto L = lowerFactor(H_T);
   assert(L);
   L_ = *L;
+  // L^T A_T = L^-1 C_T, since A_T = (L L^T)^-1 C_T.
   bias_ = L_.triangularView<Eigen::Lower>().solve(use.C);
   H_ = kKnownBefore * H_T;
   Q_ = MatrixXd::Zero(n, n);
@@ -198,6 +204,8 @@ double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
   if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   MatrixXd Z = L_;
   llt.matrixL().solveInPlace(Z);
+  // Halfway, Z is the factor of H solved for L: |Z|^2 = tr(L^T H^-1 L). The second half makes it
+  // H^-1 L.
   double E = components_.sigma2 * Z.squaredNorm();
   if (components_.tau2 == 0 && components_.b2 == 0) return E;
   llt.matrixU().solveInPlace(Z);

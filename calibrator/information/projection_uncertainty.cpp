@@ -22,6 +22,7 @@ std::optional<ImpliedShift> meanFrames(const std::vector<Matrix6d>& H, const Eig
   int frames = 0;
   for (std::size_t f = 0; f < H.size(); ++f) {
     const Eigen::LLT<Matrix6d> llt(H[f]);
+    // A frame that does not determine its own pose says nothing of a mean shift.
     if (llt.info() != Eigen::Success) continue;
     shift.A -= llt.solve(P.middleRows<6>(6 * static_cast<Eigen::Index>(f)));
     shift.noise += llt.solve(Matrix6d::Identity());
@@ -33,6 +34,7 @@ std::optional<ImpliedShift> meanFrames(const std::vector<Matrix6d>& H, const Eig
   return shift;
 }
 
+/// A frame with a singular H_f still counts here: only the sum needs an inverse.
 std::optional<ImpliedShift> crossReprojection(const std::vector<Matrix6d>& H,
                                               const Eigen::MatrixXd& P) {
   Matrix6d sum_H = Matrix6d::Zero();
@@ -60,6 +62,8 @@ std::optional<Eigen::MatrixXd> pixelJacobian(const Intrinsics& camera, const Eig
   Eigen::MatrixXd J(2, 6 + projection->J_intrinsics.cols());
   J.leftCols<3>().setZero();
   if (finite) J.leftCols<3>() = projection->J_point;
+  // d(phi x p) = -[p]x dphi. J_point falls with 1 / range as p grows, so that the ray alone gives
+  // the same.
   J.middleCols<3>(3) = -projection->J_point * skew(p);
   J.rightCols(projection->J_intrinsics.cols()) = projection->J_intrinsics;
   return J;

@@ -40,7 +40,8 @@ struct ImpliedShift {
 /// From the blocks of the normal equations [H_f P_f; P_f^T G] [d_f; g] = -[...], where d_f given g
 /// is N(-H_f^-1 P_f g, H_f^-1): mean-frames (N frames) has A = -1/N sum H_f^-1 P_f and noise
 /// 1/N^2 sum H_f^-1, cross-reprojection A = -(sum H_f)^-1 sum P_f and noise (sum H_f)^-1.
-/// `P` holds 6 rows per frame. Frames whose H_f has no inverse are left out; empty without any.
+/// `P` holds 6 rows per frame. Mean-frames leaves out frames whose H_f has no inverse, and is empty
+/// without any; cross-reprojection is empty where the sum of H_f has none.
 std::optional<ImpliedShift> impliedShift(const std::vector<Matrix6d>& H, const Eigen::MatrixXd& P,
                                          FrameAlignment alignment);
 
