@@ -102,6 +102,7 @@ std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch, const Win
       by += wy * along;
     }
   }
+  // Normal equations of min sum w (g . (x - p - d))^2: [sum w g g'] d = sum w g (g . (x - p)).
   const double det = static_cast<double>(xx) * yy - static_cast<double>(xy) * xy;
   const double trace = static_cast<double>(xx) + yy;
   if (!(det > 0.01 * trace * trace)) return std::nullopt;  // gradients of one direction only
@@ -113,11 +114,14 @@ std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
   const bool inside = window.start.x() >= 0 && window.start.y() >= 0 &&
                       window.start.x() <= image.width - 1 && window.start.y() <= image.height - 1;
   if (!inside) return std::nullopt;
+  // The image of a disc under the edges' axes A is x' (A A')^-1 x <= 1, whose extent in x and y is
+  // the root of the diagonal; the other term keeps it from degenerating.
   const Eigen::Matrix2d shape = window.axes * window.axes.transpose() +
                                 kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
   const Window ellipse{shape.inverse(), shape.diagonal().cwiseSqrt()};
   const Patch whole{kMargin_px, kMargin_px, image.width - 2 * kMargin_px,
                     image.height - 2 * kMargin_px};
+  // Gradients once, for wherever the window may move.
   const Eigen::Vector2d reach = ellipse.reach.array() + window.max_shift_px;
   const Patch patch = within(whole, window.start, reach);
   if (patch.empty()) return std::nullopt;

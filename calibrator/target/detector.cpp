@@ -87,6 +87,7 @@ struct AprilGridDetector::Parts {
 Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
                                                const GrayImageView& image) {
   GridSearch search(grid, options, image, refiner);
+  // First, so that sets are judged by corners to a fraction of a pixel.
   for (TagImage& square : squares) search.refineCorners(square);
   std::vector<std::vector<TagImage>> sets = consistentSets(grid, squares);
   if (sets.size() > kSetsTried) sets.resize(kSetsTried);
@@ -97,6 +98,7 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
     search.start(set);
     search.grow();
     search.completeCorners();
+    // Before the corners at the border go: they vouch for their neighbours.
     search.checkAgainstNeighbours();
     const int contradicting = countContradicting(squares, search.tags());
     search.dropAtBorder();
@@ -125,6 +127,7 @@ Detection AprilGridDetector::detect(const GrayImageView& image) const {
   std::vector<TagImage> squares = parts_->finder.find(image, 2);
   Detection detection = parts_->searchFrom(squares, image);
   if (!detection.tags.empty() || squares.empty()) return detection;
+  // Only where 2 gave nothing, since it costs as much again; squares of both count.
   for (const TagImage& square : parts_->finder.find(image, 3)) squares.push_back(square);
   return parts_->searchFrom(squares, image);
 }

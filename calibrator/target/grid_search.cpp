@@ -42,6 +42,7 @@ bool GridSearch::has(int tag_id) const {
                      [&](const TagImage& tag) { return tag.id == tag_id; });
 }
 
+/// Of the eight tags around, those that are known.
 int GridSearch::neighboursOf(int tag_id) const {
   return static_cast<int>(std::count_if(tags_.begin(), tags_.end(), [&](const TagImage& tag) {
     return std::abs(tag.id % grid_.cols - tag_id % grid_.cols) <= 1 &&
@@ -58,6 +59,8 @@ void GridSearch::insert(const TagImage& tag) {
 void GridSearch::refineCorners(TagImage& tag) const {
   const Eigen::Matrix3d H = squareToQuad(tag.uv);
   const double cells = tagCells(options_.border_bits);
+  // Over the tag's edge: the border inside is border_bits cells wide, the small square outside as
+  // the gap.
   const double reach = kUsedShare * std::min(options_.border_bits / cells, grid_.spacing);
   const double max_shift = std::clamp(0.12 * shortestEdge(tag.uv), 2.0, 8.0);
   for (std::size_t k = 0; k < 4; ++k) {
@@ -85,6 +88,7 @@ std::optional<TagImage> GridSearch::lookFor(int tag_id, const LocalMap& map) con
   if (std::none_of(tag.located.begin(), tag.located.end(), [](bool b) { return b; })) {
     return std::nullopt;
   }
+  // Last, for it needs the corners; it alone says that there is a tag and which.
   const std::optional<int> distance = payloadDistance(image_, tag, options_.border_bits);
   if (!distance || *distance > options_.max_hamming) return std::nullopt;
   tag.hamming = *distance;
@@ -100,6 +104,7 @@ void GridSearch::grow() {
     for (int id = 0; id < grid_.tagCount(); ++id) {
       if (has(id)) continue;
       const int neighbours = neighboursOf(id);
+      // Again only once more neighbours are known: at most eight times, so that it ends.
       if (neighbours <= tried_with[static_cast<std::size_t>(id)]) continue;
       tried_with[static_cast<std::size_t>(id)] = neighbours;
       if (const std::optional<TagImage> tag = lookFor(id, known)) {
@@ -131,6 +136,7 @@ void GridSearch::checkAgainstNeighbours() {
       if (!tag.located[k]) continue;
       const std::optional<Eigen::Vector2d> expected =
           known.predict(4 * tag.id + static_cast<int>(k), tag.id);
+      // A corner for which no neighbour can vouch goes as well.
       if (expected && (*expected - tag.uv[k]).norm() <= limit) continue;
       tag.located[k] = false;
     }

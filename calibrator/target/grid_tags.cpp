@@ -32,6 +32,8 @@ double predictionError(const AprilGrid& grid, const TagImage& tag, const TagImag
   return worst / shortestEdge(other.uv);
 }
 
+/// Both ways: a small square extrapolates badly, and either may be the wrong one. The tolerance
+/// grows with the distance, as extrapolation does.
 bool agree(const AprilGrid& grid, const TagImage& a, const TagImage& b) {
   const int distance = std::max(std::abs(a.id % grid.cols - b.id % grid.cols),
                                 std::abs(a.id / grid.cols - b.id / grid.cols));
@@ -87,6 +89,7 @@ std::vector<std::vector<TagImage>> consistentSets(const AprilGrid& grid,
     std::vector<TagImage> members;
     for (std::size_t i = 0; i < upright.size(); ++i) {
       if (label[i] != group) continue;
+      // Of one id, the reading with the fewest wrong cells stands first.
       if (members.empty() || members.back().id != upright[i].id) members.push_back(upright[i]);
     }
     if (!members.empty()) sets.push_back(std::move(members));

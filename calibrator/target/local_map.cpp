@@ -33,6 +33,7 @@ struct Straightness {
     const double xx = m.xx - m.x * m.x / m.n;
     const double xy = m.xy - m.x * m.y / m.n;
     const double yy = m.yy - m.y * m.y / m.n;
+    // The eigenvalues of the scatter are (xx + yy -+ spread) / 2: least squares across and along.
     const double spread = std::hypot(xx - yy, 2 * xy);
     across += std::max(0.0, 0.5 * (xx + yy - spread));
     along += 0.5 * (xx + yy + spread);
@@ -45,6 +46,8 @@ struct LinePoint {
   std::size_t column_line;
 };
 
+/// Every row of tags has two lines, along the bottoms and the tops of its tags; every column two,
+/// along their left and right edges.
 std::vector<LinePoint> linePoints(const AprilGrid& grid, const std::vector<TagImage>& tags,
                                   const DivisionDistortion& distortion) {
   std::vector<LinePoint> points;
@@ -60,6 +63,7 @@ std::vector<LinePoint> linePoints(const AprilGrid& grid, const std::vector<TagIm
   return points;
 }
 
+/// See estimateDistortion(): the share of the squared lengths that lies across the lines.
 double bending(const AprilGrid& grid, const std::vector<LinePoint>& points, double lambda) {
   std::vector<LineMoments> rows(2 * static_cast<std::size_t>(grid.rows));
   std::vector<LineMoments> columns(2 * static_cast<std::size_t>(grid.cols));
@@ -84,6 +88,8 @@ Eigen::Vector2d DivisionDistortion::straighten(const Eigen::Vector2d& uv) const 
 Eigen::Vector2d DivisionDistortion::distort(const Eigen::Vector2d& straight) const {
   // With s and d the lengths before and after: lambda s d^2 - d + s = 0; the root that is s at 0.
   const Eigen::Vector2d s = (straight - centre) / radius;
+  // Written as 2 s / (1 + root), which does not cancel for a small lambda. Beyond the largest s
+  // that the model reaches the root is taken as 0.
   const double root = std::sqrt(std::max(0.0, 1 - 4 * lambda * s.squaredNorm()));
   return centre + radius * 2 / (1 + root) * s;
 }
@@ -129,7 +135,8 @@ using Matrix8 = Eigen::Matrix<double, 8, 8>;
 constexpr int kHeardTags = 2;
 
 /// Weighted normal equations of u = (h0 + h1 x + h2 y) / (1 + h6 x + h7 y), v likewise with h3, h4,
-/// h5, multiplied out; (x, y) relative to the place asked for, where the denominator is 1. All
+/// h5, multiplied out: with X = (1, x, y) and Y = (x, y) the rows (X, 0, -u Y) h = u and
+/// (0, X, -v Y) h = v; (x, y) relative to the place asked for, where the denominator is 1. All
 /// their entries are sums of few products, which are gathered instead.
 class HomographyFit {
  public:
@@ -199,8 +206,11 @@ std::optional<Eigen::Vector2d> LocalMap::predict(int corner_id, int left_out) co
         std::abs(point.row - row) > kHeardTags) {
       continue;
     }
+    // Straightened places relative to one nearby: the products of the normal equations lose less.
     if (heard == 0) origin = point.straight;
     const Eigen::Vector2d xy = point.on_grid - place;
+    // In pitches. The corners beside the place count about a hundred times as much as those a pitch
+    // away; the constant keeps them finite.
     const double near = 0.1 + xy.squaredNorm();
     fit.add(xy, point.straight - origin, 1 / (near * near));
     ++heard;

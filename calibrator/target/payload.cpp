@@ -55,6 +55,7 @@ double sharpened(const CellGrays& grays, int cells, int col, int row, double str
   return v + strength * (4 * v - around);
 }
 
+/// By the outermost cells of the border.
 Eigen::Vector3d blackPlane(const CellGrays& grays, int cells) {
   GrayPlane plane;
   for (int i = 0; i < cells; ++i) {
@@ -83,6 +84,8 @@ Eigen::Vector3d whitePlane(const GrayImageView& image, const Eigen::Matrix3d& H,
   return plane.solve();
 }
 
+/// The corners of the area that is sampled: `margin` of the edge inside the tag's own, on all
+/// sides.
 bool payloadInside(const GrayImageView& image, const Eigen::Matrix3d& H, double margin) {
   for (const double x : {margin, 1 - margin}) {
     for (const double y : {margin, 1 - margin}) {
@@ -104,6 +107,8 @@ Eigen::Matrix3d squareToQuad(const TagCorners& uv) {
   const Eigen::Vector2d s = uv[0] - uv[1] + uv[2] - uv[3];
   Eigen::Matrix2d A;
   A << d1, d2;
+  // Of H's last row (g, h, 1). Corners 1, 2, 3 in line make A singular; the caller sees an H that
+  // is not finite.
   const Eigen::Vector2d gh = A.inverse() * s;
   Eigen::Matrix3d H;
   H.col(0) << uv[1] - uv[0] + gh.x() * uv[1], gh.x();
@@ -138,11 +143,13 @@ std::optional<int> payloadDistance(const GrayImageView& image, const TagImage& t
   const Eigen::Vector3d black = blackPlane(grays, cells);
   const Eigen::Vector3d white = whitePlane(image, H, cells);
   const Eigen::Vector3d contrast = white - black;
+  // In the middle of the tag.
   if (!(contrast.x() + 0.5 * contrast.y() + 0.5 * contrast.z() >= min_contrast)) {
     return std::nullopt;
   }
   const Eigen::Vector3d threshold = 0.5 * (black + white);
   const double cell_px = shortestEdge(tag.uv) / cells;
+  // Full below cells of 1.5 px, none from 4.5 px on.
   const double strength = std::clamp(0.45 - 0.1 * cell_px, 0.0, 0.3);
   std::uint64_t payload = 0;
   for (int row = 0; row < kPayloadCells; ++row) {

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 /// Owns the library's objects. The family is cut down to the grid's ids, which keeps its decoding
-/// table small; the full length is put back for its destructor.
+/// table small. Places of bits count from the border's corner, so that a wider border moves them.
 struct QuadFinder::Library {
   apriltag_family_t* family = tag36h11_create();
   apriltag_detector_t* detector = apriltag_detector_create();
@@ -45,6 +45,7 @@ void dilate(const GrayImageView& image, int size, GrayImage& out) {
   if (out.width() != image.width || out.height() != image.height) {
     out = GrayImage(image.width, image.height);
   }
+  // The largest of a square is that of the columns' largest: along v first, then along u.
   std::vector<std::uint8_t> column_max(static_cast<std::size_t>(image.width));
   const int before = (size - 1) / 2;
   const int last = image.width - 1;

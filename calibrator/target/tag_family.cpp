@@ -50,6 +50,7 @@ AxisPosition locateOnAxis(double coordinate, double tag_size, double gap, int ta
   const double pitch = tag_size + gap;
   const double end = pitch * (tags - 1) + tag_size;
   if (coordinate < -gap || coordinate >= end + gap) return at;
+  // The gap before tag 0 counts as that of a tag -1.
   const double period = std::floor(coordinate / pitch);
   const double rest = coordinate - period * pitch;
   at.index = static_cast<int>(period);
@@ -79,6 +80,7 @@ bool gridIsBlack(const AprilGrid& grid, const Eigen::Vector2d& p_F, int border_b
   const double gap = grid.spacing * grid.tag_size;
   const AxisPosition x = locateOnAxis(p_F.x(), grid.tag_size, gap, grid.cols);
   const AxisPosition y = locateOnAxis(p_F.y(), grid.tag_size, gap, grid.rows);
+  // One of the small squares at the corners.
   if (x.in_gap && y.in_gap) return true;
   if (!x.in_tag || !y.in_tag) return false;
   const int cells = tagCells(border_bits);
