@@ -23,7 +23,8 @@ ScalarMotion quinticStep(double x) {
 /// Its integral from 0 to x, x in [0, 1].
 double quinticStepIntegral(double x) { return x * x * x * x * (2.5 - 3 * x + x * x); }
 
-/// What a rest takes of the warped time: w = 1 within, ramps beside it. x is the integral of w.
+/// What a rest takes of the warped time: w = 1 within, ramps beside it. x is the integral of w; a
+/// whole ramp loses half of its length.
 ScalarMotion lostTo(const std::pair<double, double>& rest, double ramp_s, double t_s) {
   const auto [from, to] = rest;
   if (t_s <= from - ramp_s) return {};
@@ -59,7 +60,8 @@ double within(RandomStream& random, double from, double to, int i, int n) {
   return from + part * (i + 0.5 + random.uniform(-0.25, 0.25));
 }
 
-/// How many of `count` pieces of length_s fit into a span when they are spread by within().
+/// How many of `count` pieces of length_s fit into a span when they are spread by within(), which
+/// leaves at least half a part between the begins of neighbours.
 int fitting(int count, double span_s, double length_s) {
   return std::clamp(static_cast<int>(0.5 * span_s / length_s), 0, count);
 }
@@ -91,6 +93,7 @@ FlightMotion::FlightMotion(const SimulatedRig& rig, double duration_s, const Fli
   RandomStream random(o.seed, RandomPurpose::kFlight);
   const Eigen::Vector3d half = 0.5 * o.room_m;
   const std::array<double, 6> mean{0, 0, half.z(), 0, 0, 0};
+  // Channels reach 1.1 times as far at most.
   const std::array<double, 6> reach{
       0.41 * half.x(), 0.41 * half.y(), 0.36 * half.z(), 1.5, 0.25, 0.2};
   constexpr std::array<double, 6> kHertz{0.12, 0.105, 0.18, 0.05, 0.15, 0.17};

@@ -23,6 +23,8 @@ RotationMotion rotationAbout(const Eigen::Vector3d& axis, const ScalarMotion& an
 }
 
 RotationMotion operator*(const RotationMotion& R_AB, const RotationMotion& R_BC) {
+  // R_AC' dR_AC/dt gives w = w_BC + R_BC' w_AB, and as C turns
+  //   d(R_BC' w_AB)/dt = R_BC' alpha_AB - w_BC x (R_BC' w_AB).
   const Eigen::Vector3d omega_C = R_BC.R.transpose() * R_AB.omega;  // of B against A, in C
   const Eigen::Vector3d alpha_C = R_BC.R.transpose() * R_AB.alpha;
   return {R_AB.R * R_BC.R, R_BC.omega + omega_C, R_BC.alpha + alpha_C - R_BC.omega.cross(omega_C)};

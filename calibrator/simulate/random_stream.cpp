@@ -15,6 +15,7 @@ std::uint64_t scatter(std::uint64_t word) {
   return word ^ (word >> 31);
 }
 
+/// A chain, so that the order of the indices counts; neighbouring ones have unrelated streams.
 std::uint64_t streamKey(std::uint64_t seed, RandomPurpose purpose,
                         std::initializer_list<std::uint64_t> indices) {
   std::uint64_t key = scatter(scatter(seed) ^ static_cast<std::uint64_t>(purpose));

@@ -39,6 +39,7 @@ GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
 }
 
 double GridPattern::middleOf(int index, int tags) const {
+  // Index 1, the paper; the wall is passed over by the constructor.
   if (index <= 1) return -gap_ - 0.5 * margin_;
   if (index >= 3 + kSteps * tags) return pitch_ * tags + 0.5 * margin_;
   const int step = index - 3 + kSteps;  // counted from the cells of a tag -1
@@ -50,6 +51,7 @@ double GridPattern::middleOf(int index, int tags) const {
 
 std::optional<Surface> GridPattern::uniformSurface(Cell low, Cell high) const {
   const Surface first = surface(low);
+  // Not worth 16 look-ups and more: a pixel that large is sampled anyway.
   if (high.col - low.col > 3 || high.row - low.row > 3) return std::nullopt;
   for (int row = low.row; row <= high.row; ++row) {
     for (int col = low.col; col <= high.col; ++col) {
@@ -149,6 +151,7 @@ TargetRenderer::TargetRenderer(const Intrinsics& camera, const AprilGrid& target
       gain_(vignettingGain(camera.resolution, options.vignetting)) {}
 
 TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f& n) const {
+  // (A default Hit lies in the wall, cell (0, 0).)
   if (!(n.z() < 0)) return {};  // away from the plane, or no ray: the wall far out
   const float range = -view.c_F.z() / n.z();
   if (!(range < kFarAway)) return {};
@@ -176,7 +179,8 @@ float TargetRenderer::pixelLight(const View& view, int x, int y, const Hit* abov
       std::minmax({above[0].cell.col, above[1].cell.col, below[0].cell.col, below[1].cell.col});
   const auto [row_low, row_high] =
       std::minmax({above[0].cell.row, above[1].cell.row, below[0].cell.row, below[1].cell.row});
-  // Illumination changes linearly over the target and stays constant beyond.
+  // Where all cells between those of the pixel's corners are of one surface, the pixel is. The
+  // illumination changes linearly over the target and stays constant beyond.
   const float across = above[0].x / static_cast<float>(target_.width()) - 0.5F;
   const float upward = above[0].y / static_cast<float>(target_.height()) - 0.5F;
   const float slope = std::clamp(across + 0.5F * upward, -1.0F, 1.0F);
@@ -196,6 +200,7 @@ float TargetRenderer::mixedLight(const View& view, int x, int y, float light) co
   const Eigen::Vector3f twist = view.R_FC * ray(x + 1, y + 1) - n - right - down;
   std::array<int, 3> count{};
   for (const SamplePoint& s : points) {
+    // Bilinear between the rays of the pixel's four corners.
     const Hit hit = cast(view, n + s.u * right + s.v * (down + s.u * twist));
     ++count[static_cast<std::size_t>(pattern_.surface(hit.cell))];
   }
@@ -212,6 +217,7 @@ std::vector<float> TargetRenderer::illuminate(const Transform& T_FC) const {
   auto pixel = light.begin();
   auto gain = gain_.begin();
   for (int y = 0; y < height_; ++y) {
+    // Each lattice row serves two rows of pixels, and is cast once.
     std::vector<Hit> below = castRow(view, y + 1);
     for (int x = 0; x < width_; ++x, ++pixel, ++gain) {
       *pixel = *gain * pixelLight(view, x, y, &above[static_cast<std::size_t>(x)],
@@ -300,6 +306,7 @@ std::vector<float> gaussianBlur(const std::vector<float>& light, int width, int 
     convolveRow(padded.data(), kernel, width, across.data() + static_cast<std::size_t>(y) * w);
   }
   std::vector<float> out(light.size(), 0.0F);
+  // Down the columns, but row by row, so that the inner loop runs along memory.
   for (int y = 0; y < height; ++y) {
     float* row = out.data() + static_cast<std::size_t>(y) * w;
     for (std::size_t j = 0; j < kernel.size(); ++j) {
@@ -323,6 +330,7 @@ GrayImage exposeSensor(const std::vector<float>& light, int width, int height, d
   for (std::size_t i = 0; i < light.size(); ++i) {
     if (left == 0) {
       bits = random.bits();
+      // Five draws of 12 bits from 64.
       left = kDrawsPerOutput;
     }
     const float value = light[i] + sigma * table.at(bits);

@@ -49,6 +49,7 @@ void addNoise(Canvas& canvas, double cell_m, double amplitude, RandomStream& ran
   }
 }
 
+/// Sides between 0.04 and 0.5 m, even in their logarithm; `side` is half of one, in texels.
 void paintRectangle(Canvas& canvas, RandomStream& random) {
   const double u = random.uniform(0, canvas.width), v = random.uniform(0, canvas.height);
   const auto side = [&] {
@@ -80,6 +81,7 @@ GrayImage painted(double width_m, double height_m, std::uint64_t seed, std::uint
   const std::array<std::pair<double, double>, 5> octaves{
       {{0.8, 30}, {0.4, 20}, {0.2, 14}, {0.1, 10}, {0.05, 8}}};
   const auto count = static_cast<int>(kRectanglesPerM2 * width_m * height_m);
+  // Half of the rectangles are under the noise, half over it: plain ones beside textured ones.
   for (int i = 0; i < count / 2; ++i) paintRectangle(canvas, random);
   for (const auto& [cell_m, amplitude] : octaves) addNoise(canvas, cell_m, amplitude, random);
   for (int i = count / 2; i < count; ++i) paintRectangle(canvas, random);
@@ -173,6 +175,7 @@ void RoomRenderer::expose(const Transform& T_FC, const std::vector<Eigen::Vector
       if (n[axis] == 0) continue;
       const bool up = n[axis] > 0;
       const float reach = ((up ? half[axis] : -half[axis]) - c[axis]) / n[axis];
+      // From within a box, the side that the ray reaches first.
       if (reach < range) {
         range = reach;
         side = 2 * axis + (up ? 1 : 0);
@@ -204,6 +207,7 @@ std::vector<Transform> exposurePoses(const SimulatedSession& session, int camera
   // Walls are 2 m away or more; projection ends with fu fv pu pv.
   const double blur_px =
       (m.omega_B.norm() + m.v_F.norm() / 2) * exposure_s * lens.projection.tail<4>()[0];
+  // In fours, so that every place of the pixel (kPlaces) has as many sub-exposures.
   const int count = std::clamp(4 * static_cast<int>(std::ceil(blur_px / 4)), 4, 16);
   const Transform T_SC =
       session.truth.imu->T_SC0 * session.truth.cameras[static_cast<std::size_t>(camera)].T_C0Ci;

@@ -64,6 +64,7 @@ SimulatedRig euroc() {
   ImuCalibration imu;
   imu.T_SC0 = T_SC0;
   imu.time_offsets = {{0.0021}};
+  // Gyroscope: density, random walk; accelerometer: density, random walk; rate.
   imu.noise = {1.6968e-4, 1.9393e-5, 2.0e-3, 3.0e-3, 200};
   rig.calibration.imu = imu;
   return rig;
@@ -77,6 +78,7 @@ SimulatedRig tumvi() {
                      {0.00348238940, 0.00071503485, -0.00205323614, 0.00020293674});
   auto cam1 = camera(1, size, equidistant, {190.44236969, 190.43443847, 252.59949717, 254.91723065},
                      {0.00340031708, 0.00176627815, -0.00266312570, 0.00032995174});
+  // Kalibr's T_cam_imu of camera 0 and T_cn_cnm1 of camera 1.
   const Transform T_C0S = transformOf({-0.99952504, 0.02961534, -0.00852233, 0.04727988,   //
                                        0.00750192, -0.03439736, -0.99938008, -0.04744323,  //
                                        -0.02989013, -0.99896935, 0.03415885, -0.06819996});

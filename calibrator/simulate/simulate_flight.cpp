@@ -31,7 +31,9 @@ std::vector<Eigen::Vector3d> pointsOnWalls(const Eigen::Vector3d& room, int coun
   return points;
 }
 
-/// Follows landmarks from frame to frame as a tracker with an unlucky hand would.
+/// Follows landmarks from frame to frame as a tracker with an unlucky hand would. Every frame a
+/// track is lost with the same probability 1 - exp(-1 / (life_s rate)): lives are exponential, with
+/// mean life_s.
 class Tracker {
  public:
   Tracker(SimulatedFlight& flight, const TrackOptions& options, std::uint64_t seed)
@@ -49,6 +51,7 @@ class Tracker {
       return luck.uniform() < lost_ || !seen_[0][static_cast<std::size_t>(track.second)];
     });
     for (int p = 0; p < static_cast<int>(flight_.landmarks.size()); ++p) {
+      // What was lost may begin again at once, as another track.
       if (static_cast<int>(followed_.size()) >= options_.tracks) break;
       // Begun anywhere, so that not the same few points are followed by all flights' frames.
       const int point =
@@ -97,6 +100,8 @@ class Tracker {
       const double n_u = noise.normal(), n_v = noise.normal();
       const bool anywhere = noise.uniform() < options_.outlier_share;
       const double u = noise.uniform(), v = noise.uniform();
+      // All numbers of a sighting are drawn whether it is an outlier or not: the share of outliers
+      // moves nobody else's noise.
       Eigen::Vector2d uv = *exact + options_.sigma_px * Eigen::Vector2d(n_u, n_v);
       if (anywhere) uv = {u * (stream.resolution.width - 1), v * (stream.resolution.height - 1)};
       if (isInImage(uv, stream.resolution)) view.corners.push_back({id, uv});

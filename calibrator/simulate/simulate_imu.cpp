@@ -31,6 +31,7 @@ struct TriadSequence {
   std::vector<Eigen::Vector3d> bias;
 };
 
+/// Drawn in statements of their own: the order in which arguments are evaluated is not fixed.
 Eigen::Vector3d normalVector(RandomStream& random) {
   const double x = random.normal();
   const double y = random.normal();
@@ -62,7 +63,8 @@ TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const S
   return s;
 }
 
-/// Covers all exposures, first to last, by the margin on both sides.
+/// Covers all exposures, first to last, by the margin on both sides: the camera's stamps, moved by
+/// the time offset to the IMU's clock.
 SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
   const double rate = imu.noise.rate_hz;
   const double before = o.imu_margin_s + std::max(0.0, -imu.timeOffset());

@@ -30,6 +30,7 @@ void SimulationOptions::check() const {
   requireWithin(1e-3, 1e5, "simulation.camera_rate_hz", camera_rate_hz.value_or(1));
   requireWithin(1e-3, 1e5, "simulation.imu_rate_hz", imu_rate_hz.value_or(1));
   requireWithin(-1e3, 1e3, "simulation.time_offset_s", time_offset_s.value_or(0));
+  // Negative: cut off at either end, so that a fifth of the recording is left.
   requireWithin(-0.4 * duration_s, 1e3, "simulation.imu_margin_s", imu_margin_s);
   requireWithin(0, 1e3, "simulation.corner_sigma_px", corner_sigma_px);
   requireWithin(0, 1, "simulation.outlier_fraction", outlier_fraction);
@@ -63,6 +64,7 @@ std::vector<TimeNs> nominalStamps(double rate_hz, const SimulationOptions& o) {
   const auto count = std::max<std::int64_t>(1, std::llround(o.duration_s * rate_hz));
   std::vector<TimeNs> stamps;
   for (std::int64_t k = 0; k < count; ++k) {
+    // From the number, so that rounding does not add up.
     stamps.push_back(o.start_ns + toNanoseconds(static_cast<double>(k) / rate_hz));
   }
   return stamps;
@@ -86,6 +88,7 @@ void simulateCamera(SimulatedSession& s, int index, const SimulationOptions& o) 
     disturbCorners(view.corners, camera.intrinsics.resolution, index, frame.number, o);
     stream.views.push_back(std::move(view));
   }
+  // Last, for these faults are of views as recorded.
   disturbViews(stream, frames, index, o, s.faults);
   s.session.cameras.push_back(std::move(stream));
   s.view_poses.push_back(std::move(poses));
@@ -110,6 +113,7 @@ ImuState SimulatedSession::stateAt(TimeNs t_cam) const {
   const MotionState m = motionAtCameraTime(t_cam);
   const std::vector<ImuSample>& samples = session.imu->samples;
   const TimeNs t = t_cam + toNanoseconds(truth.imu->timeOffset());
+  // The samples on either side; beyond the ends the outermost bias.
   const auto later = std::upper_bound(samples.begin(), samples.end(), t,
                                       [](TimeNs a, const ImuSample& b) { return a < b.t; });
   const auto count = static_cast<std::ptrdiff_t>(samples.size());
@@ -128,6 +132,7 @@ ImuState SimulatedSession::stateAt(TimeNs t_cam) const {
 
 Transform SimulatedSession::T_WF() const {
   const Eigen::Vector3d up_F = -gravity_F.normalized();
+  // x of F less its part along the vertical: in W's x-z plane, and level.
   const Eigen::Vector3d side = Eigen::Vector3d::UnitX() - up_F.x() * up_F;
   Eigen::Matrix3d R_WF;
   R_WF.row(0) = side.normalized();

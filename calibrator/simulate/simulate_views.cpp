@@ -64,6 +64,7 @@ double edgeScaleOf(const Projection& project, int first, double relative) {
     if (!a || !b) return 1;
     sum += (*a - *b).norm();
   }
+  // The larger root, which is the edge itself for relative = 0:
   // L = edge (1 + relative kTagEdgePx / L)
   const double edge = sum / 4;
   const double square = edge * (edge + 4 * relative * kTagEdgePx);
@@ -101,6 +102,7 @@ std::vector<FrameStamp> simulateStamps(const std::vector<TimeNs>& nominal, int i
   std::vector<FrameStamp> stamps;
   stamps.reserve(nominal.size());
   for (std::size_t k = 0; k < nominal.size(); ++k) {
+    // Drawn for dropped frames as well, so that dropping moves no other stamp.
     const double shift_s = o.stamp_jitter_s * jitter.uniform(-0.5, 0.5);
     if (drop.uniform() < o.dropped_fraction) continue;
     stamps.push_back({k, nominal[k] + toNanoseconds(shift_s)});

@@ -19,7 +19,8 @@ class ChannelMaker {
   ChannelMaker(std::uint64_t seed, double pace)
       : random_(seed, RandomPurpose::kTrajectory), pace_(pace) {}
 
-  /// Reaches mean +- amplitude (+-10 %), slowest term at base_hz (+-10 %) times the pace.
+  /// Reaches mean +- amplitude (+-10 %), slowest term at base_hz (+-10 %) times the pace. The terms
+  /// are no multiples of each other, nor are the channels: the motion does not repeat.
   SumOfSinusoids channel(double mean, double amplitude, double base_hz) {
     constexpr std::array<double, SumOfSinusoids::kTerms> kShare{0.6, 0.3, 0.1};
     constexpr std::array<double, SumOfSinusoids::kTerms> kHarmonic{1.0, 1.9, 3.1};
@@ -44,6 +45,7 @@ class ChannelMaker {
 double halfAngle(const Intrinsics& camera, int axis) {
   const int size = axis == 0 ? camera.resolution.width : camera.resolution.height;
   const double slope = 0.5 * size / camera.projection[axis];
+  // An equidistant lens images angles by f theta, a pinhole by f tan theta.
   return camera.distortion_model == DistortionModel::kEquidistant ? slope : std::atan(slope);
 }
 
@@ -87,6 +89,7 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
 
   const bool moves = kind_ != MotionKind::kStatic;
   const bool translates = moves && kind_ != MotionKind::kPureRotation;
+  // Channels without motion keep their draws, at amplitude 0: kinds of one seed share their phases.
   const double reach = translates ? 0.2 * near : 0;
   angle_ = make.channel(0.1, moves ? 0.4 : 0, 0.27);
   x_ = make.channel(0, reach, 0.23);
@@ -109,6 +112,8 @@ MotionState AnalyticTrajectory::orbit(double t_s) const {
   const RotationMotion facing{facingTarget(), Vector3d::Zero(), Vector3d::Zero()};
   const RotationMotion around = facing * rotationAbout(Vector3d::UnitY(), azimuth_.at(t_s)) *
                                 rotationAbout(Vector3d::UnitX(), elevation_.at(t_s));
+  // The orbit looks at the aim along u; pan, tilt and roll turn the head and leave the place as it
+  // is.
   const RotationMotion head = around * rotationAbout(Vector3d::UnitY(), pan_.at(t_s)) *
                               rotationAbout(Vector3d::UnitX(), tilt_.at(t_s)) *
                               rotationAbout(Vector3d::UnitZ(), roll_.at(t_s));
@@ -136,6 +141,8 @@ MotionState AnalyticTrajectory::axisBound(double t_s) const {
   const ScalarMotion y = y_.at(t_s);
   const ScalarMotion z = z_.at(t_s);
   const RotationMotion turn = rotationAbout(axis_B_, angle_.at(t_s));
+  // Coordinates along the axes that B has at rest; planar without that along the axis it turns
+  // about.
   Eigen::Matrix3d allowed = T_FB0_.R;
   if (kind_ == MotionKind::kPlanar) {
     allowed *= Eigen::Matrix3d::Identity() - axis_B_ * axis_B_.transpose();
