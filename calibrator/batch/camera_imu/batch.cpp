@@ -117,6 +117,7 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
   return out;
 }
 
+/// By every view's own pose, that of the homography, before anything is refined.
 std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners,
                              const std::vector<CameraCalibration>& cameras,
                              const std::vector<Frame>& frames, int threads) {
@@ -244,6 +245,8 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   weigh(posed.rejected, 0, problem.corners);
   const Screening screening = screeningOf(posed, problem, options);
   CameraImuOptions with_noise = options;
+  // The alignment with gravity judges its residuals by the densities, the session's if the options
+  // have none.
   with_noise.noise = problem.noise;
   auto start = startCameraImu(posed.poses, problem.samples, session.target, with_noise);
   if (!start) return withCutOff(start.failure(), problem.recorded);

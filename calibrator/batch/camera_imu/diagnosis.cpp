@@ -36,7 +36,8 @@ Terms withColumns(Terms model, const std::vector<int>& columns) {
   return model;
 }
 
-/// One that changes at instants that are evenly spaced.
+/// One that changes at instants that are evenly spaced: its column acts in the model all along, and
+/// each term adds a step. (The time offset, which is a column of the border.)
 Tested testedInParts(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
   Tested out;
   const auto parts = static_cast<std::size_t>(candidate.changes) + 1;
@@ -47,7 +48,9 @@ Tested testedInParts(const Scores& scores, const ScoreTests& tests, const Candid
   return out;
 }
 
-/// One that begins at an instant: that of the largest chi2.
+/// One that begins at an instant: that of the largest chi2. Its columns are free from the beginning
+/// on, so that what is tested is a change. At the ends few blocks lie on one side, and any noise
+/// looks like one. O(blocks) tests.
 Tested testedSince(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
   Tested out;
   const ScoreTests changes(scores, withColumns(tests.model(), candidate.columns));
@@ -74,6 +77,8 @@ Tested testedThroughout(const Scores& scores, const ScoreTests& tests, const Can
     const ScoreTests beside(scores, withColumns(tests.model(), candidate.nuisance));
     out.test = beside.test(out.terms);
   }
+  // `explained` is over the calibration's overdispersion; where what chance explains of this fault
+  // is known and larger, it is over that.
   if (candidate.dispersion > tests.overdispersion()) {
     out.test.explained *= tests.overdispersion() / candidate.dispersion;
     out.test.chi2 = std::min(out.test.chi2, out.test.explained);
@@ -118,6 +123,8 @@ bool standsAlone(const FaultTest& test, const FaultDiagnosis& found, double bloc
   }
   if (found.causes.empty()) return true;
   const FaultTest& first = found.causes.front();
+  // The first cause shifts the calibration by so many of its formal deviations: beyond kFar the
+  // linear model of the tests is strained.
   const double far = first.shift.cwiseAbs().cwiseQuotient(found.formal_std).maxCoeff();
   return far < kFar || test.explained > kShare * first.explained;
 }

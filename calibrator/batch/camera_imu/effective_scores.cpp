@@ -84,6 +84,8 @@ BlockArrow chainOf(const CameraImuProblem& problem, const std::vector<FaultViewT
   return chain;
 }
 
+// At the optimum of the batch, with its own columns alone: what the residuals' redundancy is judged
+// by.
 std::optional<ChainCovariance> covarianceOf(const CameraImuProblem& problem,
                                             const std::vector<FaultViewTerms>& views,
                                             const std::vector<LinkTerms>& links, Index border) {
@@ -110,6 +112,7 @@ void addTo(ScoreBlock& block, const FaultViewTerms& v, const ChainResponse& W) {
 }
 
 void addTo(ScoreBlock& block, const LinkTerms& t, const std::vector<ChainResponse>& W) {
+  // J~ = J_B + J_i W_i + J_j W_j.
   MatrixXd U = t.J_i * W[t.at] + t.J_j * W[t.at + 1];
   U.leftCols(t.J_B.cols()) += t.J_B;
   block.information.noalias() += U.transpose() * U;
@@ -120,6 +123,7 @@ std::vector<ScoreBlock> emptyBlocks(const CameraImuProblem& problem, int size, d
   const TimeNs begin = problem.frames.front().t;
   const double span = secondsBetween(begin, problem.frames.back().t);
   const auto count = static_cast<std::size_t>(std::max(1.0, std::round(span / block_s)));
+  // One nanosecond more than the share, so that the last frame falls into the last block.
   const TimeNs length = (problem.frames.back().t - begin) / static_cast<TimeNs>(count) + 1;
   std::vector<ScoreBlock> blocks(count);
   for (std::size_t b = 0; b < count; ++b) {
@@ -144,6 +148,7 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   } else {
     return std::nullopt;
   }
+  // Now with all columns, jumps included; the border's own information comes from the blocks.
   const auto W = chainResponses(chainOf(problem, views, *links, columns.size), problem.threads);
   if (!W) return std::nullopt;
   out.blocks = emptyBlocks(problem, columns.size, block_s);

@@ -20,6 +20,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using StateRows = Eigen::Matrix<double, Eigen::Dynamic, kChainBlock>;
 
+/// Views as rows by every column that moves them. Weights are those of re-weighted least squares
+/// (clamp 0), roots on the rows: scores and information of the same model.
 class ViewRows {
  public:
   ViewRows(const CameraImuProblem& problem, const CameraImuSolution& solution,
@@ -34,6 +36,7 @@ class ViewRows {
     const CameraCalibration& camera = e.cameras[c];
     const ExposurePose pose = exposurePose(problem_, e, i, exposureDelay(problem_, e, i, c));
     const CameraImuChain chain = cameraImuChain(pose.T_FS, e.T_SC0, camera.T_C0Ci);
+    // How the target moves in the camera for a second of delay.
     const Vector6d twist = chain.A_FS * pose.by_delay;
     FaultViewTerms out;
     out.frame = i;
@@ -102,6 +105,7 @@ class ViewRows {
       const auto image = projectWithJacobians(lens, p);
       if (!image) continue;
       const Eigen::Vector2d error = image->uv - Eigen::Vector2d(corners.u[i], corners.v[i]);
+      // By the measured row: it is the row that was exposed then.
       const double h = corners.v[i] / lens.resolution.height - 0.5;
       const double w = std::sqrt(c2 > 0 ? 1 / (1 + error.squaredNorm() / c2) : 1.0);
       auto rows = J.middleRows<2>(2 * i);
@@ -140,6 +144,7 @@ class LinkRows {
     middle_ = problem.frames.front().t + (problem.frames.back().t - problem.frames.front().t) / 2;
   }
 
+  /// Rows: motion (9, where the link is inertial), then the walk of the biases (6).
   std::optional<LinkTerms> link(std::size_t k) const {
     LinkTerms out;
     out.at = k;
@@ -174,6 +179,7 @@ class LinkRows {
     const ImuState& i = e.states[k];
     const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.timeOffset()};
     const ImuBias bias{i.gyro_bias, i.accel_bias};
+    // The offset's derivative is the smooth one of informationAt().
     auto motion = preintegrate(problem_.samples, window, bias);
     const auto faults = sampleFaultDerivatives(problem_.samples, window, bias);
     if (!motion || !faults) return false;
@@ -190,7 +196,9 @@ class LinkRows {
     auto J_B = out.J_B.topRows<9>();
     J_B.middleCols<2>(BorderLayout::kGravity) = W * r.J_gravity;
     J_B.col(BorderLayout::kOffset) = W * r.J_offset;
+    // Minus, as the motion stands in the residual with a minus.
     J_B.middleCols<SampleFaults::kCount>(columns_.samples) = -W * *faults;
+    // About the middle, so that drift and offset do not stand for each other.
     J_B.col(columns_.drift) = secondsBetween(middle_, window.from) * J_B.col(BorderLayout::kOffset);
     addSway(k, out);
     return true;
@@ -223,6 +231,7 @@ class LinkRows {
 
 }  // namespace
 
+/// What the batch estimates already keeps its column in the border.
 FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
     : border(estimate, free_cameras) {
   int at = border.size;

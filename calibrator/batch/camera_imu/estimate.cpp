@@ -111,6 +111,8 @@ ExposurePose exposurePose(const CameraImuProblem& problem, const CameraImuEstima
   out.T_FS = {R * expSO3(w * d), state.T_FS.t + d * state.v_F + half * a};
   out.by_state.setZero();
   out.by_state.leftCols<6>().setIdentity();
+  // A turn a of R on the left passes through to the pose, and turns the force: a x force_F =
+  // -[force_F]x a. Biases are taken off the readings, hence their minus.
   out.by_state.block<3, 3>(0, 3) = -half * skew(force_F);
   out.by_state.block<3, 3>(0, 6) = d * Eigen::Matrix3d::Identity();
   out.by_state.block<3, 3>(3, 9) = -d * turn;

@@ -26,6 +26,7 @@ std::vector<Candidate> sampleFaults(const FaultColumns& columns) {
   const int a = columns.samples + SampleFaults::kAccel;
   const int g = columns.samples + SampleFaults::kGyro;
   const int sensitivity = columns.samples + SampleFaults::kGSensitivity;
+  // Of a 3 x 3 matrix, row by row.
   const auto diagonal = [](int m) { return std::vector<int>{m, m + 4, m + 8}; };
   const auto rest = [](int m) {
     return std::vector<int>{m + 1, m + 2, m + 3, m + 5, m + 6, m + 7};
@@ -90,6 +91,7 @@ std::vector<Candidate> cameraFaults(const FaultColumns& columns) {
   std::vector<Candidate> out;
   for (std::size_t c = 1; c < columns.T_C0Ci.size(); ++c) {
     const int camera = static_cast<int>(c);
+    // Otherwise the batch estimates it already.
     if (columns.own_offset[c] >= columns.border.size) {
       out.push_back({.fault = UnmodelledFault::kCameraDelay,
                      .camera = camera,

@@ -54,6 +54,8 @@ Jump biasJump(const LinkTerms& t, int first_row) {
   return C;
 }
 
+/// The later state's position moves against the earlier one's: the link sees the target jump
+/// between.
 Jump targetJump(const LinkTerms& t) { return t.J_j.leftCols<3>(); }
 
 /// 1 - J S J' of a link's rows.
@@ -74,6 +76,7 @@ double swayFrequency(const CameraImuProblem& problem, const CameraImuSolution& s
   const std::vector<Force> forces = forcesLeftOver(problem, solution);
   const double span = secondsBetween(problem.frames.front().t, problem.frames.back().t);
   const double rate = static_cast<double>(forces.size()) / span;
+  // Half of what the span resolves, lest the peak falls between two steps.
   const double step = 0.5 / span;
   // exp(i 2 pi f t) of every force, turned on from one frequency to the next.
   const auto phasor = [&](const Force& force, double hz) {
@@ -86,6 +89,7 @@ double swayFrequency(const CameraImuProblem& problem, const CameraImuSolution& s
   }
   double best = kSlowestSway;
   double most = -1;
+  // Up to 0.4 of the links' rate, short of the half at which frequencies fold back.
   for (double hz = kSlowestSway; hz < std::min(kFastestSway, 0.4 * rate); hz += step) {
     Eigen::Vector3cd sum = Eigen::Vector3cd::Zero();
     for (std::size_t k = 0; k < forces.size(); ++k) {

@@ -34,6 +34,7 @@ struct Link {
   Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
 };
 
+/// Once, at the solution; afterwards only the factors change, and no sample is visited again.
 std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
                                          const CameraImuEstimate& estimate,
                                          const ImuWeights& weights) {
@@ -102,6 +103,8 @@ void addLink(const Link& link, const Groups& information, BlockArrow& chain) {
   chain.border_gradient.segment<3>(kGravity) += G.block<3, 1>(24, kResidual);
 }
 
+/// The normal equations under other variances: corners over pixel^2, each group of links over its
+/// factor squared.
 BlockArrow combined(const BlockArrow& cameras, const std::vector<Link>& links,
                     const Factors& factors) {
   BlockArrow chain = cameras;
@@ -144,6 +147,7 @@ void addRows(const Link& link, const Groups& information, const ChainInverse& in
   const auto& dx_i = inverse.solution.step[at];
   const auto& dx_j = inverse.solution.step[at + 1];
   const Vector6d walk = link.walk + link.walk_weight.cwiseProduct((dx_j - dx_i).tail<6>());
+  // Var(x_j - x_i) of the biases.
   const Vector6d variance =
       (S.diagonal[at] + S.diagonal[at + 1] - 2 * S.next[at]).diagonal().tail<6>();
   const Vector6d explained = link.walk_weight.cwiseAbs2().cwiseProduct(variance);
@@ -173,6 +177,7 @@ double poseSquares(const BlockArrow& cameras, const ChainSolution& step) {
   for (std::size_t i = 0; i < cameras.diagonal.size(); ++i) {
     const Matrix6d H = cameras.diagonal[i].topLeftCorner<6, 6>();
     const auto& C = cameras.to_border[i];
+    // g = H e, so that e' H e = g' H^-1 g.
     const Vector6d g =
         H * step.step[i].head<6>() + C.col(m).head<6>() + C.topLeftCorner(6, m) * step.border_step;
     sum += g.dot(H.ldlt().solve(g));
@@ -180,6 +185,7 @@ double poseSquares(const BlockArrow& cameras, const ChainSolution& step) {
   return sum;
 }
 
+/// The optimum as a function of the factors, by one linear step from the solution.
 class VarianceComponents {
  public:
   VarianceComponents(BlockArrow cameras, std::vector<Link> links, int threads)
@@ -277,6 +283,7 @@ void keepOnly(const std::vector<int>& kept, CameraImuProblem& problem,
 FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate) {
   constexpr int kDelay = MovedView::kDelay;
   FrameErrors out;
+  // (free: sum of b' H^-1 b, along: sum of b_d^2 / H_dd.)
   double squares = 0, corners = 0, free = 0, along = 0, weight = 0, products = 0, before = 0;
   for (std::size_t i = 0; i < problem.frames.size(); ++i) {
     Matrix6d H = Matrix6d::Zero();
@@ -327,6 +334,7 @@ ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solutio
     const double pixel = components.pixelFactor(now);
     const Groups ratio =
         (now.redundancy >= options.least_redundancy).select(now.squares / now.redundancy, 1.0);
+    // Both in the logarithm of a standard deviation; `ratio` is of variances.
     const double change = std::max(std::abs(std::log(pixel / factors.pixel)),
                                    0.5 * ratio.max(1e-12).log().abs().maxCoeff());
     if (change < options.tolerance) break;

@@ -10,7 +10,9 @@
 namespace plumbline {
 namespace {
 
-/// What a chunk of frames adds outside its own blocks.
+/// What a chunk of frames adds outside its own blocks: to the border, and to the first frame after
+/// it. It is kept apart and added in the order of the chunks, so that threads do not meet and every
+/// sum has the same order for any number of them.
 struct Partial {
   explicit Partial(int border)
       : block(Eigen::MatrixXd::Zero(border, border)),
@@ -87,6 +89,8 @@ class Linearisation {
   /// Takes every border column but gravity's out of the system.
   void fixCalibration() {
     BlockArrow& chain = normals_.chain;
+    // Without coupling and gradient, and with any positive number on the diagonal, the step is
+    // zero.
     for (int j = 0; j < layout_.size; ++j) {
       if (j >= BorderLayout::kGravity && j < BorderLayout::kOffset) continue;
       chain.border_block.row(j).setZero();
@@ -101,6 +105,8 @@ class Linearisation {
     const Frame& frame = problem_.frames[static_cast<std::size_t>(i)];
     for (std::size_t c = 0; c < estimate_.cameras.size(); ++c) {
       if (frame.view[c] < 0) continue;
+      // Off the frame's instant the camera's pose hangs on velocity and biases as well: 15 columns
+      // of the state in place of 6.
       if (exposureDelay(problem_, estimate_, static_cast<std::size_t>(i), c) != 0 ||
           layout_.own_offset[c] >= 0) {
         addMovedView(i, c, partial);
@@ -126,6 +132,7 @@ class Linearisation {
     return problem_.corners[c].view(problem_.frames[static_cast<std::size_t>(i)].view[c]);
   }
 
+  /// x_Ci = A_FS d_FS + A_SC0 d_SC0: the 6 x 6 Gram matrix of the view goes to three blocks.
   void addFixedView(int i, std::size_t c, Partial& partial) {
     const CameraImuChain chain = chainOf(i, c);
     const PoseGram g = poseGram(estimate_.cameras[c].intrinsics, chain.T_CiF, viewOf(i, c), gram_);
@@ -194,6 +201,7 @@ class Linearisation {
     const std::vector<Part>& parts;
   };
 
+  /// Adds a view's H and b to D_i, (C_i | b_i) and B.
   void scatter(const Places& places, const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
                Partial& partial) {
     const auto at = static_cast<std::size_t>(places.frame);
@@ -222,6 +230,7 @@ class Linearisation {
     return link != FrameLink::kInertial || addMotion(at, D, rows, partial);
   }
 
+  /// With J = (-1, 1) on the biases of both frames: +, -, + the information in D_i, N_i, D_i+1.
   void addBiasWalk(std::size_t at, ChainMatrix& D, ChainBorderRows& rows, Partial& partial) {
     const ImuWeight& weight = weights_[at];
     const Vector6d r = biasWalkResidual(estimate_.states[at], estimate_.states[at + 1]);
@@ -279,6 +288,7 @@ class Linearisation {
     chain.diagonal[at] += G.topLeftCorner<15, 15>();
     chain.next[at].leftCols<9>() += G.block<15, 9>(0, 15);
     D.topLeftCorner<9, 9>() += G.block<9, 9>(15, 15);
+    // Gravity (2) and the offset (1) stand side by side in the border as in J.
     chain.to_border[at].middleCols<3>(kGravity) += G.block<15, 3>(0, 24);
     chain.to_border[at].col(layout_.size) += G.block<15, 1>(0, 27);
     rows.block<9, 3>(0, kGravity) += G.block<9, 3>(15, 24);

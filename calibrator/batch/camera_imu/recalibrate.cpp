@@ -34,6 +34,7 @@ void append(const FrameSegment& segment, const CameraImuStageResult& earlier,
   }
 }
 
+/// The cameras of a draw go with the board of that draw: corners are placed on it.
 void hold(const HeldCameras& held, CameraImuProblem& problem, CameraImuEstimate& estimate) {
   estimate.cameras = held.cameras;
   problem.target.shape = held.target;
@@ -101,6 +102,7 @@ Result<ResampleSummary> resampleCameraImu(const Session& session,
       if (!held) return std::optional<Eigen::VectorXd>();
     }
     const auto again = recalibrateCameraImu(session, earlier, segments, one_thread, held);
+    // A draw that has not converged would spread by where it stopped.
     if (!again || !again->summary.converged) return std::optional<Eigen::VectorXd>();
     return std::optional(difference(*again, earlier, options.free_cameras));
   };

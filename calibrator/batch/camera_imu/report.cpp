@@ -86,7 +86,8 @@ ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estima
   return list;
 }
 
-/// Of the listed parameters, from that of the border.
+/// Of the listed parameters, from that of the border: J Sigma J', where an own offset is camera 0's
+/// plus the difference that its column holds.
 Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixXd& border) {
   Eigen::MatrixXd J =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(list.rows.size()), border.cols());
@@ -111,7 +112,8 @@ Eigen::MatrixXd invert(const Eigen::MatrixXd& information) {
   return 0.5 * (out + out.transpose());
 }
 
-/// The worst direction of a 3 x 3 covariance and its deviation, where that exceeds the limit.
+/// The worst direction of a 3 x 3 covariance and its deviation, where that exceeds the limit or is
+/// no number.
 struct Loose {
   Eigen::Vector3d axis;
   double deviation = 0;
@@ -141,7 +143,9 @@ std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
   return failure;
 }
 
-/// Readings that the whitened residuals of an interval are about.
+/// Readings that the whitened residuals of an interval are about: the mean rate and mean specific
+/// force over it, bias included, by the IMU and by the states. Their deviations are the roots of
+/// the covariance's diagonal, the norms of the rows of its Cholesky factor.
 void addReadings(const Preintegration& motion, const ImuState& i, const ImuState& j,
                  const Gravity& gravity, const Matrix9d& sqrt_information,
                  ImuIntervalResidual& interval) {
@@ -167,6 +171,7 @@ std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
     first.push_back(first.back() + cornerCount(problem, frame));
   }
   std::vector<CornerResidual> out(static_cast<std::size_t>(first.back()));
+  // Every frame writes to places of its own in the list.
   forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
     CornerResidual* const begin = out.data() + first[static_cast<std::size_t>(chunk.begin)];
     frameResiduals(problem, estimate, chunk.begin, begin);

@@ -52,6 +52,7 @@ Terms termRange(int first, int count, std::size_t from) {
 }
 
 Scores::Scores(std::vector<ScoreBlock> blocks) : blocks_(std::move(blocks)), tails_(blocks_) {
+  // Once, so that a term that begins at any block costs one look-up.
   for (std::size_t b = tails_.size() - 1; b-- > 0;) {
     tails_[b].gradient += tails_[b + 1].gradient;
     tails_[b].information += tails_[b + 1].information;
@@ -68,6 +69,7 @@ VectorXd Scores::gradient(const Terms& terms) const {
 
 MatrixXd Scores::information(const Terms& a, const Terms& b) const {
   return matrix(a, b, [&](const Term& p, const Term& q) {
+    // Both act from the later of the two on.
     return tails_[std::max(p.from, q.from)].information(p.column, q.column);
   });
 }
@@ -145,6 +147,7 @@ RobustDeviations ScoreTests::clusterRobustDeviations() const {
 }
 
 MatrixXd ScoreTests::response(const Terms& held) const {
+  // The model's gradient stays zero: I_mm dm + I_mh dh = 0.
   const MatrixXd P = -(S_ * scores_.information(model_, held));
   MatrixXd out(7, P.cols());
   out << P.topRows<6>(), P.row(BorderLayout::kOffset);
@@ -154,6 +157,7 @@ MatrixXd ScoreTests::response(const Terms& held) const {
 FaultTest ScoreTests::test(const Terms& fault) const {
   const MatrixXd I = scores_.information(fault, model_);
   const MatrixXd P = S_ * I.transpose();  // minus the model's response to the fault
+  // Model eliminated: A = I_ff - I_fm S I_mf, s = s_f - I_fm S s_m.
   const MatrixXd A_inverse = inverseOf(scores_.information(fault, fault) - I * P);
   const VectorXd s = scores_.gradient(fault) - P.transpose() * gradient_;
   FaultTest out;
@@ -173,9 +177,12 @@ FaultTest ScoreTests::test(const Terms& fault) const {
 double ScoreTests::overdispersion() const {
   const Eigen::Array<double, 7, 1> ratio =
       robustStd().array().max(1e-30) / formalStd().array().max(1e-30);
+  // Geometric mean of ratios of variances.
   return std::exp(2 * ratio.log().mean());
 }
 
+/// Without the fault at its estimate the scores of all blocks would have its mean in them, and the
+/// fault would hide behind its own size. A block's score moves by its information times the step.
 MatrixXd ScoreTests::scatter(const Terms& fault, const MatrixXd& P,
                              const VectorXd& estimate) const {
   MatrixXd V = MatrixXd::Zero(P.cols(), P.cols());

@@ -45,6 +45,7 @@ class Steps {
   std::optional<double> solve(double damping) {
     step_ = solveChain(s_.normals.chain, {damping, problem_.threads});
     if (!step_) return std::nullopt;
+    // Of the step as solved: what the quadratic model promises, before it is lengthened.
     const double decrement = step_->decrement;
     lengthen(damping);
     return decrement;

@@ -10,7 +10,8 @@
 namespace plumbline {
 namespace {
 
-/// The few steps of squared error that precede a robust loss.
+/// The few steps of squared error that precede a robust loss; enough once a step is within ten
+/// standard deviations.
 constexpr MinimiserOptions kWarmStart{.max_iterations = 4, .tolerance = 10};
 
 /// Views with used corners; residuals are grouped by frame, then camera.
@@ -49,6 +50,7 @@ CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuS
   return result;
 }
 
+/// Rows: T_SC0 (6), time offset, then, if freed, all intrinsics and all T_C0Ci but camera 0's.
 void fillCovariance(ParameterCovariance covariance, bool free_cameras,
                     CameraImuStageResult& result) {
   const Eigen::VectorXd deviations = covariance.standardDeviations();
@@ -139,6 +141,7 @@ CameraImuSolution solveFrom(CameraImuProblem& problem, const CameraImuEstimate& 
   problem.gram.cauchy_px = 0;
   const CameraImuSolution squared = solveCameraImu(problem, start, kWarmStart);
   problem.gram = robust;
+  // Not converged is no failure here; off the samples is.
   if (squared.end == MinimiserEnd::kLeftDomain) return squared;
   CameraImuSolution out = solveFromSolution(problem, squared.estimate, options);
   out.iterations += squared.iterations;

@@ -71,6 +71,7 @@ struct PosedFrame {
   Screening screening;
 };
 
+/// Least squares first; the many starts of robustPose() only for frames with corners far off.
 class FramePoses {
  public:
   FramePoses(const Session& session, const std::vector<PackedCorners>& corners,
@@ -87,6 +88,8 @@ class FramePoses {
     }
     if (!found) return std::nullopt;
     PosedFrame out;
+    // sigma: of an axis; |e| has the RMS sqrt(2) sigma. By the median, which false corners leave
+    // alone.
     const double sigma = medianError(views, found->T_C0F) / kRayleighMedian;
     if (!(std::sqrt(2.0) * sigma < options_.max_start_rms_px)) return std::nullopt;
     out.pose = {frame.t, found->T_C0F.inverse()};
@@ -108,6 +111,7 @@ class FramePoses {
   }
 
   std::optional<PoseRefinement> plainPose(const std::vector<FrameView>& views) const {
+    // The start by one view, the refinement by all.
     const auto fullest = std::max_element(
         views.begin(), views.end(),
         [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
@@ -176,6 +180,7 @@ class FramePoses {
         }
       }
       const std::size_t wrong = countFalseCorners(lens, view, T_CF);
+      // The tags are looked through only where something is wrong.
       if (wrong == 0) continue;
       std::size_t of_tags = 0;
       for (MisplacedTag tag : findMisplacedTags(session_.target, lens, view, T_CF)) {
@@ -187,6 +192,7 @@ class FramePoses {
         tag.t = session_.cameras[c].views[static_cast<std::size_t>(index)].t;
         out.screening.misplaced_tags.push_back(tag);
       }
+      // A corner of a misplaced tag is not counted twice.
       out.screening.false_corners += wrong - std::min(wrong, of_tags);
     }
   }
@@ -248,6 +254,7 @@ FrameSelection selectFrames(std::span<const TimeNs> stamps, std::span<const ImuS
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     const double after_first = secondsBetween(samples.front().t, stamps[i]) + options.time_offset_s;
     const double before_last = secondsBetween(stamps[i], samples.back().t) - options.time_offset_s;
+    // The margin is for what the offset still moves in the solution.
     if (after_first < options.margin_s || before_last < options.margin_s) continue;
     covered.push_back(static_cast<int>(i));
   }
@@ -327,6 +334,7 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   sanity.gravity_m_s2 = options.gravity_m_s2;
   if (const auto failure = checkSampleStamps(samples)) return *failure;
   if (const auto failure = checkSampleUnits(samples, sanity)) return *failure;
+  // Across one missing frame, not across two.
   const std::vector<CameraRate> rates = cameraRates(poses, 2.5 * medianInterval(poses));
   const GyroIntegral gyro(samples);
   const auto offset = estimateTimeOffset(rates, gyro, options.offset_search);
@@ -346,6 +354,7 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   start.T_SC0.R = alignment.R_SC0;
   start.bias.gyro = alignment.gyro_bias;
   start.excitation = alignment.excitation;
+  // It stands where too few triples are left for the alignment below.
   start.gravity_direction = downFromMeanForce(poses, samples, start);
   InertialAlignmentOptions inertial_options;
   inertial_options.noise = options.noise.value_or(ImuNoise());
@@ -388,6 +397,8 @@ std::vector<ImuState> startStates(std::span<const CameraPose> poses, const Camer
     states[i].accel_bias = start.bias.accel;
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    // A central difference over the neighbours; across a pause that to the nearer neighbour alone.
+    // A frame by itself keeps velocity 0.
     std::size_t a = i > 0 ? i - 1 : i;
     std::size_t b = std::min(i + 1, poses.size() - 1);
     if (secondsBetween(poses[a].t, poses[b].t) > kLongestDifference) {
