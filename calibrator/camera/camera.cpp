@@ -63,6 +63,11 @@ std::optional<Projection> projectWithJacobians(const Intrinsics& camera,
                     cameraModelOf(camera));
 }
 
+double pixelsPerRadian(const Intrinsics& camera) {
+  const auto axis = projectWithJacobians(camera, {0, 0, 1});
+  return axis ? axis->J_point(0, 0) : camera.projection.tail<4>()[0];
+}
+
 std::optional<Eigen::Vector3d> unproject(const Intrinsics& camera, const Eigen::Vector2d& uv) {
   return std::visit([&](auto model) { return unprojectAs(model, camera, uv); },
                     cameraModelOf(camera));

@@ -31,6 +31,11 @@ std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Ve
 std::optional<Projection> projectWithJacobians(const Intrinsics& camera,
                                                const Eigen::Vector3d& p_C);
 
+/// Pixels per radian along u on the optical axis: d u / d X of project() at (0, 0, 1). It is fu for
+/// pinholes (but fov) and eucm, fu / (1 + xi) for omni and ds, whose fu alone is no scale of the
+/// image. fu where the axis itself is not projected.
+double pixelsPerRadian(const Intrinsics& camera);
+
 /// The unit-length ray of a pixel, inverse of project() to 1e-12 in normalised coordinates
 /// (Newton). Empty where it does not converge or lies outside the model's domain.
 std::optional<Eigen::Vector3d> unproject(const Intrinsics& camera, const Eigen::Vector2d& uv);

@@ -14,7 +14,6 @@ namespace plumbline {
 namespace {
 
 constexpr double kMostSlope = 30;   // of a ray that a pinhole fits: 88 degrees
-constexpr double kCentre = 1e-3;    // [rad], where the magnification of a lens is taken
 constexpr double kRegular = 1e-12;  // of a system's diagonal, where parameters are free
 
 /// The fit as minimise() wants it. Outside the domain of the model there is no cost.
@@ -91,13 +90,6 @@ bool canBeFitted(const Intrinsics& lens, const SeenPoint& point) {
   return project(lens, point.p_C).has_value();
 }
 
-/// d(pixels)/d(angle) on the axis.
-double magnification(const Intrinsics& lens) {
-  const auto centre = project(lens, {0, 0, 1});
-  const auto aside = project(lens, {kCentre, 0, 1});
-  return centre && aside ? (*aside - *centre).norm() / kCentre : lens.projection.tail<4>()[0];
-}
-
 }  // namespace
 
 std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPoint>& points) {
@@ -124,7 +116,7 @@ std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPo
 
 Intrinsics plainLike(const Intrinsics& lens, ProjectionModel projection,
                      DistortionModel distortion) {
-  Intrinsics plain = plainCamera(projection, distortion, lens.resolution, magnification(lens));
+  Intrinsics plain = plainCamera(projection, distortion, lens.resolution, pixelsPerRadian(lens));
   plain.projection.tail<2>() = lens.projection.tail<2>();
   return plain;
 }

@@ -86,7 +86,7 @@ void FeatureTracker::keepOneMotion(std::vector<Feature>& moved,
                                    const Eigen::Matrix3d& R_now_before) const {
   const std::size_t n = moved.size();
   if (n < 8) return;
-  const double focal = rig_.cameras[0].projection.tail(4)[0];
+  const double focal = pixelsPerRadian(rig_.cameras[0]);
   const double limit = options_.epipolar_px / focal;
   std::vector<Eigen::Vector3d> normals(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -136,7 +136,7 @@ void FeatureTracker::addCorners() {
 std::optional<double> FeatureTracker::searched(const Feature& f, std::size_t camera,
                                                const Transform& T_C0) const {
   const Intrinsics& lens = rig_.cameras[camera];
-  const double pixel = (1 << kSearchLevel) / lens.projection.tail(4)[0] / T_C0.t.norm();  // [1/m]
+  const double pixel = (1 << kSearchLevel) / pixelsPerRadian(lens) / T_C0.t.norm();  // [1/m]
   std::optional<double> best;
   float most = options_.patch.min_correlation;
   for (double rho = 0; rho < 1 / options_.nearest_m; rho += pixel) {
@@ -151,7 +151,7 @@ std::optional<double> FeatureTracker::searched(const Feature& f, std::size_t cam
 
 void FeatureTracker::matchInto(std::size_t camera, FrameTracks& out) {
   const Transform T_C0 = rig_.T_SC[camera].inverse() * rig_.T_SC[0];  // camera 0 in this one
-  const double focal = rig_.cameras[camera].projection.tail(4)[0];
+  const double focal = pixelsPerRadian(rig_.cameras[camera]);
   for (Feature& f : features_) {
     const bool known = f.inverse_depth.has_value();
     const auto depth = known ? f.inverse_depth : searched(f, camera, T_C0);

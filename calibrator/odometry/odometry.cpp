@@ -9,6 +9,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/camera/camera.h"
 
 namespace plumbline {
 namespace {
@@ -222,6 +223,7 @@ bool Odometry::isKeyframe(const FrameTracks& frame) const {
   const Eigen::Matrix3d R_kf_now = (keyframe.state.T_FS.R * R_SC).transpose() *
                                    (window_.frames.back().state.T_FS.R *
                                     expectedRotation(window_.frames.back().t, frame.t) * R_SC);
+  const double pixels_per_radian = pixelsPerRadian(rig_.cameras[0]);
   double parallax = 0;
   int common = 0;
   for (const TrackPoint& p : frame.points) {
@@ -230,8 +232,8 @@ bool Odometry::isKeyframe(const FrameTracks& frame) const {
     const auto seen = rig_.sighting(0, p.uv, 1);
     if (!seen) continue;
     ++common;
-    // Chord of the angle between the rays, at the focal length: pixels in the middle of the image.
-    parallax += (R_kf_now * seen->f - ray->second).norm() * rig_.cameras[0].projection.tail(4)[0];
+    // Chord of the angle between the rays: pixels in the middle of the image.
+    parallax += (R_kf_now * seen->f - ray->second).norm() * pixels_per_radian;
   }
   if (common < options_.keyframe_share * static_cast<double>(keyframe_rays_.size())) return true;
   return parallax > options_.keyframe_parallax_px * common;

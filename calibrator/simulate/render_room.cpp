@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calibrator/camera/camera.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {
@@ -204,9 +205,8 @@ std::vector<Transform> exposurePoses(const SimulatedSession& session, int camera
   const double middle_s = secondsBetween(session.start_ns, t) + offset_s;
   const MotionState m = session.trajectory.at(middle_s);
   const Intrinsics& lens = session.truth.cameras[static_cast<std::size_t>(camera)].intrinsics;
-  // Walls are 2 m away or more; projection ends with fu fv pu pv.
-  const double blur_px =
-      (m.omega_B.norm() + m.v_F.norm() / 2) * exposure_s * lens.projection.tail<4>()[0];
+  // Walls are 2 m away or more.
+  const double blur_px = (m.omega_B.norm() + m.v_F.norm() / 2) * exposure_s * pixelsPerRadian(lens);
   // In fours, so that every place of the pixel (kPlaces) has as many sub-exposures.
   const int count = std::clamp(4 * static_cast<int>(std::ceil(blur_px / 4)), 4, 16);
   const Transform T_SC =

@@ -56,6 +56,25 @@ TEST(Project, WithoutDistortionAPinholeIsAPinhole) {
   expectPixel(project(camera, {1, 2, 4}), 100 * 0.25 + 10, 200 * 0.5 + 20);
 }
 
+// A small angle off the axis, over that angle: the scale of the image, whatever the model's fu is.
+TEST(Project, PixelsPerRadianAreTheSlopeOnTheAxis) {
+  const double angle = 1e-4;
+  for (const Intrinsics& camera : test::everyModel()) {
+    const auto aside = project(camera, {std::sin(angle), 0, std::cos(angle)});
+    const auto other = project(camera, {-std::sin(angle), 0, std::cos(angle)});
+    ASSERT_TRUE(aside && other);
+    const double slope = (aside->x() - other->x()) / (2 * angle);
+    EXPECT_NEAR(pixelsPerRadian(camera), slope, 1e-6 * slope);
+  }
+  Intrinsics sphere;  // fu / (1 + xi)
+  sphere.projection_model = ProjectionModel::kDs;
+  sphere.distortion_model = DistortionModel::kNone;
+  sphere.projection.resize(6);
+  sphere.projection << -0.2, 0.6, 400, 400, 320, 240;
+  sphere.distortion.resize(0);
+  EXPECT_DOUBLE_EQ(pixelsPerRadian(sphere), 400 / 0.8);
+}
+
 TEST(Project, TheAxisMeetsThePrincipalPoint) {
   for (const Intrinsics& camera : test::everyModel()) {
     const Eigen::Vector4d lens = camera.projection.tail<4>();
