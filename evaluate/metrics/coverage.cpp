@@ -56,6 +56,8 @@ std::vector<double> viewTilts(const std::vector<Transform>& T_FC0) {
   std::vector<double> tilts;
   tilts.reserve(T_FC0.size());
   for (const Transform& T : T_FC0) {
+    // R_FC0's last column is the optical axis in the target's frame, whose z points towards the
+    // viewer: -1 is a frontal view. The clamp is for rotations that are one up to rounding.
     tilts.push_back(std::acos(std::clamp(-T.R(2, 2), -1.0, 1.0)));
   }
   return tilts;

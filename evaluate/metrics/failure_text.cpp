@@ -17,7 +17,8 @@ namespace {
 using Code = FailureCode;
 using Words = fmt::dynamic_format_arg_store<fmt::format_context>;
 
-/// The index of the coordinate axis that `axis` lies along; -1 where it lies along none.
+/// The index of the coordinate axis that `axis` lies along (cosine above 0.9: within 26 degrees);
+/// -1 where it lies along none.
 int mainAxis(const Eigen::Vector3d& axis) {
   int k = 0;
   return axis.normalized().cwiseAbs().maxCoeff(&k) > 0.9 ? k : -1;
@@ -31,11 +32,14 @@ std::string axisName(const Eigen::Vector3d& axis) {
   return fmt::format("({:.2f}, {:.2f}, {:.2f})", u.x(), u.y(), u.z());
 }
 
+/// The axes about which a rig must also turn that turned about `axis` only. mainAxis() is -1 where
+/// there is no name, hence the shift by one.
 std::string otherAxes(const Eigen::Vector3d& axis) {
   const char* names[] = {"an axis across it", "y or z", "x or z", "x or y"};
   return names[mainAxis(axis) + 1];
 }
 
+/// A failure's value under its name: rows name what they use, and fmt ignores the rest.
 struct AddValue {
   Words& words;
   const char* name;
@@ -65,6 +69,8 @@ const std::string& wordOf(const Failure& f, const char* name) {
   return std::get<std::string>(f.values.at(name).content());
 }
 
+/// The parts of T_SC0 and the offset that the motion leaves undetermined, with their deviations;
+/// only those that the failure has values of.
 std::string looseDirections(const Failure& f) {
   std::vector<std::string> loose;
   if (f.values.count("translation_axis") > 0) {
@@ -88,6 +94,8 @@ constexpr double kEpochStarts = 3e8;  // [s]; no recording was stamped with a ca
 
 /// A cure for spans of time that do not meet, from how they lie to each other.
 std::string likelyCause(double estimate, double truth) {
+  // Milliseconds, microseconds or nanoseconds that one side took for seconds. Only the starts are
+  // compared, hence a tenth of tolerance.
   for (const double factor : {1e3, 1e6, 1e9}) {
     for (const double ratio : {estimate / truth, truth / estimate}) {
       if (std::abs(ratio / factor - 1) < 0.1) {
@@ -103,6 +111,7 @@ std::string likelyCause(double estimate, double truth) {
         "with equal starts --time-offset {:.3f}",
         offset);
   }
+  // Whole hours within ten minutes: the zone, and how long after the other one recording began.
   const double hours = std::round(offset / 3600);
   if (hours != 0 && std::abs(hours) < 24 && std::abs(offset - 3600 * hours) < 600) {
     return fmt::format("likely the time zone: about {:.0f} h; try --time-offset {:.0f}", hours,
@@ -164,6 +173,7 @@ void addDerived(const Failure& f, Words& words) {
       words.push_back(fmt::arg("across", otherAxes(axisOf(f, "axis"))));
       return;
     case Code::kScaleDisagrees: {
+      // Metres by the IMU per metre that target.yaml states: below 1 the stated size is too large.
       const double scale = f.number("scale");
       words.push_back(fmt::arg("times", std::max(scale, 1 / scale)));
       words.push_back(fmt::arg("size", scale < 1 ? "large" : "small"));
@@ -197,6 +207,8 @@ void addDerived(const Failure& f, Words& words) {
 
 /// A camera stage that failed under radtan: the lens may be too wide for it.
 std::string wideAngle(const Failure& f) {
+  // NaN: the failure says nothing of the lens; 1: radtan was stated or asked for; 2: it was tried
+  // because nothing states a model.
   const double suspect = f.number("radtan_suspect");
   if (std::isnan(suspect)) return "";
   return fmt::format(

@@ -18,6 +18,9 @@ std::string sentence(std::string text) {
   return text + (text.ends_with('.') ? "" : ".");
 }
 
+/// The largest of all deviations that are shown (formal, cluster-robust, bootstrap) of T_SC0's
+/// translation ('t' [m]) or rotation ('r' [rad]): the letter behind the dot of "T_SC0.tx". 0
+/// without a camera-IMU stage.
 double largestShown(const std::vector<ParameterEstimate>& estimates, char axis) {
   double largest = 0;
   for (const ParameterEstimate& e : estimates) {
@@ -27,6 +30,7 @@ double largestShown(const std::vector<ParameterEstimate>& estimates, char axis) 
   return largest;
 }
 
+/// What a good headline says of the camera-IMU stage; "" where there was none.
 std::string imuWords(const CalibrationRecord& record) {
   const std::vector<ParameterEstimate> estimates = parameterEstimates(record, Stage::kCameraImu);
   if (estimates.empty()) return "";

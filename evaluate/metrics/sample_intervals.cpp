@@ -17,6 +17,7 @@ constexpr double kTail = 0.002;      // of the intervals may lie beyond either e
 constexpr double kMargin = 1.02;     // so that the quantiles themselves lie within
 constexpr double kEvenShare = 0.01;  // of the median: half the histogram's width at least
 
+/// Differences of neighbouring stamps [s], taken on integers.
 std::vector<double> intervalsOf(const std::vector<TimeNs>& stamps) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < stamps.size(); ++i) {
@@ -47,6 +48,7 @@ IntervalHistogram histogramOf(const std::vector<double>& intervals, double middl
   histogram.first_s = middle - kMargin * reach;
   histogram.counts.assign(kBins, 0);
   for (const double interval : intervals) {
+    // As a double: a gap of hours over bins of microseconds would not fit an int.
     const double place = std::floor((interval - histogram.first_s) / histogram.bin_s);
     if (place < 0) {
       ++histogram.below;

@@ -23,6 +23,7 @@ Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoic
   assert(count >= 2 && index >= 0 && index < count);
   const auto frames = pairFrames(session.cameras, options);
   const auto n = static_cast<std::int64_t>(frames.size());
+  // Floors of n index / count: lengths differ by one at most, and no frame falls between two runs.
   const auto first = static_cast<int>(n * index / count);
   const auto end = static_cast<int>(n * (index + 1) / count);
   std::vector<int> training, held_out;

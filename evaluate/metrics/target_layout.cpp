@@ -27,6 +27,8 @@ std::optional<Eigen::Vector2d> planePoint(const Intrinsics* camera, const Eigen:
   return Eigen::Vector2d(ray->head<2>() / ray->z());
 }
 
+/// Whether p1 and p2 lie between the ends p0 and p3, in this order, and off their line by kInLine
+/// of its length at most: |along x d| is that distance times the length.
 bool inLine(const Edge& p) {
   const Eigen::Vector2d along = p[3] - p[0];
   const double square = along.squaredNorm();
@@ -82,6 +84,9 @@ class Gatherer {
  public:
   explicit Gatherer(const AprilGrid& grid) : grid_(grid) {}
 
+  // Corners of a tag are bottom-left, bottom-right, top-right, top-left from id 4 * tag on. Four in
+  // line are the lower edges of two tags in a row (not over the row's end), or the left edges of
+  // two in a column.
   void add(const Points& points) {
     for (const auto& [id, point] : points) {
       if (id % 4 != 0) continue;
@@ -102,6 +107,7 @@ class Gatherer {
   }
 
  private:
+  // Weighted by the square of the edge's length in the image, see Weighted.
   void addEdge(const Points& points, const std::array<int, 4>& ids) {
     const auto edge = edgeOf(points, ids);
     if (!edge || !inLine(*edge)) return;
@@ -115,6 +121,7 @@ class Gatherer {
   std::vector<Weighted> gaps_;
 };
 
+/// Every k-th of `count`, so that about kViewsOfACamera are taken; all of fewer than twice as many.
 bool isChosen(std::size_t i, std::size_t count) {
   return i % std::max<std::size_t>(1, count / kViewsOfACamera) == 0;
 }

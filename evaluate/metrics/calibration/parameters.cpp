@@ -27,6 +27,8 @@ void addIntrinsics(const CameraCalibration& camera, std::size_t index,
   }
 }
 
+/// Values are t and Log(R); deviations are those of the tangent (dt, da), which are of Log(R)
+/// itself only where R is near the identity.
 void addTransform(const std::string& name, const Transform& T, const std::optional<Vector6d>& std,
                   std::vector<CalibrationParameter>& list) {
   constexpr std::array kParts{"tx", "ty", "tz", "rx", "ry", "rz"};
@@ -102,6 +104,7 @@ Calibration changedBy(Calibration from, const Eigen::VectorXd& change) {
   }
   if (from.imu) {
     from.imu->T_SC0 = boxplus(from.imu->T_SC0, change.segment<6>(at));
+    // Camera 0's, and of all cameras that are synchronised with it: the list has this offset only.
     from.imu->time_offsets.front().s += change[at + 6];
   }
   return from;

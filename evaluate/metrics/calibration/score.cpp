@@ -128,6 +128,8 @@ struct FoldScores {
   Scored in_sample, held_out;
 };
 
+/// The calibration's models, but not its values as a start: these may have been estimated with the
+/// corners that a fold holds out.
 CameraStageOptions recalibration(const Calibration& calibration, CameraStageOptions options) {
   options.models.clear();
   options.start.clear();
@@ -138,7 +140,7 @@ CameraStageOptions recalibration(const Calibration& calibration, CameraStageOpti
   return options;
 }
 
-/// The part's name for the score, or what prevents it.
+/// Both scores of a fold that could not be calibrated, with the reason.
 FoldScores failedFold(FoldScores scores, const std::string& problem) {
   scores.in_sample.score.problem = scores.held_out.score.problem = problem;
   return scores;
@@ -167,6 +169,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
       recalibrated.imu = imu->imu;
     }
   }
+  // Also where the camera-IMU stage failed: then of the cameras alone, and the problem is kept.
   Scored held_out = scoreMatched({scored.label, recalibrated}, fold.held_out, options);
   if (held_out.score.problem.empty()) held_out.score.problem = out.held_out.score.problem;
   out.held_out = std::move(held_out);
@@ -190,6 +193,8 @@ void pool(const Scored& fold, Scored& sum) {
   }
 }
 
+/// RMSE over the corners of all folds together, not the mean of their RMSEs: a fold with many
+/// corners counts by them.
 CalibrationScore pooled(Scored sum, const std::string& part, bool held_out) {
   addReprojection(sum.camera, sum.score);
   if (!sum.camera_imu.empty()) sum.score.camera_imu = summariseErrors(sum.camera_imu).reprojection;
@@ -205,6 +210,7 @@ void addFolds(const ScoredCalibration& scored, const Session& session, const Sco
   sum.in_sample.score = sum.held_out.score = emptyScore(scored.label, session);
   for (int k = 0; k < options.folds; ++k) {
     progress("validating", static_cast<double>(k) / options.folds);
+    // To cut the IMU's samples where the held-out frames are in its clock.
     const double offset_s = calibration.imu ? calibration.imu->timeOffset() : 0;
     const Fold fold = foldOf(session, options.camera.frames, {k, options.folds, offset_s});
     FoldScores one = scoreFold(scored, fold, options);

@@ -25,6 +25,7 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
     if (s.problem.empty()) continue;
     Finding f;
     f.rule = fmt::format("Score on {}, {}", s.session, s.part);
+    // With corners scored only a part is missing (the IMU's, a fold's); without there is no score.
     f.level = s.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad;
     f.evidence = s.problem;
     findings.push_back(std::move(f));

@@ -36,6 +36,8 @@ std::optional<Eigen::MatrixXd> intrinsicsBlock(const ParameterCovariance& covari
   return Eigen::MatrixXd(matrix(rows, rows));
 }
 
+/// By the session where there was one; else the image fit, which depends on the range, as the
+/// motion that compensates a change of intrinsics does.
 std::optional<ProjectionCovariance> projectionCovariance(const Intrinsics& camera,
                                                          const CameraUncertainty& uncertainty,
                                                          std::size_t c, double range_m) {

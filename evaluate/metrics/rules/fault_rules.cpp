@@ -150,6 +150,8 @@ std::string sentence(const FaultTest& test, TimeNs begin) {
   return fmt::format("{}: {}", text, figures(test, words));
 }
 
+/// `shift` is what modelling the fault changes: T_SC0's translation [m], its rotation in the left
+/// tangent [rad], and the time offset [s].
 std::string effect(const FaultTest& test) {
   return fmt::format(
       "modelling it would change T_SC0 by {:.2g} mm and {:.2g} deg, the time offset by {:.2g} ms",
@@ -183,6 +185,8 @@ bool contradictsStatedValue(UnmodelledFault fault) {
   }
 }
 
+/// The level is by the effect on the calibration, not by the test's significance: a fault that is
+/// certain and moves nothing is good, unless what the calibration states has no single value.
 Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const Rule& rule,
                   const std::string& evidence) {
   const double sigma = effectInSigma(cause, diagnosis);

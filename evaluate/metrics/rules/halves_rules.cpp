@@ -36,6 +36,7 @@ Findings judgeHalves(const StageSummary& summary, const std::string& stage,
   if (!summary.halves || summary.halves->blocks.empty()) return {};
   const auto ratio = [](const HalvesBlock& b) { return b.chi2 / b.limit; };
   const std::vector<HalvesBlock>& blocks = summary.halves->blocks;
+  // The comparison makes NaN the largest, which above() then calls bad.
   const auto worst = std::max_element(
       blocks.begin(), blocks.end(),
       [&](const HalvesBlock& a, const auto& b) { return !(ratio(b) <= ratio(a)); });

@@ -27,6 +27,7 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
       "look for vibration, saturation, blur or a wrong IMU scale. Standard deviations are too "
       "small until then."};
   VerdictLevel level = levelAbove(check.factor, rule.bound);
+  // Too large a density biases nothing, it wastes information: never bad.
   if (check.factor < kPessimisticFactor) {
     rule.bound.caution = kPessimisticFactor;
     rule.advice =
@@ -74,6 +75,8 @@ std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
 
 }  // namespace
 
+/// What a ruler and a look at the drivers can contradict: the length of the lever arm, the size of
+/// the offset, and whether the cameras expose together.
 Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t) {
   Findings findings;
   const double arm = stage.imu.T_SC0.t.norm();
@@ -149,6 +152,7 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
   if (check.residual_ratio > t.inertial_fit.caution) return findings;
   findings.push_back(untested(
       {"Scale by the linear fit", "-", t.target_scale, ""},
+      // What two deviations do not explain of the difference.
       std::max(0.0, std::abs(check.target_scale - 1) - 2 * check.target_scale_std),
       fmt::format(
           "{:.4f} (+- {:.4f}) metres per stated metre of the target; the cause was not tested",
@@ -170,6 +174,7 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   if (size == tests.end()) return std::nullopt;
   const double off = size->estimate(0);
   const double std = size->std(0);
+  // What three deviations leave of the estimate at least, so that an uncertain one is good.
   const double least = size->significance > kSigmas ? std::abs(off) - kSigmas * std : 0;
   const Rule rule{"Size of the target by the batch", "-", t.target_scale,
                   "Measure a tag's black square against tagSize in target.yaml. If it agrees, "

@@ -20,6 +20,7 @@ struct Extent {
   Eigen::Vector2f high = Eigen::Vector2f::Constant(-1e9F);
 };
 
+/// Bounding box of a camera's corners [px], used or rejected; low above high without any.
 Extent extentOf(const std::vector<CornerResidual>& residuals, int camera) {
   Extent extent;
   for (const CornerResidual& r : residuals) {
@@ -61,6 +62,7 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
                               "Record more views, differing in distance, tilt and position."},
                              static_cast<double>(views), fmt::format("{} views used", views)));
   }
+  // The 90 % quantile: a tenth of the views has to be tilted, not a single one.
   const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);
   findings.push_back(
       below({"Tilt of the views", "deg", t.tilt_deg,
@@ -74,6 +76,7 @@ Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThres
   Findings findings;
   for (const CameraCalibration& camera : stage.cameras) {
     const Intrinsics& k = camera.intrinsics;
+    // Whatever the model, the projection's last two parameters are the principal point.
     const double u = k.projection[k.projection.size() - 2];
     const double v = k.projection[k.projection.size() - 1];
     const double off = std::max(std::abs(u / (k.resolution.width - 1) - 0.5),
@@ -118,6 +121,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
   const AprilGrid& target = record.target;
   const TargetLayout shown = shownLayout(stage.residuals, stage.cameras, target);
   if (shown.largest_tag >= 0) {
+    // Tags are numbered along rows from the bottom, so the largest id tells the topmost row seen.
     const int unseen = target.rows - 1 - shown.largest_tag / target.cols;
     findings.push_back(above(
         {"Rows of the target", "-", t.unseen_rows,
@@ -144,6 +148,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
 Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t) {
   if (!stage.target_fit) return {};
   const TargetFit& fit = *stage.target_fit;
+  // Each term is the RMS over the board's corners of what it moves them by [m].
   const auto terms = fit.shape.terms.head<kTargetTerms - 1>();  // without the tags' edge
   const double rms_mm = 1e3 * terms.norm();
   const Rule rule{

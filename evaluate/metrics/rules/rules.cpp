@@ -8,12 +8,13 @@
 namespace plumbline {
 namespace {
 
+/// levelAbove() of what should be large; the negated comparison makes NaN bad.
 VerdictLevel levelBelow(double value, const Bound& bound) {
   if (!(value >= bound.bad)) return VerdictLevel::kBad;
   return value < bound.caution ? VerdictLevel::kCaution : VerdictLevel::kGood;
 }
 
-// The bound that decided: the one crossed, or the nearer one if none was.
+/// The bound that decided: the one crossed, or the nearer one if none was.
 double decisive(VerdictLevel level, const Bound& bound) {
   return level == VerdictLevel::kBad ? bound.bad : bound.caution;
 }

@@ -45,7 +45,7 @@ struct LargestStd {
 LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
                       const std::vector<std::string>& suffixes, const std::string& prefix,
                       bool relative);
-/// Which of the two it is, in words.
+/// Which of the three it is, in words.
 std::string kindOf(const LargestStd& largest);
 
 /// part / whole; 0 of nothing.

@@ -42,6 +42,9 @@ std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
   constexpr double kAlong = 2;          // residuals along the rate over those across, squared
   constexpr double kAlternates = -0.2;  // correlation of neighbours; -1/2 where stamps alone err
   double along = 0, across = 0, rates = 0, neighbours = 0, before = 0;
+  // If frame k's stamp is late by e_k, interval k's rotation is off along the rate w by |w| (e_k+1
+  // - e_k): neighbours then correlate by -1/2, and the sum of squares along the rate exceeds that
+  // across, which is per axis, by 2 |w|^2 times the variance of e.
   for (std::size_t k = 0; k + 1 < stage.states.size() && k < stage.imu_residuals.size(); ++k) {
     const ImuIntervalResidual& r = stage.imu_residuals[k];
     if (r.t != stage.frames[k].t || !(r.dt_s > 0)) break;
@@ -111,6 +114,7 @@ Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresh
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t) {
   const double of_poses = stage.imu_summary.noise.pose_pixel_sigma;
   if (!stage.frame_errors || !(stage.frame_errors->free_rmse_px > 0) || !(of_poses > 0)) return {};
+  // free_rmse_px is of both coordinates together, pose_pixel_sigma of one.
   const double of_corners = stage.frame_errors->free_rmse_px / std::sqrt(2.0);
   const double ratio = of_poses / of_corners;
   return {above(
@@ -136,6 +140,8 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
     const auto largest = std::max_element(sizes.begin(), sizes.end());
     const ImuIntervalResidual& at =
         stage.imu_residuals[static_cast<std::size_t>(largest - sizes.begin())];
+    // Norms against their median, which a single spike does not move; the least divisor is for a
+    // group without any residual, such as simulated samples without noise.
     const double ratio = *largest / std::max(quantile(sizes, 0.5), 1e-12);
     if (!(ratio > worst)) continue;
     worst = ratio;
@@ -155,6 +161,8 @@ Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThre
   const ImuResidualSummary& summary = stage.imu_summary;
   const auto add = [&](const char* sensor, double rms, const ImuNoiseCheck& check) {
     if (check.redundancy < kLeastRedundancy) return;
+    // What residuals within segments call for: the RMS expected under the stated density, times the
+    // factor by which they say it is too small.
     const double ratio = rms / (check.expected_rms * check.factor);
     findings.push_back(above(
         {fmt::format("Residuals of the {} over the whole recording", sensor), "-", t.long_residuals,

@@ -40,6 +40,7 @@ std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>
                      m.place);
 }
 
+/// "no spikes", or "3 spikes: " with the list.
 std::string counted(std::size_t count, const char* what, const std::string& list) {
   return count == 0 ? fmt::format("no {}", what) : fmt::format("{} {}: {}", count, what, list);
 }

@@ -39,6 +39,8 @@ Similarity bestSimilarity(const PointMoments& moments) {
   const Eigen::Matrix3d& U = svd.matrixU();
   const Eigen::Matrix3d& V = svd.matrixV();
   const Eigen::Vector3d& d = svd.singularValues();
+  // Umeyama's S = diag(1, 1, +-1): without it points that lie in a plane, or are noisy, may be
+  // fitted best by a reflection.
   const double handed = U.determinant() * V.determinant() < 0 ? -1 : 1;
   Similarity best;
   best.R = U * Eigen::Vector3d(1, 1, handed).asDiagonal() * V.transpose();
@@ -122,6 +124,7 @@ Result<AlignmentRecord> fitRotation(const PointMoments& m, bool with_scale) {
   return through(m.mean_x, m.mean_y, best.R, with_scale ? best.scale : 1);
 }
 
+/// The scale of the full similarity, applied without its rotation (evo's correct_only_scale).
 AlignmentRecord scaleAlone(const PointMoments& m) {
   AlignmentRecord record;
   record.scale = bestSimilarity(m).scale;
@@ -131,6 +134,7 @@ AlignmentRecord scaleAlone(const PointMoments& m) {
 Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentOptions& o) {
   const std::size_t count =
       o.first_n > 0 ? std::min(pairs.size(), static_cast<std::size_t>(o.first_n)) : pairs.size();
+  // Two points leave the rotation about their line free.
   if (count < kFewestPairs) {
     return Failure{FailureCode::kTooFewPairs,
                    {{"aligned", count}, {"pairs", pairs.size()}, {"alignment", toString(o.kind)}}};
@@ -150,6 +154,7 @@ Result<AlignmentRecord> alignFirst(const PosePair& first, const AlignmentOptions
   const Eigen::Matrix3d R = R_truth * R_estimate.transpose();
   if (o.kind != AlignmentKind::kYawFirst) return through(first.estimate.p, first.truth.p, R, 1);
   const BestYaw best = bestYaw(R);
+  // R is a half turn about a horizontal axis: sine and cosine of the yaw both vanish.
   if (!(best.strength > 1e-9)) {
     return Failure{FailureCode::kUpsideDown};
   }
@@ -178,6 +183,7 @@ Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const Alignmen
 AlignedPoses alignedPoses(const std::vector<PosePair>& pairs, const AlignmentRecord& alignment,
                           QuaternionUse use) {
   const Transform& T = alignment.T_truth_estimate;
+  // By way of quaternions, as ov_eval has it: its figures show the rounding of this product.
   const Eigen::Quaterniond q = shepperdQuaternion(T.R);
   AlignedPoses aligned;
   aligned.truth.reserve(pairs.size());

@@ -22,6 +22,8 @@ bool seesDoubles(AssociationRule rule) {
 
 // The double of seconds that a tool reads from a file, on the grid.
 std::int64_t gridTick(TimeNs t) {
+  // long double holds every nanosecond of an int64 (64-bit mantissa); a division in double would
+  // round twice.
   const auto seconds = static_cast<double>(static_cast<long double>(t) / 1e9L);
   return std::llround(std::ldexp(seconds, kGridBits));
 }
@@ -34,6 +36,7 @@ Ticks ticksOf(const std::vector<StampedPose>& poses, AssociationRule rule) {
   return ticks;
 }
 
+/// The limit on the grid on which stamps are compared; it may lie between two ticks.
 double maxTicks(const AssociationOptions& o) {
   if (seesDoubles(o.rule)) return std::ldexp(o.max_dt_s, kGridBits);
   return static_cast<double>(toNanoseconds(o.max_dt_s));
@@ -69,6 +72,8 @@ double largestGapOf(const std::vector<StampedPose>& poses) {
   return static_cast<double>(gap) * 1e-9;
 }
 
+/// Signed, t_estimate - t_truth [s]: a constant offset of the clocks stays visible in it. 0
+/// of no pairs.
 double medianDt(const std::vector<PosePair>& pairs) {
   std::vector<double> dt;
   dt.reserve(pairs.size());

@@ -65,6 +65,8 @@ Eigen::Vector3d degreesOf(const Eigen::Matrix3d& R) {
   return kDegrees * Eigen::Vector3d(angles.roll, angles.pitch, angles.yaw);
 }
 
+/// `R_end`: the estimate's attitude at the end of the motion. Heading and gravity are of E in the
+/// estimate's world, R_end E R_end^T (rpg), and mean something only if that world is level.
 double measured(const Transform& E, const Eigen::Matrix3d& R_end, RelativeMeasure measure) {
   if (measure == RelativeMeasure::kTranslation) return E.t.norm();
   if (measure == RelativeMeasure::kRotationDeg) return kDegrees * rotationVector(E.R).norm();
@@ -73,6 +75,8 @@ double measured(const Transform& E, const Eigen::Matrix3d& R_end, RelativeMeasur
   return kDegrees * std::hypot(angles.pitch, angles.roll);
 }
 
+/// The tolerances that the tools have in their sources; theirs exclude the limit, and let a pose be
+/// its own end.
 SubTrajectoryRule ruleOf(const RelativeDelta& delta) {
   switch (delta.pairs) {
     case RelativePairs::kRpg:
@@ -141,6 +145,8 @@ std::vector<IndexPair> consecutiveSegments(const std::vector<Transform>& poses, 
     if (marked) pairs.push_back({mark, i});
     mark = i;
     marked = true;
+    // evo drops what the last step went beyond `length`: segments are never shorter, up to a step
+    // longer.
     travelled = 0;
   }
   return pairs;
@@ -169,6 +175,7 @@ std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses,
   assert(poses.size() == near.size());
   std::vector<Eigen::Vector3d> angles;
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    // Added to the truth's angles, so that a constant body rotation does not make them jump.
     const Eigen::Vector3d apart =
         i == 0 ? Eigen::Vector3d::Zero().eval() : (angles.back() - near[i - 1]).eval();
     angles.push_back(nearest(degreesOf(poses[i].R), near[i] + apart));
@@ -265,6 +272,7 @@ Nees neesOf(const AlignedPoses& poses, const std::vector<Matrix6d>& covariances)
   double position = 0, orientation = 0, pose = 0;
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {
     const Matrix6d& P = covariances[i];
+    // An LLT of NaN may succeed, so it is asked for apart.
     if (!P.allFinite() || P.llt().info() != Eigen::Success) {
       ++nees.left_out;
       continue;
@@ -276,6 +284,8 @@ Nees neesOf(const AlignedPoses& poses, const std::vector<Matrix6d>& covariances)
     ++nees.used;
   }
   if (nees.used == 0) return nees;
+  // The parts' own blocks of P: marginal covariances, so position and orientation add up to the
+  // pose's only where they are uncorrelated.
   nees.parts = {recordOf("position", 3, position, nees.used),
                 recordOf("orientation", 3, orientation, nees.used),
                 recordOf("pose", 6, pose, nees.used)};

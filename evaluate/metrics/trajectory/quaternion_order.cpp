@@ -30,6 +30,8 @@ BodyRotation bodyRotation(const AlignedPoses& poses, const Eigen::Matrix3d& R_tr
                           bool truth_inverted, bool estimate_inverted) {
   std::vector<Eigen::Matrix3d> relative;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  // An inverted estimate has to be inverted in its own world, so the alignment is taken off it and
+  // put back on.
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {
     Eigen::Matrix3d R_truth = poses.truth[i].R;
     if (truth_inverted) R_truth.transposeInPlace();
@@ -52,6 +54,7 @@ Eigen::Quaterniond fromWFirst(const Eigen::Quaterniond& read) {
 }
 
 std::optional<QuaternionOrderFault> quaternionOrderFault(const std::vector<PosePair>& pairs) {
+  // With scale: a monocular estimate has none of its own, and R does not depend on it.
   const Result<AlignmentRecord> joined = align(pairs, {AlignmentKind::kSim3});
   if (!joined) return std::nullopt;
   const AlignedPoses poses = alignedPoses(pairs, *joined);
@@ -60,6 +63,7 @@ std::optional<QuaternionOrderFault> quaternionOrderFault(const std::vector<PoseP
   if (as_read < kUnsuspicious) return std::nullopt;
   const double inverted = std::min(bodyRotation(poses, R, true, false).spread_deg,
                                    bodyRotation(poses, R, false, true).spread_deg);
+  // Better than as read and than with inverted quaternions, which is the likelier mistake.
   const double limit = std::min(kUnsuspicious, std::min(as_read, inverted) / kClearly);
   const double estimate = spreadOf(reordered(pairs, &PosePair::estimate), *joined);
   const double truth = spreadOf(reordered(pairs, &PosePair::truth), *joined);

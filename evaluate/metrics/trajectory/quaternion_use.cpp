@@ -35,11 +35,14 @@ Eigen::Quaterniond shepperdQuaternion(const Eigen::Matrix3d& R) {
 
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& R) {
   const double trace = R.trace();
+  // Within 0.01 rad of a half turn (1 + tr R = 4 cos^2(theta / 2) = theta'^2, theta' = pi - theta)
+  // R - R^T vanishes and with it the axis.
   if (trace + 1 < 1e-4) {
     const Eigen::AngleAxisd turn(shepperdQuaternion(R));
     return turn.angle() * turn.axis();
   }
   const Eigen::Vector3d vee(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  // theta^2 = 3 - tr R to second order, and theta / (2 sin theta) = 1/2 + theta^2 / 12.
   if (trace - 3 >= -1e-7) return (0.5 - (trace - 3) / 12) * vee;
   const double theta = std::acos((trace - 1) / 2);
   return theta / (2 * std::sin(theta)) * vee;

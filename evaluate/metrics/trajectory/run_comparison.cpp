@@ -37,6 +37,8 @@ double meanOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+/// Means of bootstrap samples of the pairs, for a percentile interval. Seeded: equal runs give
+/// equal intervals.
 std::vector<double> resampledMeans(const std::vector<double>& values) {
   std::mt19937_64 random(1);
   std::vector<double> means;
@@ -54,6 +56,7 @@ std::optional<double> pairsNeeded(const PairedDifference& d) {
   if (d.pairs < 3 || d.mean_m == 0) return std::nullopt;
   const auto n = static_cast<double>(d.pairs);
   const double spread = kNormal * d.std_m / d.mean_m;
+  // std_m has n in its denominator, the power calculation n - 1.
   return std::max(2.0, std::ceil(spread * spread * n / (n - 1)));
 }
 
@@ -75,6 +78,7 @@ void summarise(const std::vector<double>& d, PairedDifference& result) {
   const std::vector<double> means = resampledMeans(d);
   result.low_m = quantile(means, 0.025);
   result.high_m = quantile(means, 0.975);
+  // d = error of b - error of a: below zero b is better.
   if (*result.low_m > 0 || *result.high_m < 0)
     result.better = result.mean_m < 0 ? result.b : result.a;
 }
@@ -115,6 +119,8 @@ std::vector<std::string> inOrder(const std::vector<TrajectoryRun>& runs,
   return names;
 }
 
+/// The median over `expected` runs, of which those without an error stand behind all others: none
+/// where half of them or more have no error.
 std::optional<double> medianOf(std::vector<double> complete, std::size_t expected) {
   complete.resize(expected, std::numeric_limits<double>::infinity());
   if (expected == 0) return std::nullopt;
@@ -146,6 +152,8 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
   if (!ate.empty()) s.ate_complete_median_m = quantile(ate, 0.5);
   if (s.partial > 0) s.level = VerdictLevel::kCaution;
   if (s.failed > 0) s.level = VerdictLevel::kBad;
+  // Complete runs without truth have no error and are not asked for one; failed and partial ones
+  // are, and count as larger than any.
   const std::size_t judged = s.expected - (s.complete - ate.size());
   s.ate_median_m = medianOf(std::move(ate), judged);
   return s;

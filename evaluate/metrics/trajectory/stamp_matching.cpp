@@ -36,6 +36,7 @@ struct Candidate {
   }
 };
 
+/// Poses of one side with equal stamps queue in one node and are used lowest index first.
 std::vector<Node> groupedByStamp(const Ticks& ticks, bool is_estimate) {
   std::vector<Node> nodes;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -97,12 +98,15 @@ class ClosestFirst {
     heap_.push({dt, frontsOf(a, b), left, a.next});
   }
 
+  // Candidates are not taken off the heap when their nodes change; they are recognised here.
   bool stillStands(const Candidate& c) const {
     const Node& a = nodes_[c.left];
     const Node& b = nodes_[c.right];
     return !a.used() && !b.used() && a.next == c.right && frontsOf(a, b) == c.match;
   }
 
+  // Only pairs at the gap are new. One that is offered twice is used once, as stillStands() refuses
+  // it then.
   void use(const Candidate& c) {
     ++nodes_[c.left].first;
     ++nodes_[c.right].first;

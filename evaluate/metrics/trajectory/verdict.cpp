@@ -30,6 +30,7 @@ std::string ofCalibration(const std::string& calibration) {
   return calibration.empty() ? "" : " of " + calibration;
 }
 
+/// Whose reason is shown: the first that failed, or the first partial one where none did.
 const TrajectoryRun* firstIncomplete(const TrajectoryStudy& study, const RunsSummary& s) {
   const auto found =
       std::find_if(study.runs.begin(), study.runs.end(), [&](const TrajectoryRun& r) {
@@ -71,6 +72,8 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
   }
 }
 
+/// Of means above their bound alone: covariances that are too large are stated with the figures
+/// (NeesReading) and are no finding.
 void addCovariances(const TrajectoryStudy& study, Findings& findings) {
   std::size_t judged = 0, small = 0;
   double worst = 0;
