@@ -45,6 +45,7 @@ double acceleration(const Groups& groups, const Statistic& statistic) {
     left[g] = groups[g];
     const double centre = sampleStatistics(without).mean;
     for (const double w : without) {
+      // Jackknife influence (n - 1)(mean - w), over the group's size as the strata demand.
       const double influence = (n - 1) * (centre - w) / n;
       cubes += std::pow(influence, 3);
       squares += influence * influence;
@@ -80,6 +81,7 @@ std::optional<BootstrapInterval> bcaInterval(const Groups& groups, const Statist
   const boost::math::normal_distribution<double> normal;
   const double bias = quantile(normal, share);
   const double a = acceleration(groups, statistic);
+  // Efron's BCa end: the quantile at Phi(z0 + (z0 + z_tail) / (1 - a (z0 + z_tail))).
   const auto end = [&](double tail) {
     const double z = bias + quantile(normal, tail);
     return plumbline::quantile(values, cdf(normal, bias + z / (1 - a * z)));

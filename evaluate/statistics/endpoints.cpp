@@ -68,6 +68,7 @@ std::string wordsFor(const std::string& name) {
                                    : name;
 }
 
+/// In seconds, but with a sign that means a direction: a ratio of two offsets says nothing.
 bool signedFigure(const std::string& name) { return name == "time_offset_s"; }
 
 /// Log-ATE by sequence of a participant's sessions of a method, mean over sessions and runs.
@@ -180,6 +181,7 @@ std::optional<Endpoint> endpointOf(const StudyRecord& record, const std::string&
       const bool size = found.unit == "px" || found.unit == "s" || found.unit == "m";
       endpoint = {name, found.unit, wordsFor(name), size && !signedFigure(name)};
     }
+    // One value without a logarithm, in any session, and the endpoint is compared by differences.
     if (!(*found.value > 0)) endpoint->ratio = false;
   }
   return endpoint;
@@ -206,6 +208,7 @@ EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,
     if (values.empty()) {
       ++result.left_out;
     } else {
+      // Both periods are known here: values come from a session of either method.
       result.pairs.push_back({values[0], values[1], *second < *first});
     }
   }

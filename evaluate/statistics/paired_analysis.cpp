@@ -9,6 +9,8 @@
 namespace plumbline {
 namespace {
 
+/// The shift between c_M and -c_B is mean c_M + mean c_B, twice the effect; that between c_B and
+/// c_M twice that of the period.
 PermutationResult halved(PermutationResult result) {
   result.estimate /= 2;
   if (result.low) *result.low /= 2;
@@ -28,6 +30,8 @@ double differenceOf(const PairedValues& pair) {
   return std::abs(difference) <= 1e-12 * size ? 0 : difference;
 }
 
+/// The effect of groups c_M and c_B, each group counting alike whatever its size, as in the
+/// crossover's estimate.
 double meanOfMeans(const Groups& groups) {
   double sum = 0;
   for (const auto& group : groups) sum += sampleStatistics(group).mean;

@@ -35,7 +35,8 @@ double choose(std::size_t n, std::size_t k) {
   return std::round(count);
 }
 
-/// Whether the next combination of the mask's ones was made, in the order of prev_permutation().
+/// The values of both samples, and a mask of those that a permutation deals to x. It begins with
+/// the ones in front, from where prev_permutation() visits every choice once.
 class TwoGroups {
  public:
   TwoGroups(const std::vector<double>& x, const std::vector<double>& y) : first_(x.size()) {
@@ -53,9 +54,12 @@ class TwoGroups {
   }
 
   Crossings drawn(const PermutationOptions& options) {
+    // The identity counts as drawn once, so that p is never 0 (Phipson, Smyth, 2010).
     Crossings crossings{{}, 1, false};
     RandomIndex random(options.seed);
     for (std::uint64_t i = 0; i < options.drawn; ++i) {
+      // Fisher and Yates' shuffle by hand: std::shuffle draws differently in every standard
+      // library.
       for (std::size_t j = mask_.size() - 1; j > 0; --j) std::swap(mask_[j], mask_[random(j + 1)]);
       add(crossings);
     }
@@ -63,6 +67,7 @@ class TwoGroups {
   }
 
  private:
+  // The shift at which this permutation's mean difference equals the observed one.
   void add(Crossings& crossings) const {
     double left = 0, entered = 0, exchanged = 0;
     for (std::size_t i = 0; i < values_.size(); ++i) {
@@ -129,6 +134,7 @@ PermutationResult resultOf(double estimate, double rounding, Crossings crossings
   // The least shift that is not rejected from below has more than `tail` permutations at or under
   // it.
   const double tail = total * (1 - options.confidence) / 2;
+  // Permutations that change nothing are at every shift, so they use up part of the tail.
   const double rank = std::floor(tail * (1 + kRounding) - crossings.unchanged) + 1;
   if (rank >= 1 && rank <= static_cast<double>(shifts.size())) {
     const auto place = static_cast<std::size_t>(rank) - 1;

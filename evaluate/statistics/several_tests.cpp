@@ -42,6 +42,8 @@ QuadeTest quade(const std::vector<std::vector<double>>& blocks) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const std::vector<double> ranks = midranks(blocks[i]);
     for (std::size_t j = 0; j < methods; ++j) {
+      // S_ij = Q_i (r_ij - (k + 1) / 2); F = (n - 1) B / (A - B) with A the sum of S_ij^2 (`total`)
+      // and B = sum_j (sum_i S_ij)^2 / n (`between`).
       const double s = weights[i] * (ranks[j] - (k + 1) / 2);
       total += s * s;
       sums[j] += s;

@@ -26,6 +26,7 @@ std::vector<double> sumsOf(const std::vector<std::size_t>& doubled) {
   return density;
 }
 
+/// Twice the smaller tail, each with the observed sum in it: the distribution is discrete.
 double twoSided(const std::vector<double>& density, std::size_t sum) {
   const auto at = density.begin() + static_cast<std::ptrdiff_t>(sum);
   const double below = std::accumulate(density.begin(), at + 1, 0.0);
@@ -33,6 +34,8 @@ double twoSided(const std::vector<double>& density, std::size_t sum) {
   return std::min(1.0, 2 * std::min(below, above));
 }
 
+/// V is also the number of Walsh averages above zero (Tukey, 1949), so the centres that the test
+/// does not reject lie between two of their order statistics.
 std::vector<double> walshAverages(const std::vector<double>& x) {
   std::vector<double> averages;
   for (std::size_t i = 0; i < x.size(); ++i) {

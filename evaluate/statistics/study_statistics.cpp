@@ -67,6 +67,7 @@ StudyEffect effectOf(const StudyRecord& record, const Endpoint& endpoint, const 
   return effect;
 }
 
+/// Over the declared endpoints that have a p-value, of all methods together: one family.
 void addHolm(std::vector<StudyEffect>& effects) {
   std::vector<double> p;
   for (const StudyEffect& e : effects) {
@@ -91,7 +92,8 @@ std::vector<Endpoint> endpointsOf(const StudyRecord& record) {
   return endpoints;
 }
 
-/// Whether each two methods came in both orders.
+/// Whether each two methods came in both orders; otherwise a p-value of "the methods" would be one
+/// of the period as well.
 bool ordersVary(const StudyRecord& record) {
   for (std::size_t a = 0; a < record.methods.size(); ++a) {
     for (std::size_t b = a + 1; b < record.methods.size(); ++b) {
@@ -156,6 +158,8 @@ TimeToEvent timeOf(const StudySession& s, double limit_s) {
   return {done ? *s.capture_s : limit_s, done};
 }
 
+/// Who gave up counts in medians of time with the limit; figures of calibrations are of those that
+/// there are.
 StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
   StudyMethod m;
   m.method = name;
@@ -219,6 +223,7 @@ StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::strin
       method_first += p.method_first ? 1 : 0;
     }
     const PermutationResult r = shiftOfPairs(differences, options.permutation);
+    // All in one order: the difference is one of method and period together, and has no p-value.
     const bool both = method_first > 0 && method_first < time.participants;
     time.design = both ? StudyDesign::kCrossover : StudyDesign::kOneOrder;
     time.difference_s = {r.estimate, r.low, r.high};

@@ -14,6 +14,7 @@ std::vector<SurvivalPoint> kaplanMeier(std::vector<TimeToEvent> times) {
     std::size_t end = i;
     int events = 0;
     for (; end < times.size() && times[end].t == times[i].t; ++end) events += times[end].done;
+    // Those whose time is not before this one, events and censored ones alike.
     const auto at_risk = static_cast<int>(times.size() - i);
     if (events > 0) {
       survival *= 1 - static_cast<double>(events) / at_risk;
@@ -37,6 +38,7 @@ double restrictedMean(const std::vector<SurvivalPoint>& curve, double limit) {
 
 std::optional<double> medianSurvival(const std::vector<SurvivalPoint>& curve) {
   for (const SurvivalPoint& point : curve) {
+    // A product of fractions that is 1/2 may come out a rounding above it.
     if (point.survival <= 0.5 + 1e-12) return point.t;
   }
   return std::nullopt;
