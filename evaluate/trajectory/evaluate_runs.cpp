@@ -36,6 +36,8 @@ std::string escaped(const std::string& text) {
 std::string groupOf(const std::string& field, std::vector<std::string> words) {
   if (field == "run") return "([^/_]+)";
   if (words.empty()) return "([^/]+)";
+  // Longest first: of alternatives a regular expression takes the first that fits, so that "MH_01"
+  // does not take what is "MH_01_easy"'s.
   std::sort(words.begin(), words.end(), [](const std::string& a, const std::string& b) {
     return a.size() != b.size() ? a.size() > b.size() : a < b;
   });
@@ -68,6 +70,7 @@ Matcher matcherOf(const std::string& pattern, const std::vector<std::string>& se
     }
     const auto known = std::find(matcher.fields.begin(), matcher.fields.end(), field);
     if (known != matcher.fields.end()) {
+      // A field that stands twice has to stand for the same text: a back reference.
       expression += fmt::format("\\{}", known - matcher.fields.begin() + 1);
     } else {
       matcher.fields.push_back(field);
@@ -131,6 +134,7 @@ std::vector<RunFile> findRuns(const std::string& pattern,
     if (it.depth() != reach.depth || !it->is_regular_file()) continue;
     std::string path = it->path().generic_string();
     if (pattern.find('/') == std::string::npos) path = it->path().filename().string();
+    // By the known sequences first: greedy fields alone would split names at the last underscore.
     auto file = matched(path, known);
     if (!file) file = matched(path, any);
     if (file && !isUtf8(path)) {
@@ -177,6 +181,7 @@ Truths readTruths(const RunsRequest& request) {
 }
 
 const Truth* truthOf(const Truths& truths, const std::string& sequence) {
+  // A truth without {sequence} serves every sequence.
   const auto found = truths.find(truths.count("") > 0 ? "" : sequence);
   return found == truths.end() ? nullptr : &found->second;
 }
@@ -224,6 +229,8 @@ std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
   return list;
 }
 
+/// RMS distance of points from their mean. It is taken of the truth as kept for plots, every k-th
+/// matched pose.
 double spreadOf(const std::vector<Eigen::Vector3d>& points) {
   const auto n = static_cast<double>(points.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -250,6 +257,7 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
 TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
+  // So that NaN, too, has diverged.
   if (!(ate <= limit)) {
     const char* which = request.max_ate_m ? "the limit" : "the ATE of an estimate that never moves";
     return failedRun(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",

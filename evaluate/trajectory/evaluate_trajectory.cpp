@@ -23,12 +23,14 @@ constexpr std::size_t kFewestPairs = 3;
 constexpr std::size_t kPlotted = 2000;
 constexpr int kGapFactor = 10;  // an interval so many times the median one is a hole
 
+/// Alignments by the first pair's rotations; the fits use positions alone.
 bool standsOnRotation(AlignmentKind kind) {
   return kind == AlignmentKind::kOrigin || kind == AlignmentKind::kSe3First ||
          kind == AlignmentKind::kYawFirst;
 }
 
-// Share of the truth's span, from `from` on, within the estimate's intervals, holes left out.
+/// Share of the truth's span, from `from` on, within the estimate's intervals, holes left out. A
+/// hole is one by the estimate's own median interval, so that one of keyframes has none.
 double coverageOf(const std::vector<StampedPose>& estimate, const Trajectory& truth, TimeNs offset,
                   TimeNs from) {
   const TimeNs to = truth.poses.back().t;
@@ -63,6 +65,7 @@ TrajectoryRun withCoverage(TrajectoryRun run, const Trajectory& estimate, const 
 // `run` with every k-th pair, for plots.
 TrajectoryRun withPlots(TrajectoryRun run, const std::vector<PosePair>& pairs,
                         const AlignedPoses& poses, const std::vector<double>& error_deg) {
+  // At most kPlotted of them; the figures are of all.
   const std::size_t step = (pairs.size() + kPlotted - 1) / kPlotted;
   std::vector<Eigen::Vector3d> truth_rpy, estimate_rpy;
   if (!error_deg.empty()) {
@@ -214,6 +217,8 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
   if (!with_rotation) return evaluation;
   const RotationRemark rotations = rotationRemark(association.pairs, *alignment, options.alignment);
+  // The bodies differ, or one side is inverted: figures of rotations would be of that and not of
+  // errors.
   if (!rotations.cure.empty()) {
     evaluation.run = withoutRotations(std::move(evaluation.run), rotations);
     return evaluation;

@@ -53,10 +53,10 @@ struct TrajectoryEvaluation {
 };
 
 /// Pairs, aligns and measures two trajectories in memory. The rotation's errors are empty (n = 0)
-/// where one of them has no orientations. Failures: kNoOverlap where the spans do not meet or no
-/// stamps pair, with both spans and the likely cause; kNotObservable for fewer than three pairs and
-/// whatever align() refuses; kImplausible for quaternions in the wrong order; what commonFrames
-/// says. NEES are there where the estimate has covariances.
+/// where one of them has no orientations. Failures by reason: kNoOverlap where the spans do not
+/// meet or no stamps pair, with both spans and the likely cause; kNotObservable for fewer than
+/// three pairs and whatever align() refuses; kImplausible for quaternions in the wrong order; what
+/// commonFrames says. NEES are there where the estimate has covariances.
 Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
                                                   const Trajectory& truth,
                                                   const TrajectoryMetricOptions& options);

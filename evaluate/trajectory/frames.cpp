@@ -13,6 +13,8 @@
 namespace plumbline {
 namespace {
 
+/// The search is about the offset that was given: the estimate's stamps are shifted by it first,
+/// and what is found then adds to it.
 Result<ClockOffsetRecord> clockOffsetOf(const Trajectory& estimate, const Trajectory& truth,
                                         const TrajectoryMetricOptions& options) {
   const double first = options.association.time_offset_s;
@@ -61,6 +63,8 @@ HandEyeRecord recordOf(const HandEye& found) {
 
 Result<HandEyeRecord> handEyeOf(const Trajectory& estimate, const Trajectory& truth,
                                 const TrajectoryMetricOptions& options, double time_offset_s) {
+  // A pairing of nearest stamps would put |v| dt into every residual, which hand-eye takes for
+  // noise.
   AssociationOptions at_stamps = options.association;
   at_stamps.rule = AssociationRule::kInterpolate;
   at_stamps.time_offset_s = time_offset_s;
@@ -82,6 +86,7 @@ std::string handEyeRemark(const HandEyeRecord& r) {
       kDegrees * s.tail<3>().norm(), r.rms_translation_m, kDegrees * r.rms_rotation_rad);
 }
 
+/// T_VS = T_VM T_SM^-1: positions change by the lever arm in the marker's attitude of the moment.
 Trajectory movedToS(Trajectory truth, const Transform& T_SM) {
   const Transform T_MS = T_SM.inverse();
   for (StampedPose& pose : truth.poses) {

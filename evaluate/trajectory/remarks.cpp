@@ -22,6 +22,8 @@ Span spanOf(const Trajectory& trajectory, double offset_s) {
           static_cast<double>(trajectory.poses.back().t) * 1e-9 + offset_s};
 }
 
+/// The difference of stamps [s] of the pair that is closest, signed, estimate - truth. evo's rule
+/// with a limit that excludes nothing looks up the nearest for each pose without listing all pairs.
 double nearestDt(const Trajectory& estimate, const Trajectory& truth, double offset_s) {
   AssociationOptions wide;
   wide.rule = AssociationRule::kEvo;
@@ -35,6 +37,8 @@ double nearestDt(const Trajectory& estimate, const Trajectory& truth, double off
   return nearest;
 }
 
+/// Pairs are in the order of the estimate and stamps do not descend, so that a pose used again
+/// stands next to its first use.
 std::size_t usedTwice(const std::vector<PosePair>& pairs) {
   std::size_t count = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
@@ -91,6 +95,7 @@ std::vector<std::string> remarksOn(const Association& association) {
     remarks.push_back(fmt::format("{} estimated poses lie in gaps of the truth and are not used",
                                   r.stamps_in_gaps));
   }
+  // An estimate with more poses than the truth cannot have a partner for each: that is no remark.
   const std::size_t without = r.estimate_poses - std::min(r.matches, r.estimate_poses);
   if (static_cast<double>(without) > kManyWithout * static_cast<double>(r.estimate_poses) &&
       r.estimate_poses <= r.truth_poses) {
