@@ -148,6 +148,7 @@ OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
   OnSession out;
   out.scores = std::move(scored_on.scores);
   const bool seen = !file.extras.input_hash.empty() && file.extras.input_hash == loaded.input_hash;
+  // Known only of files that state what they were estimated from: another hash is another input.
   out.scores.front().held_out = !file.extras.input_hash.empty() && !seen;
   out.stage = std::move(scored_on.camera);
   if (out.stage) addUncertainty(loaded.session, request, out);
@@ -177,6 +178,7 @@ std::vector<Finding> lintAll(std::vector<ComparedFile>& files) {
     file.compared.lint = lintCalibrations({&all.back(), 1});
     alone.insert(alone.end(), file.compared.lint.begin(), file.compared.lint.end());
   }
+  // Linting all together repeats what each shows alone.
   std::vector<Finding> between;
   for (Finding& f : lintCalibrations(all)) {
     if (!isAmong(f, alone)) between.push_back(std::move(f));
@@ -217,6 +219,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
   append(lintOnSession(files, loaded.session), record.verdict.findings);
   if (request.session_estimate) {
     progress("calibrating the session itself", -1);
+    // A shape that was given is used for the session's own estimate as for every score.
     const TargetMode target = request.load->target_shape ? TargetMode::kKnown : TargetMode::kAuto;
     record.session_estimate = sessionEstimate(loaded.session, calibrationsOf(files), request.score,
                                               target, request.thresholds);

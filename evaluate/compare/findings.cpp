@@ -124,6 +124,7 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, const Comparison
                  std::vector<Finding>& findings) {
   const std::vector<Geometry> all = geometryOf(record, i, bounds);
   if (all.empty()) return;
+  // What deviations explain ranks behind all that they do not.
   const auto rank = [](const Geometry& g) {
     return std::pair(!g.explained, g.value / g.bound.caution);
   };
@@ -156,6 +157,7 @@ MapDifference mapDifference(const ImageMap& map) {
   for (const double v : map.values) {
     if (std::isfinite(v)) d.worst = std::max(d.worst, v);
   }
+  // The middle grid point: the image's centre where columns and rows are odd.
   d.centre = map.values[static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2)];
   d.place = fmt::format(
       "{} at {}", map.camera,
@@ -163,7 +165,8 @@ MapDifference mapDifference(const ImageMap& map) {
   return d;
 }
 
-/// Which of a pair predicts the corners of every camera better, as far as that is clear; else "".
+/// Which of a pair predicts the corners of every camera better; "" where one camera leaves it open
+/// (95 % interval) or says the opposite of another.
 std::string betterOf(const ComparisonRecord& record, const std::string& label) {
   std::string better;
   for (const PairedPrediction& p : record.paired) {

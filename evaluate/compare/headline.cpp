@@ -28,6 +28,7 @@ struct Prediction {
   int views = 0;
 };
 
+/// Weighted by views; errors of cameras are taken as independent, so variances add.
 Prediction pooled(const ComparisonRecord& record, const std::string& label) {
   Prediction p;
   for (const PairedPrediction& each : record.paired) {

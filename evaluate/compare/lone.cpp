@@ -32,6 +32,7 @@ std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
   return estimates;
 }
 
+/// As if the two estimates were independent.
 double sigmas(const Estimate& a, const Estimate& b) {
   return std::abs(a.difference - b.difference) / std::hypot(a.std, b.std);
 }
@@ -117,6 +118,8 @@ std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record,
   if (!record.session_estimate) return {};
   std::vector<LoneParameter> all;
   for (LoneParameter& p : loneAmong(record.session_estimate->parameters, thresholds)) {
+    // In that list the session's own estimate is the first and no calibration of the comparison;
+    // the others come one place later than here.
     if (p.calibration == 0 || !othersHeldOut(record, --p.calibration)) continue;
     all.push_back(std::move(p));
   }

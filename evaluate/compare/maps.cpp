@@ -77,6 +77,7 @@ std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const Compare
       DifferenceOptions difference{range, options.grid, options.focus_radius_px, {}, options.fit};
       const ImageMap* std_a = find(uncertainties, a.label, cameras_a[c].name, range);
       const ImageMap* std_b = find(uncertainties, b.label, cameras_b[c].name, range);
+      // A focus radius asked for takes the place of the weights.
       const bool weighted = options.focus_radius_px == 0 && std_a && std_b;
       if (weighted) difference.weights = differenceWeights(std_a->values, std_b->values);
       const std::string label = fmt::format("{} - {}", b.label, a.label);

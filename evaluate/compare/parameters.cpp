@@ -27,6 +27,7 @@ const CalibrationParameter* find(const std::vector<CalibrationParameter>& list,
   return found == list.end() ? nullptr : &*found;
 }
 
+/// |difference| / hypot of both deviations; none without both, as for norms, which have no sign.
 void addSignificance(const ComparisonThresholds& thresholds, ComparedParameter& row) {
   row.significance.clear();
   row.levels.clear();
@@ -64,6 +65,8 @@ std::vector<ComparedParameter> listedRows(const Calibrations& calibrations) {
   return rows;
 }
 
+/// By position: listedRows() puts the first calibration's parameters in front, in the order of
+/// calibrationChange(). NaN marks what does not compare.
 void addChanges(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
   for (std::size_t i = 1; i < calibrations.size(); ++i) {
     const Eigen::VectorXd change = calibrationChange(calibrations[i], calibrations[0]);
@@ -85,6 +88,8 @@ ComparedParameter numberRow(const std::string& name, const std::string& unit,
   return row;
 }
 
+/// calibrationParameters() has camera 0's offset; tools with a single one are compared with the
+/// mean over cameras.
 void meanOffsets(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
   const auto row = std::find_if(rows.begin(), rows.end(),
                                 [](const ComparedParameter& r) { return r.name == "time_offset"; });
@@ -175,6 +180,7 @@ double standardError(const std::vector<double>& values) {
   return std::sqrt(squares / (n - 1) / n);
 }
 
+/// An incomplete last block is left out: it would have another variance.
 std::vector<double> blockMeans(const std::vector<double>& values) {
   std::vector<double> means;
   for (std::size_t at = 0; at + kBlock <= values.size(); at += kBlock) {

@@ -40,6 +40,7 @@ std::vector<RayPair> raysOfFocus(const Intrinsics& A, const Intrinsics& B,
     const Eigen::Vector2d q = options.grid.pixel(A.resolution, i);
     const double weight =
         options.weights.empty() ? 1.0 : options.weights[static_cast<std::size_t>(i)];
+    // Weights that are not finite are of pixels whose uncertainty is unknown in one of the two.
     if (!((q - centre).norm() < radius) || !std::isfinite(weight) || !(weight > 0)) continue;
     const auto a = unproject(A, q);
     const auto b = unproject(B, q);
@@ -74,6 +75,7 @@ Vector6d newtonStep(const std::vector<RayPair>& pairs, const Transform& T, int s
     const Vector6d Je = J.transpose() * e;
     const double w = pair.weight;
     const bool squares = fit == DifferenceFit::kSquares;
+    // f = w s, or w^2 s^2 / 2: f' is df, f'' is w^2. Gauss and Newton in e, exact in f.
     const double df = squares ? w : w * w * s;
     g += 2 * df * Je;
     H += 2 * df * J.transpose() * J;
@@ -81,6 +83,7 @@ Vector6d newtonStep(const std::vector<RayPair>& pairs, const Transform& T, int s
   }
   Vector6d step = Vector6d::Zero();
   const Eigen::MatrixXd reduced = H.bottomRightCorner(size, size);
+  // The shortest step where H is singular: the fourth power has no curvature at a perfect fit.
   step.tail(size) = -reduced.completeOrthogonalDecomposition().solve(g.tail(size));
   return step;
 }

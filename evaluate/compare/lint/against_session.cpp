@@ -56,6 +56,7 @@ Assignment assign(const std::vector<CameraCalibration>& cameras, const Session& 
   return assignment;
 }
 
+/// Within the tolerances of equal transforms; of a long baseline within three tenths of it.
 bool isNear(const Transform& a, const Transform& b, const LintOptions& options) {
   const lint::Distance d = lint::distanceBetween(a, b);
   return d.rotation_rad < options.same_rotation_rad &&
@@ -67,6 +68,7 @@ std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& 
   const auto& cameras = linted.calibration.cameras;
   if (cameras.size() < 2 || session.cameras.size() < 2) return {};
   const Transform& given = cameras[1].T_C0Ci;
+  // Exchanged cameras show an inverse baseline as well, so the exchange is asked about before it.
   const Assignment straight = assign(cameras, session, false);
   if (!straight.T_C0C1 || isNear(given, *straight.T_C0C1, options)) return {};
   const Assignment turned = assign(cameras, session, true);
@@ -138,6 +140,7 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
   const Transform& T_SC0 = linted.calibration.imu->T_SC0;
   const Eigen::Matrix3d& R = alignment.rates.alignment.R_SC0;
   const double direct = rotationAngle(T_SC0.R.transpose() * R);
+  // Of R_SC0^T against the recording's R: (R_SC0^T)^T R.
   const double inverse = rotationAngle(T_SC0.R * R);
   const lint::Measured angle{direct, options.rotation_tolerance_rad, "rad"};
   if (direct > options.rotation_tolerance_rad) {
@@ -165,6 +168,8 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
   return {};
 }
 
+/// Correlation gives t_d in the sign of t_imu = t_cam + t_d. An offset that is milliseconds by its
+/// size is a finding of the file alone.
 std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
                                  const LintOptions& options) {
   const double given = linted.calibration.imu->timeOffset();
@@ -189,6 +194,8 @@ std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream
                                 const LintOptions& options) {
   if (!linted.noise_known) return {};
   const ImuNoise& noise = linted.calibration.imu->noise;
+  // A density n has samples of deviation n sqrt(rate). Their scatter holds motion and vibration
+  // besides noise, so it bounds the noise from above.
   const double root = 1 / std::sqrt(medianSampleInterval(imu.samples));
   const double gyro = noise.gyro_density * root / lint::sampleNoise(imu.samples, &ImuSample::gyro);
   const double accel =
@@ -209,6 +216,7 @@ void append(std::vector<Finding>& to, std::vector<Finding> from) {
   for (Finding& finding : from) to.push_back(std::move(finding));
 }
 
+/// A translation in other units is a finding of the file alone; what follows would restate it.
 bool hasOddTranslation(const LintedCalibration& linted, const LintOptions& options) {
   return linted.calibration.imu->T_SC0.t.norm() > options.max_baseline_m;
 }
@@ -219,12 +227,16 @@ std::vector<Finding> imuFaults(const LintedCalibration& linted, const ImuStream&
   const auto alignment = alignmentOf(poses, imu.samples);
   if (!alignment || hasOddTranslation(linted, options)) return found;
   append(found, gyroFault(linted.name, alignment->rates.alignment));
+  // With rates that contradict each other, or hardly vary, neither rotation nor offset can be
+  // judged.
   if (!found.empty() || checkExcitation(alignment->rates.alignment)) return found;
   append(found, transformFault(linted, *alignment, options));
   append(found, offsetFault(linted, alignment->rates.offset_s, options));
   return found;
 }
 
+/// From what poses stand on to what stands on poses: a wrong resolution makes all poses wrong,
+/// exchanged cameras the rates; each is reported alone.
 std::vector<Finding> faultsOf(const LintedCalibration& linted, const Session& session,
                               bool samples_are_sane, const LintOptions& options) {
   std::vector<Finding> found = resolutionFault(linted, session);

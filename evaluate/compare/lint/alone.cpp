@@ -84,6 +84,7 @@ std::vector<Finding> leverArm(const LintedCalibration& linted, const LintOptions
 // Of how much larger an image the principal point is the centre, along both axes alike; 1: of none.
 double impliedScale(const Intrinsics& k) {
   const Eigen::Index n = k.projection.size();
+  // The principal point lies in the middle of an image 2 c / size times as large as the one stated.
   const double x = 2 * k.projection(n - 2) / k.resolution.width;
   const double y = 2 * k.projection(n - 1) / k.resolution.height;
   const double mean = 0.5 * (x + y);
@@ -149,6 +150,7 @@ std::vector<Finding> noiseSize(const LintedCalibration& linted, const LintOption
 
 std::vector<Finding> alone(const LintedCalibration& linted, const LintOptions& options) {
   std::vector<Finding> found = translationUnits(linted, options);
+  // A lever arm in millimetres is impossible, too; its unit is the cause.
   if (found.empty()) append(found, leverArm(linted, options));
   for (const CameraCalibration& camera : linted.calibration.cameras) {
     append(found, principalPoint(linted, camera, options));

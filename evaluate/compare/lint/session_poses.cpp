@@ -12,7 +12,7 @@
 namespace plumbline::lint {
 namespace {
 
-constexpr TimeNs kSameTime = 2'000'000;
+constexpr TimeNs kSameTime = 2'000'000;  // [ns]
 constexpr std::size_t kFewestPairs = 5;
 constexpr double kGaussianQuartile = 0.6745;  // median of |x| for unit normal x
 constexpr std::size_t kViewsForRms = 50;
@@ -42,6 +42,7 @@ std::vector<CameraPose> posesOf(const Session& session, std::size_t camera,
   return poseFrames(one, corners, {calibration}, CameraImuOptions()).poses;
 }
 
+/// Two and a half median intervals: rates are taken across one lost frame, not across two.
 double longestGap(const std::vector<CameraPose>& poses) {
   std::vector<double> intervals;
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
@@ -50,6 +51,9 @@ double longestGap(const std::vector<CameraPose>& poses) {
   return intervals.empty() ? 0 : 2.5 * quantile(std::move(intervals), 0.5);
 }
 
+/// T_C0Ck = T_FC0^-1 T_FCk of views at one time; medians of the components of t and Log(R), so that
+/// single wrong poses do not matter. Log is cut at half a turn: of a camera that is mounted upside
+/// down its medians say little.
 std::optional<Transform> medianBaseline(const std::vector<CameraPose>& camera_0,
                                         const std::vector<CameraPose>& camera_k) {
   std::vector<Transform> all;
@@ -91,6 +95,9 @@ double reprojectionRms(const Session& session, std::size_t camera, const Intrins
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
+/// By second differences, in which constant and linear motion cancel: of white noise s their
+/// variance is (1 + 4 + 1) s^2. The median bears spikes. What motion bends within two intervals
+/// stays in.
 double sampleNoise(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*column) {
   std::vector<double> differences;
   for (std::size_t i = 1; i + 1 < samples.size(); ++i) {

@@ -37,6 +37,8 @@ std::vector<std::vector<std::size_t>> accused(Calibrations all, const std::vecto
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (against[i] > agreeing[i]) groups.push_back({i});
   }
+  // Half of the files or more against the rest is no minority: then the first pair that disagrees
+  // is named, both of it.
   const bool undecided = groups.empty() || groups.size() * 2 >= all.size();
   return undecided ? std::vector<std::vector<std::size_t>>{{first->first, first->second}} : groups;
 }
@@ -81,6 +83,7 @@ std::vector<Finding> flippedOffset(Calibrations all, const std::vector<bool>& su
     const double x = meanTimeOffset(*a.calibration.imu);
     const double y = meanTimeOffset(*b.calibration.imu);
     const double size = std::max(std::abs(x), std::abs(y));
+    // Opposite signs, and sizes that agree within a quarter of the larger.
     return size > options.flip_offset_s && std::abs(x + y) < 0.25 * size;
   };
   for (const auto& group : accused(all, suspects, rule)) {
@@ -192,6 +195,8 @@ NoiseFault noiseFault(const ImuNoise& large, const ImuNoise& small, double toler
     return std::abs(value / target - 1) < tolerance;
   };
   const double root = std::sqrt(large.rate_hz);
+  // A discrete-time deviation is the density times sqrt(rate); near rates of 1 Hz the two are the
+  // same.
   if (root > 2 && near(gyro, root) && near(accel, root)) return NoiseFault::kDiscrete;
   if (near(gyro, kDegrees) && near(accel, 1)) return NoiseFault::kDegrees;
   return NoiseFault::kNone;
@@ -283,6 +288,8 @@ bool isInverse(const Transform& given, const Transform& reference, const LintOpt
   const double arm = reference.t.norm();
   const bool close = inverse.rotation_rad < options.same_rotation_rad &&
                      inverse.translation_m < std::max(options.same_translation_m, 0.3 * arm);
+  // Not its own inverse: either the rotation differs clearly from its inverse, or, where it hardly
+  // does (near the identity, half a turn), the translation says so.
   const bool turned = same.rotation_rad > 4 * options.same_rotation_rad;
   const bool moved = same.translation_m > 0.5 * arm && same.translation_m > 0.005 &&
                      same.translation_m > 3 * inverse.translation_m;
@@ -301,6 +308,7 @@ std::vector<Finding> together(Calibrations all, const std::vector<bool>& suspect
   const bool cameras = add(camerasAndBaselines(all, suspects, options));
   add(resolutions(all, suspects, options));
   add(noiseUnits(all, suspects, options));
+  // An inverse transform has another lever arm; it is named by its cause.
   if (!inverted && !cameras) add(oddLeverArms(all, suspects, options));
   return found;
 }
