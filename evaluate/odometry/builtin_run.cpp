@@ -120,6 +120,7 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
     if (images[0].empty()) continue;
     std::vector<GrayImageView> views;
     for (const GrayImage& image : images) views.push_back(image.view());
+    // The gyroscope's rotation since the last image that was seen, from which tracking starts.
     const Eigen::Matrix3d turn = last ? odometry.expectedRotation(*last, first.t)
                                       : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
     odometry.step(tracker.track(first.t, views, turn));

@@ -22,8 +22,8 @@ constexpr double kFarthestSteps = 2;  // that one round moves
 // A step shall raise the mean by this share: far above what a hair's breadth does to an odometry's
 // choice of tracks, and below where gates and the cap of a sighting's error bend the quadratic.
 constexpr double kRise = 0.02;
-constexpr double kMostFactor = 3;
-constexpr double kFittingFactor = 2.5;
+constexpr double kMostFactor = 3;       // by which one round may change a step
+constexpr double kFittingFactor = 2.5;  // up to which a step is as long as it should be
 constexpr double kBlock_s = 1;
 constexpr std::size_t kFewestBlocks = 8;
 
@@ -78,6 +78,7 @@ std::vector<Block> blocksOf(const std::vector<std::vector<FrameInnovation>>& run
   std::map<std::int64_t, Block> blocks;
   const TimeNs start = frames.empty() ? 0 : frames.begin()->first;
   for (const auto& [t, of_run] : frames) {
+    // A frame that some runs did not predict would make J differ by which frames it is a mean over.
     if (of_run.size() < runs.size()) continue;
     const auto second = static_cast<std::int64_t>(secondsBetween(start, t) / kBlock_s);
     Block& block =
@@ -118,6 +119,7 @@ struct Quadratic {
   VectorXd stepFactors() const {
     VectorXd factors(g.size());
     for (Index i = 0; i < g.size(); ++i) {
+      // A step raises J by H_ii / 2, and with it by the square of a factor.
       const double rise = H(i, i) / 2;
       factors[i] = rise > 0 ? std::sqrt(kRise * J0 / rise) : kMostFactor;
     }
@@ -161,6 +163,7 @@ std::optional<VectorXd> jackknife(Index n, const std::vector<Block>& blocks, con
     if (!minimum) return std::nullopt;
     minima.col(static_cast<Index>(k)) = *minimum;
   }
+  // (n - 1) / n sum (x_k - mean)^2 over the estimates x_k without block k.
   const MatrixXd off = minima.colwise() - minima.rowwise().mean();
   const auto count = static_cast<double>(blocks.size());
   return VectorXd((off.rowwise().squaredNorm() * ((count - 1) / count)).cwiseSqrt());
@@ -194,6 +197,7 @@ std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsA
     const VectorXd factors = q->stepFactors();
     const bool fits =
         (factors.array() > 1 / kFittingFactor && factors.array() < kFittingFactor).all();
+    // Only inside the steps is the quadratic that of the innovations, and not extrapolated.
     if (minimum && fits && (minimum->array().abs() <= 1).all()) {
       const auto std = jackknife(n, blocks, sum);
       if (!std) return std::nullopt;

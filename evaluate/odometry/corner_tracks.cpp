@@ -29,6 +29,7 @@ void append(const ImageView& view, int camera, FrameTracks& frame) {
   for (const Corner& corner : view.corners) frame.points.push_back({corner.id, camera, corner.uv});
 }
 
+/// Views are in the order of time: the first one within kSameFrame of a frame is taken.
 void merge(const std::vector<ImageView>& views, int camera, std::vector<FrameTracks>& frames) {
   auto view = views.begin();
   for (FrameTracks& frame : frames) {

@@ -45,6 +45,7 @@ void linkSequence(const OdometrySequence& sequence, double time_offset_s, const 
     Text list;
     add(list, "#timestamp [ns],filename\n");
     fs::create_directories(folder / camera / "data");
+    // Files that are missing are left out of the list, so that the system does not stop at them.
     for (const ImageFile& image : sequence.images[c]) {
       if (!fs::is_regular_file(image.path)) continue;
       add(list, "{0},{0}.png\n", image.t);
@@ -63,6 +64,7 @@ void linkSequence(const OdometrySequence& sequence, double time_offset_s, const 
   writeNewFile(folder, "mav0/imu0/data.csv", fmt::to_string(samples));
 }
 
+/// The list {times}: stamps [ns] of camera 0's images that are there, one a line.
 std::string stampsOf(const OdometrySequence& sequence) {
   Text text;
   for (const ImageFile& image : sequence.images[0]) {
@@ -85,8 +87,8 @@ std::vector<double> numbersAfter(const std::string& line, const std::string& bef
   return values.size() == count ? values : std::vector<double>{};
 }
 
-/// A JPL quaternion of the rotation into camera 0 has the numbers of Hamilton's of the one out of
-/// it.
+/// T_SC0 from T_C0S as it is printed. A JPL quaternion of the rotation into camera 0 has the
+/// numbers of Hamilton's of the one out of it; with the position t_C0S, t_SC0 = -R_SC0 t_C0S.
 Transform bodyOfCamera(const std::vector<double>& v) {
   const Eigen::Quaterniond q_SC0 = Eigen::Quaterniond(v[3], v[0], v[1], v[2]).normalized();
   return Transform(q_SC0.toRotationMatrix(), q_SC0 * -Eigen::Vector3d(v[4], v[5], v[6]));
@@ -144,7 +146,7 @@ std::string variable(const std::string& name) {
   throw InputError(fmt::format("{} is not set in the environment; the runner asks for it", name));
 }
 
-/// The IMU's pose at the camera's stamps.
+/// The IMU's pose at the camera's stamps: t_cam = t_imu - t_d, T_WS = T_WC0 T_C0S.
 std::vector<StampedPose> converted(std::vector<StampedPose> poses, const Runner& runner,
                                    const ImuCalibration& imu) {
   const TimeNs offset = runner.imu_clock ? toNanoseconds(imu.timeOffset()) : 0;

@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr TimeNs kTruthMargin = 25'000'000;  // [ns]: half a frame
+constexpr TimeNs kTruthMargin = 25'000'000;  // [ns]: half a frame at 20 Hz
 
 std::optional<std::string> truthOf(const OdometryRequest& request,
                                    const OdometrySequence& sequence) {
@@ -36,6 +36,7 @@ std::optional<SequenceTruth> readTruthOf(const OdometryRequest& request,
   const auto meets = [&](const StampedPose& p) { return p.t >= from && p.t <= to; };
   if (std::none_of(all.begin(), all.end(), meets)) return truth;  // who pairs them says why
   std::erase_if(truth.file.trajectory.poses, [&](const StampedPose& p) { return !meets(p); });
+  // They were parallel to the poses; an estimate is judged by its own.
   truth.file.trajectory.covariances.clear();
   return truth;
 }

@@ -77,6 +77,7 @@ std::vector<NamedCalibration> readCalibrations(const OdometryRequest& request) {
   return list;
 }
 
+/// The noise of a calibration that states none (Kalibr's camchain) is the sequence's.
 Calibration withNoise(const Plan& plan) {
   Calibration calibration = plan.calibration->calibration;
   const std::optional<ImuNoise>& noise = plan.sequence->noise;
@@ -108,7 +109,7 @@ void addConsistency(const BuiltinRun& run, OdometryRunRecord& r) {
   r.frame_max_ms = 1e3 * *std::max_element(run.frame_s.begin(), run.frame_s.end());
 }
 
-/// The last pose in the first one's frame.
+/// How far the last pose is from the first, which does not depend on the world.
 void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
   if (poses.size() < 2) return;
   r.closure_m = (poses.back().p - poses.front().p).norm();
@@ -123,6 +124,7 @@ void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord
     return runBuiltin(*plan.sequence, changed(calibration, change), request.builtin)
         .result.innovations;
   };
+  // Several plans already occupy the cores.
   const bool alone = request.sequences.size() * request.calibrations.size() == 1;
   const auto hint = calibrationHint(request.hint, run, alone ? request.threads : 1);
   if (!hint) return;

@@ -112,8 +112,10 @@ SensitivitySteps differenceSteps(const Calibration& from, const Calibration& to)
 std::optional<double> ateOf(const OdometrySequence& sequence, const Calibration& calibration,
                             const SequenceTruth& truth, const OdometryRequest& request,
                             const fs::path& folder) {
+  // Runs of several threads share the folder.
   static std::atomic<int> number{0};
   const BuiltinRun built = runBuiltin(sequence, calibration, request.builtin);
+  // A run that lost track goes on from another pose: its ATE would be that of the jump.
   if (built.result.poses.empty() || !built.result.losses.empty()) return std::nullopt;
   const std::string name = fmt::format("sensitivity_{}.txt", ++number);
   writeNewFile(folder, name, tumText(posesOf(built.result)));

@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The best truth of EuRoC's sensors first: the fused state is of the IMU's body, vicon0 of a
+/// marker body, leica0 has positions alone.
 std::optional<fs::path> truthIn(const fs::path& root) {
   const fs::path places[] = {root / "state_groundtruth_estimate0/data.csv",
                              root / "vicon0/data.csv",
