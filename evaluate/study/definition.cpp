@@ -36,6 +36,7 @@ fs::path calibrationIn(const YamlMap& map, const std::string& key) {
       if (chain && entry.path().extension() == ".yaml") chains.push_back(entry.path());
     }
   }
+  // False before true: chains with an IMU first, then by name, whatever the folder's order.
   const auto rank = [](const fs::path& p) {
     const std::string name = p.filename().string();
     return std::pair(name.find("imucam") == std::string::npos, name);

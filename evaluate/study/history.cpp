@@ -91,6 +91,7 @@ class Judge {
   }
 
  private:
+  // Spans of one figure in the order of nights; equal values of successive nights are one span.
   void judgeFigure(const std::vector<FigureSpan>& spans) {
     if (spans.back().last_night != night_) return;  // no figure of this night
     const StudyFigure& last = spans.back().figure;
@@ -176,6 +177,7 @@ class Judge {
     int first = 0;
     std::size_t at = 0;
     for (const auto& [night, values] : changes) {
+      // Page's one-sided cumulated sum (1954): slack is the drift a night that is let pass.
       sum = std::max(0.0, sum + medians[at++] / scale - t_.slack);
       first = sum == 0 ? 0 : first == 0 ? night : first;
     }

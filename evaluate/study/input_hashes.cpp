@@ -123,6 +123,8 @@ InputHashes::Hashed InputHashes::of(const fs::path& path) {
 void InputHashes::save() const {
   std::string text;
   for (const auto& [path, hashed] : known_) {
+    // Only what this night asked for, so that the cache does not grow for ever. The format has one
+    // line a path.
     if (seen_.count(path) > 0 && path.find('\n') == std::string::npos) {
       text += fmt::format("{} {} {}\n", hashed.content, hashed.stamp, path);
     }

@@ -97,7 +97,10 @@ class Merger {
     addFigures(step, result, rows);
   }
 
+  // An evaluation's part is "RECORDING", of another tool's calibration "TOOL/RECORDING"; names hold
+  // no slash.
   static bool isOfOther(const Step& step) { return step.part.find('/') != std::string::npos; }
+  // The plan leaves --with out for the built-in one.
   static bool isBuiltinOdometry(const Step& step) {
     return std::find(step.words.begin(), step.words.end(), "--with") == step.words.end();
   }
@@ -111,6 +114,7 @@ class Merger {
     switch (step.kind) {
       case StepKind::kDetect:
       case StepKind::kCalibrate:
+        // Held-out recordings are detected too, and belong to no session.
         if (of_session_.count(step.session) > 0) {
           sessionOf(step).failed_step = toString(step.kind);
           sessionOf(step).message = message;

@@ -108,6 +108,7 @@ class Planner {
     }
   }
 
+  // Without the user's cache of corners: a result then depends on what its key names, and no more.
   void addSource(StepBuilder& step, const Source& source) {
     if (source.detected) {
       step.reads(*source.detected, "");
@@ -118,6 +119,7 @@ class Planner {
     step.words({"--no-cache"});
   }
 
+  // Aside of the key: neither the folder nor the number of threads changes a result.
   static void addOutput(StepBuilder& step) {
     step.aside("--out").aside("{out}").aside("--threads").aside("{threads}");
   }
@@ -309,10 +311,12 @@ class Planner {
       const auto sequence =
           std::find_if(study_.sequences.begin(), study_.sequences.end(),
                        [&](const RecordingEntry& entry) { return entry.name == file.sequence; });
+      // Files of other calibrations or sequences may lie there, too.
       if (calibrations_.count(file.calibration) == 0 || sequence == study_.sequences.end()) {
         continue;
       }
       const std::string part = file.sequence + (file.run.empty() ? "" : "/" + file.run);
+      // By a hash: a run's name may have letters that a step's folder must not have.
       const std::string suffix = file.run.empty() ? "" : "_" + contentHash(file.run);
       StepBuilder step(StepKind::kTrajectory,
                        "sessions/" + file.calibration + "/trajectory_" + file.sequence + suffix,

@@ -63,6 +63,7 @@ class Places {
   int threads_;
 };
 
+/// For step.json: the command as a person may type it, with OUT for the folder.
 std::string commandText(const Step& step, const fs::path& night) {
   const Places by_hand(night, "OUT", 0);
   std::string text = step.kind == StepKind::kEstimate ? "" : "plumbline";
@@ -174,7 +175,8 @@ class StepFolder {
       : final_(fs::absolute(final_path)), workplace_(final_, final_path.string()) {}
 
   fs::path path() const { return workplace_.result(); }
-  /// Replaces what is there by what was made.
+  /// Replaces what is there by what was made: by exchange, so that readers find the older result
+  /// or the newer one. Workplace::exchange() says what a kill leaves where this takes two steps.
   void commit() {
     Workplace::Moved moved = workplace_.place();
     if (moved == Workplace::Moved::kInTheWay && workplace_.exchange()) {
@@ -235,6 +237,7 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
       fail(result, StepStatus::kFailed, error.what());
     }
   }
+  // Messages name the hidden folder in which the result was made.
   result.message = replaceAll(withFinalNames(result.message), folder.path().string(),
                               (night / step.name).string());
   if (result.status != StepStatus::kDone) folder.clear();
@@ -260,11 +263,13 @@ StepResult runStep(const fs::path& night, const std::string& name, int threads) 
   if (auto before = readStepResult(night / name); before && before->settles(step)) {
     return *before;
   }
+  // Its key says which program made a result; another build must not write under it.
   if (step.program != runningProgramHash()) {
     throw badInput((night / kPlanFile).string(), 0,
                    {InputFault::kContradiction, "is of another build of the program", "",
                     "run the study again"});
   }
+  // Also where an engine has seen to it: a command may be given by hand.
   requireNeeds(night, step);
   StepResult result = emptyResult(night, step);
   StudyRecord rows;

@@ -50,6 +50,7 @@ std::string planText(const std::vector<Step>& steps) {
 // A step's name is the first field of its line: the others are not parsed.
 Step readPlannedStep(const fs::path& plan, const std::string& name) {
   const MappedFile file(plan.string());
+  // As planText() writes it: fields keep their order.
   const std::string start = "{\"name\":" + Json(name).dump() + ",";
   std::optional<Step> found;
   forEachLine(file.text(), [&](std::string_view line) {

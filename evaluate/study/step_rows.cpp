@@ -65,6 +65,7 @@ std::vector<StudyPerturbation> perturbationsOf(const PerturbationRecord& record,
   for (const PerturbationCase& c : record.cases) {
     StudyPerturbation row{session, c.amount, std::nullopt, c.problem};
     if (c.problem.empty()) {
+      // Against the base's, which need not be zero: what is left is the injected offset.
       row.recovered_ms = 1e3 * (c.time_offset_s - record.base.time_offset_s);
     }
     rows.push_back(row);
@@ -120,7 +121,7 @@ std::optional<double> recordedCompliance(const Step& step, const CalibrationReco
   }
 }
 
-// A run that covers a part only would be judged on the easier remainder.
+/// Only complete runs have an ATE: one that covers a part would be judged on the easier remainder.
 std::vector<StudyTrajectory> trajectoriesOf(const TrajectoryRecord& record, const Step& step) {
   std::vector<StudyTrajectory> rows;
   for (const TrajectoryRun& run : record.runs) {
@@ -136,7 +137,7 @@ std::optional<double> complianceOf(const ReplayRecord& record) {
   return record.compliance ? shareReached(*record.compliance) : std::nullopt;
 }
 
-// "eval01_2" of "sequence/run" is split at the slash, which no name holds.
+/// "SEQUENCE/RUN" or "SEQUENCE": names of sequences hold no slash.
 void nameTrajectory(const std::string& part, StudyTrajectory& row) {
   const auto slash = part.find('/');
   row.sequence = part.substr(0, slash);

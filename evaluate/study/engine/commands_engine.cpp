@@ -22,6 +22,7 @@ std::vector<std::vector<Step>> unsettledStages(const fs::path& night,
   std::vector<std::vector<Step>> stages;
   for (const Step& step : steps) {
     if (settled.count(step.name) > 0) continue;
+    // The longest chain of unsettled needs before it; those that are settled hold nothing up.
     std::size_t stage = 0;
     for (const StepNeed& need : step.needs) {
       const auto before = stage_of.find(need.name);
@@ -42,6 +43,7 @@ std::string commandList(const fs::path& night, const std::vector<Step>& steps,
   for (const std::vector<Step>& stage : unsettledStages(night, steps)) {
     add(text, "# stage {}: {} commands\n", ++number, stage.size());
     for (const Step& step : stage) {
+      // Names of steps need no quotes: they are made of names that nameOf() lets pass.
       add(text, "{} study run-step {} {}\n", program, shellWords({night.string()}), step.name);
     }
   }

@@ -68,6 +68,8 @@ class LocalEngine {
     // From the last to the first: whatever waits for a step comes after it.
     urgency_.resize(steps.size());
     for (std::size_t i = steps.size(); i-- > 0;) {
+      // A step's urgency is the length of the longest chain from it to the end [s]: the critical
+      // path goes first.
       double longest = 0;
       for (const std::size_t later : dependents_[steps[i].name]) {
         longest = std::max(longest, urgency_[later]);
@@ -150,6 +152,8 @@ class LocalEngine {
                      night_.string(),        steps_[i].name, "--threads",
                      std::to_string(threads)};
     request.log = night_ / kEngineLog;
+    // The step's process watches over its command's limit itself and writes why it ended; this is
+    // for one that hangs.
     request.limit_s = steps_[i].limit_s + kBeyondLimits;
     running_.push_back(
         std::make_unique<Running>(Running{i, std::make_unique<ChildProcess>(request)}));
@@ -171,6 +175,8 @@ class LocalEngine {
 
   void finish(std::size_t i, const ProcessEnd& end) {
     const Step& step = steps_[i];
+    // What an earlier plan left under this name does not count. A step that ran into its own limit
+    // is not tried again: it would once more.
     auto result = readStepResult(night_ / step.name);
     if (result && result->key != step.key) result.reset();
     const bool lost =
@@ -230,6 +236,7 @@ StepResults settledResults(const fs::path& night, const std::vector<Step>& steps
     auto result = readStepResult(night / step.name);
     if (!result || !result->settles(step)) continue;
     try {
+      // A result without its rows is of no use to the summaries.
       if (result->status == StepStatus::kDone) (void)readStepPart(night / step.name);
       results[step.name] = std::move(*result);
     } catch (const InputError&) {  // damaged: done again

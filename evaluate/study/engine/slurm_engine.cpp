@@ -30,6 +30,7 @@ constexpr const char* kFolder = "slurm";
 constexpr const char* kJobsFile = "jobs.txt";  // of a night that is under way
 constexpr double kCommandLimit = 120;          // [s] of sbatch, squeue, scontrol
 constexpr auto kPollEvery = std::chrono::milliseconds(500);
+// Slurm's own default of MaxArraySize; the largest index is one less.
 constexpr int kDefaultMaxArraySize = 1001;
 // Polls in a row in which no job is known and none has left word: then nothing more will come.
 constexpr int kSilentPolls = 6;
@@ -39,6 +40,7 @@ struct Said {
   std::string text;
 };
 
+/// Runs one of Slurm's tools, found by PATH: both its outputs together, blanks at the end cut.
 Said runTool(const fs::path& log, const std::vector<std::string>& words) {
   std::error_code ignored;
   fs::remove(log, ignored);
@@ -116,6 +118,8 @@ class Round {
                            const std::map<std::string, double>& seconds, std::size_t most) const {
     double total = 0;
     for (const Step& step : steps) total += seconds.at(step.name);
+    // A twentieth above the even share, as packs are not filled to the brim; the last one takes
+    // what is left in any case.
     const double target = std::max(options_.pack_s, 1.05 * total / static_cast<double>(most));
     std::vector<Pack> packs;
     double filled = target;
@@ -151,11 +155,15 @@ class Round {
     words.push_back(script.string());
     const Said said = runTool(folder_ / "tool.txt", words);
     if (said.exit_code != 0) throw slurmFailed("sbatch", said);
+    // sbatch --parsable prints "JOB" or "JOB;CLUSTER"; the last word counts, whatever else a site
+    // prints before it.
     std::string job;
     for (const std::string& line : wordsOf(said.text)) job = line;
     return job.substr(0, job.find(';'));
   }
 
+  // After any end of the stage before (afterany): a step whose need failed refuses by itself, and
+  // the others of the stage go on.
   std::string submitStage(std::size_t stage, const std::vector<Pack>& packs,
                           const std::string& after) const {
     const std::string name = fmt::format("stage_{}", stage + 1);
@@ -184,7 +192,7 @@ class Round {
   const fs::path folder_;
 };
 
-// Jobs of the list that still wait or run; those that Slurm has forgotten do not.
+/// Whether jobs of the list still wait or run; squeue fails for those that Slurm has forgotten.
 bool anyJobLeft(const fs::path& folder, const std::vector<std::string>& jobs) {
   for (const std::string& job : jobs) {
     const Said said = runTool(folder / "tool.txt", {"squeue", "--noheader", "--jobs=" + job});
@@ -214,6 +222,7 @@ fs::path wordFile(const fs::path& night, int round) {
   return night / kFolder / fmt::format("round_{}.json", round);
 }
 
+/// Word of a round that ended, written whole: what the waiting process reads is never half of it.
 void leaveWord(const fs::path& night, int round, const Word& word) {
   const nlohmann::ordered_json json{
       {"merged", word.merged}, {"exit_code", word.end.exit_code}, {"text", word.end.text}};
@@ -245,6 +254,7 @@ void tell(const NightSink& sink, const PreparedNight& night, NightProgress& prog
 std::optional<Word> awaitWord(const PreparedNight& night, int round,
                               const std::vector<std::string>& jobs, const NightSink& sink) {
   NightProgress progress;
+  // A job that has just ended may have left squeue before its file is seen here.
   for (int silent = 0; silent < kSilentPolls;) {
     if (auto word = readWord(night.folder, round)) return word;
     silent = anyJobLeft(night.folder / kFolder, jobs) ? 0 : silent + 1;
