@@ -48,6 +48,7 @@ std::vector<std::string> environmentOf(const ProcessRequest& request) {
   return all;
 }
 
+/// As exec wants them; made before fork, since between fork and exec nothing may allocate.
 std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   for (std::string& text : texts) pointers.push_back(text.data());
@@ -58,6 +59,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
 // Between fork and exec, where only what is safe in a signal handler may be called.
 [[noreturn]] void become(char* const* words, char* const* environment, int log, pid_t parent,
                          const ProcessRequest& request) {
+  // By Linux the parent is the thread that forked: it has to live as long as the child shall.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(126);  // it died before the line above
   setpgid(0, 0);
@@ -69,6 +71,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
       dup2(log, STDERR_FILENO) < 0) {
     _exit(126);
   }
+  // 126: what a shell returns for a program that it found and could not run.
   if (!request.folder.empty() && chdir(request.folder.c_str()) != 0) _exit(126);
   limitTo(RLIMIT_CORE, 0);
   if (request.limit_mb > 0) limitTo(RLIMIT_AS, static_cast<rlim_t>(request.limit_mb) << 20);
@@ -99,6 +102,7 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
                     std::string("cannot be started (") + std::strerror(error) + ")", "", ""});
   }
   setpgid(pid_, pid_);  // here too: whoever kills the group next finds it
+  // Linux 5.3 and later; -1 before: then waitFor() polls.
   descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
 }
 
@@ -116,6 +120,7 @@ std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
   const double until = nowS() + seconds;
   for (;;) {
     int status = 0;
+    // wait4() gives the child's own figures, with those of the descendants that it waited for.
     struct rusage used {};
     if (wait4(pid_, &status, WNOHANG, &used) == pid_) {
       killGroup();  // what it left running
@@ -126,6 +131,7 @@ std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
       end.beyond_time = beyond_time_;
       end.seconds = nowS() - started_s_;
       end.cpu_s = secondsOf(used.ru_utime) + secondsOf(used.ru_stime);
+      // ru_maxrss is in kilobytes on Linux.
       end.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;
       return end;
     }

@@ -34,7 +34,7 @@ struct ProcessEnd {
   bool ok() const { return !beyond_time && exit_code == 0; }
 };
 
-/// "exit code 3", "killed by signal 11 (Segmentation fault)", "no end within 60 s".
+/// "exit code 3", "killed by signal 11 (Segmentation fault)", "did not end within 60 s".
 std::string toString(const ProcessEnd& end);
 
 /// A child in a process group of its own, that ends with this process, however that ends. Its

@@ -18,6 +18,7 @@ bool isImage(const fs::path& file) {
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
+/// Images by size alone: reading gigabytes of them takes longer than what is done with them.
 std::string hashOfFile(const fs::path& file) {
   return isImage(file) ? fmt::format("{} bytes", fs::file_size(file))
                        : contentHash(MappedFile(file.string()).text());
@@ -28,6 +29,7 @@ std::string hashOfFolder(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
+  // A folder is listed in no order of its own.
   std::sort(files.begin(), files.end());
   std::string listed;
   for (const fs::path& file : files) {

@@ -19,6 +19,7 @@ class FirstFailure {
   bool isBefore(std::size_t index) const { return index_ < index; }
   void note(std::size_t index) {
     const std::lock_guard lock(mutex_);
+    // Bodies of lower indices still run to their end and may replace this one.
     if (index >= index_) return;
     index_ = index;
     error_ = std::current_exception();

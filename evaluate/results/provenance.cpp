@@ -14,6 +14,7 @@
 namespace plumbline {
 namespace {
 
+/// SOURCE_DATE_EPOCH (reproducible-builds.org): seconds since 1970 in place of now.
 std::string nowUtc() {
   std::time_t now = std::time(nullptr);
   if (const char* fixed = std::getenv("SOURCE_DATE_EPOCH"); fixed != nullptr && *fixed != '\0') {
@@ -57,6 +58,8 @@ std::string shellWords(const std::vector<std::string>& arguments) {
       continue;
     }
     line += '\'';
+    // Within single quotes a shell changes nothing; a quote itself ends them, stands escaped, and
+    // begins them again.
     for (const char c : argument) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
     line += '\'';
   }

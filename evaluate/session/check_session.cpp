@@ -42,6 +42,7 @@ std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::s
 }
 
 constexpr int kFewPairs = 20;  // say nothing of tagCols
+// In pixels the distortion of a wide lens changes cross ratios by some per cent.
 constexpr double kRawTolerance = 0.15;
 constexpr double kTolerance = 0.1;
 
@@ -90,6 +91,8 @@ void locateSamples(const LoadedSession& loaded, Screening& screening) {
 }
 
 void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
+  // The detector's figure first: images that contradict the stated spacing have few corners or
+  // none, from which shownLayout() could tell.
   if (loaded.shown_spacing) checkSpacing(*loaded.shown_spacing, kTolerance, loaded);
   const TargetLayout layout = shownLayout(loaded.session, cameras);
   checkColumns(layout, loaded);

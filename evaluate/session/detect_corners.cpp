@@ -114,6 +114,7 @@ std::optional<double> detectCorners(Recording& recording, const DetectRequest& r
   std::mutex mutex;
   std::size_t done = 0;
   parallelFor(tasks.size(), request.threads, [&](int worker, std::size_t i) {
+    // Made on the thread that uses it, and only there: a detector has memory of its own.
     auto& mine = workers[worker];
     if (!mine) {
       mine = std::make_unique<Worker>(recording.session.target, request, cache ? &*cache : nullptr);

@@ -33,6 +33,7 @@ void keepOnly(Recording& recording, const std::vector<std::string>& only) {
           fmt::format("the session has no camera {}; it has {}", name, fmt::join(names, ", ")));
     }
   }
+  // From the end, so that the places of those before stay.
   for (std::size_t i = names.size(); i-- > 0;) {
     if (std::find(only.begin(), only.end(), names[i]) != only.end()) continue;
     const auto at = static_cast<std::ptrdiff_t>(i);
@@ -67,6 +68,7 @@ std::optional<std::string> usableCache(const LoadRequest& request, const Recordi
   if (!request.cache || !request.without_cache) return request.cache;
   try {
     const CornerCache made(*request.cache, recording.session.target, request.detector);
+    // A folder that is there and read-only is found out here, not at the first image.
     if (::access(request.cache->c_str(), W_OK | X_OK) == 0) return request.cache;
     request.without_cache(*request.cache + ": is not writable");
   } catch (const InputError& error) {

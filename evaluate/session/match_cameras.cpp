@@ -17,6 +17,8 @@ void checkTopic(const CameraCalibration& given, const CameraStream& stream,
   const std::string& said = given.rostopic;
   const std::string expected =
       stream.rostopic.empty() ? "/" + stream.name + "/image_raw" : stream.rostopic;
+  // "/camN/image_raw" is a place in a list, as kalibrCamchainText() writes it: it is compared even
+  // where the session states no topic. Others name devices, which such a session cannot contradict.
   const bool generic = said.rfind("/cam", 0) == 0 && said.ends_with("/image_raw");
   if (said.empty() || said == expected || (stream.rostopic.empty() && !generic)) return;
   throw InputError(path, 0,
@@ -70,6 +72,7 @@ Calibration matchCalibration(const Calibration& given, const std::string& path,
         static_cast<std::size_t>(&cameraOf(given, path, stream) - given.cameras.data());
     cameras.push_back(index);
     if (cameras.size() > 1 || index == 0) continue;
+    // T_SC0' = T_SC0 T_C0Ci, with the session's first camera Ci as the new camera 0.
     imu.T_SC0 = given.imu->T_SC0 * given.cameras[index].T_C0Ci;
     imu.T_SC0_std.reset();  // was of another camera
   }

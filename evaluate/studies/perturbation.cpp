@@ -20,7 +20,7 @@ ImuNoise scaled(ImuNoise noise, double factor) {
   return noise;
 }
 
-// Focal lengths are the last four but two of Kalibr's projection parameters: [..., fu, fv, pu, pv].
+/// Of every model the last four of Kalibr's projection parameters are fu, fv, pu, pv.
 std::vector<CameraCalibration> withFocalLengths(std::vector<CameraCalibration> cameras,
                                                 double factor) {
   for (CameraCalibration& camera : cameras) {
@@ -30,6 +30,8 @@ std::vector<CameraCalibration> withFocalLengths(std::vector<CameraCalibration> c
   return cameras;
 }
 
+/// A stream of random numbers for each frame, one number from it: under one seed a larger share
+/// leaves out the frames of a smaller one, and more.
 Session withoutFrames(const Session& session, const FrameOptions& pairing, const Perturbation& p) {
   const auto frames = pairFrames(session.cameras, pairing);
   std::vector<int> kept;
@@ -40,6 +42,7 @@ Session withoutFrames(const Session& session, const FrameOptions& pairing, const
   return withFrames(session, frames, kept);
 }
 
+/// One number a sample, so that shares are nested as those of frames.
 Session withoutSamples(const Session& session, const Perturbation& p) {
   Session kept = session;
   kept.imu->samples.clear();

@@ -191,6 +191,8 @@ ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound
   ConvergenceBasin basin;
   bool open_below = true, open_above = true;
   for (const PerturbationCase* c : shifts) {
+    // From zero outwards, each side for itself: the first offset that is not recovered ends its
+    // side. Zero counts above.
     bool& open = c->amount < 0 ? open_below : open_above;
     const bool recovered = c->problem.empty() && std::abs(c->offset_error_s) <= bound_s;
     if (!recovered) ++basin.failed;

@@ -128,6 +128,7 @@ void compare(const Solution& solution, const Solution& base, const std::vector<d
                                               : std::numeric_limits<double>::quiet_NaN());
   }
   if (!solution.calibration.imu || !base.calibration.imu) return;
+  // t_imu = t_cam + t_d: stamps that are later by the amount raise t_d by it.
   const double injected = c.kind == toString(PerturbationKind::kImuShift) ? c.amount * 1e-3 : 0;
   c.offset_error_s =
       solution.calibration.imu->timeOffset() - injected - base.calibration.imu->timeOffset();
@@ -149,6 +150,8 @@ PerturbationCase runCase(const StudyInputs& inputs, const Perturbation& p, const
                          const std::vector<double>& base_std) {
   PerturbationCase c = describe(p);
   PerturbedInputs changed = perturbed(inputs, p);
+  // Shifted samples cover other frames at the ends; the base's frames keep the comparison to the
+  // same measurements.
   if (p.kind == PerturbationKind::kImuShift) changed.camera_imu.frame_stamps = base.frame_stamps;
   const auto solution = solve(inputs, std::move(changed));
   if (!solution) {
