@@ -42,6 +42,7 @@ Transform transformField(const YamlMap& map, const std::string& key) {
     T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
   }
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
+  // Rounding to a few decimals passes; a scaled or reflected block does not.
   const bool rotation = (R * R.transpose()).isIdentity(1e-3) && R.determinant() > 0;
   if (T.allFinite() && rotation && T.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1))) {
     return Transform::fromMatrix(T);

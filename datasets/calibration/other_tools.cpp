@@ -46,6 +46,8 @@ void setModel(Intrinsics& k, ProjectionModel projection, DistortionModel distort
 
 Intrinsics unified(const YamlMap& map, Intrinsics k) {
   setModel(k, ProjectionModel::kOmni, DistortionModel::kNone);
+  // Basalt divides by alpha d + (1 - alpha) z, Kalibr's omni by z + xi d: the same with xi = alpha
+  // / (1 - alpha) and focal lengths times 1 + xi.
   const double alpha = map.number("alpha", "between 0 and 1");
   const double xi = alpha / (1 - alpha);
   k.projection.resize(5);
@@ -87,6 +89,7 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
   return k;
 }
 
+/// Basalt has a density for each axis; here one serves all.
 double firstOf(const YamlMap& map, const std::string& key) {
   const auto values = map.numbers(key, "three numbers, one for each axis");
   if (!values.empty()) return values.front();

@@ -164,6 +164,8 @@ void writeFileAtomically(const std::string& path, std::string_view content) {
   (void)::flock(file.number, LOCK_EX | LOCK_NB);
   int error = writeAll(file.number, content);
   if (error == 0 && ::fchmod(file.number, 0644) != 0) error = errno;
+  // No fsync: a killed process leaves the older file or the newer one; after a power failure the
+  // newer one may be empty.
   if (error == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
   if (error == 0) return;
   ::unlink(temporary.c_str());

@@ -30,7 +30,7 @@ std::size_t decimalsOf(std::string_view number) {
   return static_cast<std::size_t>(std::find_if_not(first, number.end(), isDigit) - first);
 }
 
-// nan and inf begin a row of numbers, other letters a line of names.
+/// nan begins a row of numbers, other letters a line of names.
 bool beginsWithName(std::string_view line) {
   return std::isalpha(static_cast<unsigned char>(line[0])) != 0 && line.substr(0, 3) != "nan";
 }
@@ -58,6 +58,7 @@ bool TextLines::next() {
 Cells csvCells(std::string_view line) {
   Cells cells;
   for (std::size_t from = 0; from <= line.size();) {
+    // A comma between quotation marks separates nothing.
     const bool quoted = from < line.size() && line[from] == '"';
     const std::size_t closing = quoted ? line.find('"', from + 1) : std::string_view::npos;
     const std::size_t search = closing == std::string_view::npos ? from : closing;

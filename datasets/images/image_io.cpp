@@ -22,6 +22,7 @@ struct PngImage {
   PngImage& operator=(const PngImage&) = delete;
 };
 
+/// ITU-R BT.601's luma, as libjpeg has it.
 std::uint8_t luma(const std::uint8_t* rgb) {
   // 0.299, 0.587, 0.114 in 1/65536, rounded.
   return static_cast<std::uint8_t>((19595U * rgb[0] + 38470U * rgb[1] + 7471U * rgb[2] + 32768U) >>

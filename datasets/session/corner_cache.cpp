@@ -76,6 +76,7 @@ CornerCache::CornerCache(std::string folder, const AprilGrid& target,
 
 std::string CornerCache::keyOf(const std::string& image_path) const {
   const MappedFile image(image_path);
+  // Settings by the seed: other ones give other keys for the same image.
   const std::uint64_t seed = XXH64(settings_.data(), settings_.size(), 0);
   const XXH128_hash_t hash = XXH3_128bits_withSeed(image.text().data(), image.text().size(), seed);
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);

@@ -55,6 +55,7 @@ class ViewBuilder {
 
   void closeView() {
     if (views_seen_ == 0) return;
+    // Rows of a frame may come in any order; in a view ids ascend.
     if (!sorted_) {
       std::sort(corners_.begin(), corners_.end(),
                 [](const Corner& a, const Corner& b) { return a.id < b.id; });

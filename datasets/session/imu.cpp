@@ -86,6 +86,7 @@ bool startsWith(const std::string& text, std::initializer_list<const char*> pref
                      [&](const char* prefix) { return text.rfind(prefix, 0) == 0; });
 }
 
+/// "w_RS_S_x", "gyro_x", "omega_x", "angular_velocity.x" in small letters.
 bool namesGyro(const std::string& name) { return startsWith(name, {"w", "gyr", "omega", "ang"}); }
 bool namesAccel(const std::string& name) {
   return startsWith(name, {"a_", "ax", "ay", "az", "acc", "lin", "f_"});

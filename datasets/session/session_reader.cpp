@@ -170,6 +170,7 @@ std::vector<int> wantedFrames(const std::vector<Frame>& frames, const SessionRea
   return wanted;
 }
 
+/// Cut by the cameras' clock: imu_margin_s has to cover the time offset, which is not known yet.
 void trimImu(ImuStream& imu, TimeNs first_frame, const SessionReadOptions& options) {
   const TimeNs from = instant(first_frame, options.from_s - options.imu_margin_s);
   const TimeNs to = instant(first_frame, options.to_s + options.imu_margin_s);

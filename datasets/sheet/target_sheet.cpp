@@ -109,6 +109,8 @@ void addTag(cairo_t* cr, const Layout& l, int tag, double left, double bottom, i
   cairo_fill(cr);
 }
 
+/// A black square at every crossing of the gaps, outer ones included, as Kalibr's targets have
+/// them: hence one more row and column than tags.
 void drawTarget(cairo_t* cr, const Layout& l, const SheetOptions& o) {
   cairo_set_source_rgb(cr, 0, 0, 0);
   for (int row = 0; row <= o.target.rows; ++row) {

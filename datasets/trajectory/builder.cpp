@@ -13,7 +13,7 @@ namespace {
 
 constexpr TimeNs kGapFactor = 10;  // a gap is so many times the median interval
 
-// "" where there is none.
+/// The gaps of a trajectory in a sentence, by its own median interval; "" where there is none.
 std::string gapRemark(const std::vector<StampedPose>& poses) {
   if (poses.size() < 3) return {};
   const TimeNs shortest = kGapFactor * medianInterval(poses);

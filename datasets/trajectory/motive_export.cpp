@@ -145,6 +145,7 @@ struct BodyFrame {
   int line = 0;
 };
 
+/// None where all cells of the body are empty: it was not seen.
 std::optional<StampedPose> poseOf(const TextTable& table, const Cells& cells, const Body& body) {
   const auto empty = [&](std::size_t c) { return c < cells.size() && cells[c].empty(); };
   if (std::all_of(body.columns.begin(), body.columns.end(), empty)) return std::nullopt;
@@ -173,6 +174,7 @@ void checkTimes(const TrajectorySource& source, const std::vector<BodyFrame>& fr
   if (frames.empty()) return;
   const double span = (frames.back().number - frames.front().number) / rate;
   const double stated = frames.back().seconds - frames.front().seconds;
+  // Two stamps, each off by its rounding.
   if (std::abs(span - stated) <= 2e-3) return;
   throw source.fault(frames.back().line,
                      {InputFault::kContradiction,
@@ -214,6 +216,7 @@ TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOp
       ++occluded;
       continue;
     }
+    // From the frame's number: the Time column is rounded.
     const TimeNs t = std::llround(static_cast<long double>(frame.number) * 1e9L / rate);
     builder.add({t, frame.pose->p / divisor, frame.pose->q}, frame.line);
   }

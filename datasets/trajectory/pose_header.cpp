@@ -40,6 +40,7 @@ std::vector<Name> namesOf(std::string_view line, bool by_comma) {
   return names;
 }
 
+/// "t", "timestamp", "time [s]" and the like; whatever begins with "time".
 bool namesTime(const std::string& name) {
   return name == "t" || name == "ts" || name == "stamp" || name.rfind("time", 0) == 0;
 }
@@ -61,6 +62,8 @@ int columnOf(const std::vector<Name>& names, char first, char last) {
   return -1;
 }
 
+/// Three names in a row that end in x, y, z and begin with p or t: "tx", "px", "p_RS_R_x"; or the
+/// axes alone.
 std::optional<int> positionColumn(const std::vector<Name>& names) {
   for (std::size_t i = 1; i + 2 < names.size(); ++i) {
     const auto ends = [&](std::size_t j, char axis) {

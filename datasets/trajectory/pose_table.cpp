@@ -28,6 +28,9 @@ struct Layout {
 
 constexpr std::array<std::size_t, 4> kScalarFirst = {5, 6, 7, 4};
 
+/// By the header: EuRoC's has w before x, or commas and nanoseconds. Without one: more columns than
+/// TUM's (velocities and biases) that are not OpenVINS' either, or commas and stamps of nanoseconds
+/// since 1970.
 TrajectoryFormat formatOf(const NumberRow& row, const std::optional<TableHeader>& header) {
   if (header && header->quaternion) {
     const auto& q = *header->quaternion;
@@ -91,6 +94,9 @@ Eigen::Matrix3d symmetric(const NumberRow& row, std::size_t column) {
   return m;
 }
 
+/// OpenVINS writes the blocks of orientation and position without what lies between them. Its
+/// orientation error is in the IMU's frame (JPL, of q_GtoI), ours in the outer one: R P R^T; the
+/// sign of the error does not show in P.
 Matrix6d openVinsCovariance(const NumberRow& row, const StampedPose& pose) {
   const Eigen::Matrix3d R = pose.transform().R;
   Matrix6d covariance = Matrix6d::Zero();
@@ -116,6 +122,8 @@ StampedPose poseOf(const NumberRow& row, const Layout& layout, TimeNs t) {
 void checkQuaternionOrder(const TrajectorySource& source, TrajectoryBuilder& builder,
                           const Layout& layout, bool asked) {
   const bool scalar_last = layout.q[3] == 7;
+  // The identity (1, 0, 0, 0), w first, has x = 1 when it is read w last; (0, 0, 0, 1), w last, has
+  // z = 1 when it is read w first.
   const auto suspect = [&](const StampedPose& pose) {
     return scalar_last ? pose.q.x() : pose.q.z();
   };

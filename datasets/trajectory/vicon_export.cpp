@@ -152,6 +152,8 @@ class ViconReader {
     return table_.numberIn(cells, column);
   }
 
+  // Empty cells, or zeros throughout: the object was not seen. A position of exactly zero with no
+  // rotation is no measurement.
   bool seen(const Cells& cells) const {
     const auto empty = [&](std::size_t c) { return c < cells.size() && cells[c].empty(); };
     if (std::all_of(object_.translation.begin(), object_.translation.end(), empty)) return false;
@@ -164,6 +166,7 @@ class ViconReader {
     const auto at = [&](std::size_t i) { return number(cells, object_.rotation[i]); };
     if (!isVector()) return {at(3), at(0), at(1), at(2)};
     const Eigen::Vector3d v = angle_ * Eigen::Vector3d(at(0), at(1), at(2));
+    // A helical vector is never longer. Euler angles may pass, too: hence the remark in read().
     if (v.allFinite() && v.norm() > 2 * std::numbers::pi * 1.001) {
       throw source_.fault(
           table_.line(),

@@ -22,6 +22,7 @@ double monotoneRadius(double k1, double k2) {
   if (a == 0) return b < 0 ? std::sqrt(-1 / b) : 0;
   const double discriminant = b * b - 4 * a;
   if (discriminant < 0) return 0;
+  // The roots as q / a and c / q with c = 1, neither by a difference of nearly equal numbers.
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
   double first = 0;
   for (const double u : {q / a, 1 / q}) {

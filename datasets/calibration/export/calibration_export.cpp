@@ -127,9 +127,11 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
   if (names.front() == calibration.cameras.front().name) return chosen;
   const Transform T_C0Cn = chosen.cameras.front().T_C0Ci;
   for (CameraCalibration& camera : chosen.cameras) {
+    // T_CnCi, with Cn the camera that becomes camera 0.
     camera.T_C0Ci = T_C0Cn.inverse() * camera.T_C0Ci;
     camera.T_C0Ci_std.reset();
   }
+  // Without the product's rounding.
   chosen.cameras.front().T_C0Ci = Transform();
   if (chosen.imu) {
     chosen.imu->T_SC0 = chosen.imu->T_SC0 * T_C0Cn;

@@ -40,6 +40,7 @@ std::string cameraText(const CameraCalibration& camera, const Distortion& distor
   K(1, 1) = k.projection[1];
   K.col(2).head(2) = k.projection.tail(2);
   RowMajor P = RowMajor::Zero(3, 4);
+  // P = [K 0] and R = I: each camera by itself, not as one of a rectified pair.
   P.leftCols(3) = K;
   return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", k.resolution.width,
                      k.resolution.height, plainName(camera.name)) +

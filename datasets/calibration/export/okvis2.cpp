@@ -81,6 +81,7 @@ std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
          fmt::format("{0}camera_type: gray,\n{0}slam_use: okvis}}\n", indent);
 }
 
+/// image_delay = -t_d. Subtracted from 0.0, so that an offset of zero is not written as "-0.0".
 std::string cameraParameters(const Calibration& calibration) {
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) all.push_back(i);

@@ -16,6 +16,7 @@ namespace {
 constexpr double kTranslation = 1e-3;  // [m] up to which transforms agree
 constexpr double kRotation = 0.1 * kDegree;
 
+/// T_CiS as Kalibr writes it, or the inverse of OpenVINS' T_imu_cam, whichever key is there.
 std::optional<Transform> imuPlace(const YamlMap& map) {
   if (map.has("T_cam_imu")) return transformField(map, "T_cam_imu");
   if (map.has("T_imu_cam")) return transformField(map, "T_imu_cam").inverse();
@@ -219,6 +220,8 @@ std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain
   const Transform& now = *camera.T_cam_imu;
   const Transform& before = *previous.T_cam_imu;
   const Transform& chained = *camera.T_cn_cnm1;
+  // T_CiC(i-1) = T_CiS T_C(i-1)S^-1 has to be T_cn_cnm1. Where it is not, the tests below invert
+  // what may stand inverted, one after the other, and ask again.
   if (agree(now * before.inverse(), chained)) return std::nullopt;
   ChainContradiction found;
   const Vector6d d = boxminus(now * before.inverse(), chained);

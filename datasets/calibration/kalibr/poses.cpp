@@ -35,6 +35,7 @@ StampedPose poseOf(TextTable& table) {
   StampedPose pose;
   pose.t = *t;
   pose.p = {v[0], v[1], v[2]};
+  // x, y, z, w of the conjugate, whatever the header says.
   pose.q = Eigen::Quaterniond(v[6], -v[3], -v[4], -v[5]);
   if (std::abs(pose.q.norm() - 1) > kUnitTolerance) {
     throw table.fault({InputFault::kNotRigid,
@@ -46,6 +47,7 @@ StampedPose poseOf(TextTable& table) {
 // Where the optical axis meets the target's plane; nothing where it points away from it.
 std::optional<Eigen::Vector2d> aimOf(const StampedPose& pose) {
   const Eigen::Vector3d axis = pose.transform().R.col(2);
+  // The target's plane is z = 0 in F.
   const double depth = -pose.p.z() / axis.z();
   if (!(depth > 0)) return std::nullopt;
   return (pose.p + depth * axis).head<2>();

@@ -33,6 +33,8 @@ KalibrErrorStatistics statisticsOf(const ResultsLines& lines) {
   return s;
 }
 
+/// Errors in units have them in brackets ("[px]"); without brackets they are normalised by the
+/// assumed noise.
 void readErrorLine(KalibrResults& results, const ResultsLines& lines) {
   if (lines.contains("no corners")) return;
   const KalibrErrorStatistics s = statisticsOf(lines);
@@ -73,6 +75,7 @@ Transform baselineOf(ResultsLines& lines) {
   const std::vector<double> q = lines.bracket(4);
   lines.skipTo("t:");
   const std::vector<double> t = lines.bracket(3);
+  // x, y, z, w of the conjugate (JPL), as in the table of poses; the text states no order.
   return {Eigen::Quaterniond(q[3], -q[0], -q[1], -q[2]), Eigen::Vector3d(t[0], t[1], t[2])};
 }
 
@@ -136,6 +139,7 @@ ImuNoise noiseOf(ResultsLines& lines, std::string& model) {
 }
 
 void readImuToolLine(KalibrResults& results, ResultsLines& lines) {
+  // "error" or "Error", whichever the layout has.
   if (lines.contains("rror") && lines.contains("(") &&
       (lines.startsWith("Reprojection") || lines.startsWith("Gyro") ||
        lines.startsWith("Accelerometer error"))) {
@@ -167,6 +171,7 @@ void requireImuTool(const KalibrResults& results, const ResultsLines& lines) {
 
 }  // namespace
 
+/// mean(|e|^2) = mean^2 + std^2, as the deviation has n in its denominator.
 double KalibrErrorStatistics::rms() const {
   return of_squares ? std::sqrt(mean) : std::hypot(mean, std);
 }

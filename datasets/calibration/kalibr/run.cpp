@@ -49,6 +49,7 @@ std::optional<Kind> textKind(std::string_view text) {
   return poses ? std::optional(Kind::kPoses) : std::nullopt;
 }
 
+/// Equal up to the text's rounding, relative for numbers above 1.
 bool isNear(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() &&
          (a - b).cwiseAbs().maxCoeff() <= kRounding * std::max(1.0, b.cwiseAbs().maxCoeff());
@@ -187,6 +188,7 @@ Calibration KalibrRun::calibration() const {
   } else if (result.imu && results_imu) {
     result.imu->noise = *results_imu->noise;
   }
+  // Kalibr estimates gravity's direction; the norm of what it prints is the value that it took.
   if (result.imu && results_imu) result.imu->gravity_m_s2 = results_imu->gravity_F->norm();
   if (results_cameras) addStandardDeviations(result, *results_cameras);
   return result;
