@@ -12,6 +12,7 @@ namespace {
 constexpr const char* kModule = "plumbline_plots.so";
 
 /// Beside the program, where an installation has it, or in the build tree (the program's run path).
+/// dlopen() itself fills in $ORIGIN.
 void* open() {
   const std::string name = kModule;
   for (const std::string& path : {"$ORIGIN/" + name, "$ORIGIN/../lib/plumbline/" + name, name}) {

@@ -27,6 +27,8 @@ std::string label(double value, double step, double largest) {
                        static_cast<int>(std::floor(std::log10(step) + 1e-9));
     return fmt::format("{:.{}e}", value, std::max(0, digits));
   }
+  // The digits of the step; the margin is for steps such as 0.1, whose logarithm may round below
+  // -1.
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   return fmt::format("{:.{}f}", value, decimals);
 }
@@ -35,6 +37,8 @@ std::string label(double value, double step, double largest) {
 
 std::vector<AxisTick> roundTicks(const Range& range, int target) {
   assert(range.min < range.max && target >= 2);
+  // Round steps are at most 2.5 times apart, so that 1.5 target ticks become 0.6 target at the
+  // worst.
   const double step = roundStep((range.max - range.min) / (1.5 * target));
   const double largest = std::max(std::abs(range.min), std::abs(range.max));
   const auto first = static_cast<long long>(std::ceil(range.min / step - 1e-9));

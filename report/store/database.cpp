@@ -27,6 +27,8 @@ std::int64_t writeInto(const std::filesystem::path& path, bool existed,
                        const std::function<std::int64_t(SQLite::Database&)>& insert) {
   try {
     SQLite::Database db(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    // An existing store is changed in place: SQLite's journal undoes what a killed writer had
+    // begun.
     if (existed) {
       checkOwner(db, path.string(), kRunStore);
       bringUpToDate(db);
@@ -72,6 +74,7 @@ void checkOwner(SQLite::Database& db, const std::string& path, const FileKind& k
 std::int64_t writeStore(const std::filesystem::path& path,
                         const std::function<std::int64_t(SQLite::Database&)>& insert) {
   if (std::filesystem::exists(path)) return writeInto(path, true, insert);
+  // A writer that was killed leaves PATH.partial; the next one begins with removing it.
   std::filesystem::path temporary = path;
   temporary += ".partial";
   std::filesystem::remove(temporary);

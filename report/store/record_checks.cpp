@@ -74,6 +74,7 @@ void checkRecord(const ReplayRecord& record) {
   checkCameras(record.cameras);
 }
 
+/// The depth is asked while it parses, so that a document that was made deep is never built.
 Json parsedDocument(const std::string& text) {
   require(text.size() <= kMostBytes, "the document is larger than any");
   return Json::parse(text, [](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {

@@ -77,6 +77,7 @@ void RunWriter::array(const std::string& name, const std::string& element,
   insert.bind(1, run_);
   insert.bind(2, name);
   insert.bind(3, element);
+  // An int holds the size: SQLite's default limit of a blob is 1e9 bytes.
   insert.bindNoCopy(4, static_cast<const void*>(bytes.data()), static_cast<int>(bytes.size()));
   insert.exec();
 }
@@ -141,6 +142,7 @@ RunSummary chooseRun(SQLite::Database& db, std::optional<std::int64_t> wanted,
     throw InputError(path, 0, "contains no run; run a command that writes one first");
   std::optional<RunSummary> chosen;
   for (const RunSummary& run : runs) {
+    // Runs are in the order of their ids, so that the last one that fits is the latest.
     if (wanted ? run.id == *wanted : !kind || run.kind == *kind) chosen = run;
   }
   if (!chosen && wanted) {

@@ -73,6 +73,7 @@ struct MetricSink : PathSink {
   void element(std::size_t index, const std::string& label) {
     if (path.size() > 1) return PathSink::element(index, label);
     in_list = true;
+    // Two elements of one label would be one stage to whoever queries: the second is "LABEL #2".
     const int n = ++seen[path.back() + "/" + label];
     path.push_back(n > 1 ? label + " #" + std::to_string(n) : label);
   }
@@ -105,6 +106,7 @@ Record loadAs(RunKind kind, const std::filesystem::path& path, std::optional<std
   return readStore(path, [&](SQLite::Database& db) {
     const RunReader run(db, chooseRun(db, wanted, kind, path.string()).id);
     Record record;
+    // First the document, whose optional parts say which arrays there are.
     fromJson(parsedDocument(run.document()), record);
     ArrayReader arrays(run);
     walkFields(arrays, record);

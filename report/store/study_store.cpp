@@ -118,6 +118,8 @@ class TemporaryFile {
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
+  // Flushed before it is renamed, so that the name never stands for a file that is not on the disk.
+  // What a kill leaves under the temporary name, the next save overwrites.
   void write(const unsigned char* bytes, std::size_t size) {
     writeAll(file_, bytes, size, final_);
     if (::fsync(file_) != 0) failWriting(final_);
@@ -145,6 +147,8 @@ StudyFigure figureAt(SQLite::Statement& row) {
 
 }  // namespace
 
+/// Bits, so that -0 is not 0 and no rounding passes for equal; but one NaN is like another, as the
+/// file has NULL for all.
 bool StudyFigure::operator==(const StudyFigure& other) const {
   const bool same_value = std::memcmp(&value, &other.value, sizeof value) == 0 ||
                           (std::isnan(value) && std::isnan(other.value));

@@ -27,6 +27,7 @@ void drawLine(vtkContext2D& painter, const ChartPage& page, const Range& x, cons
                    static_cast<float>(page.unitX(x.max)), static_cast<float>(page.unitY(y.max)));
 }
 
+/// From zero, as the length of a bar is what is read; a little air above the highest.
 Range heightRange(const std::vector<const std::vector<double>*>& columns) {
   const double top = rangeOf(columns, 0).max;
   return {0, top > 0 ? 1.06 * top : 1};

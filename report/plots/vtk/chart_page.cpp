@@ -119,6 +119,7 @@ void ChartPage::place(const PageLayout& layout) {
   if (!frame_.equal_axes) return;
   const double x_scale = plotWidth() / (x_.max - x_.min);
   const double y_scale = plotHeight() / (y_.max - y_.min);
+  // The axis that has room to spare is shortened; its place at the left and at the top stays.
   const double scale = std::min(x_scale, y_scale);
   right_ = left_ + std::round(scale * (x_.max - x_.min));
   bottom_ = top_ - std::round(scale * (y_.max - y_.min));
@@ -321,6 +322,7 @@ void ChartPage::addColourBar(const Range& range, const std::string& label,
     setNoPen(painter);
     for (int i = 0; i < kSteps; ++i) {
       setBrush(painter, colourAt((i + 0.5) / kSteps));
+      // A little more than a step, so that no seam shows between two.
       painter.DrawRect(static_cast<float>(x), static_cast<float>(bottom_ + i * step), 12,
                        static_cast<float>(step + 0.3));
     }
@@ -368,6 +370,8 @@ void ChartPage::addReferenceArrow(double length, const Colour& colour) {
   });
 }
 
+/// For the page's scripts: the values at the ends of both axes, and where these are in the element
+/// [px, y down], as VTK has placed them.
 std::string ChartPage::axisMapping() {
   vtkAxis* x = chart_->GetAxis(vtkAxis::BOTTOM);
   vtkAxis* y = chart_->GetAxis(vtkAxis::LEFT);

@@ -23,6 +23,7 @@ using internal::SvgDevice;
 constexpr int kColours = 256;
 constexpr int kCellLabel = 12;  // [px]
 
+/// Diverging colours have zero in their middle, the others begin with it unless values are below.
 Range valueRange(const HeatMap& map) {
   if (map.value_range) return *map.value_range;
   Range range = rangeOf({&map.values}, 0);

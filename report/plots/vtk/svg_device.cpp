@@ -92,6 +92,8 @@ std::vector<double> SvgDevice::toPage(const float* points, int n) const {
     page.push_back(matrix_[0] * x + matrix_[1] * y + matrix_[2]);
     page.push_back(height_ - (matrix_[3] * x + matrix_[4] * y + matrix_[5]));
   }
+  // All or nothing: an element with one coordinate that is no number draws nothing, or breaks the
+  // page.
   const bool finite =
       std::all_of(page.begin(), page.end(), [](double v) { return std::isfinite(v); });
   return finite ? page : std::vector<double>();
@@ -172,6 +174,7 @@ void SvgDevice::DrawMarkers(int, bool highlight, float* points, int n, unsigned 
   element("path", fmt::format("class=\"pts\" d=\"{}\"{} stroke-linecap=\"round\"", path, stroke));
 }
 
+/// A strip has its corners in zigzag, a polygon around: the last two change places.
 void SvgDevice::DrawQuadStrip(float* points, int n) {
   for (int i = 0; i + 3 < n; i += 2) {
     const float* p = points + 2 * i;
@@ -247,6 +250,7 @@ void SvgDevice::ComputeStringBounds(const vtkStdString& text, float bounds[4]) {
       !renderer->GetBoundingBox(TextProp, text, box, kDotsPerInch, vtkTextRenderer::FreeType)) {
     return;
   }
+  // In units of the item that asks, as VTK wants bounds.
   const double sx = std::abs(matrix_[0]);
   const double sy = std::abs(matrix_[4]);
   bounds[0] = static_cast<float>(box[0] / (sx == 0 ? 1 : sx));
