@@ -92,8 +92,7 @@ std::vector<double> SvgDevice::toPage(const float* points, int n) const {
     page.push_back(matrix_[0] * x + matrix_[1] * y + matrix_[2]);
     page.push_back(height_ - (matrix_[3] * x + matrix_[4] * y + matrix_[5]));
   }
-  // All or nothing: an element with one coordinate that is no number draws nothing, or breaks the
-  // page.
+  // All or nothing: NaN is no number of SVG's, and what a browser makes of it is its own.
   const bool finite =
       std::all_of(page.begin(), page.end(), [](double v) { return std::isfinite(v); });
   return finite ? page : std::vector<double>();
