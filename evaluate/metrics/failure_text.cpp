@@ -55,6 +55,8 @@ struct AddValue {
   }
 };
 
+/// When the IMU's samples begin and end, after the first frame; the failure has no such values
+/// where there are no samples at all.
 std::string imuSpan(const Failure& f) {
   if (f.values.count("samples_from_s") == 0) return "no samples";
   return fmt::format("samples from {:.1f} s to {:.1f} s", f.number("samples_from_s"),

@@ -51,6 +51,7 @@ std::optional<double> gapOf(const Edge& p) {
   return std::sqrt(c / (c - 1)) - 1;
 }
 
+/// The four points of these corners, in this order; none unless the view has all of them.
 std::optional<Edge> edgeOf(const Points& points, const std::array<int, 4>& ids) {
   Edge edge;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -67,6 +68,7 @@ struct Weighted {
   double value, weight;
 };
 
+/// The value at which half of the weight is reached; not empty.
 double weightedMedian(std::vector<Weighted> all) {
   std::sort(all.begin(), all.end(),
             [](const Weighted& a, const Weighted& b) { return a.value < b.value; });

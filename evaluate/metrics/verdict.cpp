@@ -10,6 +10,7 @@ namespace {
 
 using Subject = FindingSubject;
 
+/// Adds findings under the subject that they are about, of which pages show one level each.
 void append(Findings& findings, Findings more, Subject subject) {
   for (Finding& finding : more) {
     finding.subject = subject;

@@ -48,6 +48,7 @@ bool sameModel(const CameraCalibration& a, const CameraCalibration& b) {
          a.intrinsics.distortion_model == b.intrinsics.distortion_model;
 }
 
+/// Number by number; NaN for a camera that is missing there or has another model.
 Eigen::VectorXd intrinsicsChange(const Calibration& to, const Calibration& from, std::size_t i) {
   const Eigen::VectorXd before = from.cameras[i].intrinsics.stacked();
   if (i >= to.cameras.size() || !sameModel(to.cameras[i], from.cameras[i])) {

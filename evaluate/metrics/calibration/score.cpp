@@ -99,6 +99,8 @@ bool hasCorners(const Session& session) {
   return false;
 }
 
+/// Poses alone, then, with IMU on both sides, states as well. What cannot be had ends it with a
+/// problem; figures that are there by then stay.
 Scored scoreMatched(const ScoredCalibration& scored, const Session& session,
                     const ScoreOptions& options) {
   const Calibration& calibration = scored.calibration;
@@ -146,6 +148,7 @@ FoldScores failedFold(FoldScores scores, const std::string& problem) {
   return scores;
 }
 
+/// Calibrates on the fold's training part, and scores the result on what was held out.
 FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
                      const ScoreOptions& options) {
   const Calibration& calibration = scored.calibration;
@@ -183,6 +186,7 @@ void append(const CameraErrors& more, CameraErrors& errors) {
   }
 }
 
+/// Errors corner by corner, so that the pooled RMSE is over corners; the first problem is kept.
 void pool(const Scored& fold, Scored& sum) {
   append(fold.camera, sum.camera);
   append(fold.camera_imu, sum.camera_imu);

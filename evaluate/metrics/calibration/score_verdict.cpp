@@ -32,6 +32,8 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
   }
 }
 
+/// A board of another shape than the one assumed shows as errors of the calibration: it must be
+/// said.
 Finding unusedShape(const std::string& file) {
   Finding f;
   f.rule = "Shape of the target";

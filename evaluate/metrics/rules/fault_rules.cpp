@@ -141,6 +141,7 @@ std::string figures(const FaultTest& test, const FaultWords& words) {
   return fmt::format("{} {} (+- {})", values, words.unit, deviations);
 }
 
+/// What is at fault, where, since when or at which frequency, and by how much.
 std::string sentence(const FaultTest& test, TimeNs begin) {
   const FaultWords& words = wordsOf(test.fault);
   std::string text = words.what;

@@ -68,11 +68,15 @@ constexpr std::size_t kFewestPairs = 3;
 // Of singular values of a covariance: squares of the spread across a line over that along it.
 constexpr double kLine = 1e-10;
 
+/// Those that least squares over positions determine; the others stand on the first pair, or on
+/// none.
 bool isFit(AlignmentKind kind) {
   return kind == AlignmentKind::kSe3 || kind == AlignmentKind::kSim3 ||
          kind == AlignmentKind::kScale || kind == AlignmentKind::kYaw;
 }
 
+/// x: the estimate's positions, y: the truth's, of the first `count` pairs. Two passes, as sums of
+/// squares about zero would cancel far from the origin.
 PointMoments momentsOf(const std::vector<PosePair>& pairs, std::size_t count) {
   PointMoments m;
   const auto n = static_cast<double>(count);
@@ -148,6 +152,8 @@ Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentO
   return fitRotation(m, o.kind == AlignmentKind::kSim3);
 }
 
+/// R = R_truth R_estimate^T of the first pair, or its best yaw; t brings the first positions
+/// together.
 Result<AlignmentRecord> alignFirst(const PosePair& first, const AlignmentOptions& o) {
   const Eigen::Matrix3d R_truth = rotationOf(first.truth.q, o.quaternions);
   const Eigen::Matrix3d R_estimate = rotationOf(first.estimate.q, o.quaternions);

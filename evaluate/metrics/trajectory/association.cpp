@@ -15,6 +15,7 @@ namespace {
 // exactly, and with it every difference of two of them.
 constexpr int kGridBits = 30;
 
+/// The rules that stand for other tools, which read stamps as doubles of seconds.
 bool seesDoubles(AssociationRule rule) {
   return rule == AssociationRule::kEvo || rule == AssociationRule::kRpg ||
          rule == AssociationRule::kOvEval;
@@ -60,6 +61,7 @@ std::vector<StampMatch> matchesOf(const std::vector<StampedPose>& estimate,
   }
 }
 
+/// Poses that have the stamp of the one before; stamps do not descend.
 std::size_t duplicatesOf(const std::vector<StampedPose>& poses) {
   std::size_t count = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) count += poses[i].t == poses[i - 1].t ? 1 : 0;
@@ -81,6 +83,7 @@ double medianDt(const std::vector<PosePair>& pairs) {
   return sampleStatistics(std::move(dt)).median;
 }
 
+/// t + offset, the offset rounded to a nanosecond once, so that intervals stay as they are.
 std::vector<StampedPose> shifted(std::vector<StampedPose> poses, double offset_s) {
   const TimeNs offset = toNanoseconds(offset_s);
   for (StampedPose& pose : poses) pose.t += offset;

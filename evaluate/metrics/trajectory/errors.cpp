@@ -15,6 +15,7 @@ namespace plumbline {
 
 namespace {
 
+/// E = R_estimate R_truth^T is the estimate's error in the truth's frame, on the left.
 double errorOf(const Transform& estimate, const Transform& truth, AbsoluteMeasure measure) {
   const Eigen::Vector3d d = estimate.t - truth.t;
   if (measure == AbsoluteMeasure::kTranslation) return d.norm();
@@ -236,6 +237,8 @@ namespace {
 
 constexpr double kConfidence = 0.95;
 
+/// `sum` of n poses' e^T P^-1 e: with consistent poses a chi-square deviate with n dof degrees of
+/// freedom, so the bounds of the mean are its quantiles over n.
 NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
   const auto n = static_cast<double>(count);
   const double tail = (1 - kConfidence) / 2;

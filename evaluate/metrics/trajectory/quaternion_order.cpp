@@ -19,6 +19,7 @@ std::vector<PosePair> reordered(std::vector<PosePair> pairs, StampedPose PosePai
   return pairs;
 }
 
+/// Of pairs whose quaternions were reordered; the alignment by positions stays right.
 double spreadOf(const std::vector<PosePair>& pairs, const AlignmentRecord& alignment) {
   return bodyRotation(alignedPoses(pairs, alignment), alignment.T_truth_estimate.R, false, false)
       .spread_deg;

@@ -60,6 +60,8 @@ std::optional<double> pairsNeeded(const PairedDifference& d) {
   return std::max(2.0, std::ceil(spread * spread * n / (n - 1)));
 }
 
+/// Of differences d [m], b - a: mean, median, deviation (n in the denominator), sign test, and from
+/// kLeastPairs pairs on the bootstrap interval of the mean. Nothing is set for no pairs.
 void summarise(const std::vector<double>& d, PairedDifference& result) {
   result.pairs = d.size();
   if (d.empty()) return;

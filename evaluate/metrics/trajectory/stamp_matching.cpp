@@ -48,6 +48,7 @@ std::vector<Node> groupedByStamp(const Ticks& ticks, bool is_estimate) {
   return nodes;
 }
 
+/// Both sides in one list by stamp; of equal stamps the estimate's node stands first.
 std::vector<Node> mergedNodes(const Ticks& estimate, const Ticks& truth) {
   const std::vector<Node> a = groupedByStamp(estimate, true);
   const std::vector<Node> b = groupedByStamp(truth, false);

@@ -40,6 +40,7 @@ const TrajectoryRun* firstIncomplete(const TrajectoryStudy& study, const RunsSum
   return found == study.runs.end() ? nullptr : &*found;
 }
 
+/// All runs complete or not, with the reason of one that is not.
 Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
   Finding f;
   f.rule = "Complete runs" + ofCalibration(s.calibration);
@@ -122,6 +123,8 @@ std::string pairedWords(const PairedDifference& d) {
                      d.better, other, std::abs(d.mean_m), low, high);
 }
 
+/// Medians by calibration, then every pair of calibrations. A median over failed runs may be
+/// unknown, which is said rather than left out.
 std::string manyRuns(const TrajectoryStudy& study) {
   const std::vector<RunsSummary> all = overAll(study);
   const auto known = [](const RunsSummary& s) { return s.ate_median_m.has_value(); };
