@@ -15,6 +15,7 @@ namespace {
 
 using Statistic = std::function<double(const Groups&)>;
 
+/// Each group from itself, its size kept, as the design fixes how many began with which method.
 std::vector<double> resampled(const Groups& groups, const Statistic& statistic,
                               const BootstrapOptions& options) {
   RandomIndex random(options.seed);

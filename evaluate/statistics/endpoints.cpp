@@ -41,6 +41,8 @@ struct FigureFinder {
   void element(std::size_t /*index*/, const std::string& label) { path.push_back(label); }
 };
 
+/// The one of that name in a session's field list; "stages_s.camera" of a definition is
+/// "stages.camera.seconds" there.
 FigureFinder findFigure(const StudySession& session, const std::string& name) {
   FigureFinder finder{name};
   if (name.starts_with(kStages)) {
@@ -112,6 +114,8 @@ std::vector<double> ateValues(const StudyRecord& record, const std::string& part
   return values;
 }
 
+/// A participant's mean under every method, on the endpoint's scale (of logarithms for ratios, so a
+/// geometric mean); empty unless every method has one.
 std::vector<double> figureValues(const StudyRecord& record, const Endpoint& endpoint,
                                  const std::string& participant,
                                  const std::vector<std::string>& methods) {

@@ -100,6 +100,7 @@ void addFlips(const std::vector<double>& differences, const std::vector<char>& f
   }
 }
 
+/// All 2^n signs by the bits of a number, or drawn ones; the identity is among them.
 Crossings flipped(const std::vector<double>& differences, const PermutationOptions& options) {
   std::vector<char> flips(differences.size(), 0);
   if (std::exp2(differences.size()) <= static_cast<double>(options.enumerated_up_to)) {
@@ -119,6 +120,8 @@ Crossings flipped(const std::vector<double>& differences, const PermutationOptio
   return crossings;
 }
 
+/// p and interval from the shifts at which permutations change sides: under no shift a permutation
+/// is beyond the observed one where its crossing lies on that side of 0.
 PermutationResult resultOf(double estimate, double rounding, Crossings crossings,
                            const PermutationOptions& options) {
   auto& shifts = crossings.shifts;
@@ -144,6 +147,7 @@ PermutationResult resultOf(double estimate, double rounding, Crossings crossings
   return result;
 }
 
+/// The size that rounding is measured by.
 double largest(const std::vector<double>& values) {
   double most = 0;
   for (const double v : values) most = std::max(most, std::abs(v));

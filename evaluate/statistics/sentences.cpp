@@ -20,6 +20,7 @@ Change changeOf(double value, bool ratio) {
   return {std::abs(value), value < 0};
 }
 
+/// Per cent: two digits below ten, whole ones above (from 9.95 on, which rounds to 10).
 std::string numberText(double size, bool ratio) {
   if (!ratio) return fmt::format("{:.3g}", size);
   return size < 9.95 && size > 0 ? fmt::format("{:.2g}", size) : fmt::format("{:.0f}", size);

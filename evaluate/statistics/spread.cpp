@@ -52,6 +52,8 @@ struct Sample {
   std::string unit;
 };
 
+/// chi^2 = sum ((x_i - mean) / s_i)^2 about the mean weighted by 1 / s_i^2, with n - 1 degrees of
+/// freedom; the farthest session is the one with the largest term.
 StudySpread spreadOf(const std::string& method, const std::string& parameter, const Sample& x) {
   StudySpread s;
   s.method = method;

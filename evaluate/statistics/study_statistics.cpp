@@ -51,6 +51,7 @@ void setAnalysis(StudyEffect& effect, const PairedAnalysis& a) {
   effect.wilcoxon_p = w.p;
 }
 
+/// A method against the first one on one endpoint, over the participants that have both figures.
 StudyEffect effectOf(const StudyRecord& record, const Endpoint& endpoint, const std::string& method,
                      const PairedOptions& options) {
   StudyEffect effect;
@@ -80,6 +81,7 @@ void addHolm(std::vector<StudyEffect>& effects) {
   }
 }
 
+/// The declared ones first, in their order, then the exploratory ones; only those with figures.
 std::vector<Endpoint> endpointsOf(const StudyRecord& record) {
   std::vector<std::string> names = record.endpoints;
   for (const std::string& name : exploratoryEndpoints()) {
@@ -109,6 +111,7 @@ bool ordersVary(const StudyRecord& record) {
   return true;
 }
 
+/// Words wait until Holm's correction is known, which is over all endpoints.
 void addEffects(StudyRecord& record, const PairedOptions& options) {
   StudyStatistics& s = record.statistics;
   const bool vary = ordersVary(record);
@@ -187,6 +190,7 @@ StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
   return m;
 }
 
+/// Time to finish of one method's sessions; all that are not done by limit_s are censored there.
 StudySurvival survivalOf(const StudyRecord& record, const std::string& method) {
   StudySurvival result;
   result.method = method;
