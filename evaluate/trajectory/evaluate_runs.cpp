@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExample = "e.g. 'results/{calibration}/{sequence}_{run}.txt'";
 
+/// The text as a regular expression that stands for itself.
 std::string escaped(const std::string& text) {
   static const std::regex special(R"([.^$|()\[\]{}*+?\\])");
   return std::regex_replace(text, special, R"(\$&)");
@@ -51,6 +52,8 @@ struct Matcher {
   std::vector<std::string> fields;  // of the groups, in their order
 };
 
+/// The pattern as a regular expression of the whole path, a group for each field at its first
+/// place.
 Matcher matcherOf(const std::string& pattern, const std::vector<std::string>& sequences) {
   Matcher matcher;
   std::string expression;
@@ -161,6 +164,7 @@ TrajectoryRequest withTruth(TrajectoryRequest how, const std::filesystem::path& 
   return how;
 }
 
+/// Every truth is read once, whatever number of runs it judges. Throws for the first that is bad.
 Truths readTruths(const RunsRequest& request) {
   if (hasField(request.truth, "run") || hasField(request.truth, "calibration")) {
     throw InputError(request.truth, 0,
@@ -240,6 +244,7 @@ double spreadOf(const std::vector<Eigen::Vector3d>& points) {
   return std::sqrt(sum);
 }
 
+/// Partial below the coverage asked for; says so where the late start alone is to blame.
 TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
   if (run.coverage >= min_coverage) return run;
   run.status = RunStatus::kPartial;
@@ -254,6 +259,7 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
   return run;
 }
 
+/// Failed where it diverged, else complete or partial.
 TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;

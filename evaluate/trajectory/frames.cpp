@@ -50,6 +50,7 @@ std::vector<HandEyePair> handEyePairs(const std::vector<PosePair>& pairs) {
   return result;
 }
 
+/// The first six of the state are T_SM's tangent [m, rad].
 HandEyeRecord recordOf(const HandEye& found) {
   HandEyeRecord record;
   record.T_SM = found.state.T_SM;

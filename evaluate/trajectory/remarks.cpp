@@ -17,6 +17,7 @@ struct Span {
   double from = 0, to = 0;  // [s]
 };
 
+/// In doubles of seconds: for messages alone.
 Span spanOf(const Trajectory& trajectory, double offset_s) {
   return {static_cast<double>(trajectory.poses.front().t) * 1e-9 + offset_s,
           static_cast<double>(trajectory.poses.back().t) * 1e-9 + offset_s};
