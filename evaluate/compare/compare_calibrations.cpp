@@ -38,6 +38,7 @@ std::string nameOf(const fs::path& path, int folders) {
   return name;
 }
 
+/// As few folders as tell all apart; numbers where nothing does.
 std::vector<std::string> uniqueNames(const std::vector<std::string>& paths) {
   std::vector<std::string> names;
   for (int folders = 0; folders <= kMostFolders; ++folders) {
@@ -74,6 +75,7 @@ void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
   file.remarks.push_back(std::move(f));
 }
 
+/// A camchain alone has no noise and no deviations: they come with the files of its run.
 void readKalibr(ComparedFile& file) {
   const KalibrRun run = readKalibrRun(file.path);
   file.compared.calibration = run.calibration();
@@ -139,6 +141,7 @@ void addUncertainty(const Session& session, const CompareRequest& request, OnSes
   out.uncertainty.projection = information->projection;
 }
 
+/// All corners weigh alike (no loss), so that two calibrations are judged by the same ones.
 OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
                   const CompareRequest& request, const ProgressSink& progress) {
   const ScoredCalibration scored{file.compared.label, file.compared.calibration};
@@ -205,6 +208,7 @@ std::vector<Calibration> calibrationsOf(const std::vector<ComparedFile>& files) 
   return calibrations;
 }
 
+/// Cameras are matched to the recording's by name first, and compared as matched from then on.
 std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<ComparedFile>& files,
                                 const ProgressSink& progress, ComparisonRecord& record) {
   const LoadedSession loaded = loadSession(*request.load, progress);
@@ -237,6 +241,8 @@ void addScores(const std::vector<OnSession>& all, ComparisonRecord& record) {
   }
 }
 
+/// Uncertainty by the recording where there is one, else by the file's own covariance; then the
+/// differences of each calibration from the first, weighted by both.
 void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession>& on_session,
              const MapOptions& options, ComparisonRecord& record) {
   for (std::size_t i = 0; i < files.size(); ++i) {

@@ -26,6 +26,7 @@ std::string pairName(const ComparisonRecord& record, std::size_t i) {
   return fmt::format("{} against {}", record.calibrations[i].label, record.calibrations[0].label);
 }
 
+/// Caution at most: significant differences may compensate each other, which the projection shows.
 Finding significantFinding(const ComparisonRecord& record, std::size_t i,
                            const ComparisonThresholds& bounds) {
   std::vector<const ComparedParameter*> beyond;
@@ -90,6 +91,7 @@ bool isExplained(const ComparisonRecord& record, std::size_t i, const std::strin
   return known > 0;
 }
 
+/// From the norms' rows: X.angle [rad] and X.lever [m] of every transform, then the offset [s].
 std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i,
                                  const ComparisonThresholds& bounds) {
   std::vector<Geometry> all;
@@ -214,6 +216,7 @@ void addProjection(const ComparisonRecord& record, std::size_t i,
   findings.push_back(std::move(f));
 }
 
+/// Good in any case: which one predicts better is an answer and no fault.
 Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p) {
   const double sigmas = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
   const std::string& first = record.calibrations[0].label;
@@ -241,6 +244,8 @@ void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings)
   }
 }
 
+/// Another model is no fault: projections compare all the same. Another size or number of cameras
+/// is.
 void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Finding>& findings) {
   const auto& a = record.calibrations[0].calibration.cameras;
   const auto& b = record.calibrations[i].calibration.cameras;

@@ -76,6 +76,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
       other ? label : first, corners, best, std::min(low, high), std::max(low, high));
 }
 
+/// In thirds of the image, rows from the top.
 std::string placeOf(const ImageMap& map, std::size_t index) {
   const std::lldiv_t cell = std::lldiv(static_cast<long long>(index), map.columns);
   const double column = static_cast<double>(cell.rem) / std::max(map.columns - 1, 1);

@@ -52,6 +52,8 @@ LoneParameter against(const std::vector<Estimate>& estimates, std::size_t k) {
   return lone;
 }
 
+/// Every parameter with every calibration as the one that stands alone; at most one can, as the
+/// others have to agree.
 std::vector<LoneParameter> loneAmong(const std::vector<ComparedParameter>& parameters,
                                      const ComparisonThresholds& thresholds) {
   std::vector<LoneParameter> all;
@@ -77,6 +79,7 @@ bool heldOut(const ComparisonRecord& record, std::size_t calibration) {
                      [&](const CalibrationScore& s) { return s.label == label && s.held_out; });
 }
 
+/// Whether all but this one are known to be from other data than the session.
 bool othersHeldOut(const ComparisonRecord& record, std::size_t calibration) {
   for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
     if (i != calibration && !heldOut(record, i)) return false;

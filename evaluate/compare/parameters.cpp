@@ -126,6 +126,8 @@ void addNorms(const std::string& name, const TransformOf& transform_of,
   rows.push_back(lever);
 }
 
+/// A row for each camera as soon as one calibration has offsets of its own; the others then have
+/// the common one there.
 void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
   std::size_t cameras = 0;
   for (const Calibration& c : calibrations) {
@@ -172,6 +174,7 @@ double meanOf(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
+/// sqrt(sum (v - mean)^2 / (n - 1) / n): of independent values, such as blocks' means.
 double standardError(const std::vector<double>& values) {
   const double mean = meanOf(values);
   double squares = 0;

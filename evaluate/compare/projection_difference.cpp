@@ -25,12 +25,15 @@ struct RayPair {
   double weight;
 };
 
+/// mrcal's choice without weights; with weights they decide what counts.
 double focusRadius(const Resolution& image, const DifferenceOptions& options) {
   if (options.focus_radius_px > 0) return options.focus_radius_px;
   if (!options.weights.empty()) return std::numeric_limits<double>::infinity();
   return std::min(image.width, image.height) / 6.0;
 }
 
+/// Rays that both models define, of pixels that take part in the fit. A model may have no ray
+/// beyond its field of view.
 std::vector<RayPair> raysOfFocus(const Intrinsics& A, const Intrinsics& B,
                                  const DifferenceOptions& options) {
   const double radius = focusRadius(A.resolution, options);

@@ -18,6 +18,7 @@ bool canBeCalibrated(const Calibration& calibration) {
                      });
 }
 
+/// The first calibration's models, so that parameters compare one by one; none of its values.
 CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options) {
   options.models.clear();
   options.start.clear();

@@ -42,6 +42,8 @@ struct Assignment {
   double rms_px = 0;                // of both
 };
 
+/// Poses by each camera's own corners and intrinsics, hence the baseline between paired views, and
+/// how well the intrinsics fit the corners.
 Assignment assign(const std::vector<CameraCalibration>& cameras, const Session& session,
                   bool in_turn) {
   const std::size_t streams[] = {in_turn ? 1U : 0U, in_turn ? 0U : 1U};
@@ -96,6 +98,8 @@ struct Alignment {
   std::optional<InertialAlignment> inertial;
 };
 
+/// Rates of camera 0 against the gyroscope; then gravity and lever arm from the accelerometer,
+/// where that has a solution.
 std::optional<Alignment> alignmentOf(const std::vector<CameraPose>& poses,
                                      std::span<const ImuSample> samples) {
   const GyroIntegral gyro(samples);
@@ -135,6 +139,8 @@ bool leverArmIsInverted(const Transform& T_SC0, const InertialAlignment& inertia
   return direct > options.same_translation_m && direct > 3 * inverse;
 }
 
+/// The rotation first, which rates determine well; the lever arm only where the rotation says
+/// nothing about the direction, as it is its own inverse.
 std::vector<Finding> transformFault(const LintedCalibration& linted, const Alignment& alignment,
                                     const LintOptions& options) {
   const Transform& T_SC0 = linted.calibration.imu->T_SC0;

@@ -91,6 +91,7 @@ double impliedScale(const Intrinsics& k) {
   return std::abs(x - y) < 0.25 * mean ? mean : 1;
 }
 
+/// Uncropped images have it near their middle; another resolution moves it off by its factor.
 std::vector<Finding> principalPoint(const LintedCalibration& linted,
                                     const CameraCalibration& camera, const LintOptions& options) {
   const Intrinsics& k = camera.intrinsics;
@@ -125,6 +126,8 @@ std::vector<Finding> offsetUnit(const LintedCalibration& linted, const LintOptio
               {std::abs(offset), options.max_offset_s, "s"})};
 }
 
+/// Above its bound a density is in another unit, or a discrete-time deviation: one finding of a
+/// file, of the gyroscope first.
 std::vector<Finding> noiseSize(const LintedCalibration& linted, const LintOptions& options) {
   if (!linted.noise_known) return {};
   const ImuNoise& noise = linted.calibration.imu->noise;

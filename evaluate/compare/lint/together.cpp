@@ -105,6 +105,7 @@ bool isSameModel(const Intrinsics& a, const Intrinsics& b) {
   return a.projection_model == b.projection_model && a.projection.size() == b.projection.size();
 }
 
+/// Distance of two cameras' parameters; 0 for other models, which say nothing of an exchange.
 double unlikeness(const Calibration& a, std::size_t i, const Calibration& b, std::size_t j) {
   const Intrinsics& x = a.cameras[i].intrinsics;
   const Intrinsics& y = b.cameras[j].intrinsics;
@@ -116,6 +117,7 @@ bool haveInverseBaselines(const Calibration& a, const Calibration& b, const Lint
   return isInverse(a.cameras[1].T_C0Ci, b.cameras[1].T_C0Ci, options);
 }
 
+/// Whether the intrinsics fit better crosswise.
 bool areSwapped(const Calibration& a, const Calibration& b) {
   return unlikeness(a, 0, b, 1) + unlikeness(a, 1, b, 0) <
          unlikeness(a, 0, b, 0) + unlikeness(a, 1, b, 1);
@@ -188,6 +190,8 @@ std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& susp
 
 enum class NoiseFault { kNone, kDiscrete, kDegrees };
 
+/// By what mistake the larger densities would come from the smaller: times sqrt(rate) both, or the
+/// gyroscope's times 180 / pi.
 NoiseFault noiseFault(const ImuNoise& large, const ImuNoise& small, double tolerance) {
   const double gyro = large.gyro_density / small.gyro_density;
   const double accel = large.accel_density / small.accel_density;
@@ -240,6 +244,8 @@ std::vector<Finding> noiseUnits(Calibrations all, const std::vector<bool>& suspe
 
 // ---- lever arms
 
+/// Off the median position by more than the bound and three median distances: of three and more
+/// calibrations the odd one is known.
 std::vector<Finding> oddLeverArms(Calibrations all, const std::vector<bool>& suspects,
                                   const LintOptions& options) {
   std::vector<std::size_t> used;
