@@ -27,6 +27,7 @@ constexpr double kFittingFactor = 2.5;  // up to which a step is as long as it s
 constexpr double kBlock_s = 1;
 constexpr std::size_t kFewestBlocks = 8;
 
+/// t_d [s], translation [m], rotation [rad].
 VectorXd stepsOf(HintKind kind) {
   if (kind == HintKind::kOffset) return VectorXd::Constant(1, 3e-3);
   VectorXd steps(7);
@@ -59,6 +60,7 @@ struct Block {
   Eigen::ArrayXd squares, count;
 };
 
+/// In the order of designOf(), which quadraticOf() counts on.
 std::vector<std::vector<FrameInnovation>> runsAround(const VectorXd& centre, const VectorXd& steps,
                                                      const InnovationsAt& run, int threads) {
   const std::vector<VectorXd> design = designOf(steps.size());

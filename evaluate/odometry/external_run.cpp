@@ -94,6 +94,7 @@ Transform bodyOfCamera(const std::vector<double>& v) {
   return Transform(q_SC0.toRotationMatrix(), q_SC0 * -Eigen::Vector3d(v[4], v[5], v[6]));
 }
 
+/// All values that were printed, in order; the last is what the system arrived at.
 void readRefined(const fs::path& log, const OnlineCalibration& online, ExternalRun& run) {
   std::ifstream stream(log);
   for (std::string line; std::getline(stream, line);) {

@@ -89,6 +89,7 @@ std::string pathOf(const Plan& plan) {
   return fmt::format("runs/{}/{}_{}.txt", plan.calibration->name, plan.sequence->name, plan.run);
 }
 
+/// When, after the first image, and why track was lost.
 std::string lossText(const BuiltinRun& run, TimeNs start) {
   std::string text;
   for (const OdometryLossEvent& loss : run.result.losses) {
@@ -240,6 +241,7 @@ std::vector<Plan> plansOf(const std::vector<OdometrySequence>& sequences,
   return plans;
 }
 
+/// Runs of the built-in odometry are equal: one is enough.
 int runsOf(const OdometryRequest& request) {
   if (!request.runner) return 1;
   return request.runs > 0 ? request.runs : request.runner->least_runs;
@@ -311,6 +313,7 @@ std::vector<CalibrationSensitivity> sensitivities(
   return list;
 }
 
+/// Before any run: an option that cannot be served would be noticed after hours.
 void checkBuiltinOnly(const OdometryRequest& request,
                       const std::vector<NamedCalibration>& calibrations) {
   if (request.runner && request.hint != HintKind::kNone && !request.runner->online) {

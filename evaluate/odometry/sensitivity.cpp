@@ -66,6 +66,7 @@ class Moves {
 
 using Ates = std::vector<std::optional<double>>;
 
+/// Standard deviation of the ATE over the small random moves: what no parameter can be blamed for.
 double noiseOf(const Ates& ates) {
   std::vector<double> known;
   for (std::size_t k = 0; k < kNoiseRuns; ++k) {
@@ -74,6 +75,7 @@ double noiseOf(const Ates& ates) {
   return known.size() < 2 ? 0 : sampleStatistics(known).std;
 }
 
+/// The mean of both ways, in which what is odd in the step cancels; one way where there is one.
 ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t i,
                               const Moves& moves, const Ates& ates) {
   ParameterSensitivity p{parameter.name, parameter.unit, moves.step(i), {}, {}, {}};

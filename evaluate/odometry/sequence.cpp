@@ -54,6 +54,7 @@ void readImages(const SessionFolder& folder, OdometrySequence& sequence) {
   }
 }
 
+/// Stamps stand in place of images: of camera 0 all, of the others where they saw something.
 void readTracks(const SessionFolder& folder, OdometrySequence& sequence) {
   sequence.tracks = readPointTracks(folder, sequence.points);
   sequence.images.resize(folder.cameras.size());
@@ -68,6 +69,7 @@ void readTracks(const SessionFolder& folder, OdometrySequence& sequence) {
   }
 }
 
+/// In step: at least half of camera 0's frames have a partner within kSameFrame.
 void checkStep(const OdometrySequence& sequence, const std::vector<std::string>& folders) {
   for (std::size_t c = 1; c < sequence.images.size(); ++c) {
     std::size_t paired = 0;
