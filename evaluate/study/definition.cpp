@@ -234,6 +234,7 @@ void readMethods(const YamlMap& map, StudyDefinition& study) {
   study.methods = wordsOf(map, "methods", "a list, the baseline first, e.g. [free, guided]");
 }
 
+/// A word of the enumeration, otherwise a file's name.
 void readTargetShape(const YamlMap& map, StudyDefinition& study) {
   const std::string word = map.textOr("target_shape", "");
   if (word.empty()) return;
@@ -285,6 +286,7 @@ void readLimits(const YamlMap& map, StudyDefinition& study) {
   }
 }
 
+/// Only what is given replaces a default; the whole is checked at the end.
 void readThresholds(const YamlMap& map, StudyDefinition& study) {
   if (!map.has("thresholds")) return;
   const YamlMap t = map.map("thresholds", "{regression_sigma: 4}");

@@ -34,6 +34,8 @@ constexpr std::array<Judged, 8> kJudged{{{"failed", 1, 0.1},
                                          {"perturbation_error_ms", 1, 1e-4},
                                          {"ate_m", 1, 1e-6}}};
 
+/// By the part before the slash: "held_out_rmse_px/eval01" is judged as all of its family. Null for
+/// figures that are kept and not judged.
 const Judged* judgedAs(const std::string& name) {
   const std::string family = name.substr(0, name.find('/'));
   const auto found = std::find_if(kJudged.begin(), kJudged.end(),
@@ -44,6 +46,8 @@ const Judged* judgedAs(const std::string& name) {
 // Nobody expects the same seconds twice.
 bool isDuration(const std::string& name) { return name.compare(0, 13, "calibration_s") == 0; }
 
+/// The median absolute deviation from `middle`, as a normal distribution's sigma: a single bad
+/// night does not widen it.
 double deviation(const std::vector<double>& values, double middle) {
   std::vector<double> distances;
   for (const double value : values) distances.push_back(std::abs(value - middle));
@@ -63,6 +67,7 @@ bool concerns(const StudyAcceptance& a, const StudyFigure& f) {
   return session && name;
 }
 
+/// The night from which the figure is judged: that of the last acceptance that concerns it.
 int startOf(const StudyFigure& figure, const std::vector<StudyAcceptance>& accepted) {
   int start = 1;
   for (const StudyAcceptance& a : accepted) {

@@ -68,6 +68,7 @@ Stamp stampWithTime(const fs::path& path) {
   return stamp;
 }
 
+/// Over paths and contents in sorted order: a file that was renamed counts as changed.
 std::string contentOf(const fs::path& path) {
   std::string text;
   for (const fs::path& file : filesBelow(path)) {

@@ -58,6 +58,7 @@ void chooseRechecks(const fs::path& folder, const std::vector<Step>& steps, int 
   }
 }
 
+/// Failed steps only: lost ones are done again anyhow.
 void forgetFailures(const fs::path& folder, const std::vector<Step>& steps) {
   for (const Step& step : steps) {
     const auto result = readStepResult(folder / step.name);
@@ -98,6 +99,8 @@ std::vector<StudyStepRow> stepRows(const std::vector<Step>& steps, const StepRes
   return rows;
 }
 
+/// Of a cumulated drift `is` is the median change over sessions since their first nights, as a
+/// share.
 std::string alarmSentence(const StudyAlarm& a) {
   const std::string where = a.session.empty() ? "of the study" : "of " + a.session;
   if (a.kind == "deterministic") {
@@ -126,6 +129,8 @@ Finding endpointFinding(const StudyRecord& record) {
   return finding;
 }
 
+/// What is known after the merge: regressions against earlier nights, and declared endpoints
+/// without figures.
 void addFurtherFindings(StudyRecord& record) {
   Finding finding;
   finding.rule = "Regressions";

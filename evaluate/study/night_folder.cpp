@@ -34,6 +34,7 @@ bool isWithin(const fs::path& path, const fs::path& folder) {
   return at == folder.end();
 }
 
+/// Results within a recording would change its hash, and a recording within results may be removed.
 void refuseOverlap(const fs::path& folder, const fs::path& recording) {
   if (!isWithin(folder, recording) && !isWithin(recording, folder)) return;
   throw badInput(
@@ -50,6 +51,7 @@ std::string studyIn(const fs::path& mark) {
   }
 }
 
+/// A folder that has no mark may be empty at most.
 void refuseForeign(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) {
@@ -65,6 +67,8 @@ void refuseForeign(const fs::path& folder) {
   }
 }
 
+/// Whether somebody holds the file's exclusive lock; a file without one, or none at all, is
+/// nobody's.
 bool isHeld(const fs::path& lock) {
   const int file = open(lock.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return false;

@@ -133,6 +133,8 @@ void fail(StepResult& result, StepStatus status, const std::string& message) {
   result.message = message;
 }
 
+/// Lost where the process had no say (time, signal, an exit code that is none of ours), failed
+/// where it refused: only what is lost is tried again.
 void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, StepResult& result) {
   result.seconds = end.seconds;
   result.cpu_s = end.cpu_s;
@@ -158,6 +160,8 @@ void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, Step
   }
 }
 
+/// A step of ours runs this very program, also if its file was replaced meanwhile; the study's own
+/// command begins with its shell.
 ProcessRequest requestOf(const Step& step, const Places& places, const fs::path& log) {
   ProcessRequest request;
   request.log = log;

@@ -59,6 +59,7 @@ StudyHeldOut heldOutOf(const CalibrationRecord& record) {
   return row;
 }
 
+/// A row an offset [ms]; a case that failed has its problem and no figure.
 std::vector<StudyPerturbation> perturbationsOf(const PerturbationRecord& record,
                                                const std::string& session) {
   std::vector<StudyPerturbation> rows;
@@ -84,6 +85,7 @@ StudyOther otherOf(const ComparisonRecord& record) {
   return row;
 }
 
+/// The RMSE of positions as `evaluate trajectory` states it, whatever share of the truth it covers.
 StudyTrajectory trajectoryOf(const fs::path& folder) {
   const fs::path file = folder / "trajectory.json";
   try {
@@ -96,6 +98,7 @@ StudyTrajectory trajectoryOf(const fs::path& folder) {
   }
 }
 
+/// None without suggestions: nothing to follow is no compliance of 0.
 std::optional<double> shareReached(const OperatorCompliance& compliance) {
   if (compliance.suggestions.empty()) return std::nullopt;
   return static_cast<double>(compliance.reached) /

@@ -201,6 +201,7 @@ bool anyJobLeft(const fs::path& folder, const std::vector<std::string>& jobs) {
   return false;
 }
 
+/// The lock of a night on the cluster is released while its jobs run: jobs.txt stands for it.
 void refuseWhileUnderWay(const fs::path& night) {
   const fs::path folder = night / kFolder;
   std::ifstream file(folder / kJobsFile);
@@ -229,6 +230,7 @@ void leaveWord(const fs::path& night, int round, const Word& word) {
   writeFileAtomically(wordFile(night, round).string(), json.dump() + "\n");
 }
 
+/// None until the merging job has left it; a file of another form counts as none.
 std::optional<Word> readWord(const fs::path& night, int round) {
   const fs::path file = wordFile(night, round);
   if (!fs::exists(file)) return std::nullopt;
