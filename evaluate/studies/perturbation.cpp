@@ -53,6 +53,7 @@ Session withoutSamples(const Session& session, const Perturbation& p) {
   return kept;
 }
 
+/// The same draws under one seed at every amount, scaled by it.
 Session withNoisyCorners(Session session, const Perturbation& p) {
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     RandomStream random(p.seed, RandomPurpose::kCornerNoise, {c});

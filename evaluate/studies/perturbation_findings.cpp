@@ -54,6 +54,8 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
   return f;
 }
 
+/// Shifted stamps move the time offset and nothing else: any other change is an error of the
+/// estimation, hence a bound far below one deviation.
 std::optional<Finding> othersFinding(const PerturbationRecord& record,
                                      const PerturbationThresholds& bounds) {
   double largest = 0;
@@ -137,6 +139,7 @@ std::string adviceFor(const std::string& kind) {
          "of the calibration";
 }
 
+/// Caution at most: perturbed inputs are worse inputs.
 std::optional<Finding> kindFinding(const PerturbationRecord& record, PerturbationKind kind,
                                    const PerturbationThresholds& bounds) {
   const LargestChange largest = largestChange(record, toString(kind), bounds.change_sigma.caution);

@@ -35,6 +35,7 @@ bool needsImu(PerturbationKind kind) {
          kind == PerturbationKind::kDroppedImu;
 }
 
+/// Before any solution: a study of hours must not end by its last case.
 void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& perturbations) {
   for (const Perturbation& p : perturbations) {
     if (needsImu(p.kind) && !inputs.session->imu) {
@@ -119,6 +120,8 @@ void fill(const Solution& solution, PerturbationCase& c) {
   for (const auto& p : calibrationParameters(solution.calibration)) c.values.push_back(p.value);
 }
 
+/// Changes in the base's own deviations; NaN where it states none, so that they are not taken for
+/// zero.
 void compare(const Solution& solution, const Solution& base, const std::vector<double>& base_std,
              PerturbationCase& c) {
   const Eigen::VectorXd change = calibrationChange(solution.calibration, base.calibration);
@@ -163,6 +166,7 @@ PerturbationCase runCase(const StudyInputs& inputs, const Perturbation& p, const
   return c;
 }
 
+/// Its cameras serve every case that leaves them alone.
 Result<Solution> solveBase(StudyInputs& inputs) {
   PerturbedInputs unchanged{std::nullopt, inputs.camera, inputs.camera_imu, !inputs.cameras_fixed};
   auto base = solve(inputs, std::move(unchanged));
