@@ -46,6 +46,8 @@ constexpr int kFewPairs = 20;  // say nothing of tagCols
 constexpr double kRawTolerance = 0.15;
 constexpr double kTolerance = 0.1;
 
+/// With tagCols wrong the "tag above" is another one: the edges of most pairs then stand beside
+/// each other's line.
 void checkColumns(const TargetLayout& layout, const LoadedSession& loaded) {
   if (layout.pairs_above < kFewPairs || 2 * layout.pairs_in_line >= layout.pairs_above) return;
   const std::string& path = loaded.target_path;

@@ -57,6 +57,7 @@ CameraCounts countsOf(const CameraStream& camera) {
   return counts;
 }
 
+/// Links resolved, `path` itself included.
 bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder) {
   const auto inner = std::filesystem::weakly_canonical(path);
   const auto outer = std::filesystem::weakly_canonical(folder);
