@@ -33,11 +33,13 @@ double secondsOf(const timeval& t) {
   return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
 }
 
+/// Soft and hard limit alike: the child cannot raise it again.
 void limitTo(int resource, rlim_t value) {
   const rlimit limit{value, value};
   (void)setrlimit(static_cast<__rlimit_resource>(resource), &limit);
 }
 
+/// The caller's variables but those that the request sets.
 std::vector<std::string> environmentOf(const ProcessRequest& request) {
   std::vector<std::string> all;
   for (char** entry = environ; *entry != nullptr; ++entry) {
