@@ -23,7 +23,7 @@ double medianOf(const std::vector<Transform>& all, double (*value)(const Transfo
   return quantile(std::move(values), 0.5);
 }
 
-// Poses have the stamps of the views that they were computed from, so that stamps are equal.
+/// Poses have the stamps of the views that they were computed from, so that stamps are equal.
 const ImageView* viewAt(const CameraStream& camera, TimeNs t) {
   const auto at = std::lower_bound(camera.views.begin(), camera.views.end(), t,
                                    [](const ImageView& v, TimeNs time) { return v.t < time; });
