@@ -148,6 +148,7 @@ bool statesImuNoise(const std::string& path) {
 
 namespace {
 
+/// Names and units with a square matrix of as many rows, in one order.
 ParameterCovariance covarianceOf(const YamlMap& map) {
   ParameterCovariance out;
   for (const YamlMap& parameter : map.maps("parameters", "a list of names and units")) {

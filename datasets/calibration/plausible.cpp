@@ -22,6 +22,7 @@ constexpr double kMostNoise = 1e3;
 constexpr double kHighestRate_hz = 1e6;
 constexpr std::size_t kLongestName = 64;
 
+/// False for NaN.
 bool within(double value, double least, double most) { return value >= least && value <= most; }
 
 std::optional<Implausible> outside(Part part, const std::string& name, double value,

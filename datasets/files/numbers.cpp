@@ -72,6 +72,7 @@ std::optional<std::uint64_t> scaledUp(std::uint64_t mantissa, int power) {
   return mantissa;
 }
 
+/// Rounded at the last digit, halves away from zero.
 std::uint64_t scaledDown(std::uint64_t mantissa, int power) {
   if (power > 19) return 0;
   for (; power > 1; --power) mantissa /= 10;  // digits below the first dropped one cannot round up

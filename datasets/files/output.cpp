@@ -104,6 +104,7 @@ fs::path finalPath(const OutputRequest& request) {
   return resolved;
 }
 
+/// Linux 5.8 and later tell; before, it shows when the folder is to be exchanged, which then fails.
 bool isMountPoint(const fs::path& path) {
   struct statx status {};
   if (::statx(AT_FDCWD, path.c_str(), 0, STATX_BASIC_STATS, &status) != 0) return false;
@@ -135,6 +136,8 @@ void refuseForeign(const fs::path& folder, const Manifest& manifest) {
                 "move it elsewhere, or choose another output");
 }
 
+/// Nothing there, an empty folder, or a result of ours that is as it was written and may be
+/// replaced.
 void refuseFolder(const OutputRequest& request, const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return;

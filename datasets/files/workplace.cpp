@@ -45,6 +45,7 @@ Register& unfinished() {
   return all;
 }
 
+/// Hidden, and beside the final name: a rename within one folder is atomic.
 std::string prefixOf(const fs::path& final_path) {
   return "." + final_path.filename().string().substr(0, kLongestName) + ".partial-";
 }
@@ -117,6 +118,7 @@ bool isOfThisUser(int file) {
   return ::fstat(file, &status) == 0 && status.st_uid == ::geteuid();
 }
 
+/// A lock that nobody holds is a dead process's. Workplaces of other users are left alone.
 void removeIfStale(const fs::path& folder) {
   const fs::path path = folder / kLock;
   const int lock = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);

@@ -24,6 +24,7 @@ BadInput wrongKind(const std::string& path, const YAML::Node& node, const std::s
                    "correct the value"});
 }
 
+/// .nan and .inf are numbers of YAML and of no calibration.
 double finiteNumber(const std::string& path, const YAML::Node& node, const std::string& key,
                     const std::string& expected) {
   double value = 0;

@@ -71,6 +71,7 @@ GrayImage decode(const std::string& path, std::string_view bytes, const SizeChec
 
 constexpr std::uint64_t kMostPixels = 128'000'000;
 
+/// Before decoding, by the header: a small file may claim an image of gigabytes.
 void checkSize(const std::string& path, std::uint32_t width, std::uint32_t height,
                const std::optional<Resolution>& stated) {
   const std::uint64_t pixels = std::uint64_t{width} * height;

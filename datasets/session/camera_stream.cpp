@@ -121,6 +121,7 @@ void checkExists(const TextTable& table, const std::string& path) {
                      "the file of each row in data/", "copy the images again or delete the row"});
 }
 
+/// Sorted, as a folder is listed in no order; two endings may share a stamp.
 std::vector<ImageFile> imagesByName(const fs::path& data) {
   std::vector<ImageFile> images;
   for (const fs::directory_entry& entry : fs::directory_iterator(data)) {

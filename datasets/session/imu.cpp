@@ -51,6 +51,8 @@ void refuseMatrix(const YamlMap& imu, const std::string& sensor, const std::stri
   }
 }
 
+/// Scale, misalignment and axes that Kalibr estimated would have to be applied to the samples
+/// first.
 void refuseModels(const YamlMap& imu) {
   const std::string model = imu.textOr("model", "calibrated");
   if (model != "calibrated") {
@@ -62,6 +64,7 @@ void refuseModels(const YamlMap& imu) {
   refuseMatrix(imu, "gyroscopes", "M");
 }
 
+/// Kalibr's results stand below imu0:, its inputs at the top.
 YamlMap unwrapped(const YamlMap& file) {
   for (const std::string& key : file.keys()) {
     if (key.rfind("imu", 0) == 0 && key != "imu0" && file.node(key).IsMap()) {
@@ -92,6 +95,7 @@ bool namesAccel(const std::string& name) {
   return startsWith(name, {"a_", "ax", "ay", "az", "acc", "lin", "f_"});
 }
 
+/// What the header states and the numbers cannot tell: degrees, or g.
 void refuseUnits(const std::string& path, const std::string& name) {
   const bool degrees = name.find("deg") != std::string::npos;
   const bool gravities = name.find("[g]") != std::string::npos;

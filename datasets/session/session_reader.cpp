@@ -31,6 +31,7 @@ std::string targetPath(const SessionFolder& folder, const SessionReadOptions& op
                   "put it into the session's folder or give its path"});
 }
 
+/// The resolution by sensor.yaml, by the option, or left open where images will tell.
 CameraDescription descriptionOf(const std::string& camera, const SessionReadOptions& options) {
   const std::string path = camera + "/sensor.yaml";
   CameraDescription description;

@@ -36,6 +36,7 @@ Transform fromQuaternion(const TextTable& table, const std::vector<double>& n) {
   return {q, {n[0], n[1], n[2]}};
 }
 
+/// Twelve or sixteen numbers row by row; a fourth row says nothing new.
 Transform fromRows(const TextTable& table, const std::vector<double>& n) {
   Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
   for (int row = 0; row < 3; ++row) {

@@ -69,6 +69,7 @@ double room(const Layout& l, const PaperSize& paper) {
                   (paper.height_mm - 2 * kMargin - kStrip) / l.height);
 }
 
+/// Centred on the paper, turned if it fits better so, with the strip of the ruler kept free below.
 Layout layoutOf(const SheetOptions& o) {
   Layout l = sized(o.target);
   l.paper = o.paper;

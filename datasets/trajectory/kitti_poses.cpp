@@ -57,6 +57,7 @@ std::vector<Row> readRows(const TrajectorySource& source) {
   return rows;
 }
 
+/// KITTI's poses have no stamps: those of times.txt [s], or a second a frame, which is said.
 std::vector<TimeNs> stampsFor(const TrajectorySource& source, std::size_t poses,
                               const std::string& times_path) {
   constexpr TimeNs kSecond = 1'000'000'000;

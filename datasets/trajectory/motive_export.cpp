@@ -43,6 +43,7 @@ double lengthDivisor(const TrajectorySource& source, const Take& take) {
                          "Meters, Centimeters or Millimeters", "export again in one of these"});
 }
 
+/// Quaternions, and poses in the room: anything else is refused rather than guessed at.
 void checkConventions(const TrajectorySource& source, const Take& take) {
   const std::string& rotation = property(source, take, "Rotation Type");
   if (rotation != "Quaternion") {
@@ -121,6 +122,7 @@ Take readTake(const TrajectorySource& source, TextTable& table) {
   return take;
 }
 
+/// The body asked for, or the only one, with all seven columns of its pose.
 const Body& bodyOf(const TrajectorySource& source, const Take& take, const std::string& wanted) {
   if (take.bodies.empty()) {
     throw source.fault(

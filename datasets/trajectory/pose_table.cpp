@@ -42,6 +42,7 @@ TrajectoryFormat formatOf(const NumberRow& row, const std::optional<TableHeader>
   return euroc_wide || euroc_rows ? TrajectoryFormat::kEuroc : TrajectoryFormat::kTum;
 }
 
+/// Columns as the header names them, which goes before what the format usually has.
 void takeHeader(Layout& layout, const TableHeader& header) {
   layout.stated_power = header.stamp_power;
   layout.p = static_cast<std::size_t>(*header.position);
@@ -52,6 +53,8 @@ void takeHeader(Layout& layout, const TableHeader& header) {
   layout.order_is_stated = true;
 }
 
+/// The columns that the layout has: TUM 8, or 20 with OpenVINS' covariances; EuRoC 8, 11 with
+/// velocities, 17 with biases; 4 for positions alone. A header that names them may have more.
 bool knownCount(const NumberRow& row, const Layout& layout) {
   const auto holds = [&](std::size_t column) {
     return static_cast<std::size_t>(row.columns) > column;

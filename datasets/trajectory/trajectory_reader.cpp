@@ -22,6 +22,7 @@ std::size_t countCells(std::string_view line) {
   return cells;
 }
 
+/// The words with which Vicon's exports begin a section.
 bool beginsViconSection(std::string_view line) {
   constexpr std::string_view kSections[] = {"Objects",       "Segments", "Trajectories", "Joints",
                                             "Model Outputs", "Devices",  "Markers"};

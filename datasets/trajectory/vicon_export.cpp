@@ -73,6 +73,7 @@ std::string objectName(std::string_view cell) {
   return std::string(cell);
 }
 
+/// A name stands over the first of an object's columns, the others have none.
 std::vector<Object> objectsOf(const ViconHeader& header) {
   std::vector<Object> objects;
   for (std::size_t c = 2; c < header.columns.size(); ++c) {
@@ -109,6 +110,7 @@ Object chooseObject(const TrajectorySource& source, const ViconHeader& header,
           "RX RY RZ TX TY TZ", "export the objects' rotations and translations"});
 }
 
+/// Exp of a rotation vector [rad].
 Eigen::Quaterniond fromVector(const Eigen::Vector3d& v) {
   const double angle = v.norm();
   if (angle == 0) return Eigen::Quaterniond::Identity();

@@ -39,6 +39,7 @@ Json cameraJson(const char* type, const Json& intrinsics) {
   return {{"camera_type", type}, {"intrinsics", intrinsics}};
 }
 
+/// The rational model with its denominator at 1.
 Json radtanJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
   Json k = pinholeOf(p);
   k.update({{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}});
@@ -101,6 +102,7 @@ Json intrinsicsJson(const CameraCalibration& camera, const ExportChecks& checks)
   return cameraJson(ds ? "ds" : "eucm", json);
 }
 
+/// q and -q are one rotation; of the two the one with w >= 0 is written.
 Json poseJson(const Transform& T) {
   Eigen::Quaterniond q = T.quaternion();
   if (q.w() < 0) q.coeffs() *= -1;

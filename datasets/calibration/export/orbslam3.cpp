@@ -74,6 +74,8 @@ std::vector<std::string> orbSlam3Warnings(const Calibration& calibration,
   return warnings;
 }
 
+/// The names of KannalaBrandt8's and PinHole's coefficients; without distortion the keys are left
+/// out.
 std::string cameraText(const CameraCalibration& camera, int number) {
   const Intrinsics& k = camera.intrinsics;
   const std::string prefix = fmt::format("Camera{}.", number);
@@ -89,6 +91,7 @@ std::string cameraText(const CameraCalibration& camera, int number) {
   return text + "\n";
 }
 
+/// For fisheye pairs, of which the tool wants to know the columns that both cameras see.
 std::string overlapText(const Calibration& calibration) {
   std::string text =
       "# Columns that both cameras see: set to all columns, narrow them if you know the overlap.\n";

@@ -136,6 +136,8 @@ std::string transformsText(const Calibration& calibration) {
   return text;
 }
 
+/// VINS-Fusion takes (acc_n dt)^2 for a step's variance, its mid-point rule aside: with n
+/// sqrt(rate) and dt = 1 / rate that is n^2 dt, what a continuous-time density n adds.
 std::string vinsFusionImu(const ImuCalibration& imu) {
   const ImuNoise& n = imu.noise;
   const double root = std::sqrt(n.rate_hz);

@@ -106,6 +106,7 @@ void readCameraToolLine(KalibrResults& results, ResultsLines& lines) {
   }
 }
 
+/// A text that was cut is refused rather than taken for one of fewer cameras.
 void requireCameraTool(const KalibrResults& results, const ResultsLines& lines) {
   for (const KalibrTextCamera& camera : results.cameras) {
     if (camera.projection.size() == 0) throw lines.ended(camera.name + "'s projection");
