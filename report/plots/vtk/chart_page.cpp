@@ -38,6 +38,7 @@ double widestLabel(const std::vector<AxisTick>& ticks) {
   return kCharacter * static_cast<double>(longest);
 }
 
+/// VTK's plots take columns of a table; the chart's axes run from 0 to 1.
 vtkSmartPointer<vtkTable> table(const std::vector<double>& x, const std::vector<double>& y) {
   auto result = vtkSmartPointer<vtkTable>::New();
   const std::vector<double>* columns[] = {&x, &y};

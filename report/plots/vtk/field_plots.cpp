@@ -56,6 +56,7 @@ vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range
     const Colour c = colourAt(i / (kColours - 1.0));
     colours->SetTableValue(i, c.red / 255.0, c.green / 255.0, c.blue / 255.0, 1);
   }
+  // Where there is no value the page shows through.
   colours->SetNanColor(1, 1, 1, 0);
   colours->BuildSpecialColors();
   vtkNew<vtkImageData> image;

@@ -63,6 +63,7 @@ HeatMap density(const ScatterPlot& plot, const Range& x, const Range& y) {
 
 constexpr int kColourClasses = 24;
 
+/// By the mean of the values at both ends; -1 for a piece without a value, which is not drawn.
 int classOf(const ColouredLine& line, std::size_t i, const Range& range) {
   const double middle = (line.value[i] + line.value[i + 1]) / 2;
   if (!std::isfinite(middle)) return -1;
