@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -121,14 +122,15 @@ std::string geometryWords(const std::vector<Geometry>& all) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-/// All transforms and the offset are one finding: its value is the one furthest beyond its bound.
+/// All transforms and the offset are one finding, of the worst level among them: bounds of caution
+/// and bad are not in one proportion. Its value is the one furthest beyond its bound of that level.
 void addGeometry(const ComparisonRecord& record, std::size_t i, const ComparisonThresholds& bounds,
                  std::vector<Finding>& findings) {
   const std::vector<Geometry> all = geometryOf(record, i, bounds);
   if (all.empty()) return;
   // What deviations explain ranks behind all that they do not.
   const auto rank = [](const Geometry& g) {
-    return std::pair(!g.explained, g.value / g.bound.caution);
+    return std::tuple(!g.explained, levelAbove(g.value, g.bound), g.value / g.bound.caution);
   };
   const Geometry& worst =
       *std::max_element(all.begin(), all.end(),

@@ -18,8 +18,9 @@ RegionalErrors::Worst RegionalErrors::worst(int least) const {
   Worst worst;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
-      if (count(row, column) < least || typical_error_px(row, column) <= worst.error_px) continue;
-      worst = {typical_error_px(row, column), row, column};
+      const double error_px = typical_error_px(row, column);
+      if (count(row, column) < least || !isLarger(error_px, worst.error_px)) continue;
+      worst = {error_px, row, column};
     }
   }
   return worst;

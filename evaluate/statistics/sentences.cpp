@@ -56,10 +56,11 @@ std::string intervalText(const StudyEffect& e) {
                      direction(high.lower, e.endpoint));
 }
 
+/// An interval that ends at no change holds it, as with ties.
 bool excludesNoChange(const StudyEffect& e) {
   const StudyInterval& interval = e.effect;
-  return interval.low && interval.high &&
-         changeOf(*interval.low, e.ratio).lower == changeOf(*interval.high, e.ratio).lower;
+  const double none = e.ratio ? 1 : 0;
+  return interval.low && interval.high && (*interval.low > none || *interval.high < none);
 }
 
 std::string pText(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }

@@ -85,12 +85,17 @@ StudyOther otherOf(const ComparisonRecord& record) {
   return row;
 }
 
-/// The RMSE of positions as `evaluate trajectory` states it, whatever share of the truth it covers.
+/// The RMSE of positions as `evaluate trajectory` states it, where that calls the run complete: as
+/// of an odometry (trajectoriesOf()), an estimate of its easy part alone is no result.
 StudyTrajectory trajectoryOf(const fs::path& folder) {
   const fs::path file = folder / "trajectory.json";
   try {
     const auto json = nlohmann::json::parse(MappedFile(file.string()).text());
     StudyTrajectory row;
+    if (json.at("status").get<std::string>() != toString(RunStatus::kComplete)) {
+      row.failure = json.at("problem").get<std::string>();
+      return row;
+    }
     row.ate_m = json.at("ate").at("translation_m").at("rmse").get<double>();
     return row;
   } catch (const nlohmann::json::exception& error) {

@@ -42,6 +42,12 @@ T middleOf(std::vector<T> values) {
   return *middle;
 }
 
+/// Whether a value takes the place of the largest so far: what is not a number is larger than every
+/// number, and stays.
+inline bool isLarger(double value, double largest) {
+  return largest == largest && !(value <= largest);
+}
+
 /// Percents at which SampleStatistics keeps percentiles.
 inline constexpr std::array<double, 6> kPercents = {1, 5, 25, 75, 95, 99};
 

@@ -105,8 +105,9 @@ Calibration changedBy(Calibration from, const Eigen::VectorXd& change) {
   }
   if (from.imu) {
     from.imu->T_SC0 = boxplus(from.imu->T_SC0, change.segment<6>(at));
-    // Camera 0's, and of all cameras that are synchronised with it: the list has this offset only.
-    from.imu->time_offsets.front().s += change[at + 6];
+    // Camera 0's. The others go with it: synchronised ones share it, and what one with an offset of
+    // its own is off by is a difference from it.
+    for (TimeOffset& offset : from.imu->time_offsets) offset.s += change[at + 6];
   }
   return from;
 }

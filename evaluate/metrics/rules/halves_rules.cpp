@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -36,10 +37,10 @@ Findings judgeHalves(const StageSummary& summary, const std::string& stage,
   if (!summary.halves || summary.halves->blocks.empty()) return {};
   const auto ratio = [](const HalvesBlock& b) { return b.chi2 / b.limit; };
   const std::vector<HalvesBlock>& blocks = summary.halves->blocks;
-  // The comparison makes NaN the largest, which above() then calls bad.
+  // NaN is the largest, which above() then calls bad.
   const auto worst = std::max_element(
       blocks.begin(), blocks.end(),
-      [&](const HalvesBlock& a, const auto& b) { return !(ratio(b) <= ratio(a)); });
+      [&](const HalvesBlock& a, const auto& b) { return isLarger(ratio(b), ratio(a)); });
   const Rule rule{fmt::format("Halves of the recording ({})", stage), "-", t.halves,
                   "The halves differ by more than their standard deviations explain: take the "
                   "difference as the accuracy. Something changed during the recording, or the "

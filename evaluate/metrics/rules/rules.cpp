@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "calibrator/base/statistics/statistics.h"
+
 namespace plumbline {
 namespace {
 
@@ -65,7 +67,7 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     consider(estimate.robust_std, StdKind::kRobust);
     consider(estimate.resample_std, StdKind::kBootstrap);
     const double value = relative ? std / std::abs(estimate.value) : std;
-    if (worst.name.empty() || !(value <= worst.value)) worst = {value, estimate.name, kind};
+    if (worst.name.empty() || isLarger(value, worst.value)) worst = {value, estimate.name, kind};
   }
   return worst;
 }

@@ -175,7 +175,6 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
 }
 
 void ChartPage::setUpAxes() {
-  chart_->SetLayoutStrategy(vtkChart::AXES_TO_RECT);
   chart_->SetAutoSize(false);
   chart_->SetLayoutStrategy(vtkChart::AXES_TO_RECT);
   chart_->SetSize(vtkRectf(static_cast<float>(left_), static_cast<float>(bottom_),

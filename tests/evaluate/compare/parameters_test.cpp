@@ -219,5 +219,21 @@ TEST(ComparisonFindings, TransformsAndOffsetAreJudgedInTheUnitOfTheirBound) {
             std::string::npos);
 }
 
+// 4 ms are eight times the offset's bound of caution, and not bad; 22 mm are 4.4 times the lever's,
+// and bad: the worst level counts, not the largest multiple.
+TEST(ComparisonFindings, TheWorstLevelOfTransformsAndOffsetCounts) {
+  Calibration b = stereo();
+  b.imu->T_SC0.t.x() += 22e-3;
+  b.imu->time_offsets[0].s += 4e-3;
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", b, {}}};
+  record.parameters = comparedParameters({stereo(), b});
+  const auto findings = comparisonFindings(record);
+  const Finding& f = *find(findings, "Transforms");
+  EXPECT_EQ(f.level, VerdictLevel::kBad);
+  EXPECT_NEAR(f.value, 22, 1e-9);
+  EXPECT_EQ(f.unit, "mm");
+}
+
 }  // namespace
 }  // namespace plumbline

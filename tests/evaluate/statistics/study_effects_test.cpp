@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
+#include "evaluate/statistics/sentences.h"
 #include "evaluate/statistics/study_statistics.h"
 #include "report/records/documents.h"
 
@@ -144,6 +145,28 @@ TEST(StudyStatistics, ClaimNoDifferenceThatTheIntervalDoesNotShow) {
   ASSERT_TRUE(e.effect.low && e.effect.high);
   ASSERT_TRUE(*e.effect.low < 1 && *e.effect.high > 1) << *e.effect.low << " " << *e.effect.high;
   EXPECT_THAT(e.sentence, HasSubstr("guided and free were not shown to differ; guided "));
+}
+
+// With ties an interval may end exactly at no change.
+TEST(StudyStatistics, AnIntervalThatEndsAtNoChangeHoldsIt) {
+  for (const bool ratio : {true, false}) {
+    const double none = ratio ? 1 : 0;
+    StudyEffect e;
+    e.endpoint = "held_out_rmse_px";
+    e.baseline = "free";
+    e.method = "guided";
+    e.design = StudyDesign::kCrossover;
+    e.ratio = ratio;
+    e.participants = 9;
+    const auto sentence = [&](double low, double high) {
+      e.effect = {none + 0.5 * (low + high), none + low, none + high};
+      return effectSentence(e, "held-out RMSE");
+    };
+    EXPECT_THAT(sentence(0, 0.2), HasSubstr("were not shown to differ")) << ratio;
+    EXPECT_THAT(sentence(-0.2, 0), HasSubstr("were not shown to differ")) << ratio;
+    EXPECT_THAT(sentence(0.01, 0.2), Not(HasSubstr("were not shown to differ"))) << ratio;
+    EXPECT_THAT(sentence(-0.2, -0.01), Not(HasSubstr("were not shown to differ"))) << ratio;
+  }
 }
 
 TEST(StudyStatistics, CallDurationsAloneLonger) {

@@ -79,5 +79,20 @@ TEST(MiddleOf, IsTheUpperOfTwo) {
   EXPECT_EQ(middleOf(std::vector<std::int64_t>{7, 1, 4, 2}), 4);
 }
 
+TEST(IsLarger, WhatIsNoNumberIsTheLargestWhereverItStands) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::vector<double>& values :
+       {std::vector{nan, 1.0, 3.0}, {1.0, nan, 3.0}, {1.0, 3.0, nan}}) {
+    double largest = 0;
+    for (const double v : values) {
+      if (isLarger(v, largest)) largest = v;
+    }
+    EXPECT_TRUE(std::isnan(largest));
+  }
+  EXPECT_TRUE(isLarger(2, 1));
+  EXPECT_FALSE(isLarger(1, 1));
+  EXPECT_FALSE(isLarger(1, 2));
+}
+
 }  // namespace
 }  // namespace plumbline
