@@ -4,10 +4,11 @@
 --judge`) with the guide by either criterion, without, and as a dance, and prints the tables of
 docs/counterfactuals.md: seconds and views until the projection error against the truth, over the
 image, is below 0.1 px, and T_SC0 within 1 mm and 0.05 degrees, and how near the guide's stop is to
-the best one.
+the best one: by the error of the recording's own noise, and by the expected error
+(evaluate/simulation/stop_hindsight.h).
 
   nice -n 15 scripts/operator_evidence.py --plumbline build/evaluate/plumbline --work FOLDER \\
-      [--persons 50] [--rig euroc] [--duration 120] [--only PATTERN] [--table]
+      [--persons 50] [--rig euroc] [--duration 120] [--first-seed 1] [--only PATTERN] [--table]
 
 Every person makes one recording by every method; methods of one person share their seed. What was
 found is kept in --work, one file for each recording, and not made again; recordings are not kept.
@@ -28,6 +29,9 @@ METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
            "guided, mi, to 0.1 px": ["guided", "--criterion", "mi", "--stop-projection-px", "0.1"],
            "guided, predicted-error, to 0.1 px": ["guided", "--criterion", "predicted-error",
                                                   "--stop-projection-px", "0.1"],
+           "guided, mi, settings before": ["guided", "--criterion", "mi", "--first-trajectory", "scored",
+                                           "--trajectory-s", "5", "--trajectory-amplitude", "1",
+                                           "--trajectory-held-s", "1"],
            "guided, mi, by pace": ["guided", "--criterion", "mi", "--operator-speed", "0.35"],
            "free": ["free"],
            "dance": ["dance"]}
@@ -46,7 +50,8 @@ def quantile(values, p):
 
 
 def kept_file(options, name, person):
-    return pathlib.Path(options.work) / options.rig / name.replace(", ", "-").replace(" ", "_") / f"{person}.json"
+    rig = options.rig if options.first_seed == 1 else f"{options.rig}-from-{options.first_seed}"
+    return pathlib.Path(options.work) / rig / name.replace(", ", "-").replace(" ", "_") / f"{person}.json"
 
 
 def record(options, name, person):
@@ -59,7 +64,7 @@ def record(options, name, person):
     with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
         out = pathlib.Path(folder) / "session"
         command = [options.plumbline, "simulate", "operator", "--rig", options.rig, "--method", *METHODS[name],
-                   "--skill", f"{clumsiness:.4f}", "--seed", str(person), "--duration", str(options.duration),
+                   "--skill", f"{clumsiness:.4f}", "--seed", str(options.first_seed + person - 1), "--duration", str(options.duration),
                    "--judge", "--out", str(out)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         shutil.copy(out / "truth" / "truth.json", kept.with_suffix(".part"))
@@ -111,19 +116,39 @@ def table(options):
                 a, b = (quantile([needed(found[n][p], stage) for p in persons], 0.5) for n in (guided, other))
                 cells += [text(a / b if b < math.inf else math.nan if a == math.inf else 0, 2), f"{bar}"]
             print(f"| {guided} / {other} | " + " | ".join(cells) + " |")
-    print("\n| stop of | cameras stopped [s] | over the best | within 15 % | error there [px] | above 0.1 px "
-          "| IMU stopped |\n|---|---|---|---|---|---|---|")
+    stop_table(options, found, sorted(persons))
+
+
+def within(ratios):
+    return f"{sum(abs(r - 1) <= STOP for r in ratios)} of {len(ratios)}"
+
+
+def stop_table(options, found, persons):
+    """The best stop by the error of the recording's own noise, and by the expected one."""
+    print("\n| stop of | cameras stopped [s] | over the best, own noise | within 15 % | error there [px] | above 0.1 px "
+          "| over the best, expected error | within 15 % | predicted over expected there | IMU stopped |"
+          "\n|---|---|---|---|---|---|---|---|---|---|")
     for name in (n for n in found if n.startswith("guided")):
-        chosen = [found[name][p] for p in sorted(persons)]
+        chosen = [found[name][p] for p in persons]
         stops = [needed(d, "cameras", "stopped_s") for d in chosen]
         best = [needed(d, "cameras") for d in chosen]
         ratios = [s / b if b < math.inf and s < math.inf else math.inf for s, b in zip(stops, best)]
         errors = [(d["convergence"]["cameras"].get("at_end") or {}).get("projection_px") for d in chosen]
         errors = [math.inf if e is None else e for e in errors]
-        near = sum(abs(r - 1) <= STOP for r in ratios)
         imu = sum(needed(d, "camera_imu", "stopped_s") < math.inf for d in chosen)
-        print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {near} of {len(chosen)} "
-              f"| {quartiles(errors, 3)} | {sum(e > 0.1 for e in errors)} | {imu} of {len(chosen)} |")
+        expected, predicted = ["–", "–"], "–"
+        judged = [d["stop"] for d in chosen if d.get("stop")]
+        if judged:
+            by = [d.get("stop", {}).get("best_s") for d in chosen]
+            by = [s / b if b and s < math.inf else math.inf for s, b in zip(stops, by)]
+            expected = [quartiles(by, 2), within(by)]
+            predicted = quartiles([s["predicted_px"] / s["expected_px"] for s in judged], 3)
+            squares = [(s["drawn_px"] / s["expected_px"]) ** 2 for s in judged]
+            mean = sum(squares) / len(squares)
+            print(f"<!-- {name}: drawn^2 over expected^2, mean of {len(squares)}: {mean:.3f} -->")
+        print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {within(ratios)} "
+              f"| {quartiles(errors, 3)} | {sum(e > 0.1 for e in errors)} | {expected[0]} | {expected[1]} "
+              f"| {predicted} | {imu} of {len(chosen)} |")
 
 
 def main():
@@ -132,6 +157,7 @@ def main():
     parser.add_argument("--work", required=True)
     parser.add_argument("--persons", type=int, default=50)
     parser.add_argument("--rig", default="euroc")
+    parser.add_argument("--first-seed", type=int, default=1, help="of the first person; the others' follow")
     parser.add_argument("--duration", type=float, default=120)
     parser.add_argument("--only", default="*", help="methods that are recorded and compared")
     parser.add_argument("--table", action="store_true", help="print only what is there")

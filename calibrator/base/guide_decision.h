@@ -76,7 +76,7 @@ struct Suggestion {
   Transform T_FC0;                   ///< the view; for a trajectory, its start
   std::vector<Transform> path;       ///< T_FC0 along a trajectory; empty for a view
   std::optional<double> duration_s;  ///< of a trajectory, start to end [s]; empty for a view
-  double mi_nats = 0;                ///< predicted gain
+  double mi_nats = 0;                ///< predicted gain; 0: asked for before any could be scored
   /// Predicted error in later use with it [px]; empty before it is known.
   std::optional<double> error_px;
   /// Predicted time until it is reached [s]; empty where nothing is known of the operator's pace.

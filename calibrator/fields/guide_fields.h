@@ -29,7 +29,7 @@ void fields(V& v, Suggestion& s) {
   v("T_FC0", s.T_FC0, "m", "the view; for a trajectory, its start");
   v.array("path", s.path, "T_FC0 along a trajectory; empty for a view");
   v("duration_s", s.duration_s, "s", "of a trajectory, from its start to its end");
-  v("mi_nats", s.mi_nats, "nat", "expected information gain");
+  v("mi_nats", s.mi_nats, "nat", "expected information gain; 0: not scored");
   v.derived("mi_bits", inBits(s.mi_nats), "bit", "the same in bits");
   bool unbounded = std::isinf(s.mi_nats);
   v.ifSet("mi_unbounded", unbounded, "the views before do not determine all parameters");

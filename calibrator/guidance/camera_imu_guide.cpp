@@ -32,9 +32,12 @@ struct CameraImuGuide::State {
         cameras(std::move(cameras_)),
         options(options_),
         recording(rig_, options_),
+        first_suggestion(begin.first_suggestion),
         next_suggestion(begin.first_suggestion),
         next_attempt(options_.trajectories.start_frames),
-        gate(options_, begin.busy_until) {}
+        gate(options_, begin.busy_until),
+        first_trajectory(lissajousFirst(), rig_.target, Transform(),
+                         lissajousOptions(options_.trajectories)) {}
 
   const TrajectoryGuideOptions& stage() const { return options.trajectories; }
 
@@ -62,6 +65,8 @@ struct CameraImuGuide::State {
   void finish(Decision& d);
   std::size_t askedFor(CandidateRound& round, const Decision& d);
   void open(const CandidateRound& round, std::size_t asked, Decision& d);
+  void openFirst(Decision& d);
+  void show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d);
   void follow(const GuideFrame& frame, Decision& d);
 
   GuideRig rig;
@@ -71,6 +76,7 @@ struct CameraImuGuide::State {
   std::optional<ImuStageTracker> tracker;  // once the start stands
   std::optional<TrajectoryEvaluator> evaluator;
   std::optional<OpenSuggestion> suggestion;
+  int first_suggestion = 0;
   int next_suggestion = 0;
   int next_attempt = 0;  // number of frames
   int without_view = 0;
@@ -79,6 +85,7 @@ struct CameraImuGuide::State {
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
   FrameGate gate;
+  LissajousTrajectory first_trajectory;  // asked for before any could be scored
 };
 
 Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
@@ -172,6 +179,7 @@ void CameraImuGuide::State::beginEvaluator() {
   evaluator.emplace(std::move(scorer),
                     EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s,
                                     options.threads, stage().criterion});
+  if (executing_until) evaluator->answerBy(*executing_until);
 }
 
 void CameraImuGuide::State::track(PosedFrame frame, Decision& d) {
@@ -265,16 +273,31 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decisio
 
 void CameraImuGuide::State::open(const CandidateRound& round, std::size_t asked, Decision& d) {
   Suggestion s;
-  s.id = next_suggestion++;
-  s.stage = GuideStage::kCameraImu;
-  s.t = d.t;
-  s.candidate = round.names[asked];
-  s.T_FC0 = round.T_FC0[asked];
-  s.path = evaluator->trajectories()[asked].path(kPathPoints);
-  s.duration_s = evaluator->trajectories()[asked].durationS();
   s.mi_nats = round.mi_nats[asked];
   if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
+  show(std::move(s), evaluator->trajectories()[asked], d);
+}
+
+/// Before anything is known of the IMU, with the sensor taken to be where the camera is: the frames
+/// that start the estimate are then of a motion that tells something.
+void CameraImuGuide::State::openFirst(Decision& d) {
+  Suggestion s;
+  if (options.pace.isKnown() && d.T_FC0) {
+    s.reach_s =
+        options.pace.secondsTo(*d.T_FC0, first_trajectory.cameraAt(0).T_FB) + stage().reached_s;
+  }
+  show(std::move(s), first_trajectory, d);
+}
+
+void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d) {
+  s.id = next_suggestion++;
+  s.stage = GuideStage::kCameraImu;
+  s.t = d.t;
+  s.candidate = trajectory.name();
+  s.path = trajectory.path(kPathPoints);
+  s.T_FC0 = s.path.front();
+  s.duration_s = trajectory.durationS();
   SimulationOptions seen;
   seen.target = rig.target;
   suggestion.emplace(s, visibleCorners(cameras.front().intrinsics, s.T_FC0, seen),
@@ -296,7 +319,7 @@ void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
     // No new suggestion until the trajectory could be done: the operator is executing this one.
     // The next one shall not wait for the evaluator's interval then.
     executing_until = frame.t + toNanoseconds(*suggestion->suggestion().duration_s);
-    evaluator->answerBy(*executing_until);
+    if (evaluator) evaluator->answerBy(*executing_until);
   }
   suggestion.reset();
 }
@@ -318,6 +341,10 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
   follow(frame, d);
   if (tracker && d.accepted) report(d);
   if (tracker && !finished) evaluate(d);
+  if (stage().first == FirstTrajectory::kAtOnce && next_suggestion == first_suggestion &&
+      d.accepted && !finished) {
+    openFirst(d);
+  }
 }
 
 CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,

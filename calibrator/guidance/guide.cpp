@@ -58,6 +58,15 @@ void TrajectoryGuideOptions::check() const {
                 max_acceleration_m_s2, "a positive acceleration");
 }
 
+TrajectoryGuideOptions TrajectoryGuideOptions::patient() {
+  TrajectoryGuideOptions o;
+  o.first = FirstTrajectory::kScored;
+  o.reached_s = 1;
+  o.amplitude = 1;
+  o.duration_s = 5;
+  return o;
+}
+
 void GuideLatency::check() const {
   for (const double s : {camera_start_s, camera_frame_s, next_view_s, camera_batch_s, imu_start_s,
                          imu_frame_s, trajectories_s, imu_batch_s}) {

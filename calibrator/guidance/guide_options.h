@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
@@ -51,7 +53,19 @@ struct ViewGuideOptions : MeasurementModel {
   void check() const;
 };
 
-/// Next best trajectory (paper, section V).
+/// When the camera-IMU stage asks for its first trajectory.
+enum class FirstTrajectory {
+  /// With the first frame that has a pose, before any can be scored (lissajousFirst()): the frames
+  /// that start the estimate are gathered on the way to it and along it.
+  kAtOnce,
+  kScored,  ///< once the estimate has started, the best by the criterion
+};
+constexpr std::array<const char*, 2> enumWords(FirstTrajectory /*of*/) {
+  return {"at-once", "scored"};
+}
+
+/// Next best trajectory (paper, section V). The defaults make operators fast
+/// (docs/counterfactuals.md); patient() is closer to the paper's program.
 struct TrajectoryGuideOptions : MeasurementModel {
   int start_frames = 20;  ///< frames that start the estimate; as many more as it takes
   int window = 3;         ///< states in the fixed-lag window
@@ -65,15 +79,20 @@ struct TrajectoryGuideOptions : MeasurementModel {
   /// Whatever the criterion: if positive, the stage is over when, and only when, sqrt(E) is no more
   /// than this [px].
   double stop_reprojection_px = 0;
+  FirstTrajectory first = FirstTrajectory::kAtOnce;
   double evaluate_every_s = 1;  ///< the evaluator starts again this long after its last start [s]
   double reached_px = 50;       ///< distance to a trajectory's start [px] ...
-  double reached_s = 1;         ///< ... held for so long [s]
+  double reached_s = 0.1;       ///< ... held for so long [s]: on the way through it
   double expires_s = 10;
-  double amplitude = 1;   ///< multiplies the trajectories' widths and heights
-  double duration_s = 5;  ///< of a trajectory
+  double amplitude = 1.5;  ///< multiplies the trajectories' widths and heights
+  double duration_s = 2;   ///< of a trajectory; longer where a limit asks for it
   double max_speed_m_s = 1.5;
   double max_rate_rad_s = 3.14159265358979;
   double max_acceleration_m_s2 = 9.80665;  ///< without gravity
+
+  /// As the paper's program has it, and the defaults were once: scores before the first trajectory,
+  /// a second at each one's start, its own size; and 5 s for it (the program: 3 s).
+  static TrajectoryGuideOptions patient();
 
   void check() const;
 };

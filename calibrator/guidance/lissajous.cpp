@@ -90,6 +90,8 @@ std::vector<LissajousShape> lissajousShapes(bool s_curves) {
   return shapes;
 }
 
+LissajousShape lissajousFirst() { return lissajousShapes()[4]; }
+
 void LissajousOptions::check() const {
   requireOption(amplitude > 0, "amplitude", amplitude, "a positive factor");
   requireOption(distance_ratio > 0, "distance_ratio", distance_ratio, "a positive factor");

@@ -26,6 +26,10 @@ struct LissajousShape {
 /// vertical", "diagonal 0", "diagonal 1"; with `s_curves` also "s horizontal" and "s vertical".
 std::vector<LissajousShape> lissajousShapes(bool s_curves = false);
 
+/// Of the six the one to begin with, before any can be scored: "diagonal 0" turns the sensor about
+/// both axes of the image at once (measured: docs/counterfactuals.md).
+LissajousShape lissajousFirst();
+
 struct LissajousOptions {
   double amplitude = 1;  ///< multiplies A and B; both shrink where the curve would come within
                          ///< 15 degrees of the target's plane

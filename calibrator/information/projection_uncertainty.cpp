@@ -82,14 +82,21 @@ void ImageFitOptions::check() const {
   requireOption(columns >= 1 && rows >= 1, "columns x rows", columns * rows, "1 x 1 or more");
 }
 
-ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
-                                        const Eigen::MatrixXd& intrinsics_covariance,
-                                        const ImageFitOptions& options) {
-  options.check();
-  const Eigen::Index K = intrinsics_covariance.rows();
-  const bool finite = std::isfinite(options.range_m);
+namespace {
+
+/// J^T J over the grid, J = d uv / d (rho, phi, dk).
+struct ImageFitSums {
   Matrix6d H = Matrix6d::Zero();
-  Rows6 H_k = Rows6::Zero(6, K);
+  Rows6 H_k;
+  Eigen::MatrixXd K;
+  int pixels = 0;  ///< that have a ray
+};
+
+ImageFitSums imageFitSums(const Intrinsics& camera, Eigen::Index parameters,
+                          const ImageFitOptions& options) {
+  ImageFitSums sums;
+  sums.H_k = Rows6::Zero(6, parameters);
+  sums.K = Eigen::MatrixXd::Zero(parameters, parameters);
   for (int r = 0; r < options.rows; ++r) {
     for (int c = 0; c < options.columns; ++c) {
       const Eigen::Vector2d uv(
@@ -98,19 +105,51 @@ ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
       const auto ray = unproject(camera, uv);
       const auto J = ray ? pixelJacobian(camera, *ray, options.range_m) : std::nullopt;
       if (!J) continue;
-      H += J->leftCols<6>().transpose() * J->leftCols<6>();
-      H_k += J->leftCols<6>().transpose() * J->rightCols(K);
+      sums.H += J->leftCols<6>().transpose() * J->leftCols<6>();
+      sums.H_k += J->leftCols<6>().transpose() * J->rightCols(parameters);
+      sums.K.noalias() += J->rightCols(parameters).transpose() * J->rightCols(parameters);
+      ++sums.pixels;
     }
   }
-  // x = M dk; without a range only the rotation is there to be fitted.
-  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(6 + K, K);
-  M.bottomRows(K).setIdentity();
-  M.topRows<6>().setZero();
+  return sums;
+}
+
+/// The shift (rho, phi) that makes up best for dk, 6 x K; without a range only the rotation is
+/// there to be fitted.
+Eigen::MatrixXd fittedShift(const ImageFitSums& sums, bool finite) {
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(6, sums.H_k.cols());
   const int first = finite ? 0 : 3;
   const int size = 6 - first;
-  M.middleRows(first, size) =
-      -symmetricPseudoInverse(H.bottomRightCorner(size, size), 1e-15) * H_k.bottomRows(size);
+  shift.middleRows(first, size) =
+      -symmetricPseudoInverse(sums.H.bottomRightCorner(size, size), 1e-15) *
+      sums.H_k.bottomRows(size);
+  return shift;
+}
+
+}  // namespace
+
+ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
+                                        const Eigen::MatrixXd& intrinsics_covariance,
+                                        const ImageFitOptions& options) {
+  options.check();
+  const Eigen::Index K = intrinsics_covariance.rows();
+  const ImageFitSums sums = imageFitSums(camera, K, options);
+  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(6 + K, K);  // x = M dk
+  M.bottomRows(K).setIdentity();
+  M.topRows<6>() = fittedShift(sums, std::isfinite(options.range_m));
   return M * intrinsics_covariance * M.transpose();
+}
+
+std::optional<double> imageFitMeanSquare(const Intrinsics& camera,
+                                         const Eigen::MatrixXd& intrinsics_covariance,
+                                         const ImageFitOptions& options) {
+  options.check();
+  const Eigen::Index K = intrinsics_covariance.rows();
+  const ImageFitSums sums = imageFitSums(camera, K, options);
+  if (sums.pixels == 0) return std::nullopt;
+  const Eigen::MatrixXd left =
+      sums.K + sums.H_k.transpose() * fittedShift(sums, std::isfinite(options.range_m));
+  return (left * intrinsics_covariance).trace() / sums.pixels;
 }
 
 std::optional<Eigen::Matrix2d> pixelCovariance(const Intrinsics& camera,

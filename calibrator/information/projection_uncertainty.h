@@ -66,6 +66,14 @@ ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
                                         const Eigen::MatrixXd& intrinsics_covariance,
                                         const ImageFitOptions& options = {});
 
+/// Mean over that grid of the expected squared projection error [px^2], the fitted shift taken out:
+/// tr(Sigma (K - H_k^T H^+ H_k)) / n, from the sums over n pixels of K = J_k^T J_k and of those of
+/// the fit. The mean of the traces of pixelCovariance() under imageFitCovariance(), in one pass.
+/// Empty where no pixel of the grid has a ray.
+std::optional<double> imageFitMeanSquare(const Intrinsics& camera,
+                                         const Eigen::MatrixXd& intrinsics_covariance,
+                                         const ImageFitOptions& options = {});
+
 /// Covariance [px^2] of the projection of the point that is seen at `uv`, `range_m` away from the
 /// camera (> 0; infinity: a direction, on which rho has no influence). Empty where the pixel cannot
 /// be unprojected.

@@ -40,6 +40,7 @@ struct GuideOptionSet {
   std::vector<std::string> latencies;  ///< "camera-frame=5"
   double arrival_ms = 50;
   std::string criterion = toString(ViewCriterion::kMutualInformation);
+  std::string first_trajectory = toString(TrajectoryGuideOptions().first);
   std::string later_use = toString(ViewGuideOptions().later_use);
   double stop_excess_percent = 100 * ViewGuideOptions().stop_excess;
 
@@ -165,6 +166,11 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->capture_default_str();
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
+  app.add_option(
+         "--first-trajectory", first_trajectory,
+         "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
+         "when it can be scored")
+      ->capture_default_str();
   app.add_option("--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
       ->check(positiveNumber())
       ->capture_default_str();
@@ -206,6 +212,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
   o.views.criterion = o.trajectories.criterion = viewCriterionFrom(criterion);
   o.views.later_use = laterUseFrom(later_use);
+  o.trajectories.first = firstTrajectoryFrom(first_trajectory);
   o.views.stop_excess = stop_excess_percent / 100;
   o.trajectories.expires_s = o.views.expires_s;
   o.trajectories.max_rate_rad_s = max_rate_deg_s * kDegree;

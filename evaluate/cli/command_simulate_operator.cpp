@@ -54,6 +54,7 @@ struct SimulateOperatorOptions {
   std::string skill = "practised";
   std::string method = toString(OperatorMethod::kGuided);
   std::string criterion = toString(ViewCriterion::kMutualInformation);
+  std::string first_trajectory = toString(TrajectoryGuideOptions().first);
   std::string guide_board = toString(GuideBoard::kMeasured);
   std::array<std::optional<double>, std::size(kFigures)> figures;
   OperatorSimulationOptions simulation;
@@ -101,6 +102,11 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
                  "Time at a trajectory's start until it counts as reached [s]")
       ->check(numberFrom(0))
       ->capture_default_str();
+  app.add_option(
+         "--first-trajectory", o.first_trajectory,
+         "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
+         "when it can be scored")
+      ->capture_default_str();
   app.add_option("--operator-speed", s.guide.pace.speed_m_s,
                  "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
       ->check(CLI::Range(0.0, 10.0))
@@ -147,6 +153,7 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   s.method = *enumFrom<OperatorMethod>(o.method);
   s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   s.guide.views.criterion = s.guide.trajectories.criterion = viewCriterionFrom(o.criterion);
+  s.guide.trajectories.first = firstTrajectoryFrom(o.first_trajectory);
   s.skill = skillFrom(o.skill);
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     if (o.figures[i]) s.skill.*kFigures[i].figure = kFigures[i].unit * *o.figures[i];

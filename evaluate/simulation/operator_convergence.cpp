@@ -75,20 +75,16 @@ class Judge {
   std::vector<Checkpoint> cameraCheckpoints() const {
     if (operated_.decisions.empty()) return evenly(GuideStage::kCamera, options_.stride_s);
     std::vector<Checkpoint> all;
-    std::vector<int> kept;
+    const std::vector<KeptViews> kept = keptViews(operated_);
     double next = 0;
-    for (const Decision& d : operated_.decisions) {
-      if (d.stage != GuideStage::kCamera) break;
-      for (const int gone : d.withdrawn) std::erase(kept, gone);
-      if (d.accepted) kept.push_back(d.frame);
-      const bool changed = d.accepted || !d.withdrawn.empty();
-      if (!changed || d.mode == GuideMode::kInitialising) continue;
-      if (static_cast<double>(kept.size()) >= next || d.mode == GuideMode::kFinished) {
-        all.push_back({secondsAt(d.frame), kept});
-        next = options_.growth * static_cast<double>(kept.size());
-      }
+    for (const KeptViews& k : kept) {
+      if (static_cast<double>(k.frames.size()) < next && !k.finished) continue;
+      all.push_back({k.t_s, k.frames});
+      next = options_.growth * static_cast<double>(k.frames.size());
     }
-    if (!all.empty() && all.back().frames != kept) all.push_back({operated_.camera_s, kept});
+    if (!all.empty() && all.back().frames != kept.back().frames) {
+      all.push_back({operated_.camera_s, kept.back().frames});
+    }
     return all;
   }
 
@@ -183,6 +179,21 @@ void ConvergenceOptions::check() const {
   requireWithin(0.1, 1e3, "first_s", first_s);
   requireWithin(1.01, 10, "growth", growth);
   requireWithin(0, 10, "stride_s", stride_s);
+}
+
+std::vector<KeptViews> keptViews(const OperatedSession& operated) {
+  std::vector<KeptViews> all;
+  std::vector<int> kept;
+  for (const Decision& d : operated.decisions) {
+    if (d.stage != GuideStage::kCamera) break;
+    for (const int gone : d.withdrawn) std::erase(kept, gone);
+    if (d.accepted) kept.push_back(d.frame);
+    const bool changed = d.accepted || !d.withdrawn.empty();
+    if (!changed || d.mode == GuideMode::kInitialising) continue;
+    const double t_s = secondsBetween(operated.decisions.front().t, d.t);
+    all.push_back({t_s, kept, d.projection_px, d.mode == GuideMode::kFinished});
+  }
+  return all;
 }
 
 double trueProjectionErrorPx(const Intrinsics& truth, const Intrinsics& estimate) {

@@ -75,6 +75,17 @@ void fields(V& v, OperatedConvergence& c) {
 /// directions, a rotation taken out [px]; infinite where it is not defined.
 double trueProjectionErrorPx(const Intrinsics& truth, const Intrinsics& estimate);
 
+/// The views that a guide had kept after a frame.
+struct KeptViews {
+  double t_s = 0;                       ///< since the first frame
+  std::vector<int> frames;              ///< their positions
+  std::optional<double> projection_px;  ///< what the guide predicted with them (Decision)
+  bool finished = false;                ///< with them the camera stage was over
+};
+/// After every frame, from the start of the estimate on, with which they changed or the camera
+/// stage ended. Empty of a recording without guide.
+std::vector<KeptViews> keptViews(const OperatedSession& operated);
+
 /// From when on a recording calibrates its rig. The cameras: of a guided recording the frames that
 /// the guide had kept by then, of another every frame so far, `stride_s` apart; the IMU: all frames
 /// of its own part, under the cameras that the first part gave, with the options' board

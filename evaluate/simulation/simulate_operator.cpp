@@ -87,6 +87,7 @@ Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operat
           {"operator_speed_m_s", o.guide.pace.speed_m_s},
           {"stop_projection_px", o.guide.views.stop_projection_px},
           {"stop_reprojection_px", o.guide.trajectories.stop_reprojection_px},
+          {"first_trajectory", toString(o.guide.trajectories.first)},
           {"trajectory_s", o.guide.trajectories.duration_s},
           {"trajectory_amplitude", o.guide.trajectories.amplitude},
           {"trajectory_held_s", o.guide.trajectories.reached_s},
@@ -105,6 +106,7 @@ std::string truthOf(const SimulatedRig& rig, const OperatorSimulationOptions& o,
   truth["reached"] = made.reached;
   truth["suggestions"] = outcomesOf(made);
   if (summary.convergence) truth["convergence"] = toJson(*summary.convergence);
+  if (summary.stop) truth["stop"] = toJson(*summary.stop);
   return truth.dump(2) + "\n";
 }
 
@@ -126,10 +128,11 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
   const OperatedOptions operated = operatedOptions(o);
   const bool guided = o.method == OperatorMethod::kGuided;
   const OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
-  OperatorSimulationSummary summary{made.finished,     made.camera_s,
-                                    made.camera_imu_s, static_cast<int>(made.suggestions.size()),
-                                    made.reached,      std::nullopt};
+  OperatorSimulationSummary summary{
+      made.finished, made.camera_s, made.camera_imu_s, static_cast<int>(made.suggestions.size()),
+      made.reached,  std::nullopt,  std::nullopt};
   if (o.judge) summary.convergence = convergenceOf(made, operated, rig.calibration);
+  if (o.judge && guided) summary.stop = stopHindsight(made, operated, rig);
   writeSession(made.session, rig.camera_rate_hz, ViewFormat::kCorners, folder);
   if (guided) writeNewFile(folder, "suggestions.csv", suggestionsCsv(made.suggestions));
   const fs::path truth = "truth";

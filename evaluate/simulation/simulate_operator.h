@@ -7,6 +7,7 @@
 
 #include "calibrator/base/enum_words.h"
 #include "evaluate/simulation/operator_convergence.h"
+#include "evaluate/simulation/stop_hindsight.h"
 #include "evaluate/simulation/study_participants.h"
 
 namespace plumbline {
@@ -45,6 +46,7 @@ struct OperatorSimulationSummary {
   double camera_s = 0, camera_imu_s = 0;
   int suggestions = 0, reached = 0;
   std::optional<OperatedConvergence> convergence;
+  std::optional<StopHindsight> stop;  ///< of the camera stage, by stop_projection_px
 };
 
 /// Writes into `folder`, which is there and empty:

@@ -70,6 +70,7 @@ OperatedSession operated(const SimulatedRig& rig, const StudySimulationOptions& 
   options.skill = visit.skill;
   options.operator_seed = visit.seed;
   options.trajectories = o.trajectories();
+  options.guide.trajectories = TrajectoryGuideOptions::patient();
   if (o.guide_board == GuideBoard::kMeasured) options.guide_shape = bentBoard(o.board_bend_mm);
   return visit.method == "guided" ? recordGuided(rig, options) : recordFreely(rig, options);
 }

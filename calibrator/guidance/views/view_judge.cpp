@@ -28,7 +28,7 @@ ViewGainOptions gainOptions(const ViewGuideOptions& options) {
   return o;
 }
 
-/// Predicted for a grid of pixels; see ViewJudge::projectionPx().
+/// Predicted over the grid of pixels of a projection difference; see ViewJudge::projectionPx().
 std::optional<double> predictedProjectionPx(const CameraWindow& window,
                                             const Eigen::MatrixXd& information,
                                             double pixel_sigma) {
@@ -39,29 +39,14 @@ std::optional<double> predictedProjectionPx(const CameraWindow& window,
       llt.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
   // The noise that the residuals have, not the one that was assumed.
   const double scale = 0.5 * *rmse_px * *rmse_px / (pixel_sigma * pixel_sigma);
-  ImageFitOptions grid;
-  grid.columns = 9, grid.rows = 7;
   const CameraLayout layout(window.estimate().intrinsics);
   double worst = 0;
   for (std::size_t c = 0; c < window.estimate().intrinsics.size(); ++c) {
-    const Intrinsics& camera = window.estimate().intrinsics[c];
     const int k = layout.intrinsics[c], size = layout.intrinsics_size[c];
-    const ProjectionCovariance covariance =
-        imageFitCovariance(camera, scale * unit.block(k, k, size, size), grid);
-    double squares = 0;
-    int count = 0;
-    for (int row = 0; row < grid.rows; ++row) {
-      for (int column = 0; column < grid.columns; ++column) {
-        const Eigen::Vector2d uv(column * (camera.resolution.width - 1.0) / (grid.columns - 1),
-                                 row * (camera.resolution.height - 1.0) / (grid.rows - 1));
-        const auto pixel = pixelCovariance(camera, covariance, uv, grid.range_m);
-        if (!pixel) continue;
-        squares += pixel->trace();
-        ++count;
-      }
-    }
-    if (count == 0) return std::nullopt;
-    worst = std::max(worst, std::sqrt(squares / count));
+    const auto square =
+        imageFitMeanSquare(window.estimate().intrinsics[c], scale * unit.block(k, k, size, size));
+    if (!square) return std::nullopt;
+    worst = std::max(worst, std::sqrt(*square));
   }
   return std::isfinite(worst) ? std::optional(worst) : std::nullopt;
 }

@@ -9,6 +9,18 @@
 
 namespace plumbline {
 
+std::vector<std::vector<Corner>> cornersAt(const SimulatedRig& rig, const Transform& T_FC0,
+                                           int frame, const SimulationOptions& options) {
+  std::vector<std::vector<Corner>> all;
+  for (std::size_t c = 0; c < rig.calibration.cameras.size(); ++c) {
+    const CameraCalibration& camera = rig.calibration.cameras[c];
+    all.push_back(visibleCorners(camera.intrinsics, T_FC0 * camera.T_C0Ci, options));
+    disturbCorners(all.back(), camera.intrinsics.resolution, static_cast<int>(c),
+                   static_cast<std::uint64_t>(frame), options);
+  }
+  return all;
+}
+
 RigSensors::RigSensors(const SimulatedRig& rig, const SimulationOptions& options)
     : rig_(rig),
       options_(options),
@@ -34,15 +46,7 @@ double RigSensors::exposureS(int frame) const {
 }
 
 std::vector<std::vector<Corner>> RigSensors::corners(const SplineMotion& motion, int frame) const {
-  const Transform T_FC0 = motion.at(exposureS(frame)).T_FB;
-  std::vector<std::vector<Corner>> all;
-  for (std::size_t c = 0; c < rig_.calibration.cameras.size(); ++c) {
-    const CameraCalibration& camera = rig_.calibration.cameras[c];
-    all.push_back(visibleCorners(camera.intrinsics, T_FC0 * camera.T_C0Ci, options_));
-    disturbCorners(all.back(), camera.intrinsics.resolution, static_cast<int>(c),
-                   static_cast<std::uint64_t>(frame), options_);
-  }
-  return all;
+  return cornersAt(rig_, motion.at(exposureS(frame)).T_FB, frame, options_);
 }
 
 std::vector<ImuSample> RigSensors::samplesUntil(const SplineMotion& motion, TimeNs t) {

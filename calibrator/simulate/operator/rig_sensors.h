@@ -8,6 +8,11 @@
 
 namespace plumbline {
 
+/// What every camera of a rig sees of the target with camera 0 at T_FC0, with the noise that frame
+/// `frame` has by `options.seed`.
+std::vector<std::vector<Corner>> cornersAt(const SimulatedRig& rig, const Transform& T_FC0,
+                                           int frame, const SimulationOptions& options);
+
 /// What a rig measures along a motion of camera 0 that is not known beforehand, frame by frame: the
 /// measurements are those that simulateSession() would make along it, with the same random numbers
 /// (corners with noise and outliers, IMU samples with noise and bias walk). All cameras expose at

@@ -196,6 +196,11 @@ ViewCriterion viewCriterionFrom(const std::string& word) {
   refuse("--criterion", word, "mi or predicted-error");
 }
 
+FirstTrajectory firstTrajectoryFrom(const std::string& word) {
+  if (const auto first = enumFrom<FirstTrajectory>(word)) return *first;
+  refuse("--first-trajectory", word, "at-once or scored");
+}
+
 LaterUseKind laterUseFrom(const std::string& word) {
   for (const auto kind : {LaterUseKind::kSeen, LaterUseKind::kImage}) {
     if (word == toString(kind)) return kind;

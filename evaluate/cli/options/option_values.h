@@ -9,6 +9,7 @@
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
+#include "calibrator/guidance/guide_options.h"
 #include "calibrator/simulate/trajectory.h"
 #include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/metrics/trajectory/alignment.h"
@@ -33,6 +34,9 @@ ViewSelectionOptions viewSelectionFrom(const std::string& word);
 
 /// --criterion: "mi" or "predicted-error".
 ViewCriterion viewCriterionFrom(const std::string& word);
+
+/// --first-trajectory: "at-once" or "scored".
+FirstTrajectory firstTrajectoryFrom(const std::string& word);
 
 /// --later-use: "seen" or "image".
 LaterUseKind laterUseFrom(const std::string& word);

@@ -94,7 +94,7 @@ class Events {
       opened_[d.opened->id] = d.t;
       push(d, "opened",
            fmt::format("#{} suggested: {}, {}", d.opened->id, d.opened->candidate,
-                       bits(d.opened->mi_nats)) +
+                       d.opened->mi_nats != 0 ? bits(d.opened->mi_nats) : "not scored") +
                (d.opened->error_px ? fmt::format(", error {:.3f} px", *d.opened->error_px) : ""));
     }
     if (!d.suggestion) return;

@@ -32,6 +32,7 @@ const SimulatedSession& recording() {
 
 GuideOptions byTrajectoryError() {
   GuideOptions options;
+  options.trajectories = TrajectoryGuideOptions::patient();
   options.trajectories.pixel_sigma = kErrorSigma;
   options.trajectories.cauchy_px = 0;
   options.trajectories.criterion = ViewCriterion::kPredictedError;

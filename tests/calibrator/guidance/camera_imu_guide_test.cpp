@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/guidance/guide.h"
+#include "calibrator/guidance/lissajous.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {
@@ -35,6 +36,7 @@ const SimulatedSession& imuGuideRecording() {
 /// Squared error and the noise that was simulated; a threshold that 8 s of recording reach.
 GuideOptions matched() {
   GuideOptions options;
+  options.trajectories = TrajectoryGuideOptions::patient();
   options.trajectories.pixel_sigma = kImuGuideSigma;
   options.trajectories.cauchy_px = 0;
   options.trajectories.threshold_nats = 1.2;
@@ -223,6 +225,67 @@ TEST(CameraImuGuide, ASuggestionIsOpenedReachedAndLeftAloneForItsDuration) {
   EXPECT_TRUE(reached);
   EXPECT_EQ(guide.nextSuggestion(), next);
   EXPECT_EQ(next, 9);  // one after the start, one four seconds after it was reached
+}
+
+// Nobody stands still while the estimate starts: what is asked for first needs no scores.
+TEST(CameraImuGuide, AsksForTheFirstTrajectoryAtOnce) {
+  GuideOptions options = endless();
+  options.trajectories.first = FirstTrajectory::kAtOnce;
+  const ImuReplay r = imuReplayed(imuFrames(), options);
+  const Decision& first = r.decisions.front();
+  ASSERT_TRUE(first.opened);
+  EXPECT_EQ(first.event, SuggestionEvent::kOpened);
+  EXPECT_EQ(first.mode, GuideMode::kInitialising);
+  EXPECT_EQ(first.opened->candidate, lissajousFirst().name);
+  EXPECT_EQ(first.opened->mi_nats, 0) << "not scored";
+  EXPECT_FALSE(first.opened->error_px);
+  EXPECT_EQ(first.opened->path.size(), 60u);
+  EXPECT_GE(*first.opened->duration_s, 5);
+  // It stays open, and is the only one, until it has expired.
+  for (const Decision& d : r.decisions) {
+    if (d.frame > 0 && d.t - first.t <= toNanoseconds(10)) {
+      EXPECT_FALSE(d.opened) << d.frame;
+    }
+  }
+  EXPECT_EQ(countIn(r.decisions, GuideReason::kInitialised), 1);
+}
+
+TEST(CameraImuGuide, AScoredFirstTrajectoryComesAfterTheStart) {
+  const ImuReplay r = imuReplayed(imuFrames(), endless());
+  bool started = false, opened = false;
+  for (const Decision& d : r.decisions) {
+    started = started || d.reason == GuideReason::kInitialised;
+    if (!d.opened) continue;
+    EXPECT_TRUE(started);
+    EXPECT_GT(d.opened->mi_nats, 0);
+    opened = true;
+  }
+  EXPECT_TRUE(opened);
+}
+
+// The first one is reached while the estimate has not started: nothing else is asked for during it,
+// and the scores of the next one are there when it ends.
+TEST(CameraImuGuide, TheSecondTrajectoryFollowsTheFirst) {
+  GuideOptions options = endless();
+  options.trajectories.first = FirstTrajectory::kAtOnce;
+  options.trajectories.reached_px = 1e6;
+  options.trajectories.reached_s = 0.1;
+  options.trajectories.duration_s = 3;
+  options.trajectories.max_speed_m_s = 5;
+  const ImuReplay r = imuReplayed(imuFrames(), options);
+  std::vector<TimeNs> opened;
+  std::optional<TimeNs> reached;
+  for (const Decision& d : r.decisions) {
+    if (d.event == SuggestionEvent::kReached && !reached) {
+      reached = d.t;
+      EXPECT_EQ(d.mode, GuideMode::kInitialising);
+    }
+    if (d.opened) opened.push_back(d.t);
+  }
+  ASSERT_TRUE(reached);
+  ASSERT_GE(opened.size(), 2u);
+  EXPECT_GE(opened[1] - *reached, 3'000'000'000);
+  EXPECT_LE(opened[1] - *reached, 3'100'000'000);
 }
 
 TEST(CameraImuGuide, ASuggestionThatNobodyFollowsExpires) {

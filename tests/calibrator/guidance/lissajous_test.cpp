@@ -51,6 +51,12 @@ TEST(Lissajous, TheSixOfThePaperByName) {
 }
 
 // By hand: half way in time theta is 1/2; at theta = 1/4, pan horizontal stands at x = A.
+TEST(Lissajous, TheFirstIsOneOfThem) {
+  const LissajousShape first = lissajousFirst();
+  EXPECT_EQ(first.name, "diagonal 0");
+  EXPECT_TRUE(first.a == 1 && first.b == 1 && first.delta == 0);
+}
+
 TEST(Lissajous, PositionsByHand) {
   const AprilGrid target;
   const double R = 1.2 * target.width();

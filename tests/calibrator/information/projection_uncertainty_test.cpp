@@ -109,6 +109,26 @@ TEST(ImageFit, TakesOutWhatARotationExplains) {
   EXPECT_EQ(fitted(0, 0), 0);                               // no translation at infinity
 }
 
+// In one pass what the covariance of every pixel gives.
+TEST(ImageFit, MeanSquareIsTheMeanOverTheGrid) {
+  const Intrinsics seen = camera(500, 752, 480);
+  Eigen::MatrixXd A(8, 8);
+  for (int i = 0; i < 64; ++i) A(i / 8, i % 8) = std::sin(1.7 * i);
+  Eigen::VectorXd scale(8);
+  scale << 1, 1, 1, 1, 1e-3, 1e-3, 1e-3, 1e-3;
+  const Eigen::MatrixXd Sigma = scale.asDiagonal() * A * A.transpose() * scale.asDiagonal();
+  for (const double range : {kInfinity, 1.0}) {
+    const ImageFitOptions grid{range, 9, 7};
+    const ProjectionCovariance fitted = imageFitCovariance(seen, Sigma, grid);
+    double sum = 0;
+    for (int k = 0; k < 63; ++k) {
+      const Eigen::Vector2d uv(k % 9 * 751 / 8.0, k / 9 * 479 / 6.0);
+      sum += pixelCovariance(seen, fitted, uv, range)->trace();
+    }
+    EXPECT_NEAR(*imageFitMeanSquare(seen, Sigma, grid), sum / 63, 1e-9 * sum);
+  }
+}
+
 // At a finite range a change of the focal length is mostly a step along the axis.
 TEST(ImageFit, TranslationIsFittedAtAFiniteRange) {
   const Intrinsics narrow = camera(20000, 201, 201);

@@ -243,7 +243,7 @@ TEST_F(CommandReplay, BadUsageLeavesNothing) {
        {"--latency-ms frame=5", "--latency-ms camera-frame=x", "--latency-ms camera-frame=-1",
         "--threshold-bits 0", "--window 0", "--imu-window 1", "--suggestions none.csv",
         "--max-rate -3", "--reached-s -1", "--criterion error", "--later-use here",
-        "--stop-excess 0"}) {
+        "--first-trajectory now", "--stop-excess 0"}) {
     expectRefusal(replay(session(), options), 2, Not(HasSubstr("terminate")));
   }
 }

@@ -25,7 +25,7 @@ TEST(OperatedSession, IsGuidedUntilTheTrajectoriesAreDone) {
   const OperatedSession s = recordGuided(rig, options(120));
   EXPECT_TRUE(s.finished);
   EXPECT_GT(s.camera_s, 3);
-  EXPECT_GT(s.camera_imu_s, 2 * 5) << "two trajectories of five seconds";
+  EXPECT_GT(s.camera_imu_s, 2 * 4) << "two trajectories, each as fast as the limits allow";
   EXPECT_LT(s.camera_s + s.camera_imu_s, 115);
   ASSERT_GE(s.suggestions.size(), 2U);
   EXPECT_GE(s.reached, 2);

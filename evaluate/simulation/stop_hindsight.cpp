@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/simulation/stop_hindsight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/problem.h"
+#include "calibrator/information/projection_uncertainty.h"
+#include "calibrator/simulate/operator/rig_sensors.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint64_t kDrawSeeds = 1'000'003;  // from one draw's seed to the next
+
+/// The frames as they would have been seen under other noise.
+Session seenAgain(const OperatedSession& operated, const OperatedOptions& made,
+                  const SimulatedRig& rig, const std::vector<int>& frames,
+                  const SimulationOptions& simulation) {
+  Session session = operated.session;
+  session.target.shape = made.guide_shape;
+  session.imu.reset();
+  for (CameraStream& camera : session.cameras) camera.views.clear();
+  for (const int k : frames) {
+    const auto at = static_cast<std::size_t>(k);
+    auto corners = cornersAt(rig, operated.T_FC0[at], k, simulation);
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const TimeNs t = operated.session.cameras[c].views[at].t;
+      session.cameras[c].views.push_back({t, std::move(corners[c])});
+    }
+  }
+  return session;
+}
+
+CameraStageOptions startingAt(const std::vector<CameraCalibration>& truth) {
+  CameraStageOptions stage;
+  stage.start = truth;
+  return stage;
+}
+
+/// Mean square over the image of what the covariance says of a camera's projections, for corners
+/// with a standard deviation of 1 px.
+std::optional<double> unitMeanSquare(const CameraStageResult& found, std::size_t camera) {
+  const Intrinsics& intrinsics = found.cameras[camera].intrinsics;
+  const CameraLayout layout([&] {
+    std::vector<Intrinsics> all;
+    for (const CameraCalibration& c : found.cameras) all.push_back(c.intrinsics);
+    return all;
+  }());
+  const int k = layout.intrinsics[camera], size = layout.intrinsics_size[camera];
+  const Eigen::MatrixXd& covariance = found.summary.covariance.matrix;
+  if (covariance.rows() < layout.camerasSize()) return std::nullopt;
+  return imageFitMeanSquare(intrinsics, covariance.block(k, k, size, size));
+}
+
+/// First of the sets of views with which the expected error is at most the bar, and the errors of
+/// those that were looked at.
+class Crossing {
+ public:
+  Crossing(const OperatedSession& operated, const OperatedOptions& made, const SimulatedRig& rig)
+      : operated_(operated), made_(made), rig_(rig), kept_(keptViews(operated)) {}
+
+  const std::vector<KeptViews>& kept() const { return kept_; }
+  std::optional<double> expectedPx(std::size_t i) {
+    const auto found = known_.find(i);
+    if (found != known_.end()) return found->second;
+    return known_[i] = expectedProjectionPx(operated_, made_, rig_, kept_[i].frames);
+  }
+  bool isWithin(std::size_t i) {
+    const auto px = expectedPx(i);
+    return px && *px <= made_.guide.views.stop_projection_px;
+  }
+  /// Empty where not even the last is.
+  std::optional<std::size_t> first() {
+    if (kept_.empty() || !isWithin(kept_.size() - 1)) return std::nullopt;
+    std::size_t low = 0, high = kept_.size() - 1;  // high is within, what is before low is not
+    while (low < high) {
+      const std::size_t middle = (low + high) / 2;
+      if (isWithin(middle)) {
+        high = middle;
+      } else {
+        low = middle + 1;
+      }
+    }
+    return high;
+  }
+
+ private:
+  const OperatedSession& operated_;
+  const OperatedOptions& made_;
+  const SimulatedRig& rig_;
+  std::vector<KeptViews> kept_;
+  std::map<std::size_t, std::optional<double>> known_;
+};
+
+void tellBest(Crossing& crossing, StopHindsight& s) {
+  const auto best = crossing.first();
+  if (!best) return;
+  const KeptViews& kept = crossing.kept()[*best];
+  s.best_s = kept.t_s;
+  s.best_views = static_cast<int>(kept.frames.size());
+  s.predicted_at_best_px = kept.projection_px;
+}
+
+/// The same person, who is not told to stop at the bar yet.
+OperatedSession continued(const OperatedOptions& made, const SimulatedRig& rig, double stopped_s,
+                          const HindsightOptions& options) {
+  OperatedOptions longer = made;
+  longer.guide.views.stop_projection_px *= options.beyond;
+  longer.simulation.duration_s =
+      std::min(made.simulation.duration_s, options.beyond_times * stopped_s);
+  return recordGuided(rig, longer);
+}
+
+}  // namespace
+
+std::optional<double> expectedProjectionPx(const OperatedSession& operated,
+                                           const OperatedOptions& made, const SimulatedRig& rig,
+                                           const std::vector<int>& frames) {
+  const std::vector<CameraCalibration>& truth = rig.calibration.cameras;
+  SimulationOptions exact = made.simulation;
+  exact.corner_sigma_px = 0;
+  const auto found =
+      calibrateCameras(seenAgain(operated, made, rig, frames, exact), startingAt(truth));
+  if (!found) return std::nullopt;
+  const double sigma = made.simulation.corner_sigma_px / CameraStageOptions().pixel_sigma;
+  double worst = 0;
+  for (std::size_t c = 0; c < truth.size(); ++c) {
+    const auto unit = unitMeanSquare(*found, c);
+    if (!unit) return std::nullopt;
+    const double bias = trueProjectionErrorPx(truth[c].intrinsics, found->cameras[c].intrinsics);
+    worst = std::max(worst, bias * bias + sigma * sigma * *unit);
+  }
+  return std::sqrt(worst);
+}
+
+std::optional<double> drawnProjectionPx(const OperatedSession& operated,
+                                        const OperatedOptions& made, const SimulatedRig& rig,
+                                        const std::vector<int>& frames, int draws) {
+  const std::vector<CameraCalibration>& truth = rig.calibration.cameras;
+  std::vector<double> squares(truth.size(), 0.0);
+  for (int draw = 0; draw < draws; ++draw) {
+    SimulationOptions again = made.simulation;
+    again.seed += kDrawSeeds * static_cast<std::uint64_t>(draw + 1);
+    const auto found =
+        calibrateCameras(seenAgain(operated, made, rig, frames, again), startingAt(truth));
+    if (!found) return std::nullopt;
+    for (std::size_t c = 0; c < truth.size(); ++c) {
+      const double px = trueProjectionErrorPx(truth[c].intrinsics, found->cameras[c].intrinsics);
+      squares[c] += px * px / draws;
+    }
+  }
+  return std::sqrt(*std::max_element(squares.begin(), squares.end()));
+}
+
+std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
+                                           const OperatedOptions& made, const SimulatedRig& rig,
+                                           const HindsightOptions& options) {
+  Crossing crossing(operated, made, rig);
+  const std::vector<KeptViews>& kept = crossing.kept();
+  const bool stopped = !kept.empty() && kept.back().finished && kept.back().projection_px;
+  if (!(made.guide.views.stop_projection_px > 0) || !stopped) return std::nullopt;
+  StopHindsight s;
+  s.predicted_px = *kept.back().projection_px;
+  s.views = static_cast<int>(kept.back().frames.size());
+  s.expected_px = crossing.expectedPx(kept.size() - 1);
+  s.drawn_px = drawnProjectionPx(operated, made, rig, kept.back().frames, options.draws);
+  if (crossing.isWithin(kept.size() - 1)) {
+    tellBest(crossing, s);
+    return s;
+  }
+  const OperatedSession longer = continued(made, rig, kept.back().t_s, options);
+  Crossing beyond(longer, made, rig);
+  tellBest(beyond, s);
+  return s;
+}
+
+}  // namespace plumbline

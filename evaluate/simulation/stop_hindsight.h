@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "evaluate/simulation/operator_convergence.h"
+
+namespace plumbline {
+
+/// The stop by projections (ViewGuideOptions::stop_projection_px) held against the best one. A
+/// stopping rule does not know this recording's noise: what it can meet is the expected error.
+struct StopHindsight {
+  double predicted_px = 0;            ///< by the guide, at its stop
+  std::optional<double> expected_px;  ///< expectedProjectionPx() of the same views
+  std::optional<double> drawn_px;     ///< drawnProjectionPx() of them
+  int views = 0;                      ///< at the stop
+  /// First time, with the views kept then, from which the expected error is at most the bar; empty:
+  /// not within the recording, continued.
+  std::optional<double> best_s;
+  std::optional<int> best_views;
+  std::optional<double> predicted_at_best_px;
+};
+
+template <class V>
+void fields(V& v, StopHindsight& s) {
+  v("predicted_px", s.predicted_px, "px", "projection error that the guide predicted at its stop");
+  v("expected_px", s.expected_px, "px", "expected with its views, from the truth");
+  v("drawn_px", s.drawn_px, "px", "RMS over draws of the corners' noise with its views");
+  v("views", s.views, "1", "of them");
+  v("best_s", s.best_s, "s", "first time with an expected error within the bar");
+  v("best_views", s.best_views, "1", "views kept then");
+  v("predicted_at_best_px", s.predicted_at_best_px, "px", "what the guide predicted then");
+}
+
+struct HindsightOptions {
+  int draws = 20;           ///< of the corners' noise
+  double beyond = 0.5;      ///< the recording continues to a stop at this share of the bar ...
+  double beyond_times = 3;  ///< ... for at most so many times the stop's time
+};
+
+/// Expected projection error of a calibration on these frames, of the worst camera [px]: RMS over
+/// the noise of the corners of trueProjectionErrorPx(), to first order,
+///   E^2 = bias^2 + imageFitMeanSquare(covariance),
+/// from the calibration on exact corners at the true poses: its error (0 unless the board is not
+/// the true one) and its covariance under the true noise. Empty where there is no calibration.
+std::optional<double> expectedProjectionPx(const OperatedSession& operated,
+                                           const OperatedOptions& made, const SimulatedRig& rig,
+                                           const std::vector<int>& frames);
+
+/// The same as an RMS over draws of the noise, each calibrated from a start at the truth. Of n
+/// draws it is known to some 0.4 / sqrt(n). Empty where a draw gives no calibration.
+std::optional<double> drawnProjectionPx(const OperatedSession& operated,
+                                        const OperatedOptions& made, const SimulatedRig& rig,
+                                        const std::vector<int>& frames, int draws);
+
+/// Of a guided recording that ended its camera stage by stop_projection_px. Where its views are not
+/// enough it is continued: made again, equal up to its stop, with a lower bar. The expected error
+/// falls with the views: its crossing is bisected. Empty where the stage did not end so.
+std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
+                                           const OperatedOptions& made, const SimulatedRig& rig,
+                                           const HindsightOptions& options = {});
+
+}  // namespace plumbline

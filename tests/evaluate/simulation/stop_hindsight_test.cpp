@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The best stop in hindsight: the expected error is that of the noise, the crossing is one, and the
+// recording that goes on is the same up to the stop.
+#include "evaluate/simulation/stop_hindsight.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/simulate/rig.h"
+
+namespace plumbline {
+namespace {
+
+const SimulatedRig& hindsightRig() {
+  static const SimulatedRig rig = simulatedRig("euroc");
+  return rig;
+}
+
+OperatedOptions stoppedAt(double px, std::uint64_t seed) {
+  OperatedOptions o;
+  o.simulation.duration_s = 20;
+  o.simulation.seed = o.operator_seed = seed;
+  o.trajectories = 1;
+  o.guide.views.stop_projection_px = px;
+  return o;
+}
+
+TEST(StopHindsight, TheExpectedErrorIsThatOfDraws) {
+  const OperatedOptions o = stoppedAt(0.1, 1);
+  const OperatedSession s = recordGuided(hindsightRig(), o);
+  const auto views = keptViews(s).back().frames;
+  const auto px = expectedProjectionPx(s, o, hindsightRig(), views);
+  const auto drawn = drawnProjectionPx(s, o, hindsightRig(), views, 40);
+  ASSERT_TRUE(px && drawn);
+  EXPECT_NEAR(*drawn / *px, 1, 0.2);  // 40 draws: std 0.07
+  OperatedOptions noisier = o;
+  noisier.simulation.corner_sigma_px *= 2;
+  EXPECT_NEAR(*expectedProjectionPx(s, noisier, hindsightRig(), views) / *px, 2, 1e-6);
+  EXPECT_NEAR(*drawnProjectionPx(s, noisier, hindsightRig(), views, 40) / *drawn, 2, 0.1)
+      << "the same draws, twice as large";
+}
+
+// A board that is not as it is taken to be: an error that no view takes away.
+TEST(StopHindsight, AWrongBoardIsPartOfTheExpectedError) {
+  OperatedOptions o = stoppedAt(0.1, 1);
+  o.simulation.target.shape.terms[8] = 1e-3;  // z_xx, RMS
+  o.guide_shape = o.simulation.target.shape;
+  const OperatedSession s = recordGuided(hindsightRig(), o);
+  const auto views = keptViews(s).back().frames;
+  OperatedOptions flat = o;
+  flat.guide_shape = {};
+  EXPECT_GT(*expectedProjectionPx(s, flat, hindsightRig(), views),
+            2 * *expectedProjectionPx(s, o, hindsightRig(), views));
+}
+
+TEST(StopHindsight, KeptViewsAreThoseOfTheDecisions) {
+  const OperatedSession s = recordGuided(hindsightRig(), stoppedAt(0.1, 1));
+  const auto kept = keptViews(s);
+  ASSERT_GE(kept.size(), 8u);
+  EXPECT_TRUE(kept.back().finished);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const auto frame = static_cast<std::size_t>(kept[i].frames.back());
+    EXPECT_EQ(static_cast<int>(kept[i].frames.size()), s.decisions[frame].views_kept);
+    EXPECT_EQ(kept[i].projection_px, s.decisions[frame].projection_px);
+    if (i > 0) {
+      EXPECT_GT(kept[i].t_s, kept[i - 1].t_s);
+    }
+  }
+}
+
+// Over persons the guide predicts what is expected, at its stop; and the best time is where the
+// expected error crosses the bar.
+TEST(StopHindsight, ThePredictionAtTheStopIsTheExpectedError) {
+  HindsightOptions few;
+  few.draws = 2;
+  int stops = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const OperatedOptions o = stoppedAt(0.1, seed);
+    const OperatedSession s = recordGuided(hindsightRig(), o);
+    const auto stop = stopHindsight(s, o, hindsightRig(), few);
+    if (!stop || !stop->expected_px) continue;
+    ++stops;
+    EXPECT_LE(stop->predicted_px, 0.1);
+    EXPECT_NEAR(std::log(stop->predicted_px / *stop->expected_px), 0, 0.2);
+    ASSERT_TRUE(stop->best_s);
+    const double stopped_s = keptViews(s).back().t_s;
+    EXPECT_EQ(*stop->best_s <= stopped_s, *stop->expected_px <= 0.1);
+    EXPECT_LE(stop->best_views, *stop->best_s <= stopped_s ? stop->views : 1000);
+  }
+  EXPECT_GE(stops, 4);
+}
+
+TEST(StopHindsight, TheRecordingThatGoesOnIsTheSameUpToTheStop) {
+  const OperatedOptions o = stoppedAt(0.2, 3);
+  OperatedOptions longer = o;
+  longer.guide.views.stop_projection_px = 0.1;
+  longer.simulation.duration_s = 10;
+  const auto first = keptViews(recordGuided(hindsightRig(), o));
+  const auto second = keptViews(recordGuided(hindsightRig(), longer));
+  ASSERT_LT(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].frames, second[i].frames);
+    EXPECT_EQ(first[i].projection_px, second[i].projection_px);
+  }
+}
+
+TEST(StopHindsight, NothingWithoutThatStop) {
+  OperatedOptions o = stoppedAt(0, 1);
+  o.simulation.duration_s = 6;
+  EXPECT_FALSE(stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig()));
+  o = stoppedAt(1e-3, 1);
+  o.simulation.duration_s = 6;
+  EXPECT_FALSE(stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig())) << "not reached";
+}
+
+}  // namespace
+}  // namespace plumbline
