@@ -106,13 +106,14 @@ template <int W, int S, class Model, bool kRobust>
 /// Sums over a view as gram::sumView() has them, and against the functions beside. Rows u and v are
 /// summed apart, for each has columns of its own in F.
 template <int W, class Model, bool kRobust>
-[[gnu::always_inline]] inline auto sumFields(const gram::Input& in, const FieldInput& f) {
+[[gnu::always_inline]] inline void sumFields(
+    const gram::Input& in, const FieldInput& f,
+    FieldSums<W, gram::kShared<Model, true, false>>& sums) {
   using gram::kChunk;
   using gram::kStride;
   constexpr int S = gram::kShared<Model, true, false>;
   alignas(64) double left[(S + 3) * kStride];
   alignas(64) double functions[kFieldFunctions * kStride];
-  FieldSums<W, S> sums;
   if (f.squares) {
     for (auto& row : sums.squares) std::fill(std::begin(row), std::end(row), Lanes<W>{});
   }
@@ -136,7 +137,6 @@ template <int W, class Model, bool kRobust>
   const double charged = kInvalidSquaredError * gram::sumOf<W>(invalid);
   sums.view.squared[0] += charged;
   sums.view.cost = gram::sumOf<W>(sums.view.squared);
-  return sums;
 }
 
 /// Rows of k in the order fu fv pu pv, shape. The columns of u do not meet fv and pv, nor those of
@@ -172,7 +172,9 @@ template <int W, int S>
 template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline void compute(const gram::Input& in, const FieldInput& f,
                                            FieldGram& out) {
-  const auto sums = sumFields<W, Model, kRobust>(in, f);
+  // Tens of kilobytes: filled in place, not copied.
+  FieldSums<W, gram::kShared<Model, true, false>> sums;
+  sumFields<W, Model, kRobust>(in, f, sums);
   // Sums of the u-v coupling stay zero: a scalar weight brings none.
   gram::writePose<W>(sums.view, out);
   gram::writeIntrinsics<W, Model::kShape>(sums.view, out);

@@ -107,10 +107,12 @@ class ViewTermsMaker::Sum {
     const MisfitField& field = maker_.field_;
     if (field.columns.size() > 0) {
       const auto R = field.ofCamera(c);
-      Eigen::MatrixXd rows(6 + g.H_k_f.rows(), kFieldColumns);
-      rows << g.H_pose_f, g.H_k_f;
-      const Eigen::MatrixXd combined = rows * R;
-      place(c, g, A, e, 0, combined.topRows<6>(), combined.bottomRows(g.H_k_f.rows()));
+      const Eigen::Index size = g.H_k_f.rows();
+      rows_.resize(6 + size, kFieldColumns);
+      rows_.topRows<6>() = g.H_pose_f;
+      rows_.bottomRows(size) = g.H_k_f;
+      combined_.noalias() = rows_ * R;
+      place(c, g, A, e, 0, combined_.topRows<6>(), combined_.bottomRows(size));
       if (squares_) addSquares(g, R);
       return;
     }
@@ -125,7 +127,8 @@ class ViewTermsMaker::Sum {
   }
 
   void place(std::size_t c, const FieldGram& g, const Matrix6d& A, int e, Eigen::Index at,
-             const Eigen::MatrixXd& pose_f, const Eigen::MatrixXd& k_f) {
+             const Eigen::Ref<const Eigen::MatrixXd>& pose_f,
+             const Eigen::Ref<const Eigen::MatrixXd>& k_f) {
     const Eigen::Index columns = pose_f.cols();
     out_.C.block(maker_.layout_.intrinsics[c], at, g.H_k.rows(), columns) += k_f;
     if (e < 0) {
@@ -150,7 +153,7 @@ class ViewTermsMaker::Sum {
   const ViewTermsMaker& maker_;
   Eigen::Index n_, K_;
   Matrix6d H_;
-  Eigen::MatrixXd X_;
+  Eigen::MatrixXd X_, rows_, combined_;
   ViewTerms out_;
   bool squares_ = false;
 };
