@@ -83,12 +83,64 @@ std::array<bool, kTargetTerms> TargetBasis::observable() const {
   return out;
 }
 
-TargetTerms fitTargetTerms(const AprilGrid& grid,
-                           const std::vector<Eigen::Vector3d>& displacement) {
+double TargetShape::rms() const {
+  const double square = terms.head<kTargetTerms - 1>().squaredNorm();
+  return std::sqrt(square + (higher ? higher->squaredNorm() : 0));
+}
+
+HigherBasis::HigherBasis(const AprilGrid& grid) {
+  constexpr int kHighest = 4;
+  constexpr int kLower = 6;             // functions of degrees 0 to 2
+  constexpr double kLeastShare = 1e-4;  // of a function that is its own
+  const int n = grid.cornerCount();
+  const Eigen::Vector2d centre(0.5 * grid.width(), 0.5 * grid.height());
+  Eigen::MatrixXd Q(n, kLower + kHigherFunctions);
+  for (int id = 0; id < n; ++id) {
+    const Eigen::Vector2d p = (grid.corner(id) - centre) / centre.norm();
+    int column = 0;
+    for (int degree = 0; degree <= kHighest; ++degree) {
+      for (int j = 0; j <= degree; ++j) {
+        Q(id, column++) = std::pow(p.x(), degree - j) * std::pow(p.y(), j);
+      }
+    }
+  }
+  for (int j = 0; j < Q.cols(); ++j) {
+    const double before = Q.col(j).norm();
+    for (int round = 0; round < 2; ++round) {  // the second for what rounding left
+      const Eigen::VectorXd shares = Q.leftCols(j).transpose() * Q.col(j) / n;
+      Q.col(j) -= Q.leftCols(j) * shares;
+    }
+    const double after = Q.col(j).norm();
+    if (after > kLeastShare * before) {
+      Q.col(j) *= std::sqrt(n) / after;
+    } else {
+      Q.col(j).setZero();
+    }
+  }
+  for (int id = 0; id < n; ++id) functions_.emplace_back(Q.row(id).tail<kHigherFunctions>());
+}
+
+Eigen::Vector3d HigherBasis::displacement(int corner_id, const HigherTerms& terms) const {
+  const Eigen::Map<const Eigen::Matrix<double, kHigherFunctions, 3>> axes(terms.data());
+  return axes.transpose() * functions(corner_id);
+}
+
+namespace {
+
+/// Least squares of displacements by the twelve terms, a similarity and, where asked for, the
+/// higher terms; the shape of the solution, and the largest displacement that it leaves.
+struct FittedShape {
+  TargetShape shape;
+  double left = 0;  ///< [m]
+};
+FittedShape fitShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement,
+                     bool with_higher) {
   const int n = grid.cornerCount();
   assert(static_cast<int>(displacement.size()) == n);
   const TargetBasis basis(grid);
-  Eigen::Matrix<double, Eigen::Dynamic, kTargetTerms + 7> A(3 * n, kTargetTerms + 7);
+  const HigherBasis higher(grid);
+  constexpr int kFirst = kTargetTerms + 7;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * n, kFirst + (with_higher ? kHigherTerms : 0));
   Eigen::VectorXd d(3 * n);
   for (int id = 0; id < n; ++id) {
     const Eigen::Vector2d p = grid.corner(id);
@@ -96,10 +148,32 @@ TargetTerms fitTargetTerms(const AprilGrid& grid,
     similarity << 1, 0, 0, 0, 0, -p.y(), p.x(),  //
         0, 1, 0, 0, 0, p.x(), p.y(),             //
         0, 0, 1, p.y(), -p.x(), 0, 0;
-    A.middleRows<3>(3 * id) << basis.columns(id), similarity;
+    A.block<3, kFirst>(3 * id, 0) << basis.columns(id), similarity;
+    for (int axis = 0; axis < 3 && with_higher; ++axis) {
+      A.block<1, kHigherFunctions>(3 * id + axis, kFirst + kHigherFunctions * axis) =
+          higher.functions(id).transpose();
+    }
     d.segment<3>(3 * id) = displacement[static_cast<std::size_t>(id)];
   }
-  return A.completeOrthogonalDecomposition().solve(d).head<kTargetTerms>();
+  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(d);
+  FittedShape out{{x.head<kTargetTerms>(), std::nullopt, std::nullopt},
+                  (d - A * x).cwiseAbs().maxCoeff()};
+  if (with_higher) out.shape.higher = x.tail<kHigherTerms>();
+  return out;
+}
+
+}  // namespace
+
+TargetTerms fitTargetTerms(const AprilGrid& grid,
+                           const std::vector<Eigen::Vector3d>& displacement) {
+  return fitShape(grid, displacement, false).shape.terms;
+}
+
+TargetShape fitTargetShape(const AprilGrid& grid,
+                           const std::vector<Eigen::Vector3d>& displacement) {
+  constexpr double kRounding = 1e-12;  // [m]
+  const FittedShape twelve = fitShape(grid, displacement, false);
+  return twelve.left < kRounding ? twelve.shape : fitShape(grid, displacement, true).shape;
 }
 
 std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board) {
@@ -113,6 +187,11 @@ std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board) {
   const TargetBasis basis(board);
   for (std::size_t id = 0; id < points.size(); ++id) {
     points[id] += basis.columns(static_cast<int>(id)) * board.shape.terms;
+  }
+  if (!board.shape.higher) return points;
+  const HigherBasis higher(board);
+  for (std::size_t id = 0; id < points.size(); ++id) {
+    points[id] += higher.displacement(static_cast<int>(id), *board.shape.higher);
   }
   return points;
 }

@@ -30,19 +30,29 @@ inline constexpr std::array<const char*, kTargetTerms> kTargetTermNames = {
     "stretch", "shear", "x_xx", "x_xy", "x_yy", "y_xx",
     "y_xy",    "y_yy",  "z_xx", "z_xy", "z_yy", "tag_edge"};
 
+/// Terms of degrees 3 and 4 beside them: 9 functions of HigherBasis along x, then y, then z.
+inline constexpr int kHigherFunctions = 9;
+inline constexpr int kCubicFunctions = 4;  ///< the first of them; the others are of degree 4
+inline constexpr int kHigherTerms = 3 * kHigherFunctions;
+using HigherTerms = Eigen::Matrix<double, kHigherTerms, 1>;
+
 /// The board's own shape: a displacement of every corner of the grid in F,
-///   p = p_grid + sum_j B_j(p_grid) terms_j,   B_j of TargetBasis.
-/// All zero: flat and even, as target.yaml says. It holds no similarity (translation, rotation,
-/// scale stay those of the grid). The last term is one of recording and detector rather than of
-/// the board: how much wider the tags look [m], where their edges span kTagEdgePx pixels. A
-/// detector errs by pixels, so that it is more on tags that look smaller, by tagEdgeScale().
+///   p = p_grid + sum_j B_j(p_grid) terms_j + sum_k Q_k(p_grid) higher_k,
+/// B_j of TargetBasis, Q_k of HigherBasis. All zero: flat and even, as target.yaml says. It holds
+/// no similarity (translation, rotation, scale stay those of the grid). The last term is one of
+/// recording and detector rather than of the board: how much wider the tags look [m], where their
+/// edges span kTagEdgePx pixels. A detector errs by pixels, so that it is more on tags that look
+/// smaller, by tagEdgeScale().
 struct TargetShape {
   TargetTerms terms = TargetTerms::Zero();     ///< [m]
   std::optional<TargetCovariance> covariance;  ///< of terms [m^2]; none: taken as exact
+  std::optional<HigherTerms> higher = {};      ///< [m], taken as exact; none: all zero
 
-  bool isFlat() const { return terms.isZero(0); }
+  bool isFlat() const { return terms.isZero(0) && !higher; }
+  /// RMS displacement of the corners, tag_edge aside [m].
+  double rms() const;
   bool operator==(const TargetShape& other) const {
-    return terms == other.terms && covariance == other.covariance;
+    return terms == other.terms && covariance == other.covariance && higher == other.higher;
   }
 };
 
@@ -88,9 +98,33 @@ class TargetBasis {
   std::vector<Functions> functions_;
 };
 
+/// Polynomials of degrees 3 and 4 in X, Y over the corners of a grid:
+///   X^3, X^2 Y, X Y^2, Y^3,  X^4, X^3 Y, X^2 Y^2, X Y^3, Y^4,
+/// each less what those before it, and all of degrees 0 to 2, have of it, and of unit RMS, so that
+/// a term along one axis is the RMS displacement [m] that it makes. Orthogonal over the corners to
+/// every similarity and to the terms of TargetBasis but tag_edge, which is of degree 0 within a
+/// tag. What a small grid cannot tell is zero.
+class HigherBasis {
+ public:
+  using Functions = Eigen::Matrix<double, kHigherFunctions, 1>;
+
+  explicit HigherBasis(const AprilGrid& grid);
+
+  const Functions& functions(int corner_id) const {
+    return functions_[static_cast<std::size_t>(corner_id)];
+  }
+  /// Displacement of a corner [m].
+  Eigen::Vector3d displacement(int corner_id, const HigherTerms& terms) const;
+
+ private:
+  std::vector<Functions> functions_;
+};
+
 /// The terms that come closest to the given displacements of all corners [m], by least squares, a
 /// small similarity besides (translation, rotation, scale) being free.
 TargetTerms fitTargetTerms(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement);
+/// The same with the higher terms, where the twelve leave more than rounding.
+TargetShape fitTargetShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement);
 
 /// All corners of a board in F [m], by corner_id, tag_edge at tagEdgeScale() 1.
 std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board);

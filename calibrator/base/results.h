@@ -217,6 +217,9 @@ struct TargetFit {
   double flat_held_out_px = 0;  ///< the same with the board as stated, or as it was given
   double gain_px2 = 0;          ///< mean over blocks of time: by how much the squares are smaller
   double gain_std_px2 = 0;      ///< standard deviation of that mean
+  /// Of terms of degrees 3 and 4 (shape.higher where they are kept), where they were tried: RMS of
+  /// the same frames, and by how much their squares are smaller than with the twelve terms.
+  std::optional<double> higher_held_out_px, higher_gain_px2, higher_gain_std_px2;
 };
 
 /// A lens model that was tried for a camera.

@@ -45,6 +45,8 @@ template <class V>
 void fields(V& v, TargetShape& s) {
   v.group("terms", [&](auto& g) { targetTermFields(g, s.terms); });
   v("covariance", s.covariance, "of the terms, in their order [m^2]; absent: assumed exact");
+  v("higher", s.higher,
+    "terms of degrees 3 and 4 [m]: 9 along x, 9 along y, 9 of height; absent: none");
 }
 
 template <class V>

@@ -121,6 +121,11 @@ void fields(V& v, TargetFit& t) {
   v("gain_px2", t.gain_px2, "px^2",
     "mean over blocks of time: by how much the squares are smaller");
   v("gain_std_px2", t.gain_std_px2, "px^2", "standard deviation of that mean");
+  v("higher_held_out_px", t.higher_held_out_px, "px",
+    "`held_out_px` with terms of degrees 3 and 4 besides; absent: not tried");
+  v("higher_gain_px2", t.higher_gain_px2, "px^2",
+    "by how much the squares are smaller with them than with the twelve terms");
+  v("higher_gain_std_px2", t.higher_gain_std_px2, "px^2", "standard deviation of that mean");
 }
 
 template <class V>

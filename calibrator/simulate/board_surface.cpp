@@ -13,6 +13,7 @@ BoardSurface::BoardSurface(const AprilGrid& board)
       unit_(centre_.norm()) {
   AprilGrid printed = board;
   printed.shape.terms[kTargetTerms - 1] = 0;
+  printed.shape.higher.reset();
   const std::vector<Eigen::Vector3d> points = cornerPoints(printed);
   const Eigen::Vector2d centre(0.5 * board.width(), 0.5 * board.height());
   Eigen::MatrixXd monomials(board.cornerCount(), 6), displacements(board.cornerCount(), 3);
@@ -25,6 +26,16 @@ BoardSurface::BoardSurface(const AprilGrid& board)
   const Eigen::MatrixXd quadratic =
       monomials.completeOrthogonalDecomposition().solve(displacements);
   polynomial_ = quadratic.transpose().cast<float>();
+  if (!board.shape.higher) return;
+  const HigherBasis basis(board);
+  Eigen::MatrixXd quartics(board.cornerCount(), 15);
+  for (int id = 0; id < board.cornerCount(); ++id) {
+    const Eigen::Vector2d at = (board.corner(id) - centre) / centre.norm();
+    quartics.row(id) = quartic(at.cast<float>()).cast<double>().transpose();
+    displacements.row(id) = basis.displacement(id, *board.shape.higher).transpose();
+  }
+  const Eigen::MatrixXd fitted = quartics.completeOrthogonalDecomposition().solve(displacements);
+  higher_ = fitted.transpose().cast<float>();
 }
 
 }  // namespace plumbline

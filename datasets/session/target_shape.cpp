@@ -79,6 +79,23 @@ TargetCovariance readCovariance(const YamlMap& file) {
                           "use the file as the program wrote it, or delete the key"});
 }
 
+HigherTerms readHigherTerms(const YamlMap& file) {
+  constexpr const char* kKey = "higher_mm";
+  const auto rows = file.rows(kKey, "3 rows of 9 numbers [mm]");
+  HigherTerms out;
+  bool complete = rows.size() == 3;
+  for (std::size_t axis = 0; complete && axis < rows.size(); ++axis) {
+    complete = rows[axis].size() == kHigherFunctions;
+    for (std::size_t j = 0; complete && j < rows[axis].size(); ++j) {
+      out[static_cast<Eigen::Index>(axis * kHigherFunctions + j)] = rows[axis][j] / kMillimetres;
+    }
+  }
+  if (complete && (out.array().abs() <= kLargest).all()) return out;
+  throw file.fault(kKey, {InputFault::kOutOfRange, "these are not terms of degrees 3 and 4",
+                          "3 rows (x, y, z) of 9 displacements of at most 50 mm",
+                          "use the file as the program wrote it, or delete the key"});
+}
+
 }  // namespace
 
 std::string targetShapeText(const AprilGrid& board) {
@@ -91,6 +108,17 @@ std::string targetShapeText(const AprilGrid& board) {
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     text += fmt::format("  {}: {}\n", kTargetTermNames[j],
                         yamlNumber(kMillimetres * board.shape.terms[static_cast<Eigen::Index>(j)]));
+  }
+  if (board.shape.higher) {
+    text += "higher_mm:  # degrees 3 and 4: x, y, z\n";
+    for (int axis = 0; axis < 3; ++axis) {
+      std::string numbers;
+      for (int j = 0; j < kHigherFunctions; ++j) {
+        const double term = (*board.shape.higher)[axis * kHigherFunctions + j];
+        numbers += (j == 0 ? "" : ", ") + yamlNumber(kMillimetres * term);
+      }
+      text += "  - [" + numbers + "]\n";
+    }
   }
   if (!board.shape.covariance) return text;
   text += "covariance_mm2:\n";
@@ -109,6 +137,7 @@ TargetShape readTargetShape(const std::string& path, const AprilGrid& grid) {
   checkGrid(file, grid);
   TargetShape shape;
   shape.terms = readTerms(file.map("terms_mm", kFile));
+  if (file.has("higher_mm")) shape.higher = readHigherTerms(file);
   if (file.has("covariance_mm2")) shape.covariance = readCovariance(file);
   return shape;
 }

@@ -123,8 +123,8 @@ void addTarget(Text& text, const TargetFit& fit, bool kept) {
   add(text,
       "Target: {:.2f} mm RMS deviation from the even grid{}; held-out frames {:.4f} px with the "
       "estimated shape, {:.4f} px without\n",
-      1e3 * fit.shape.terms.head<kTargetTerms - 1>().norm(),
-      kept ? ", estimated with the cameras" : ", not applied", fit.held_out_px,
+      1e3 * fit.shape.rms(), kept ? ", estimated with the cameras" : ", not applied",
+      fit.shape.higher && fit.higher_held_out_px ? *fit.higher_held_out_px : fit.held_out_px,
       fit.flat_held_out_px);
 }
 

@@ -220,12 +220,15 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
       estimateTarget(board, problem, std::move(flat.solution), options);
   stage.choice_s = flat.choice_s + watch.seconds();
   CameraSolution& solution = stage.solution;
-  placeCorners(board, solution.estimate, corners);
+  const auto place = [&] {
+    if (problem.target) placeCorners(problem.target->grid, solution.estimate, corners);
+  };
+  place();
   int iterations = solution.iterations;
   const auto again = [&] {
     dropBareFrames(problem, solution.estimate);
     solution = solveCameraProblem(problem, solution.estimate, solverOptions(options));
-    placeCorners(board, solution.estimate, corners);
+    place();
     iterations += solution.iterations;
   };
   if (options.filter == CornerFilter::kKalibr) {

@@ -72,6 +72,8 @@ struct CameraStageOptions : MeasurementModel {
   /// Of TargetMode::kAuto: the board is taken as stated where the cluster-robust standard deviation
   /// of some term exceeds this [m].
   double target_max_std = 5e-4;
+  /// Highest degree of an estimated board's displacement: 2, or 4 where unseen frames ask for it.
+  int target_degree = 4;
 
   FrameOptions frames;        ///< how views are paired
   int min_start_corners = 4;  ///< views with fewer corners give no first guess of their pose

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
+#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
 
 namespace plumbline {
@@ -79,7 +81,7 @@ CameraPart testedPart(const CameraProblem& problem, const CameraEstimate& estima
   return partOf(problem, estimate, frames);
 }
 
-HeldOut heldOut(const AprilGrid& board, const CameraProblem& problem, const CameraEstimate& from,
+HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, HigherDegrees higher,
                 int most_frames, const MinimiserOptions& solver) {
   const auto blocks = blocksOf(problem.frameCount(), most_frames);
   HeldOut out;
@@ -89,13 +91,16 @@ HeldOut heldOut(const AprilGrid& board, const CameraProblem& problem, const Came
     for (std::size_t b = parity; b < blocks.size(); b += 2) {
       seen.insert(seen.end(), blocks[b].begin(), blocks[b].end());
     }
-    const CameraPart training = partOf(problem, from, seen);
-    const CameraSolution trained = solveCameraProblem(training.problem, training.estimate, solver);
+    CameraPart training = partOf(problem, from, seen);
+    CameraSolution trained = solveCameraProblem(training.problem, training.estimate, solver);
+    if (higher == HigherDegrees::kEstimated) {
+      trained = withHigherTerms(training.problem, std::move(trained), solver, 1);
+    }
     std::span<const PackedCorners> corners = problem.corners;
     std::vector<PackedCorners> placed;
     if (trained.estimate.target) {
       placed.assign(corners.begin(), corners.end());
-      placeCorners(board, trained.estimate, placed);
+      placeCorners(training.problem.target->grid, trained.estimate, placed);
       corners = placed;
     }
     for (std::size_t b = 1 - parity; b < blocks.size(); b += 2) {

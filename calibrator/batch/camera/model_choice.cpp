@@ -99,12 +99,12 @@ MinimiserOptions trialSolver() {
 
 /// Scores a model on held-out frames of one camera; leaves it without error where it has no
 /// solution.
-void score(const AprilGrid& board, const CameraPart& mono, int frames, Trialled& trial) {
+void score(const CameraPart& mono, int frames, Trialled& trial) {
   trial.error.reset();
   if (!trial.lens) return;
   CameraEstimate from = mono.estimate;
   from.intrinsics = {*trial.lens};
-  HeldOut error = heldOut(board, mono.problem, from, frames, trialSolver());
+  HeldOut error = heldOut(mono.problem, from, HigherDegrees::kAsTheyAre, frames, trialSolver());
   const bool finite = std::all_of(error.cost.begin(), error.cost.end(),
                                   [](double cost) { return std::isfinite(cost); });
   if (finite && error.cost.size() >= kLeastJudgedBlocks) trial.error = std::move(error);
@@ -206,7 +206,7 @@ bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& s
 }
 
 /// Scores the open models of all cameras, shared out over the threads.
-void scoreAll(const AprilGrid& board, int frames, int threads, std::vector<CameraTrial>& trials) {
+void scoreAll(int frames, int threads, std::vector<CameraTrial>& trials) {
   std::vector<std::pair<CameraTrial*, Trialled*>> jobs;
   for (CameraTrial& camera : trials) {
     if (camera.open.size() < 2 || camera.settled) continue;
@@ -215,7 +215,7 @@ void scoreAll(const AprilGrid& board, int frames, int threads, std::vector<Camer
   forChunks(static_cast<int>(jobs.size()), 1, threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto [camera, trial] = jobs[static_cast<std::size_t>(i)];
-      score(board, camera->mono, frames, *trial);
+      score(camera->mono, frames, *trial);
     }
   });
 }
@@ -336,7 +336,7 @@ ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
     trials[c] = trialOf(aloneCamera(session.target, problem, solved, c, options), most_parameters);
   });
   bool more = false;
-  scoreAll(session.target, kScreenFrames, problem.threads, trials);
+  scoreAll(kScreenFrames, problem.threads, trials);
   std::vector<std::optional<CameraModelPair>> stated;
   for (CameraTrial& trial : trials) {
     stated.push_back(statedModel(session.cameras[stated.size()]));
@@ -344,7 +344,7 @@ ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
     trial.settled = isSettled(trial, stated.back());
     more = more || trial.mono.problem.frameCount() >= 2 * kScreenFrames;
   }
-  if (more) scoreAll(session.target, kTestFrames, problem.threads, trials);
+  if (more) scoreAll(kTestFrames, problem.threads, trials);
   for (CameraTrial& trial : trials) {
     std::erase_if(trial.open, [](const Trialled& t) { return !t.error; });
     rank(trial.open);

@@ -84,7 +84,7 @@ class PlacedTarget {
   PlacedTarget(const TargetModel& model, const TargetTerms& terms)
       : tag_edge_(terms[kTargetTerms - 1]) {
     AprilGrid board = model.grid;
-    board.shape = {terms, std::nullopt};
+    board.shape.terms = terms;
     board.shape.terms[kTargetTerms - 1] = 0;  // the tags' edges depend on the view
     const std::vector<Eigen::Vector3d> points = cornerPoints(board);
     for (std::size_t id = 0; id < points.size(); ++id) {

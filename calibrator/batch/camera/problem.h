@@ -35,7 +35,15 @@ struct CameraEstimate {
 CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
                           std::span<const Transform> T_FC0 = {});
 
+/// Priors of a board's higher terms that were estimated, in the units of the cost: each is 0 with
+/// this information, and the gradient of that has the covariance `scatter` (both diagonal).
+struct HigherPrior {
+  HigherTerms information = HigherTerms::Zero();
+  HigherTerms scatter = HigherTerms::Zero();
+};
+
 /// A board whose shape is estimated: about its grid, with what is known of the terms beforehand.
+/// The grid's higher terms hold while the others are solved for (higher_terms.h).
 struct TargetModel {
   /// Nothing is known: every term is 0 +- prior_std.
   explicit TargetModel(const AprilGrid& board) : grid(board), basis(board) {}
@@ -50,6 +58,7 @@ struct TargetModel {
   /// Covariance of the prior's gradient, its mean being in error: what the sandwich adds. The weak
   /// prior's is negligible.
   TargetCovariance scatter = TargetCovariance::Zero();
+  std::optional<HigherPrior> higher;  ///< where they were estimated from this recording
 
   TargetTerms priorGradient(const TargetTerms& terms) const { return information * (terms - mean); }
 };

@@ -25,6 +25,9 @@ void CameraStageOptions::check() const {
   requireAtLeast(1, "start_views", start_views);
   requirePositive("max_start_error", max_start_error);
   requirePositive("target_max_std", target_max_std);
+  if (target_degree != 2 && target_degree != 4) {
+    throw InputError(fmt::format("target_degree is {}; expected 2 or 4", target_degree));
+  }
   requireAtLeast(1, "threads", threads);
   requireAtLeast(1, "max_iterations", max_iterations);
   requirePositive("tolerance", tolerance);
@@ -74,7 +77,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
   }
   freeTarget(session, earlier, options, problem, estimate);
   const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
-  placeCorners(session.target, solution.estimate, corners);
+  if (problem.target) placeCorners(problem.target->grid, solution.estimate, corners);
   return stageResult(session, problem, solution, ResidualList::kDrop);
 }
 

@@ -5,6 +5,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/batch/bias_ratio.h"
+#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
@@ -155,7 +156,9 @@ CameraStageResult resultFrom(const Session& session, const CameraProblem& proble
   }
   result.frames = problem.frames;
   result.target = session.target.shape;
-  if (estimate.target) result.target = {*estimate.target, std::nullopt};
+  if (estimate.target) {
+    result.target = {*estimate.target, std::nullopt, problem.target->grid.shape.higher};
+  }
   for (const Transform& T_C0F : estimate.T_C0F) result.T_FC0.push_back(T_C0F.inverse());
   return result;
 }
@@ -186,7 +189,9 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
                                       const CameraSolution& solution, ResidualList list) {
   CameraStageResult result = resultFrom(session, problem, solution.estimate);
   const double trust = solution.converged ? 1 : kTrustUnconverged;
-  const Eigen::MatrixXd information = trust * reducedInformation(solution.normals);
+  Eigen::MatrixXd information = trust * reducedInformation(solution.normals);
+  const auto share = higherShare(problem, solution.estimate);
+  if (share) information = share->marginalised(information);
   if (solution.estimate.target) result.target.covariance = targetCovariance(information);
   const auto failure = addCovariance(
       marginalInformation(information, CameraLayout(solution.estimate).camerasSize()), result);
@@ -199,7 +204,7 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   result.summary.cost = solution.normals.cost;
   addResiduals(session, problem, solution.estimate, list, result);
   if (list == ResidualList::kDrop) return result;
-  if (auto robust = robustCovariance(problem, solution)) {
+  if (auto robust = robustCovariance(problem, solution, share)) {
     const auto n = result.summary.covariance.matrix.rows();
     RobustDeviations deviations = robust->deviations(n);
     result.summary.robust_std = std::move(deviations.std);

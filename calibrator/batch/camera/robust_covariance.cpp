@@ -83,11 +83,13 @@ BlockScores sums(const Pieces& pieces, int blocks) {
 }  // namespace
 
 std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
-                                                 const CameraSolution& solution) {
+                                                 const CameraSolution& solution,
+                                                 const std::optional<HigherShare>& share) {
   const int frames = problem.frameCount();
   const auto bread = covarianceOf(reducedInformation(solution.normals));
   if (frames < kLeastBlocks || !bread) return std::nullopt;
-  const Pieces pieces = piecesOf(problem, solution.estimate);
+  Pieces pieces = piecesOf(problem, solution.estimate);
+  if (share) pieces.scores = share->eliminatedFrom(pieces.scores);
   RobustCovariance out;
   out.correlation_frames = correlationLength(pieces.scores, *bread);
   out.blocks = std::min(kMostBlocks, blocksOf(frames, out.correlation_frames));
@@ -98,6 +100,7 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   if (solution.estimate.target) {
     const Eigen::MatrixXd gain = bread->rightCols<kTargetTerms>();
     out.known = gain * problem.target->scatter * gain.transpose();
+    if (share) out.known += share->known;
     out.matrix += out.known;
   }
   return out;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "calibrator/base/statistics/robust_covariance.h"
+#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
@@ -21,7 +22,11 @@ namespace plumbline {
 /// the scores, where those are correlated, and 40 blocks at most; what neighbouring blocks share is
 /// made up for as if the correlation fell exponentially. Empty where there are fewer than 6 frames,
 /// or S is singular.
+///
+/// With `share` the board's higher terms are estimated, not fixed: their part of the scores, and of
+/// what their prior may be off by.
 std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
-                                                 const CameraSolution& solution);
+                                                 const CameraSolution& solution,
+                                                 const std::optional<HigherShare>& share = {});
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calibrator/batch/camera/held_out.h"
+#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/information/covariance.h"
@@ -38,8 +39,8 @@ CameraEstimate withOtherLenses(CameraEstimate estimate) {
 /// its own, predicts held-out frames better. Board and lens cannot be told apart then. In EuRoC's
 /// imu_april radtan with terms leaves 0.38 px and moves the focal length by 5 px; equidistant with
 /// terms leaves 0.32 px.
-bool otherLensIsBetter(const AprilGrid& board, const CameraProblem& problem,
-                       const CameraEstimate& bent, const HeldOut& with) {
+bool otherLensIsBetter(const CameraProblem& problem, const CameraEstimate& bent,
+                       const HeldOut& with) {
   const CameraPart part = testedPart(problem, withOtherLenses(bent));
   const CameraSolution other = solveCameraProblem(part.problem, part.estimate, roughSolver());
   if (!other.converged) return false;
@@ -47,7 +48,7 @@ bool otherLensIsBetter(const AprilGrid& board, const CameraProblem& problem,
   all.intrinsics = other.estimate.intrinsics;
   all.T_C0Ci = other.estimate.T_C0Ci;
   all.target = other.estimate.target;
-  const HeldOut without = heldOut(board, problem, all);
+  const HeldOut without = heldOut(problem, all);
   const MeanGain gain = meanGain(with.cost, without.cost);
   return gain.mean > kGainSigmas * gain.std;
 }
@@ -68,23 +69,38 @@ TargetFinding findingOf(const TargetFit& fit, const CameraStageOptions& options)
   return better ? TargetFinding::kBent : TargetFinding::kAsStated;
 }
 
-/// The board with terms of its own against the one without, or with those that are known.
-TargetFit judge(const AprilGrid& board, const Solved& own, const Solved& stated,
-                const CameraStageOptions& options) {
+/// The shape of a solution, with its deviations; false where it has none.
+bool describe(const Solved& own, TargetFit& fit) {
   const CameraSolution& bent = own.solution;
-  TargetFit fit;
   fit.shape.terms = *bent.estimate.target;
-  const auto formal = covarianceOf(reducedInformation(bent.normals));
-  if (!bent.converged || !formal) return fit;
+  fit.shape.higher = own.problem.target->grid.shape.higher;
+  const auto share = higherShare(own.problem, bent.estimate);
+  auto formal = covarianceOf(reducedInformation(bent.normals));
+  if (!bent.converged || !formal) return false;
+  if (share) *formal += share->covariance;
   fit.shape.covariance = formal->bottomRightCorner<kTargetTerms, kTargetTerms>();
   fit.std = fit.shape.covariance->diagonal().cwiseSqrt();
-  if (const auto robust = robustCovariance(own.problem, bent)) {
+  if (const auto robust = robustCovariance(own.problem, bent, share)) {
     fit.blocks = robust->blocks;
     fit.std = fit.std.cwiseMax(robust->matrix.diagonal().tail<kTargetTerms>().cwiseSqrt());
   }
-  const HeldOut with = heldOut(board, own.problem, bent.estimate);
-  if (with.cost.size() < 4) return fit;  // two blocks a side: fewer have no scatter
-  const HeldOut without = heldOut(board, stated.problem, stated.solution.estimate);
+  return true;
+}
+
+/// The board with terms of its own against the one without, or with those that are known; and the
+/// error of unseen frames with its own.
+struct Judgement {
+  TargetFit fit;
+  HeldOut with;
+};
+Judgement judge(const Solved& own, const Solved& stated, const CameraStageOptions& options) {
+  const CameraSolution& bent = own.solution;
+  Judgement out;
+  TargetFit& fit = out.fit;
+  if (!describe(own, fit)) return out;
+  const HeldOut& with = out.with = heldOut(own.problem, bent.estimate);
+  if (with.cost.size() < 4) return out;  // two blocks a side: fewer have no scatter
+  const HeldOut without = heldOut(stated.problem, stated.solution.estimate);
   fit.held_out_px = with.rms();
   fit.flat_held_out_px = without.rms();
   const MeanGain gain = meanGain(without.cost, with.cost);
@@ -93,31 +109,28 @@ TargetFit judge(const AprilGrid& board, const Solved& own, const Solved& stated,
   fit.finding = findingOf(fit, options);
   // A model that was chosen by this error has no better beside it.
   if (fit.finding == TargetFinding::kBent && options.model_mode == ModelMode::kGiven &&
-      otherLensIsBetter(board, own.problem, bent.estimate, with)) {
+      otherLensIsBetter(own.problem, bent.estimate, with)) {
     fit.finding = TargetFinding::kLensMisfits;
   }
-  return fit;
+  return out;
 }
 
-/// Mean square of the corners' errors per axis, after the loss, over pixel_sigma^2.
-double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) {
-  CameraProblem plain = problem;
-  plain.prior = nullptr;
-  double cost = normalsAt(plain, estimate).cost;
-  if (estimate.target) {
-    const TargetTerms gradient = problem.target->priorGradient(*estimate.target);
-    cost -= 0.5 * gradient.dot(*estimate.target - problem.target->mean);
-  }
-  double corners = 0;
-  for (int f = 0; f < problem.frameCount(); ++f) {
-    const std::vector<int>& views = problem.frames[static_cast<std::size_t>(f)].view;
-    for (std::size_t c = 0; c < views.size(); ++c) {
-      if (views[c] < 0) continue;
-      const PackedView view = problem.corners[c].view(views[c]);
-      for (int k = 0; k < view.count; ++k) corners += problem.weight(f) * view.w[k];
-    }
-  }
-  return cost / std::max(1.0, corners);
+/// Adds terms of degrees 3 and 4 to a bent board where they predict unseen frames better.
+void addHigherTerms(const HeldOut& with, CameraProblem& problem, CameraSolution& bent,
+                    const CameraStageOptions& options, TargetFit& fit) {
+  const HeldOut higher = heldOut(problem, bent.estimate, HigherDegrees::kEstimated);
+  const MeanGain gain = meanGain(with.cost, higher.cost);
+  fit.higher_held_out_px = higher.rms();
+  fit.higher_gain_px2 = gain.mean;
+  fit.higher_gain_std_px2 = gain.std;
+  if (!(gain.mean > kGainSigmas * gain.std)) return;
+  CameraProblem own = problem;
+  CameraSolution solution = withHigherTerms(own, bent, solverOptions(options));
+  TargetFit better = fit;
+  if (!describe({own, solution}, better)) return;
+  problem.target = own.target;
+  bent = std::move(solution);
+  fit = std::move(better);
 }
 
 /// With the known board's terms under their prior, and beside it with terms of its own.
@@ -137,12 +150,32 @@ TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, Camera
   CameraProblem free = problem;
   free.target = std::make_shared<TargetModel>(board);
   const CameraSolution own = solveCameraProblem(free, known.estimate, solverOptions(options));
-  TargetFit fit = judge(board, {free, own}, {problem, known}, options);
+  TargetFit fit = judge({free, own}, {problem, known}, options).fit;
   if (fit.finding != TargetFinding::kOther) fit.finding = TargetFinding::kKnown;
   return {std::move(known), std::move(fit)};
 }
 
 }  // namespace
+
+double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) {
+  CameraProblem plain = problem;
+  plain.prior = nullptr;
+  double cost = normalsAt(plain, estimate).cost;
+  if (estimate.target) {
+    const TargetTerms gradient = problem.target->priorGradient(*estimate.target);
+    cost -= 0.5 * gradient.dot(*estimate.target - problem.target->mean);
+  }
+  double corners = 0;
+  for (int f = 0; f < problem.frameCount(); ++f) {
+    const std::vector<int>& views = problem.frames[static_cast<std::size_t>(f)].view;
+    for (std::size_t c = 0; c < views.size(); ++c) {
+      if (views[c] < 0) continue;
+      const PackedView view = problem.corners[c].view(views[c]);
+      for (int k = 0; k < view.count; ++k) corners += problem.weight(f) * view.w[k];
+    }
+  }
+  return cost / std::max(1.0, corners);
+}
 
 std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMode mode,
                                                const CameraProblem& problem,
@@ -176,8 +209,10 @@ void freeTarget(const Session& session, const CameraStageResult& earlier,
   CameraEstimate placed = estimate;
   placed.target = earlier.target.terms;
   CameraProblem plain = problem;
-  plain.target = std::make_shared<TargetModel>(session.target);
-  problem.target = targetModel(session.target, options.target, plain, placed);
+  AprilGrid board = session.target;
+  board.shape.higher = earlier.target.higher;
+  plain.target = std::make_shared<TargetModel>(board);
+  problem.target = targetModel(board, options.target, plain, placed);
   estimate.target = earlier.target.terms;
 }
 
@@ -192,11 +227,14 @@ TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, Ca
   start.target = board.shape.terms;
   CameraSolution bent = solveCameraProblem(problem, start, solverOptions(options));
   bent.iterations += flat.iterations;
-  TargetFit fit = judge(board, {problem, bent}, {problem, flat}, options);
+  auto [fit, with] = judge({problem, bent}, {problem, flat}, options);
   const bool keep =
       options.target == TargetMode::kEstimate
           ? bent.converged
           : options.target == TargetMode::kAuto && fit.finding == TargetFinding::kBent;
+  if (keep && options.target == TargetMode::kAuto && options.target_degree > 2) {
+    addHigherTerms(with, problem, bent, options, fit);
+  }
   return {keep ? std::move(bent) : std::move(flat), std::move(fit)};
 }
 

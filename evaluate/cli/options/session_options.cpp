@@ -96,6 +96,12 @@ void SessionOptions::declareDetails(CLI::App& app) {
                        "flat, or the target_shape.yaml of another session"
                      : "Shape of the board: flat, or a target_shape.yaml")
       ->capture_default_str();
+  if (estimating_) {
+    app.add_option("--target-degree", target_degree,
+                   "Highest degree of an estimated shape: 4 where held-out frames ask for it, or 2")
+        ->check(CLI::IsMember({2, 4}))
+        ->capture_default_str();
+  }
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
   app.add_option("--only", only, "Use only these cameras, e.g. cam0,cam1")->delimiter(',');
@@ -129,6 +135,7 @@ LoadRequest SessionOptions::request() const {
     request.target = target_shape == kAuto      ? TargetMode::kAuto
                      : namesAFile(target_shape) ? TargetMode::kKnown
                                                 : TargetMode::kTested;
+    request.target_degree = target_degree;
   }
   if (namesAFile(target_shape)) request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);
@@ -214,6 +221,7 @@ CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const
   options.filter = filter;
   if (filter == CornerFilter::kSigma) options.filter_sigmas = sigmas;
   options.target = load.target;
+  options.target_degree = load.target_degree;
   options.frames = measurements.frames;
   options.frames.tolerance = load.read.sync_tolerance;
   options.threads = threadCount(load.threads);

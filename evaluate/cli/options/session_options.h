@@ -24,6 +24,7 @@ struct SessionOptions {
   std::vector<std::string> only;
   /// "flat", a file, or in commands that calibrate, "auto".
   std::string target_shape = "flat";
+  int target_degree = 4;
   double from_s = 0;
   std::optional<double> to_s;
   int stride = 1;

@@ -34,8 +34,8 @@ struct Word {
   Displacement displacement;
 };
 
-const std::array<Word, 6>& allWords() {
-  static const std::array<Word, 6> words = {{
+const std::array<Word, 7>& allWords() {
+  static const std::array<Word, 7> words = {{
       {"bow", true,
        [](const Place& c, double v) {
          return Eigen::Vector3d(0, 0, v * (1 - c.p.squaredNorm() / c.half.squaredNorm()));
@@ -56,6 +56,11 @@ const std::array<Word, 6>& allWords() {
        [](const Place& c, double v) {
          return Eigen::Vector3d(0.5 * v * c.p.x() * c.p.y() / c.half.y(), 0, 0);
        }},
+      {"s-bend", true,
+       [](const Place& c, double v) {
+         const double x = c.p.x() / c.half.x();
+         return Eigen::Vector3d(0, 0, 1.5 * std::sqrt(3.) * v * (x - x * x * x));
+       }},
       {"tag-edge", true,
        [](const Place& c, double v) { return Eigen::Vector3d(v * c.edge.x(), v * c.edge.y(), 0); }},
   }};
@@ -66,7 +71,7 @@ const std::array<Word, 6>& allWords() {
   throw InputError(
       fmt::format("--target-shape {}: {}; expected e.g. "
                   "bow=1mm,twist=0.5mm,stretch=0.3%,shear=0.1%,keystone=0.2%,"
-                  "tag-edge=0.1mm",
+                  "s-bend=0.2mm,tag-edge=0.1mm",
                   words, complaint));
 }
 
@@ -118,9 +123,10 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
           word.displacement({grid.corner(id) - half, half, edge}, value);
     }
   }
-  TargetTerms terms = fitTargetTerms(grid, moved);
-  if (std::abs(terms[kTargetTerms - 1]) < kLeastTerm) terms[kTargetTerms - 1] = 0;
-  return {terms, std::nullopt};
+  TargetShape shape = fitTargetShape(grid, moved);
+  double& tag_edge = shape.terms[kTargetTerms - 1];
+  if (std::abs(tag_edge) < kLeastTerm) tag_edge = 0;
+  return shape;
 }
 
 }  // namespace plumbline

@@ -148,9 +148,11 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
 Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t) {
   if (!stage.target_fit) return {};
   const TargetFit& fit = *stage.target_fit;
-  // Each term is the RMS over the board's corners of what it moves them by [m].
-  const auto terms = fit.shape.terms.head<kTargetTerms - 1>();  // without the tags' edge
-  const double rms_mm = 1e3 * terms.norm();
+  // Each term is the RMS over the board\'s corners of what it moves them by [m].
+  const double rms_mm = 1e3 * fit.shape.rms();  // without the tags' edge
+  const double height_mm =
+      1e3 * std::hypot(fit.shape.terms.segment<3>(8).norm(),
+                       fit.shape.higher ? fit.shape.higher->tail<kHigherFunctions>().norm() : 0);
   const Rule rule{
       "Shape of the target", "mm", t.target_shape_mm,
       "Use a target that is flatter and more evenly printed, e.g. on glass or aluminium."};
@@ -158,7 +160,9 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
       "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
       "mm in height); RMSE of held-out frames: {:.4f} px with the estimated shape, {:.4f} px "
       "without",
-      rms_mm, 1e3 * fit.shape.terms.segment<3>(8).norm(), fit.held_out_px, fit.flat_held_out_px);
+      rms_mm, height_mm,
+      fit.higher_held_out_px && fit.shape.higher ? *fit.higher_held_out_px : fit.held_out_px,
+      fit.flat_held_out_px);
   switch (fit.finding) {
     case TargetFinding::kBent:
       if (stage.target.terms != fit.shape.terms) {

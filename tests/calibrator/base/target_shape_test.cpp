@@ -48,6 +48,48 @@ TEST(TargetBasis, TheBoardsTermsHoldNoSimilarity) {
   }
 }
 
+TEST(HigherBasis, IsOrthogonalToAllOfDegreesNoughtToTwoAndOfUnitSize) {
+  for (const AprilGrid& grid : grids()) {
+    const int n = grid.cornerCount();
+    const HigherBasis basis(grid);
+    Eigen::MatrixXd higher(n, kHigherFunctions), lower(n, 6);
+    for (int id = 0; id < n; ++id) {
+      const Eigen::Vector2d p = grid.corner(id);
+      higher.row(id) = basis.functions(id).transpose();
+      lower.row(id) << 1, p.x(), p.y(), p.x() * p.x(), p.x() * p.y(), p.y() * p.y();
+    }
+    EXPECT_LT((lower.transpose() * higher).cwiseAbs().maxCoeff(), 1e-11 * n);
+    const Eigen::MatrixXd gram = higher.transpose() * higher / n;
+    for (int j = 0; j < kHigherFunctions; ++j) {
+      for (int k = 0; k < kHigherFunctions; ++k) {
+        const bool is_small = k == j && gram(j, j) == 0;  // of degree 4 on two rows of tags
+        EXPECT_NEAR(gram(j, k), j == k && !is_small ? 1 : 0, 1e-11);
+      }
+    }
+  }
+  const HigherBasis large{AprilGrid()};
+  EXPECT_GT(large.functions(0).cwiseAbs().minCoeff(), 0);
+}
+
+TEST(HigherBasis, AShapeIsFittedByItsOwnTerms) {
+  AprilGrid board;
+  board.shape.terms << 4e-4, -1e-4, 0, 2e-5, -1e-4, 0, 2e-4, 0, -3e-4, 5e-5, -1e-4, -2e-4;
+  const auto displaced = [&] {
+    std::vector<Eigen::Vector3d> out = cornerPoints(board);
+    for (int id = 0; id < board.cornerCount(); ++id) {
+      out[static_cast<std::size_t>(id)].head<2>() -= board.corner(id);
+    }
+    return out;
+  };
+  EXPECT_FALSE(fitTargetShape(AprilGrid(), displaced()).higher);
+  board.shape.higher = 1e-4 * HigherTerms::LinSpaced(-1, 1);
+  const TargetShape fitted = fitTargetShape(AprilGrid(), displaced());
+  ASSERT_TRUE(fitted.higher);
+  EXPECT_LT((*fitted.higher - *board.shape.higher).norm(), 1e-12);
+  EXPECT_LT((fitted.terms - board.shape.terms).norm(), 1e-12);
+  EXPECT_NEAR(fitted.rms(), board.shape.rms(), 1e-12);
+}
+
 TEST(TargetBasis, TheTagsEdgeGrowsByItsTermAtUnchangedPitch) {
   AprilGrid board;
   board.shape.terms[kTargetTerms - 1] = 1e-3;

@@ -51,6 +51,7 @@ TEST(CameraTargetStatistics, AFlatBoardStaysFlatInNinetyFiveOfAHundredRecordings
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kAuto));
     ASSERT_TRUE(result.ok() && result->target_fit);
     flat += result->target.isFlat() ? 1 : 0;
+    EXPECT_TRUE(result->target.isFlat() || !result->target.higher);
     const TargetFit& fit = *result->target_fit;
     ratios.push_back(fit.std[0] / std::sqrt((*fit.shape.covariance)(0, 0)));
   }
@@ -64,6 +65,7 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithABentBoardAreChiSquare) {
   TargetTerms terms;
   terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4, -2e-4;
   double cameras = 0, board = 0;
+  int smooth = 0;
   for (int seed = 1; seed <= kTargetSeeds; ++seed) {
     const SimulatedSession s = recorded(seed, terms);
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kEstimate));
@@ -72,12 +74,47 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithABentBoardAreChiSquare) {
     cameras +=
         targetNees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
     board += targetNees(result->target.terms - terms, *result->target.covariance) / kTargetTerms;
+    if (seed <= 50) {
+      const auto automatic = calibrateCameras(s.session, optionsOf(TargetMode::kAuto));
+      ASSERT_TRUE(automatic.ok());
+      smooth += automatic->target.higher ? 0 : 1;
+    }
   }
+  EXPECT_GE(smooth, 47);  // of 50 boards of degree 2
+  RecordProperty("degree_2_of_50", smooth);
   // 22 and 12 parameters, 100 seeds: a mean of chi-square over its dof with std 0.030 and 0.041.
   EXPECT_NEAR(cameras / kTargetSeeds, 1, 0.1);
   EXPECT_NEAR(board / kTargetSeeds, 1, 0.135);
   RecordProperty("cameras_nees_per_dof", fmt::format("{:.3f}", cameras / kTargetSeeds));
   RecordProperty("board_nees_per_dof", fmt::format("{:.3f}", board / kTargetSeeds));
+}
+
+// As well after a solution with the twelve terms alone, whose deviations would be too small.
+TEST(CameraTargetStatistics, NormalisedErrorsWithHigherTermsAreChiSquare) {
+  constexpr int kSeeds = 30;
+  SimulationOptions recording;
+  recording.duration_s = 12;
+  recording.camera_rate_hz = 5;
+  recording.corner_sigma_px = kTargetSigma;
+  recording.target.shape.terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4,
+      -2e-4;
+  double nees = 0;
+  int kept = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    recording.seed = static_cast<std::uint64_t>(seed);
+    recording.target.shape.higher = HigherTerms::Random() * 5e-5;
+    const SimulatedSession s = simulateSession(simulatedRig("euroc"), recording);
+    const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kAuto));
+    ASSERT_TRUE(result.ok());
+    if (!result->target.higher) continue;
+    ++kept;
+    const Eigen::VectorXd error = oracle::difference({result->cameras, {}}, {s.truth.cameras, {}});
+    nees +=
+        targetNees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
+  }
+  EXPECT_GE(kept, 28);
+  EXPECT_NEAR(nees / kept, 1, 0.25);  // std 0.055
+  RecordProperty("higher_nees_per_dof", fmt::format("{:.3f}", nees / kept));
 }
 
 }  // namespace

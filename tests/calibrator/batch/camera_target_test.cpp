@@ -163,6 +163,68 @@ TEST(CameraTarget, DrawsOfABootstrapEstimateTheBoardAgain) {
   EXPECT_LT((again->target.terms - bentTerms()).norm(), 1e-4);
 }
 
+/// Bent, and in an S of 0.1 mm besides.
+TargetShape higherShape() {
+  TargetShape shape;
+  shape.terms = bentTerms();
+  shape.higher = HigherTerms::Zero();
+  (*shape.higher)[1] = 4e-5;                      // along x, cubic
+  (*shape.higher)[kHigherFunctions + 5] = -3e-5;  // along y, quartic
+  (*shape.higher)[2 * kHigherFunctions] = 1e-4;   // height, cubic
+  return shape;
+}
+
+SimulatedSession recordedHigher(double sigma_px) {
+  SimulationOptions recording = recordingOf(bentTerms(), sigma_px);
+  recording.target.shape = higherShape();
+  return simulateSession(simulatedRig("euroc"), recording);
+}
+
+TEST(CameraTarget, RecoversTermsOfHigherDegreesWithoutNoise) {
+  const auto s = recordedHigher(0);
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kAuto));
+  ASSERT_TRUE(result.ok()) << result.failure();
+  ASSERT_TRUE(result->target.higher);
+  EXPECT_LT((*result->target.higher - *higherShape().higher).norm(), 2e-6);
+  EXPECT_LT((result->target.terms - bentTerms()).norm(), 2e-6);
+  EXPECT_LT(result->summary.reprojection.rmse_px, 2e-3);
+}
+
+TEST(CameraTarget, FindsTermsOfHigherDegreesWithinTheirNoise) {
+  const auto s = recordedHigher(0.2);
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kAuto, 0.2));
+  ASSERT_TRUE(result.ok() && result->target_fit && result->target.higher);
+  const TargetFit& fit = *result->target_fit;
+  EXPECT_GT(*fit.higher_gain_px2, 2 * *fit.higher_gain_std_px2);
+  EXPECT_LT(*fit.higher_held_out_px, fit.held_out_px);
+  EXPECT_EQ(fit.shape.higher, result->target.higher);
+  EXPECT_LT((*result->target.higher - *higherShape().higher).norm(), 3e-5);
+  EXPECT_LT(largestError(*result, s.truth), 4);
+
+  CameraStageOptions twelve = estimating(TargetMode::kAuto, 0.2);
+  twelve.target_degree = 2;
+  const auto fixed = calibrateCameras(s.session, twelve);
+  ASSERT_TRUE(fixed.ok());
+  EXPECT_FALSE(fixed->target.higher);
+  // What the higher terms leave uncertain is in the deviations.
+  EXPECT_GT((result->summary.covariance.standardDeviations() -
+             fixed->summary.covariance.standardDeviations())
+                .minCoeff(),
+            -1e-3 * fixed->summary.covariance.standardDeviations().maxCoeff());
+}
+
+TEST(CameraTarget, ABoardOfDegreeTwoHasNoHigherTerms) {
+  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
+  const auto four = calibrateCameras(s.session, options);
+  options.target_degree = 2;
+  const auto two = calibrateCameras(s.session, options);
+  ASSERT_TRUE(four.ok() && two.ok());
+  EXPECT_FALSE(four->target.higher);
+  EXPECT_EQ(four->target.terms, two->target.terms);
+  EXPECT_EQ(four->summary.covariance.matrix, two->summary.covariance.matrix);
+}
+
 TEST(CameraTarget, AVeryShortRecordingIsLeftAsStated) {
   SimulationOptions recording = recordingOf(bentTerms(), 0.2);
   recording.duration_s = 1;

@@ -51,6 +51,15 @@ TEST_F(TargetShapeFile, WithoutACovarianceItIsExact) {
   EXPECT_FALSE(readTargetShape(file, AprilGrid()).covariance);
 }
 
+TEST_F(TargetShapeFile, HigherTermsAreReadAgain) {
+  AprilGrid written = board();
+  written.shape.higher = 1e-4 * HigherTerms::Random();
+  const std::string file = folder_.write("target_shape.yaml", targetShapeText(written));
+  const TargetShape read = readTargetShape(file, AprilGrid());
+  ASSERT_TRUE(read.higher);
+  EXPECT_LT((*read.higher - *written.shape.higher).norm(), 1e-18);
+}
+
 TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
   const std::string good = targetShapeText(board());
   const struct {
@@ -63,6 +72,10 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
       {replaced(good, "terms_mm:", "terms_mm:\n  wobble: 1"), InputFault::kUnknownWord},
       {replaced(good, "  stretch: ", "  stretch: 6000 #"), InputFault::kOutOfRange},
       {replaced(good, "covariance_mm2:\n  - [", "covariance_mm2:\n  - [-1e9, "),
+       InputFault::kOutOfRange},
+      {good + "higher_mm: [[1, 2, 3]]\n", InputFault::kOutOfRange},
+      {good + "higher_mm:\n  - [51, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
+              "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
        InputFault::kOutOfRange},
       {"", InputFault::kUnknownFile},
   };

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "calibrator/batch/camera/problem.h"
+
+namespace plumbline {
+
+/// The board's terms of degrees 3 and 4 (HigherBasis) beside the twelve of TargetBasis, with a
+/// prior: 0 with one variance each for the cubic and quartic displacements in the plane and in
+/// height, estimated with them (largest evidence, MacKay 1992). The solver of the batch does not
+/// know them: they are solved for between its solutions, from the normal equations of all
+/// parameters together with the poses eliminated, and hold in its board.
+
+/// The solution with higher terms, from one without; `problem` receives a board that has them.
+/// Of problems whose estimate has the board's terms. At most `rounds` steps: the first leaves a
+/// tenth of a standard deviation, enough where solutions are only compared.
+inline constexpr int kHigherRounds = 3;
+CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
+                               const MinimiserOptions& solver, int rounds = kHigherRounds);
+
+/// What the higher terms' uncertainty adds to that of cameras and twelve terms, to first order.
+/// With g those parameters, h the higher terms, S_gg and S_gh of the reduced information,
+///   K = S_gg^-1 S_gh,   V = (S_hh + prior - S_hg K)^-1:
+/// the covariance of g is S_gg^-1 + K V K^T, and its gradient in a frame becomes
+///   s_g - S_gh V (s_h - K^T s_g).
+struct HigherShare {
+  Eigen::MatrixXd S_gh;
+  Eigen::MatrixXd K;
+  Eigen::MatrixXd V;
+  Eigen::MatrixXd scores;      ///< s_h, a column per frame
+  Eigen::MatrixXd covariance;  ///< K V K^T
+  Eigen::MatrixXd known;       ///< K V scatter V K^T: by the prior's error
+
+  /// `scores` of g, a column per frame, with h at its best.
+  Eigen::MatrixXd eliminatedFrom(const Eigen::MatrixXd& scores_g) const;
+  /// Information of g, with h marginalised instead of fixed.
+  Eigen::MatrixXd marginalised(const Eigen::MatrixXd& information) const;
+};
+
+/// Empty where the problem's board has no higher terms of its own, or they leave g undetermined.
+std::optional<HigherShare> higherShare(const CameraProblem& problem,
+                                       const CameraEstimate& estimate);
+
+}  // namespace plumbline
