@@ -11,7 +11,6 @@
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/camera/select_frames.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/select_frames.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/information/view_selection.h"
 

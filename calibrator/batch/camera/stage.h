@@ -73,6 +73,11 @@ RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate)
 void placeCorners(AprilGrid board, const CameraEstimate& estimate,
                   std::vector<PackedCorners>& corners);
 
+/// The frames of a solved problem that a selection keeps, ascending; see ViewSelectionOptions. By
+/// predicted error all of them where they do not determine the cameras, or none fits.
+std::vector<int> selectFrames(const CameraProblem& problem, const CameraEstimate& estimate,
+                              const ViewSelectionOptions& options);
+
 /// Everything that is reported of a solution. A free direction explains a solver that did not
 /// converge better than the solver could, so it is looked for first, and then a weak one will do.
 Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,

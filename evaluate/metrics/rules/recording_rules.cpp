@@ -148,7 +148,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
 Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t) {
   if (!stage.target_fit) return {};
   const TargetFit& fit = *stage.target_fit;
-  // Each term is the RMS over the board\'s corners of what it moves them by [m].
+  // Each term is the RMS over the board's corners of what it moves them by [m].
   const double rms_mm = 1e3 * fit.shape.rms();  // without the tags' edge
   const double height_mm =
       1e3 * std::hypot(fit.shape.terms.segment<3>(8).norm(),

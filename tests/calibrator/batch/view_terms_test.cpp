@@ -10,7 +10,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera/select_frames.h"
+#include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/simulate_session.h"
