@@ -26,6 +26,7 @@ constexpr double kLeastStd = 1e-7;  // [m]; smaller ones change nothing
 constexpr int kEvidenceRounds = 50;
 
 using PoseHigher = Eigen::Matrix<double, 6, kHigherTerms>;
+using LensPoint = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxIntrinsics, 3>;
 using LensHigher =
     Eigen::Matrix<double, Eigen::Dynamic, kHigherTerms, 0, kMaxIntrinsics, kHigherTerms>;
 
@@ -65,15 +66,15 @@ std::optional<CornerRows> rowsOf(const Intrinsics& lens, const Transform& T_CF,
 
 /// Sums over frames of one chunk, in the frames' order.
 struct HigherSums {
-  std::vector<Eigen::Matrix3d> M;       ///< per corner of the board: J_F^T J_F
-  std::vector<Eigen::Matrix3d> M_edge;  ///< the same by tagEdgeScale()
-  std::vector<LensHigher> lens;         ///< per camera
-  std::vector<PoseHigher> pose;         ///< per camera, in its own twist
+  std::vector<Eigen::Matrix3d> M;            ///< per corner of the board: J_F^T J_F
+  std::vector<Eigen::Matrix3d> M_edge;       ///< the same by tagEdgeScale()
+  std::vector<std::vector<LensPoint>> lens;  ///< per camera and corner: J_k^T J_F
+  std::vector<PoseHigher> pose;              ///< per camera, in its own twist
 
   HigherSums(int corners, const CameraLayout& layout)
       : M(static_cast<std::size_t>(corners), Eigen::Matrix3d::Zero()), M_edge(M) {
     for (const int size : layout.intrinsics_size) {
-      lens.emplace_back(LensHigher::Zero(size, kHigherTerms));
+      lens.emplace_back(M.size(), LensPoint::Zero(size, 3));
       pose.emplace_back(PoseHigher::Zero());
     }
   }
@@ -83,7 +84,7 @@ struct HigherSums {
       M_edge[i] += other.M_edge[i];
     }
     for (std::size_t c = 0; c < lens.size(); ++c) {
-      lens[c] += other.lens[c];
+      for (std::size_t i = 0; i < M.size(); ++i) lens[c][i] += other.lens[c][i];
       pose[c] += other.pose[c];
     }
   }
@@ -132,7 +133,8 @@ ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const 
     sums.M[static_cast<std::size_t>(id)] += M;
     sums.M_edge[static_cast<std::size_t>(id)] += view.edge[k] * M;
     addKronecker(Eigen::Matrix<double, 6, 3>(rows->J_pose.transpose() * weighted), phi, out.P);
-    addKronecker((rows->projection.J_intrinsics.transpose() * weighted).eval(), phi, sums.lens[c]);
+    sums.lens[c][static_cast<std::size_t>(id)].noalias() +=
+        rows->projection.J_intrinsics.transpose().lazyProduct(weighted);
     const Eigen::Vector3d gradient = weighted.transpose() * rows->e;
     for (int axis = 0; axis < 3; ++axis) {
       out.b.segment<kHigherFunctions>(kHigherFunctions * axis) += gradient[axis] * phi;
@@ -187,7 +189,11 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
 void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const CameraLayout& layout,
                const HigherBoard& board, HigherNormals& out) {
   for (std::size_t c = 0; c < sums.lens.size(); ++c) {
-    out.G_gh.middleRows(layout.intrinsics[c], layout.intrinsics_size[c]) = sums.lens[c];
+    LensHigher lens = LensHigher::Zero(layout.intrinsics_size[c], kHigherTerms);
+    for (std::size_t i = 0; i < sums.M.size(); ++i) {
+      addKronecker(sums.lens[c][i], board.higher.functions(static_cast<int>(i)), lens);
+    }
+    out.G_gh.middleRows(layout.intrinsics[c], layout.intrinsics_size[c]) = lens;
     if (c == 0) continue;
     const Eigen::Matrix3d A = -estimate.T_C0Ci[c].inverse().R;  // of twists, in the tangent
     out.G_gh.middleRows<3>(layout.T_C0Ci[c]) = A.transpose() * sums.pose[c].topRows<3>();
@@ -313,6 +319,7 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
     const HigherTerms g = joint.scores.rowwise().sum() - K.transpose() * joint.s_g;
     const Posterior found = posteriorOf(H, H * at - g, noiseRatio(problem, solution.estimate));
     const double step = (found.mean - at).cwiseQuotient(found.std).cwiseAbs().maxCoeff();
+    if (round > 0 && step < kSettled) break;
     at = found.mean;
     auto model = std::make_shared<TargetModel>(*problem.target);
     model->grid.shape.higher = at;
@@ -321,7 +328,7 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
     CameraSolution next = solveCameraProblem(problem, solution.estimate, solver);
     next.iterations += solution.iterations;
     solution = std::move(next);
-    if (step < kSettled || !solution.converged) break;
+    if (!solution.converged) break;
   }
   return solution;
 }
