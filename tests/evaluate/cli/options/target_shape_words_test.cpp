@@ -54,6 +54,20 @@ TEST(TargetShapeWords, AKeystoneIsWiderAtTheTop) {
   EXPECT_NEAR(top / bottom, 1.002, 1e-5);
 }
 
+TEST(TargetShapeWords, AnSBendIsOddAndOfDegreeThree) {
+  const AprilGrid grid;
+  const TargetShape shape = targetShapeFromWords("s-bend=0.2mm", grid);
+  ASSERT_TRUE(shape.higher);
+  EXPECT_LT(shape.terms.cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT(shape.higher->head<2 * kHigherFunctions>().cwiseAbs().maxCoeff(), 1e-12);
+  const auto p = pointsOf("s-bend=0.2mm");
+  // 1.5 sqrt(3) 0.2 mm of x^3 in units of half the width, less the plane that fits best.
+  EXPECT_NEAR(p[kBottomRight].z(), -p[kBottomLeft].z(), 1e-12);
+  EXPECT_NEAR(p[kTopRight].z(), p[kBottomRight].z(), 1e-12);
+  EXPECT_GT(p[kBottomLeft].z() - p[kBottomRight].z(), 0.2e-3);
+  EXPECT_FALSE(targetShapeFromWords("bow=1mm,tag-edge=0.1mm", grid).higher);
+}
+
 TEST(TargetShapeWords, WordsAddUp) {
   const AprilGrid grid;
   const auto sum = targetShapeFromWords("bow=1mm,stretch=0.3%,tag-edge=-0.2mm", grid).terms;
