@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "calibrator/camera/camera.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {
@@ -50,6 +49,13 @@ double halfAngle(const Intrinsics& camera, int axis) {
   return camera.distortion_model == DistortionModel::kEquidistant ? slope : std::atan(slope);
 }
 
+/// Distance at which the target fills the shorter side of the image, but at least 0.3 m [m].
+double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
+  const double size = std::max(target.width(), target.height());
+  const int side = std::min(camera.resolution.width, camera.resolution.height);
+  return std::max(0.3, size * camera.projection[0] / side);
+}
+
 /// The rig's centre between its cameras, with the orientation of camera 0, in camera 0.
 Transform rigCentre(const std::vector<CameraCalibration>& cameras) {
   Transform T_C0B;
@@ -59,12 +65,6 @@ Transform rigCentre(const std::vector<CameraCalibration>& cameras) {
 }
 
 }  // namespace
-
-double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
-  const double size = std::max(target.width(), target.height());
-  const int side = std::min(camera.resolution.width, camera.resolution.height);
-  return std::max(0.3, size * pixelsPerRadian(camera) / side);
-}
 
 AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedRig& rig,
                                        const TrajectoryOptions& options)

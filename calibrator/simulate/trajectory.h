@@ -28,9 +28,6 @@ constexpr std::array<const char*, 6> enumWords(MotionKind /*of*/) {
   return {"full", "pure-rotation", "single-axis", "planar", "static", "fronto-parallel"};
 }
 
-/// Distance at which the target's longer side fills the shorter side of the image, at least 0.3 m.
-double fillingDistance(const AprilGrid& target, const Intrinsics& camera);
-
 struct TrajectoryOptions {
   MotionKind kind = MotionKind::kFull;
   Eigen::Vector3d axis_S = Eigen::Vector3d::UnitY();  ///< rotation axis in S, for the three kinds
