@@ -32,7 +32,9 @@ std::optional<ViewImage> imageOf(const std::string& path, int camera, TimeNs t) 
 
 void addViewImages(const LoadedSession& loaded, CalibrationRecord& record) {
   record.view_images.clear();
-  if (!record.camera && !record.camera_imu) return;
+  const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
+                               [](const auto& of_camera) { return !of_camera.empty(); });
+  if (!any || (!record.camera && !record.camera_imu)) return;
   const auto& frames = record.camera ? record.camera->frames : record.camera_imu->frames;
   const auto& residuals = record.camera ? record.camera->residuals : record.camera_imu->residuals;
   const std::vector<ViewErrors> views = viewErrors(residuals);

@@ -105,8 +105,8 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   const TrajectoryRecord record = judged(*result, o, app);
   const VerdictLevel level = record.verdict.level;
   if (out) {
-    std::optional<std::string> page;
-    if (!o.no_report) page = renderTrajectoryPage(record);
+    std::function<std::string(const TrajectoryRecord&)> page;
+    if (!o.no_report) page = renderTrajectoryPage;
     writeResults(*out, record,
                  {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                  page);

@@ -11,8 +11,12 @@ namespace plumbline {
 
 std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals) {
   std::map<std::pair<int, int>, ViewErrors> views;
+  ViewErrors* last = nullptr;  // residuals stand view by view
   for (const CornerResidual& r : residuals) {
-    ViewErrors& view = views[{r.frame, r.camera}];
+    if (last == nullptr || last->frame != r.frame || last->camera != r.camera) {
+      last = &views[{r.frame, r.camera}];
+    }
+    ViewErrors& view = *last;
     view.camera = r.camera;
     view.frame = r.frame;
     view.corners.push_back(&r);

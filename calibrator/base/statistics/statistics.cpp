@@ -17,6 +17,23 @@ double quantileOfSorted(const std::vector<double>& sorted, double q) {
   return share == 0 ? sorted[low] : sorted[low] + share * (sorted[low + 1] - sorted[low]);
 }
 
+/// Of SampleStatistics what no order is needed for.
+SampleStatistics momentsOf(const std::vector<double>& values, int ddof) {
+  SampleStatistics s;
+  s.n = values.size();
+  if (values.empty()) return s;
+  const auto n = static_cast<double>(values.size());
+  for (const double x : values) {
+    s.mean += x / n;
+    s.sse += x * x;
+  }
+  s.rmse = std::sqrt(s.sse / n);
+  double spread = 0;
+  for (const double x : values) spread += (x - s.mean) * (x - s.mean);
+  if (n > ddof) s.std = std::sqrt(spread / (n - ddof));
+  return s;
+}
+
 }  // namespace
 
 double quantile(std::vector<double> values, double q) {
@@ -43,11 +60,11 @@ ErrorStatistics summariseErrors(const std::vector<Eigen::Vector2d>& errors) {
   Eigen::Vector2d axis_variance = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& e : errors) axis_variance += (e - s.axis_mean_px).cwiseAbs2() / n;
   s.axis_std_px = axis_variance.cwiseSqrt();
-  const SampleStatistics of_norms = sampleStatistics(std::move(norms));
+  const SampleStatistics of_norms = momentsOf(norms, 0);
   s.rmse_px = of_norms.rmse;
   s.mean_px = of_norms.mean;
-  s.median_px = of_norms.median;
   s.std_px = of_norms.std;
+  s.median_px = median(std::move(norms));
   return s;
 }
 
@@ -55,18 +72,8 @@ double median(std::vector<double> values) { return quantile(std::move(values), 0
 
 SampleStatistics sampleStatistics(std::vector<double> values, int ddof) {
   assert(ddof == 0 || ddof == 1);
-  SampleStatistics s;
-  s.n = values.size();
+  SampleStatistics s = momentsOf(values, ddof);
   if (values.empty()) return s;
-  const auto n = static_cast<double>(values.size());
-  for (const double x : values) {
-    s.mean += x / n;
-    s.sse += x * x;
-  }
-  s.rmse = std::sqrt(s.sse / n);
-  double spread = 0;
-  for (const double x : values) spread += (x - s.mean) * (x - s.mean);
-  if (n > ddof) s.std = std::sqrt(spread / (n - ddof));
   std::sort(values.begin(), values.end());
   s.min = values.front();
   s.max = values.back();

@@ -67,9 +67,8 @@ class ResultWriter {
   template <class Record, class Render>
   int finish(const Record& record, const std::vector<ResultFile>& documents, const Render& render,
              const std::string& summary) {
-    std::optional<std::string> page;
-    if (!options_.no_report) page = render(record);
-    writeResults(folder_, record, documents, page);
+    using Page = std::function<std::string(const Record&)>;
+    writeResults(folder_, record, documents, options_.no_report ? Page() : Page(render));
     return tell(documents.front(), summary, record.verdict.level);
   }
 
