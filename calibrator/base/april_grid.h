@@ -46,13 +46,16 @@ using HigherTerms = Eigen::Matrix<double, kHigherTerms, 1>;
 struct TargetShape {
   TargetTerms terms = TargetTerms::Zero();     ///< [m]
   std::optional<TargetCovariance> covariance;  ///< of terms [m^2]; none: taken as exact
-  std::optional<HigherTerms> higher = {};      ///< [m], taken as exact; none: all zero
+  std::optional<HigherTerms> higher = {};      ///< [m]; none: all zero
+  /// Standard deviations of `higher` [m], taken as independent; none: taken as exact.
+  std::optional<HigherTerms> higher_std = {};
 
   bool isFlat() const { return terms.isZero(0) && !higher; }
   /// RMS displacement of the corners, tag_edge aside [m].
   double rms() const;
   bool operator==(const TargetShape& other) const {
-    return terms == other.terms && covariance == other.covariance && higher == other.higher;
+    return terms == other.terms && covariance == other.covariance && higher == other.higher &&
+           higher_std == other.higher_std;
   }
 };
 

@@ -12,6 +12,8 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/camera/target.h"
@@ -40,12 +42,13 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
     problem.frames.push_back(whole.frames[f]);
     start.T_C0F.push_back(whole.T_FC0[f].inverse());
   }
-  freeTarget(session, whole, options, problem, start);
-  const CameraSolution solution = solveCameraProblem(problem, start, solverOptions(options));
+  const CameraSolution solution = solveAgain(session, whole, options, problem, std::move(start));
   if (!solution.converged) return std::nullopt;
-  const auto formal = covarianceOf(reducedInformation(solution.normals));
-  const auto robust = robustCovariance(problem, solution);
+  const auto share = higherShare(problem, solution.estimate);
+  auto formal = covarianceOf(reducedInformation(solution.normals));
+  const auto robust = robustCovariance(problem, solution, share);
   if (!formal || !robust) return std::nullopt;
+  if (share) *formal += share->covariance;
   return Half{solution.estimate, *formal, robust->matrix, robust->blocks};
 }
 
@@ -123,10 +126,11 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
                                              const CameraStageOptions& options) {
   const std::vector<PackedCorners> corners = usedCorners(session, whole.frames, whole.residuals);
   const auto segments = halvesOf(whole.frames.size());
-  const auto first = solveHalf(session, whole, corners, segments[0], options);
-  if (!first) return std::nullopt;
-  const auto second = solveHalf(session, whole, corners, segments[1], options);
-  if (!second) return std::nullopt;
+  std::optional<Half> first, second;
+  inParallel(
+      options.threads, [&] { first = solveHalf(session, whole, corners, segments[0], options); },
+      [&] { second = solveHalf(session, whole, corners, segments[1], options); });
+  if (!first || !second) return std::nullopt;
   const Eigen::VectorXd d = cameraDifference(second->estimate, first->estimate);
   HalvesCheck check;
   check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
@@ -157,6 +161,7 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
   plain.diagnose_faults = false;
   plain.state_covariances = false;
   const auto segments = halvesOf(whole.frames.size());
+  // One after the other: each has a copy of all corners.
   const auto first = recalibrateCameraImu(session, whole, {segments[0]}, plain);
   if (!first || !first->summary.converged) return std::nullopt;
   const auto second = recalibrateCameraImu(session, whole, {segments[1]}, plain);

@@ -3,10 +3,18 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SPQRSupport>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/halves.h"
 
 namespace plumbline {
@@ -15,28 +23,119 @@ namespace {
 constexpr int kBoardTerms = kTargetTerms - 1;  // all but tag_edge
 constexpr double kLeastShare = 1e-6;  // of a direction's variance, that the others have to say
 
-/// Formal covariance at the size of the larger deviations.
-TargetCovariance stretched(const TargetFit& fit) {
-  const TargetTerms formal = fit.shape.covariance->diagonal().cwiseSqrt();
-  const TargetTerms ratio = fit.std.cwiseQuotient(formal).cwiseMax(1);
-  return ratio.asDiagonal() * *fit.shape.covariance * ratio.asDiagonal();
+/// Columns of the joint system: the board's terms, then a tag_edge for every session.
+struct JointColumns {
+  int board = 0;  ///< with or without the higher terms
+  int sessions = 0;
+
+  int size() const { return board + sessions; }
+  /// Of an unknown of BoardSystem; -1: held at zero.
+  int of(int unknown, int session) const {
+    if (unknown < kBoardTerms) return unknown;
+    if (unknown == kBoardTerms) return board + session;
+    return unknown - 1 < board ? unknown - 1 : -1;
+  }
+};
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+struct StackedSystem {
+  Sparse A;
+  Eigen::VectorXd b;
+};
+
+/// All sessions' equations, and below them the square roots of the prior's `information` of every
+/// column, about zero.
+StackedSystem stackedOf(const std::vector<BoardSystem>& sessions, const JointColumns& columns,
+                        const Eigen::VectorXd& information) {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> b;
+  for (std::size_t s = 0; s < sessions.size(); ++s) {
+    const BoardSystem& own = sessions[s];
+    const auto first = static_cast<int>(b.size());
+    for (int i = 0; i < own.A.rows(); ++i) {
+      for (int j = 0; j < own.A.cols(); ++j) {
+        const int column = columns.of(j, static_cast<int>(s));
+        if (column >= 0 && own.A(i, j) != 0) entries.emplace_back(first + i, column, own.A(i, j));
+      }
+      b.push_back(own.b[i]);
+    }
+  }
+  for (int j = 0; j < information.size(); ++j) {
+    entries.emplace_back(static_cast<int>(b.size()), j, std::sqrt(information[j]));
+    b.push_back(0);
+  }
+  StackedSystem out{Sparse(static_cast<Eigen::Index>(b.size()), columns.size()),
+                    Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<int>(b.size()))};
+  out.A.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+struct JointSolution {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd C;
+};
+
+/// A E = Q R: x = E R^-1 Q^T b, and its covariance E R^-1 R^-T E^T. The prior keeps R regular.
+JointSolution solved(const StackedSystem& system) {
+  const Eigen::SPQR<Sparse> qr(system.A);
+  const auto n = system.A.cols();
+  const Eigen::MatrixXd R = Eigen::MatrixXd(qr.matrixR()).topRows(n);
+  const Eigen::MatrixXd inverse =
+      R.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd half = qr.colsPermutation() * inverse;
+  return {qr.solve(system.b), half * half.transpose()};
+}
+
+/// Orthonormal combinations of the board's terms that the equations of all sessions say less of
+/// than 1 / deviation: with A E = Q [R11 R12; 0 0] the columns of E [-R11^-1 R12; 1]. Terms that
+/// move no corner of this grid (their columns are zero) are no finding.
+std::vector<TargetDirection> undeterminedBy(const std::vector<BoardSystem>& sessions,
+                                            const JointColumns& columns, double deviation) {
+  const StackedSystem system = stackedOf(sessions, columns, {});
+  Eigen::SPQR<Sparse> qr;
+  qr.setPivotThreshold(1 / deviation);
+  qr.compute(system.A);
+  const Eigen::Index n = system.A.cols(), rank = qr.rank();
+  const Eigen::MatrixXd R = Eigen::MatrixXd(qr.matrixR()).topRows(rank);
+  Eigen::MatrixXd free(n, n - rank);
+  free << -R.leftCols(rank).triangularView<Eigen::Upper>().solve(R.rightCols(n - rank)),
+      Eigen::MatrixXd::Identity(n - rank, n - rank);
+  free = (qr.colsPermutation() * free).eval();
+  Eigen::MatrixXd board = free.topRows(columns.board);
+  for (int j = 0; j < columns.board; ++j) {
+    if (system.A.col(j).norm() == 0) board.row(j).setZero();
+  }
+  if (board.cols() == 0) return {};
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> basis(board);
+  const Eigen::MatrixXd Q =
+      basis.householderQ() * Eigen::MatrixXd::Identity(columns.board, basis.rank());
+  std::vector<TargetDirection> out;
+  for (Eigen::Index k = 0; k < basis.rank(); ++k) out.emplace_back(Q.col(k));
+  return out;
+}
+
+/// A session's own terms under the prior, its tag_edge eliminated.
+JointSolution ownSolution(const BoardSystem& session, const JointColumns& columns,
+                          const Eigen::VectorXd& information) {
+  const StackedSystem own = stackedOf({session}, {columns.board, 1}, information);
+  const JointSolution all = solved(own);
+  return {all.x.head(columns.board), all.C.topLeftCorner(columns.board, columns.board)};
 }
 
 /// Against the joint estimate; directions of which the other sessions say nothing do not count.
-TargetMember compared(const TargetTerms& own, const TargetCovariance& C_own,
-                      const TargetTerms& joint, const TargetCovariance& C) {
-  using Board = Eigen::Matrix<double, kBoardTerms, kBoardTerms>;
-  const Eigen::Matrix<double, kBoardTerms, 1> d = (own - joint).head<kBoardTerms>();
-  const Board C_d = (C_own - C).topLeftCorner<kBoardTerms, kBoardTerms>();
-  const Eigen::LLT<Board> L(C_own.topLeftCorner<kBoardTerms, kBoardTerms>());
-  const Board half = L.matrixL().solve(C_d);
-  const Board share = L.matrixL().solve(half.transpose());
-  const Eigen::SelfAdjointEigenSolver<Board> modes(0.5 * (share + share.transpose()));
-  const Eigen::Matrix<double, kBoardTerms, 1> z =
-      modes.eigenvectors().transpose() * L.matrixL().solve(d);
+TargetMember compared(const JointSolution& own, const JointSolution& joint) {
+  const Eigen::Index n = own.x.size();
+  const Eigen::VectorXd d = own.x - joint.x.head(n);
+  const Eigen::MatrixXd C_d = own.C - joint.C.topLeftCorner(n, n);
+  const Eigen::LLT<Eigen::MatrixXd> L(own.C);
+  const Eigen::MatrixXd half = L.matrixL().solve(C_d);
+  const Eigen::MatrixXd share = L.matrixL().solve(half.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (share + share.transpose()));
+  const Eigen::VectorXd z = modes.eigenvectors().transpose() * L.matrixL().solve(d);
   TargetMember out;
   out.rms = d.norm();
-  for (int i = 0; i < kBoardTerms; ++i) {
+  for (Eigen::Index i = 0; i < n; ++i) {
     const double variance = modes.eigenvalues()[i];
     if (variance < kLeastShare) continue;
     out.chi2 += z[i] * z[i] / variance;
@@ -44,43 +143,118 @@ TargetMember compared(const TargetTerms& own, const TargetCovariance& C_own,
   }
   if (out.terms == 0) return out;
   out.limit = chiSquare99(out.terms);
-  const auto std = C_d.diagonal().cwiseMax(1e-18).cwiseSqrt().eval();
+  const Eigen::VectorXd std = C_d.diagonal().cwiseMax(1e-18).cwiseSqrt();
   Eigen::Index worst = 0;
   d.cwiseAbs().cwiseQuotient(std).maxCoeff(&worst);
-  out.worst = kTargetTermNames[static_cast<std::size_t>(worst)];
+  out.worst = targetTermName(static_cast<int>(worst));
   out.difference = d[worst];
   out.std = std[worst];
   return out;
 }
 
-}  // namespace
+/// The solution under a prior of every board term, and how the sessions agree with it.
+struct JointFit {
+  JointColumns columns;
+  JointSolution solution;
+  std::vector<TargetMember> members;
+  double dispersion = 1;
+};
 
-JointTarget joinTargets(const std::vector<TargetFit>& sessions, double prior_std) {
-  if (sessions.empty()) throw InputError("no session to estimate a target from");
-  TargetCovariance information = TargetCovariance::Zero();
-  TargetTerms sum = TargetTerms::Zero();
-  for (const TargetFit& fit : sessions) {
-    if (!fit.shape.covariance) throw InputError("a session has no estimate of the target's shape");
-    const Eigen::LLT<TargetCovariance> llt(stretched(fit));
-    if (llt.info() != Eigen::Success) throw InputError("a target's covariance is not positive");
-    information += llt.solve(TargetCovariance::Identity());
-    sum += llt.solve(fit.shape.terms);
-  }
-  const double again = static_cast<double>(sessions.size() - 1) / (prior_std * prior_std);
-  information.diagonal().array() -= again;
-  const TargetCovariance C = information.llt().solve(TargetCovariance::Identity());
-  JointTarget joint;
-  joint.shape.terms = C * sum;
+JointFit fitUnder(const std::vector<BoardSystem>& sessions, const Eigen::VectorXd& board_prior,
+                  double edge_prior) {
+  JointFit out;
+  out.columns = {static_cast<int>(board_prior.size()), static_cast<int>(sessions.size())};
+  Eigen::VectorXd information = Eigen::VectorXd::Constant(out.columns.size(), edge_prior);
+  information.head(out.columns.board) = board_prior;
+  out.solution = solved(stackedOf(sessions, out.columns, information));
   double chi2 = 0;
   int terms = 0;
-  for (const TargetFit& fit : sessions) {
-    joint.members.push_back(compared(fit.shape.terms, stretched(fit), joint.shape.terms, C));
-    chi2 += joint.members.back().chi2;
-    terms += joint.members.back().terms;
+  for (const BoardSystem& session : sessions) {
+    const Eigen::VectorXd own = information.head(out.columns.board + 1);
+    out.members.push_back(compared(ownSolution(session, out.columns, own), out.solution));
+    chi2 += out.members.back().chi2;
+    terms += out.members.back().terms;
   }
-  if (terms > 0) joint.dispersion = std::max(1.0, chi2 / terms);
-  joint.shape.covariance = joint.dispersion * C;
-  return joint;
+  if (terms > 0) out.dispersion = std::max(1.0, chi2 / terms);
+  return out;
+}
+
+/// Whether the higher terms are needed, and the prior that the sessions give them.
+struct HigherTest {
+  double chi2 = std::numeric_limits<double>::quiet_NaN();
+  double limit = std::numeric_limits<double>::quiet_NaN();
+  HigherTerms information = HigherTerms::Zero();
+};
+
+HigherTest testHigher(const std::vector<BoardSystem>& sessions, double dispersion, double prior) {
+  const Eigen::VectorXd weak = Eigen::VectorXd::Constant(kBoardTerms + kHigherTerms, prior);
+  const JointFit all = fitUnder(sessions, weak, prior);
+  const HigherTerms h = all.solution.x.segment<kHigherTerms>(kBoardTerms);
+  const Eigen::MatrixXd C =
+      all.solution.C.block<kHigherTerms, kHigherTerms>(kBoardTerms, kBoardTerms);
+  Eigen::MatrixXd H = C.llt().solve(Eigen::MatrixXd::Identity(kHigherTerms, kHigherTerms));
+  const HigherTerms linear = H * h;
+  HigherTest out;
+  out.chi2 = h.dot(linear) / dispersion;
+  out.limit = chiSquare99(kHigherTerms);
+  H.diagonal().array() -= prior;
+  out.information = higherPosterior(H, linear, dispersion).prior.information;
+  return out;
+}
+
+/// The board's shape; tag_edge and its covariances by the mean over the sessions.
+TargetShape shapeOf(const JointFit& fit) {
+  const int n = fit.columns.size(), sessions = fit.columns.sessions;
+  Eigen::MatrixXd pick = Eigen::MatrixXd::Zero(kTargetTerms, n);
+  pick.leftCols<kBoardTerms>().topRows<kBoardTerms>().setIdentity();
+  pick.row(kTargetTerms - 1).tail(sessions).setConstant(1.0 / sessions);
+  TargetShape shape;
+  shape.terms = pick * fit.solution.x;
+  shape.covariance = fit.dispersion * pick * fit.solution.C * pick.transpose();
+  if (fit.columns.board > kBoardTerms) {
+    shape.higher = fit.solution.x.segment<kHigherTerms>(kBoardTerms);
+    const HigherTerms variances = fit.solution.C.diagonal().segment<kHigherTerms>(kBoardTerms);
+    shape.higher_std = (fit.dispersion * variances).cwiseSqrt();
+  }
+  return shape;
+}
+
+}  // namespace
+
+JointTarget joinTargets(const std::vector<BoardSystem>& sessions,
+                        const JointTargetOptions& options) {
+  if (sessions.empty()) throw InputError("no session to estimate a target from");
+  if (options.degree != 2 && options.degree != 4) {
+    throw InputError(fmt::format("degree is {}; expected 2 or 4", options.degree));
+  }
+  const double prior = 1 / (options.prior_std * options.prior_std);
+  const Eigen::VectorXd twelve = Eigen::VectorXd::Constant(kBoardTerms, prior);
+  JointFit fit = fitUnder(sessions, twelve, prior);
+  HigherTest higher;
+  if (options.degree == 4) higher = testHigher(sessions, fit.dispersion, prior);
+  if (higher.chi2 > higher.limit) {
+    Eigen::VectorXd all(kBoardTerms + kHigherTerms);
+    all << twelve, higher.information;
+    fit = fitUnder(sessions, all, prior);
+  }
+  JointTarget out;
+  out.shape = shapeOf(fit);
+  out.dispersion = fit.dispersion;
+  out.undetermined = undeterminedBy(sessions, fit.columns, options.prior_std);
+  out.members = std::move(fit.members);
+  out.higher_chi2 = higher.chi2;
+  out.higher_limit = higher.limit;
+  return out;
+}
+
+std::string targetTermName(int term) {
+  if (term < kBoardTerms) return kTargetTermNames[static_cast<std::size_t>(term)];
+  const int function = (term - kBoardTerms) % kHigherFunctions;
+  const int degree = function < kCubicFunctions ? 3 : 4;
+  const int of_y = degree == 3 ? function : function - kCubicFunctions;
+  const char axis = "xyz"[(term - kBoardTerms) / kHigherFunctions];
+  return fmt::format("{}_{}{}", axis, std::string(static_cast<std::size_t>(degree - of_y), 'x'),
+                     std::string(static_cast<std::size_t>(of_y), 'y'));
 }
 
 }  // namespace plumbline

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/base/results.h"
+#include "calibrator/batch/board_system.h"
 
 namespace plumbline {
 
@@ -22,26 +23,47 @@ struct TargetMember {
   bool agrees() const { return chi2 <= limit; }
 };
 
+/// A combination of terms that all sessions together do not determine: unit vector over the board's
+/// terms (kTargetTermNames without tag_edge, then the higher ones where they are estimated).
+using TargetDirection = Eigen::VectorXd;
+
 struct JointTarget {
   TargetShape shape;  ///< with its covariance, times the dispersion
   /// Sum of the members' chi-squares over that of their terms, 1 at least (Birge's ratio, squared):
   /// what sessions differ by beyond their deviations is not known of the board either.
   double dispersion = 1;
   std::vector<TargetMember> members;
+  std::vector<TargetDirection> undetermined;
+  /// Of the terms of degrees 3 and 4 against all zero, over the dispersion; they are estimated
+  /// where it exceeds the limit. NaN where they were not asked for.
+  double higher_chi2, higher_limit;
 };
 
-/// One board from several recordings of it. Each camera batch leaves, with cameras and poses
-/// marginalised, a reduced system of the board's terms, whose inverse is the covariance C_i about
-/// its estimate t_i (TargetFit). These systems are additive:
-///   t = C sum_i C_i^-1 t_i,   C^-1 = sum_i C_i^-1 - (n - 1) / prior^2,
-/// C_i being the formal covariance stretched to the larger of formal and cluster-robust deviations
-/// (TargetFit::std), and the prior, which is in every C_i, counted once; C is then multiplied by
-/// the dispersion. It equals a joint batch of all recordings as far as each is quadratic about its
-/// own optimum.
+struct JointTargetOptions {
+  int degree = 4;           ///< highest of the terms; 2 or 4
+  double prior_std = 5e-3;  ///< of every term, of degrees 3 and 4 while they are tested [m]
+};
+
+/// One board from several recordings of it: the least-squares solution of all their equations
+/// (BoardSystem) stacked, in the board's terms, a tag_edge of its own for every session (it is of
+/// recording and detector), and the weak prior. It equals a joint batch of all recordings as far as
+/// each is quadratic about its own optimum. The sparse system is factorised by SuiteSparseQR, whose
+/// R gives the covariance (R^T R)^-1, times the dispersion; a second one, of the sessions'
+/// equations alone, gives rank and null space: columns whose pivot says less than the prior.
 ///
-/// A session's chi-square is that of t_i - t under C_i - C (t holds t_i), over the eleven terms of
-/// the board: tag_edge is of recording and detector. One session alone agrees with itself.
-/// Throws InputError where there is no session, or one without a covariance.
-JointTarget joinTargets(const std::vector<TargetFit>& sessions, double prior_std);
+/// Degrees 3 and 4 (HigherBasis) are taken in where the sessions together ask for them: chi-square
+/// of their 27 terms under the weak prior, over the dispersion, beyond its 99 % quantile. Then
+/// their variances are estimated (higherPosterior()).
+///
+/// A session's chi-square is that of t_i - t under C_i - C, t_i its own solution and C_i its
+/// covariance (t holds t_i), over the board's terms; directions of which the others say nothing do
+/// not count. One session alone agrees with itself. The shape's tag_edge is the mean of all.
+/// Throws InputError where there is no session, or the degree is neither 2 nor 4.
+JointTarget joinTargets(const std::vector<BoardSystem>& sessions,
+                        const JointTargetOptions& options = {});
+
+/// Names of the terms of a TargetDirection: those of kTargetTermNames but tag_edge, then x_xxx,
+/// x_xxy, ... z_yyyy.
+std::string targetTermName(int term);
 
 }  // namespace plumbline

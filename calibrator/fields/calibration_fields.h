@@ -47,6 +47,7 @@ void fields(V& v, TargetShape& s) {
   v("covariance", s.covariance, "of the terms, in their order [m^2]; absent: assumed exact");
   v("higher", s.higher,
     "terms of degrees 3 and 4 [m]: 9 along x, 9 along y, 9 of height; absent: none");
+  v("higher_std", s.higher_std, "their standard deviations [m]; absent: assumed exact");
 }
 
 template <class V>

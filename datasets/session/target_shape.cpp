@@ -79,9 +79,9 @@ TargetCovariance readCovariance(const YamlMap& file) {
                           "use the file as the program wrote it, or delete the key"});
 }
 
-HigherTerms readHigherTerms(const YamlMap& file) {
-  constexpr const char* kKey = "higher_mm";
-  const auto rows = file.rows(kKey, "3 rows of 9 numbers [mm]");
+/// Of degrees 3 and 4: the terms, or their standard deviations.
+HigherTerms readHigherTerms(const YamlMap& file, const char* key) {
+  const auto rows = file.rows(key, "3 rows of 9 numbers [mm]");
   HigherTerms out;
   bool complete = rows.size() == 3;
   for (std::size_t axis = 0; complete && axis < rows.size(); ++axis) {
@@ -91,9 +91,31 @@ HigherTerms readHigherTerms(const YamlMap& file) {
     }
   }
   if (complete && (out.array().abs() <= kLargest).all()) return out;
-  throw file.fault(kKey, {InputFault::kOutOfRange, "these are not terms of degrees 3 and 4",
-                          "3 rows (x, y, z) of 9 displacements of at most 50 mm",
-                          "use the file as the program wrote it, or delete the key"});
+  throw file.fault(key, {InputFault::kOutOfRange, "these are not terms of degrees 3 and 4",
+                         "3 rows (x, y, z) of 9 displacements of at most 50 mm",
+                         "use the file as the program wrote it, or delete the key"});
+}
+
+/// Nine numbers an axis.
+std::string higherText(const char* key, const char* comment, const HigherTerms& values) {
+  std::string text = fmt::format("{}:  # {}\n", key, comment);
+  for (int axis = 0; axis < 3; ++axis) {
+    std::string numbers;
+    for (int j = 0; j < kHigherFunctions; ++j) {
+      numbers +=
+          (j == 0 ? "" : ", ") + yamlNumber(kMillimetres * values[axis * kHigherFunctions + j]);
+    }
+    text += "  - [" + numbers + "]\n";
+  }
+  return text;
+}
+
+HigherTerms readHigherStd(const YamlMap& file) {
+  const HigherTerms std = readHigherTerms(file, "higher_std_mm");
+  if ((std.array() >= 0).all()) return std;
+  throw file.fault("higher_std_mm", {InputFault::kOutOfRange, "a standard deviation is negative",
+                                     "3 rows (x, y, z) of 9 standard deviations [mm]",
+                                     "use the file as the program wrote it, or delete the key"});
 }
 
 }  // namespace
@@ -110,15 +132,10 @@ std::string targetShapeText(const AprilGrid& board) {
                         yamlNumber(kMillimetres * board.shape.terms[static_cast<Eigen::Index>(j)]));
   }
   if (board.shape.higher) {
-    text += "higher_mm:  # degrees 3 and 4: x, y, z\n";
-    for (int axis = 0; axis < 3; ++axis) {
-      std::string numbers;
-      for (int j = 0; j < kHigherFunctions; ++j) {
-        const double term = (*board.shape.higher)[axis * kHigherFunctions + j];
-        numbers += (j == 0 ? "" : ", ") + yamlNumber(kMillimetres * term);
-      }
-      text += "  - [" + numbers + "]\n";
-    }
+    text += higherText("higher_mm", "degrees 3 and 4: x, y, z", *board.shape.higher);
+  }
+  if (board.shape.higher_std) {
+    text += higherText("higher_std_mm", "their standard deviations", *board.shape.higher_std);
   }
   if (!board.shape.covariance) return text;
   text += "covariance_mm2:\n";
@@ -137,7 +154,8 @@ TargetShape readTargetShape(const std::string& path, const AprilGrid& grid) {
   checkGrid(file, grid);
   TargetShape shape;
   shape.terms = readTerms(file.map("terms_mm", kFile));
-  if (file.has("higher_mm")) shape.higher = readHigherTerms(file);
+  if (file.has("higher_mm")) shape.higher = readHigherTerms(file, "higher_mm");
+  if (shape.higher && file.has("higher_std_mm")) shape.higher_std = readHigherStd(file);
   if (file.has("covariance_mm2")) shape.covariance = readCovariance(file);
   return shape;
 }

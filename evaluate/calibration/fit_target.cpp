@@ -28,20 +28,6 @@ void requireSameGrid(const AprilGrid& first, const AprilGrid& other, const std::
                    "one board; omit this one, or give --target");
 }
 
-/// Deviations at the noise that the recording's corners have: the stated pixel sigma is an
-/// assumption, and one that is too large would let any two boards agree.
-TargetFit atMeasuredNoise(const CameraStageResult& stage, double pixel_sigma) {
-  TargetFit fit = *stage.target_fit;
-  const double noise_px = stage.summary.reprojection.rmse_px / std::numbers::sqrt2;  // per axis
-  *fit.shape.covariance *= std::pow(noise_px / pixel_sigma, 2);
-  Eigen::VectorXd variance = fit.shape.covariance->diagonal();
-  if (stage.robust_covariance) {
-    variance = variance.cwiseMax(stage.robust_covariance->matrix.diagonal().tail<kTargetTerms>());
-  }
-  fit.std = variance.cwiseSqrt();
-  return fit;
-}
-
 /// The camera stages of sessions. They are read one after the other, since corners are found on all
 /// threads, and calibrated several at a time, since one stage is too short for many threads.
 class SessionStages {
@@ -132,13 +118,38 @@ std::string agreementText(BoardAgreement agreement) {
   return "";
 }
 
+std::string higherText(const JointTarget& joint) {
+  if (std::isnan(joint.higher_chi2)) return "";
+  const std::string test = fmt::format("chi-square {:.1f} for {} terms, 99 % bound {:.1f}",
+                                       joint.higher_chi2, kHigherTerms, joint.higher_limit);
+  if (!joint.shape.higher) return fmt::format("No terms of degrees 3 and 4 ({})\n", test);
+  return fmt::format("Terms of degrees 3 and 4: {:.3f} mm RMS ({})\n",
+                     1e3 * joint.shape.higher->norm(), test);
+}
+
+/// Each direction by its largest terms.
+std::string undeterminedText(const JointTarget& joint) {
+  constexpr double kNamed = 0.2;  // share of the unit vector that is worth a name
+  std::string text;
+  for (const TargetDirection& direction : joint.undetermined) {
+    std::string terms;
+    for (Eigen::Index i = 0; i < direction.size(); ++i) {
+      if (std::abs(direction[i]) < kNamed) continue;
+      terms += fmt::format(" {:+.2f} {}", direction[i], targetTermName(static_cast<int>(i)));
+    }
+    text += fmt::format("These sessions do not determine{} (no better than to {:g} mm)\n", terms,
+                        1e3 * TargetModel::prior_std);
+  }
+  return text;
+}
+
 }  // namespace
 
 Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
                                              const ProgressSink& progress) {
   const SessionStages stages(request, progress);
   SessionsTarget out;
-  std::vector<TargetFit> fits;
+  std::vector<BoardSystem> systems;
   std::optional<AprilGrid> board;
   const auto asStated = [&](LoadedSession& loaded) {
     loaded.session.target.shape = {};
@@ -149,17 +160,19 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
   std::iota(all.begin(), all.end(), 0);
   const auto onItsOwn = [&](std::size_t i, const LoadedSession& loaded,
                             const CameraStageResult& stage) {
-    if (!stage.target_fit || !stage.target_fit->shape.covariance) {
+    auto system = boardSystem(loaded.session, stage, request.camera);
+    if (!system) {
       throw InputError(request.sessions[i].session, 0,
-                       "does not determine the board's shape: omit this session");
+                       "does not determine the cameras: omit this session");
     }
-    fits.push_back(atMeasuredNoise(stage, request.camera.pixel_sigma));
+    systems.push_back(std::move(*system));
     out.names.push_back(loaded.session.name);
   };
   const auto failed = stages.run(all, TargetMode::kEstimate, asStated, onItsOwn);
   if (failed) return *failed;
   out.board = *board;
-  out.joint = joinTargets(fits, TargetModel(out.board).prior_std);
+  out.joint = joinTargets(
+      systems, {.degree = request.camera.target_degree, .prior_std = TargetModel::prior_std});
   out.board.shape = out.joint.shape;
   auto agreement = agreementOf(stages, out.joint);
   if (!agreement) return agreement.failure();
@@ -168,24 +181,26 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
 }
 
 std::string jointTargetText(const SessionsTarget& fit) {
-  const TargetShape& shape = fit.joint.shape;
+  const JointTarget& joint = fit.joint;
+  const TargetShape& shape = joint.shape;
   const TargetTerms std = shape.covariance->diagonal().cwiseSqrt();
   std::string text =
-      fmt::format("Target from {} sessions: {:.3f} mm RMS deviation from the even grid\n",
-                  fit.names.size(), 1e3 * shape.terms.head<kTargetTerms - 1>().norm());
+      fmt::format("Target from {} session{}: {:.3f} mm RMS deviation from the even grid\n",
+                  fit.names.size(), fit.names.size() == 1 ? "" : "s", 1e3 * shape.rms());
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     text += fmt::format("  {:<9} {:+8.4f} +- {:.4f} mm\n", kTargetTermNames[j],
                         1e3 * shape.terms[i], 1e3 * std[i]);
   }
-  if (fit.joint.dispersion > 1) {
+  text += higherText(joint) + undeterminedText(joint);
+  if (joint.dispersion > 1) {
     text += fmt::format(
         "Standard deviations are scaled by {:.2f}, because the sessions differ by that much more "
         "than they state\n",
-        std::sqrt(fit.joint.dispersion));
+        std::sqrt(joint.dispersion));
   }
   for (std::size_t i = 0; i < fit.names.size(); ++i) {
-    const TargetMember& m = fit.joint.members[i];
+    const TargetMember& m = joint.members[i];
     if (m.terms == 0) continue;
     text += fmt::format(
         "  {}: {} (chi-square {:.1f} for {} terms, 99 % bound {:.1f}; {:.3f} mm RMS, largest: {} "

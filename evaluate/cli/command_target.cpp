@@ -88,7 +88,7 @@ struct FitOptions {
   std::vector<std::string> sessions;
   std::optional<std::string> target, models, cache;
   std::string loss = "none";
-  int threads = 0;
+  int threads = 0, degree = 4;
   OutputOptions output;
 };
 
@@ -100,6 +100,10 @@ void declareFit(CLI::App& app, FitOptions& o) {
       "--models", o.models,
       "Lens model for all cameras (default: auto, chosen by the error of held-out frames)");
   app.add_option("--loss", o.loss, "none, or cauchy:SCALE [px]")->capture_default_str();
+  app.add_option("--target-degree", o.degree,
+                 "Highest degree of the shape: 4 where the sessions ask for it, or 2")
+      ->check(CLI::IsMember({2, 4}))
+      ->capture_default_str();
   app.add_option("--threads", o.threads, "Threads (0: all cores); results do not depend on it")
       ->check(numberFrom(0))
       ->capture_default_str();
@@ -120,6 +124,7 @@ TargetFitRequest fitRequest(const FitOptions& o) {
     request.sessions.back().read.supported_models_only = false;
   }
   request.camera.cauchy_px = lossFrom(o.loss);
+  request.camera.target_degree = o.degree;
   request.camera.threads = threadCount(o.threads);
   request.camera.model_mode = ModelMode::kAuto;
   if (o.models && *o.models != "auto") {

@@ -86,6 +86,7 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, Higher
   const auto blocks = blocksOf(problem.frameCount(), most_frames);
   HeldOut out;
   out.cost.resize(blocks.size());
+  std::vector<PackedCorners> placed;
   for (std::size_t parity = 0; parity < 2; ++parity) {
     std::vector<int> seen;
     for (std::size_t b = parity; b < blocks.size(); b += 2) {
@@ -97,7 +98,6 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, Higher
       trained = withHigherTerms(training.problem, std::move(trained), solver, 1);
     }
     std::span<const PackedCorners> corners = problem.corners;
-    std::vector<PackedCorners> placed;
     if (trained.estimate.target) {
       placed.assign(corners.begin(), corners.end());
       placeCorners(training.problem.target->grid, trained.estimate, placed);

@@ -233,13 +233,28 @@ HigherNormals higherNormals(const CameraProblem& problem, const CameraEstimate& 
   return out;
 }
 
-/// All parameters together, the poses eliminated: g the cameras and the twelve terms, h the higher
-/// ones, whose prior is left out.
-struct JointSystem {
-  Eigen::MatrixXd S_gg, S_gh, S_hh;
-  Eigen::VectorXd s_g;
-  Eigen::MatrixXd scores;  ///< s_h of every frame
-};
+/// Of the variances of the prior: cubic and quartic, in the plane and in height.
+int groupOf(int term) {
+  const bool quartic = term % kHigherFunctions >= kCubicFunctions;
+  const bool height = term >= 2 * kHigherFunctions;
+  return (quartic ? 2 : 0) + (height ? 1 : 0);
+}
+
+/// The terms under a prior that is given.
+HigherPosterior underPrior(const HigherPrior& prior, const Eigen::MatrixXd& H,
+                           const HigherTerms& linear, double noise) {
+  Eigen::MatrixXd A = H;
+  A.diagonal() += prior.information;
+  const Eigen::LLT<Eigen::MatrixXd> llt(A);
+  HigherPosterior out;
+  out.mean = llt.solve(linear + prior.information.cwiseProduct(prior.mean));
+  const Eigen::MatrixXd V = llt.solve(Eigen::MatrixXd::Identity(kHigherTerms, kHigherTerms));
+  out.std = (noise * V.diagonal()).cwiseMax(0).cwiseSqrt();
+  out.prior = prior;
+  return out;
+}
+
+}  // namespace
 
 JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate) {
   const CameraNormals normals = normalsAt(problem, estimate, {problem.gram.cauchy_px, 0});
@@ -262,24 +277,10 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
   return out;
 }
 
-/// Of the variances of the prior: cubic and quartic, in the plane and in height.
-int groupOf(int term) {
-  const bool quartic = term % kHigherFunctions >= kCubicFunctions;
-  const bool height = term >= 2 * kHigherFunctions;
-  return (quartic ? 2 : 0) + (height ? 1 : 0);
-}
-
-/// The terms where evidence is largest, given the quadratic 0.5 (h - h0)^T H (h - h0) + g^T (h -
-/// h0) of their cost and the corners' variance `noise` in its units.
-struct Posterior {
-  HigherTerms mean;
-  HigherTerms std;
-  HigherPrior prior;
-};
-Posterior posteriorOf(const Eigen::MatrixXd& H, const HigherTerms& linear, double noise) {
+HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const HigherTerms& linear, double noise) {
   std::array<double, 4> variance{};
   variance.fill(kStartStd * kStartStd);
-  Posterior out;
+  HigherPosterior out;
   for (int round = 0; round < kEvidenceRounds; ++round) {
     for (int j = 0; j < kHigherTerms; ++j) {
       out.prior.information[j] = noise / variance[static_cast<std::size_t>(groupOf(j))];
@@ -304,12 +305,10 @@ Posterior posteriorOf(const Eigen::MatrixXd& H, const HigherTerms& linear, doubl
   return out;
 }
 
-}  // namespace
-
 CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
                                const MinimiserOptions& solver, int rounds) {
   CameraSolution solution = std::move(without);
-  HigherTerms at = HigherTerms::Zero();
+  HigherTerms at = problem.target->grid.shape.higher.value_or(HigherTerms::Zero());
   for (int round = 0; round < rounds; ++round) {
     const JointSystem joint = jointSystem(problem, solution.estimate);
     const auto covariance = covarianceOf(joint.S_gg);
@@ -317,7 +316,10 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
     const Eigen::MatrixXd K = *covariance * joint.S_gh;
     const Eigen::MatrixXd H = joint.S_hh - joint.S_gh.transpose() * K;
     const HigherTerms g = joint.scores.rowwise().sum() - K.transpose() * joint.s_g;
-    const Posterior found = posteriorOf(H, H * at - g, noiseRatio(problem, solution.estimate));
+    const double noise = noiseRatio(problem, solution.estimate);
+    const std::optional<HigherPrior>& prior = problem.target->higher;
+    const HigherPosterior found = prior && prior->given ? underPrior(*prior, H, H * at - g, noise)
+                                                        : higherPosterior(H, H * at - g, noise);
     const double step = (found.mean - at).cwiseQuotient(found.std).cwiseAbs().maxCoeff();
     if (round > 0 && step < kSettled) break;
     at = found.mean;
@@ -331,6 +333,10 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
     if (!solution.converged) break;
   }
   return solution;
+}
+
+HigherTerms HigherShare::deviations(double noise) const {
+  return (noise * V.diagonal()).cwiseMax(0).cwiseSqrt();
 }
 
 Eigen::MatrixXd HigherShare::eliminatedFrom(const Eigen::MatrixXd& scores_g) const {

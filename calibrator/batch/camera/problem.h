@@ -35,9 +35,13 @@ struct CameraEstimate {
 CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
                           std::span<const Transform> T_FC0 = {});
 
-/// Priors of a board's higher terms that were estimated, in the units of the cost: each is 0 with
-/// this information, and the gradient of that has the covariance `scatter` (both diagonal).
+/// Priors of a board's higher terms, in the units of the cost: each is `mean` with this
+/// information, and the gradient of that has the covariance `scatter` (both diagonal). Of a known
+/// board they are given; otherwise the mean is zero, and the variances are estimated with the
+/// terms.
 struct HigherPrior {
+  bool given = false;
+  HigherTerms mean = HigherTerms::Zero();  ///< [m]
   HigherTerms information = HigherTerms::Zero();
   HigherTerms scatter = HigherTerms::Zero();
 };
@@ -58,7 +62,7 @@ struct TargetModel {
   /// Covariance of the prior's gradient, its mean being in error: what the sandwich adds. The weak
   /// prior's is negligible.
   TargetCovariance scatter = TargetCovariance::Zero();
-  std::optional<HigherPrior> higher;  ///< where they were estimated from this recording
+  std::optional<HigherPrior> higher;  ///< where they are estimated from this recording
 
   TargetTerms priorGradient(const TargetTerms& terms) const { return information * (terms - mean); }
 };

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "calibrator/base/option_check.h"
@@ -75,8 +77,8 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
       estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
     }
   }
-  freeTarget(session, earlier, options, problem, estimate);
-  const CameraSolution solution = solveCameraProblem(problem, estimate, solverOptions(options));
+  const CameraSolution solution =
+      solveAgain(session, earlier, options, problem, std::move(estimate));
   if (problem.target) placeCorners(problem.target->grid, solution.estimate, corners);
   return stageResult(session, problem, solution, ResidualList::kDrop);
 }

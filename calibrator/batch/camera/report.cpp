@@ -185,6 +185,26 @@ void addResiduals(const Session& session, const CameraProblem& problem,
   addReprojection(errors, session, summary);
 }
 
+namespace {
+
+/// Of the higher terms at the noise that is left, stretched by as much as the cluster-robust
+/// deviations of the other terms exceed the formal ones (RMS).
+HigherTerms higherDeviations(const HigherShare& share, const CameraProblem& problem,
+                             const CameraStageResult& result, const TargetCovariance& formal) {
+  constexpr int kBoard = kTargetTerms - 1;
+  const double rmse = result.summary.reprojection.rmse_px / problem.pixel_sigma;
+  const double noise = 0.5 * rmse * rmse;  // per axis
+  double stretch = 1;
+  if (result.robust_covariance) {
+    const TargetTerms robust = result.robust_covariance->matrix.diagonal().tail<kTargetTerms>();
+    const TargetTerms ratio = robust.cwiseQuotient(noise * formal.diagonal());
+    stretch = std::sqrt(ratio.cwiseMax(1).head<kBoard>().mean());
+  }
+  return stretch * share.deviations(noise);
+}
+
+}  // namespace
+
 Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
                                       const CameraSolution& solution, ResidualList list) {
   CameraStageResult result = resultFrom(session, problem, solution.estimate);
@@ -204,6 +224,7 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   result.summary.cost = solution.normals.cost;
   addResiduals(session, problem, solution.estimate, list, result);
   if (list == ResidualList::kDrop) return result;
+  const std::optional<TargetCovariance> formal = result.target.covariance;
   if (auto robust = robustCovariance(problem, solution, share)) {
     const auto n = result.summary.covariance.matrix.rows();
     RobustDeviations deviations = robust->deviations(n);
@@ -214,6 +235,9 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
           stretched(*result.target.covariance, robust->matrix.diagonal().tail<kTargetTerms>());
     }
     result.robust_covariance = std::move(robust);
+  }
+  if (share && formal) {
+    result.target.higher_std = higherDeviations(*share, problem, result, *formal);
   }
   result.bias = biasRatios(session.target, result);
   return result;

@@ -147,12 +147,41 @@ TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, Camera
     next.iterations += known.iterations;
     known = std::move(next);
   }
+  if (problem.target->higher) {
+    known = withHigherTerms(problem, std::move(known), solverOptions(options));
+  }
   CameraProblem free = problem;
   free.target = std::make_shared<TargetModel>(board);
   const CameraSolution own = solveCameraProblem(free, known.estimate, solverOptions(options));
   TargetFit fit = judge({free, own}, {problem, known}, options).fit;
   if (fit.finding != TargetFinding::kOther) fit.finding = TargetFinding::kKnown;
   return {std::move(known), std::move(fit)};
+}
+
+/// What a known board's file says of its higher terms, `noise` as in targetModel().
+HigherPrior knownHigher(const TargetShape& shape, double noise) {
+  HigherPrior prior{.given = true, .mean = *shape.higher};
+  prior.information = noise * (shape.higher_std->array().square() + kExact * kExact).inverse();
+  prior.scatter = noise * prior.information;
+  return prior;
+}
+
+/// Frees the terms again that an earlier result estimated, from where it has them.
+void freeTarget(const Session& session, const CameraStageResult& earlier,
+                const CameraStageOptions& options, CameraProblem& problem,
+                CameraEstimate& estimate) {
+  if (earlier.target.terms == session.target.shape.terms) return;
+  CameraEstimate placed = estimate;
+  placed.target = earlier.target.terms;
+  CameraProblem plain = problem;
+  AprilGrid board = session.target;
+  board.shape.higher = earlier.target.higher;
+  plain.target = std::make_shared<TargetModel>(board);
+  auto model =
+      std::make_shared<TargetModel>(*targetModel(session.target, options.target, plain, placed));
+  model->grid.shape.higher = earlier.target.higher;
+  problem.target = std::move(model);
+  estimate.target = earlier.target.terms;
 }
 
 }  // namespace
@@ -189,6 +218,9 @@ std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMod
     covariance += board.shape.covariance->topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>();
   }
   const double noise = noiseRatio(problem, estimate);
+  if (board.shape.higher && board.shape.higher_std) {
+    model->higher = knownHigher(board.shape, noise);
+  }
   const Board information = noise * covariance.llt().solve(Board::Identity());
   model->information.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() = information;
   model->scatter.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() =
@@ -202,18 +234,16 @@ TargetTerms startTerms(const AprilGrid& board, TargetMode mode) {
   return terms;
 }
 
-void freeTarget(const Session& session, const CameraStageResult& earlier,
-                const CameraStageOptions& options, CameraProblem& problem,
-                CameraEstimate& estimate) {
-  if (earlier.target.terms == session.target.shape.terms) return;
-  CameraEstimate placed = estimate;
-  placed.target = earlier.target.terms;
-  CameraProblem plain = problem;
-  AprilGrid board = session.target;
-  board.shape.higher = earlier.target.higher;
-  plain.target = std::make_shared<TargetModel>(board);
-  problem.target = targetModel(board, options.target, plain, placed);
-  estimate.target = earlier.target.terms;
+CameraSolution solveAgain(const Session& session, const CameraStageResult& earlier,
+                          const CameraStageOptions& options, CameraProblem& problem,
+                          CameraEstimate estimate) {
+  freeTarget(session, earlier, options, problem, estimate);
+  const MinimiserOptions solver = solverOptions(options);
+  CameraSolution solution = solveCameraProblem(problem, estimate, solver);
+  const bool higher = problem.target && (problem.target->higher ||
+                                         earlier.target.higher != session.target.shape.higher);
+  if (!higher || !solution.converged) return solution;
+  return withHigherTerms(problem, std::move(solution), solver, 1);
 }
 
 TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, CameraSolution flat,

@@ -12,7 +12,8 @@ namespace plumbline {
 
 /// What is known of the board's terms before a recording speaks. With TargetMode::kKnown the shape
 /// in `board`: its terms with their covariance (1 um where it has none), but for tag_edge, which
-/// belongs to recording and detector and is free. As the cost counts corners in units of
+/// belongs to recording and detector and is free; and its higher terms with their deviations, where
+/// it has them. As the cost counts corners in units of
 /// pixel_sigma, not of their noise, the prior is weakened (or strengthened) by as much: information
 ///   C^-1 noise^2 / pixel_sigma^2,   noise^2 = sum rho(|e|^2) / (2 corners) at `estimate`.
 /// Otherwise nothing.
@@ -26,11 +27,13 @@ double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate);
 /// The terms to start from: the board's, but for a known board tag_edge, 0.
 TargetTerms startTerms(const AprilGrid& board, TargetMode mode);
 
-/// Frees the terms again that an earlier result estimated, from where it has them; a shape that it
-/// took as given stays in the corners. Once frames and poses stand.
-void freeTarget(const Session& session, const CameraStageResult& earlier,
-                const CameraStageOptions& options, CameraProblem& problem,
-                CameraEstimate& estimate);
+/// A problem of an earlier result's corners solved again, once its frames stand: from `estimate`,
+/// with the terms free that the earlier result estimated, from where it has them. Higher ones get
+/// one step, which leaves a tenth of a standard deviation (higher_terms.h). A shape that it took as
+/// given stays in the corners.
+CameraSolution solveAgain(const Session& session, const CameraStageResult& earlier,
+                          const CameraStageOptions& options, CameraProblem& problem,
+                          CameraEstimate estimate);
 
 /// A solution, and what it says of the board where that was asked for.
 struct TargetSolution {

@@ -213,6 +213,45 @@ TEST(CameraTarget, FindsTermsOfHigherDegreesWithinTheirNoise) {
             -1e-3 * fixed->summary.covariance.standardDeviations().maxCoeff());
 }
 
+TEST(CameraTarget, AnotherHalfHasHigherTermsOfItsOwn) {
+  const auto s = recordedHigher(0.2);
+  const CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_TRUE(result.ok() && result->target.higher);
+  const auto half = static_cast<int>(result->frames.size() / 2);
+  const auto again = recalibrateCameras(s.session, *result, {{0, half, 1}}, options);
+  ASSERT_TRUE(again.ok() && again->target.higher);
+  EXPECT_NE(*again->target.higher, *result->target.higher);
+  EXPECT_LT((*again->target.higher - *higherShape().higher).norm(), 6e-5);
+}
+
+TEST(CameraTarget, AKnownBoardsHigherTermsHaveTheirDeviations) {
+  const auto first = recordedHigher(0.2);
+  const auto known = calibrateCameras(first.session, estimating(TargetMode::kAuto, 0.2));
+  ASSERT_TRUE(known.ok() && known->target.higher_std);
+  const HigherTerms error = *known->target.higher - *higherShape().higher;
+  EXPECT_LT(error.cwiseQuotient(*known->target.higher_std).cwiseAbs().maxCoeff(), 4.5);
+
+  SimulationOptions recording = recordingOf(bentTerms(), 0.2);
+  recording.target.shape = higherShape();
+  recording.seed = recording.trajectory.seed = 77;
+  auto second = simulateSession(simulatedRig("euroc"), recording);
+  second.session.target.shape = known->target;
+  const CameraStageOptions options = estimating(TargetMode::kKnown, 0.2);
+  const auto result = calibrateCameras(second.session, options);
+  ASSERT_TRUE(result.ok()) << result.failure();
+  EXPECT_LT(largestError(*result, second.truth), 4);
+  // Both recordings speak.
+  EXPECT_LT((*result->target.higher - *higherShape().higher).norm(), error.norm());
+
+  second.session.target.shape.higher_std.reset();  // as if exact
+  const auto exact = calibrateCameras(second.session, options);
+  ASSERT_TRUE(exact.ok());
+  EXPECT_EQ(exact->target.higher, known->target.higher);
+  EXPECT_GT(result->summary.covariance.standardDeviations().sum(),
+            exact->summary.covariance.standardDeviations().sum());
+}
+
 TEST(CameraTarget, ABoardOfDegreeTwoHasNoHigherTerms) {
   const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
   CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);

@@ -54,10 +54,13 @@ TEST_F(TargetShapeFile, WithoutACovarianceItIsExact) {
 TEST_F(TargetShapeFile, HigherTermsAreReadAgain) {
   AprilGrid written = board();
   written.shape.higher = 1e-4 * HigherTerms::Random();
+  written.shape.higher_std = 1e-5 * HigherTerms::Random().cwiseAbs();
   const std::string file = folder_.write("target_shape.yaml", targetShapeText(written));
   const TargetShape read = readTargetShape(file, AprilGrid());
   ASSERT_TRUE(read.higher);
   EXPECT_LT((*read.higher - *written.shape.higher).norm(), 1e-18);
+  ASSERT_TRUE(read.higher_std);
+  EXPECT_LT((*read.higher_std - *written.shape.higher_std).norm(), 1e-18);
 }
 
 TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
@@ -75,6 +78,11 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
        InputFault::kOutOfRange},
       {good + "higher_mm: [[1, 2, 3]]\n", InputFault::kOutOfRange},
       {good + "higher_mm:\n  - [51, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
+              "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
+       InputFault::kOutOfRange},
+      {good + "higher_mm:\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
+              "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\nhigher_std_mm:\n"
+              "  - [-1, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
               "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
        InputFault::kOutOfRange},
       {"", InputFault::kUnknownFile},
