@@ -20,6 +20,7 @@ LOSSES = {
     "squared": ["--loss", "none"],
     "squared, 4 sigma rejected": ["--loss", "none", "--outliers", "sigma:4"],
     "Cauchy 1.5 px": ["--loss", "cauchy:1.5"],
+    "Cauchy 3 px": ["--loss", "cauchy:3"],
 }
 SHARES = [0, 0.02, 0.1]
 BEGIN, END = "<!-- loss -->\n", "<!-- end of loss -->"
@@ -58,7 +59,7 @@ def euroc_rows(program, data, folder):
     for trained, other in (("imu_april", "cam_april"), ("cam_april", "imu_april")):
         for shape in ("auto", "flat"):
             # One board for all losses in the score: the other session's own, as its default run finds it.
-            board = folder / f"{other}_auto_2" / "target_shape.yaml" if shape == "auto" else "flat"
+            board = folder / f"{other}_auto_{len(LOSSES) - 1}" / "target_shape.yaml" if shape == "auto" else "flat"
             for i, loss in enumerate(LOSSES):
                 rmse, median = scored(program, folder / f"{trained}_{shape}_{i}" / "calibration.json", sessions[other],
                                       board, folder)

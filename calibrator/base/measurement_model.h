@@ -11,7 +11,7 @@ namespace plumbline {
 /// stages, windows and guides begin with it, and pass it on whole.
 struct MeasurementModel {
   double pixel_sigma = 1;         ///< standard deviation of a corner, per axis [px]
-  double cauchy_px = 1.5;         ///< scale of the Cauchy loss on |e| [px]; 0: squared error
+  double cauchy_px = 3;           ///< scale of the Cauchy loss on |e| [px]; 0: squared error
   double gravity_m_s2 = 9.80655;  ///< magnitude of gravity; its direction is estimated
   std::optional<ImuNoise> noise;  ///< in place of the session's densities
 

@@ -104,7 +104,8 @@ struct Screening {
   std::vector<ImuPause> pauses;
   std::vector<RepeatedView> repeated_views;
   std::vector<MisplacedTag> misplaced_tags;
-  std::size_t false_corners = 0;    ///< used ones, far off where their view says they are
+  /// Far off where their view says they are; left out under a robust loss.
+  std::size_t false_corners = 0;
   std::size_t grazing_corners = 0;  ///< seen at 89 degrees and more from the optical axis
 
   bool empty() const {

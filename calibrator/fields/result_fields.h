@@ -296,7 +296,7 @@ void fields(V& v, Screening& s) {
           "views that repeat the corners before them though the rig moved: excluded");
   v.ifSet("misplaced_tags", s.misplaced_tags, "tags that are not at the position of their id");
   v.ifSet("false_corners", s.false_corners,
-          "used corners far from where the rest of their view puts them");
+          "corners far from where the rest of their view puts them: excluded under a robust loss");
   v.ifSet("grazing_corners", s.grazing_corners,
           "excluded: seen at 89 degrees and more from the optical axis");
 }

@@ -339,7 +339,7 @@ std::vector<int> beyondAngle(const PackedView& view, const Transform& T_CF, doub
   return positions;
 }
 
-std::size_t countFalseCorners(const Intrinsics& camera, const PackedView& view,
+std::vector<int> falseCorners(const Intrinsics& camera, const PackedView& view,
                               const Transform& T_CF) {
   constexpr double kLeast = 3;  // [px]
   constexpr double kSigmas = 8;
@@ -349,10 +349,13 @@ std::size_t countFalseCorners(const Intrinsics& camera, const PackedView& view,
   for (int k = 0; k < view.count; ++k) {
     if (view.w[k] > 0) used.push_back(distances[static_cast<std::size_t>(k)]);
   }
-  if (used.empty()) return 0;
-  const double limit = std::max(kLeast, kSigmas * middleOf(used) / kRayleighMedian);
-  return static_cast<std::size_t>(
-      std::count_if(used.begin(), used.end(), [&](double d) { return d > limit; }));
+  if (used.empty()) return {};
+  const double limit = std::max(kLeast, kSigmas * middleOf(std::move(used)) / kRayleighMedian);
+  std::vector<int> out;
+  for (int k = 0; k < view.count; ++k) {
+    if (view.w[k] > 0 && distances[static_cast<std::size_t>(k)] > limit) out.push_back(k);
+  }
+  return out;
 }
 
 }  // namespace plumbline

@@ -73,9 +73,9 @@ inline bool endsAtRightAngle(const Intrinsics& camera) {
 /// Positions of used corners that the pose puts beyond an angle from the optical axis.
 std::vector<int> beyondAngle(const PackedView& view, const Transform& T_CF, double angle_rad);
 
-/// Number of used corners that are off the pose's prediction by more than 3 px and 8 times their
+/// Positions of used corners that are off the pose's prediction by more than 3 px and 8 times their
 /// view's standard deviation (robust, per axis).
-std::size_t countFalseCorners(const Intrinsics& camera, const PackedView& view,
+std::vector<int> falseCorners(const Intrinsics& camera, const PackedView& view,
                               const Transform& T_CF);
 
 }  // namespace plumbline

@@ -78,7 +78,7 @@ std::vector<CornerPlace> misplacedCorners(const AprilGrid& target, const CameraP
     const Intrinsics& lens = estimate.intrinsics[c];
     for (const PosedView& posed : posedViews(problem, estimate, c)) {
       const PackedView view = problem.corners[c].view(posed.view);
-      if (countFalseCorners(lens, view, posed.T_CF) == 0) continue;
+      if (falseCorners(lens, view, posed.T_CF).empty()) continue;
       for (const MisplacedTag& tag : findMisplacedTags(target, lens, view, posed.T_CF)) {
         for (const int k : cornersOfTag(view, tag.tag)) places.push_back({c, posed.view, k});
       }

@@ -141,7 +141,7 @@ class FramePoses {
 
   static bool hasFalseCorners(const std::vector<FrameView>& views, const Transform& T_C0F) {
     return std::any_of(views.begin(), views.end(), [&](const FrameView& v) {
-      return countFalseCorners(*v.camera, v.view, v.T_CiC0 * T_C0F) > 0;
+      return !falseCorners(*v.camera, v.view, v.T_CiC0 * T_C0F).empty();
     });
   }
 
@@ -179,9 +179,9 @@ class FramePoses {
           ++out.screening.grazing_corners;
         }
       }
-      const std::size_t wrong = countFalseCorners(lens, view, T_CF);
+      const std::vector<int> wrong = falseCorners(lens, view, T_CF);
       // The tags are looked through only where something is wrong.
-      if (wrong == 0) continue;
+      if (wrong.empty()) continue;
       std::size_t of_tags = 0;
       for (MisplacedTag tag : findMisplacedTags(session_.target, lens, view, T_CF)) {
         for (const int k : cornersOfTag(view, tag.tag)) {
@@ -193,7 +193,9 @@ class FramePoses {
         out.screening.misplaced_tags.push_back(tag);
       }
       // A corner of a misplaced tag is not counted twice.
-      out.screening.false_corners += wrong - std::min(wrong, of_tags);
+      out.screening.false_corners += wrong.size() - std::min(wrong.size(), of_tags);
+      // Squared error is asked for where every corner shall count.
+      if (options_.cauchy_px > 0) std::for_each(wrong.begin(), wrong.end(), rejectAt);
     }
   }
 

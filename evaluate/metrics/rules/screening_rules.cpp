@@ -83,8 +83,8 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
   const double wrong = share(static_cast<double>(s.false_corners), offered);
   findings.push_back(
       above({"False corners", "-", t.false_corners,
-             "The robust loss suppresses their influence, but find the cause (blur, reflections, a "
-             "wrong refinement window), or reject them with --outliers sigma:4."},
+             "A robust loss leaves them out, --loss none does not; find the cause (blur, "
+             "reflections, a wrong refinement window)."},
             wrong,
             fmt::format("{} of {:.0f} corners are far from where the rest of their view puts them",
                         s.false_corners, offered)));
