@@ -16,8 +16,8 @@ namespace plumbline {
 ///
 ///   template <class V>
 ///   void fields(V& v, Struct& s) {
-///     v("rmse_px", s.rmse_px, "px", "sqrt(mean |e|^2) over corners");   // name, member, unit,
-///     text v("loss", s.loss, "loss function of the batch");                   // without a unit
+///     v("rmse_px", s.rmse_px, "px", "sqrt(mean |e|^2) over corners");  // name, member, unit, text
+///     v("loss", s.loss, "loss function of the batch");                 // without a unit
 ///   }
 ///
 /// and everything else comes from it: the JSON document and its reader (json_fields.h), the store's

@@ -38,7 +38,8 @@ class ViewErrorTracker {
   /// A view of the estimate, corners per camera.
   void keep(const FrameCorners& corners, const Transform& T_FC0);
   /// Whether what came since the last refresh() calls for another: every view kept up to 8, then
-  /// every 2nd, 4th, 6th and 10th (from 12, 20, 32 on); or 25 frames seen.
+  /// every 2nd, 4th, 6th and 10th (from 12, 20, 32 on); or 25 frames seen, where those are the
+  /// later use.
   bool isDue() const;
   /// `cameras`: calibrations of the estimate's cameras, whose candidateViews() are the later use
   /// kImage.
