@@ -13,7 +13,8 @@ namespace {
 
 using Column = Eigen::ArrayXd;  // a value per corner
 
-/// The pair over its joint RMS length; zero where it has none.
+/// The pair over its joint RMS length; zero where it has none. Coordinates are of size 1, so that
+/// below 1e-9 stands rounding: X^2 less its mean, over the corners of one tag.
 void toUnitRms(Column& x, Column& y) {
   const double rms = std::sqrt((x.square() + y.square()).mean());
   const double factor = rms > 1e-9 ? 1 / rms : 0;
@@ -84,14 +85,17 @@ std::array<bool, kTargetTerms> TargetBasis::observable() const {
 }
 
 double TargetShape::rms() const {
+  // Displacements of unit RMS that are orthogonal over the corners: their squares add up.
   const double square = terms.head<kTargetTerms - 1>().squaredNorm();
   return std::sqrt(square + (higher ? higher->squaredNorm() : 0));
 }
 
 HigherBasis::HigherBasis(const AprilGrid& grid) {
   constexpr int kHighest = 4;
-  constexpr int kLower = 6;             // functions of degrees 0 to 2
-  constexpr double kLeastShare = 1e-4;  // of a function that is its own
+  constexpr int kLower = 6;  // functions of degrees 0 to 2
+  // Of a function, that is its own. A grid with m places along an axis has x^m as a combination of
+  // lower powers; what is left of it there is rounding.
+  constexpr double kLeastShare = 1e-4;
   const int n = grid.cornerCount();
   const Eigen::Vector2d centre(0.5 * grid.width(), 0.5 * grid.height());
   Eigen::MatrixXd Q(n, kLower + kHigherFunctions);
@@ -155,6 +159,8 @@ FittedShape fitShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& 
     }
     d.segment<3>(3 * id) = displacement[static_cast<std::size_t>(id)];
   }
+  // The smallest of all solutions, for on a small grid columns coincide: on one tag tag_edge is the
+  // scale.
   const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(d);
   FittedShape out{{x.head<kTargetTerms>(), std::nullopt, std::nullopt},
                   (d - A * x).cwiseAbs().maxCoeff()};
@@ -171,6 +177,7 @@ TargetTerms fitTargetTerms(const AprilGrid& grid,
 
 TargetShape fitTargetShape(const AprilGrid& grid,
                            const std::vector<Eigen::Vector3d>& displacement) {
+  // What the twelve terms leave by less than rounding needs no others.
   constexpr double kRounding = 1e-12;  // [m]
   const FittedShape twelve = fitShape(grid, displacement, false);
   return twelve.left < kRounding ? twelve.shape : fitShape(grid, displacement, true).shape;

@@ -71,6 +71,7 @@ template <class Model>
 std::optional<Model> modelFrom(const std::string& word) {
   for (std::size_t i = 0; i < enumWords(Model()).size(); ++i) {
     const auto model = static_cast<Model>(i);
+    // Others' words first: enumFrom() knows the model's own word alone.
     const auto& others = rowOf(model).others_words;
     if (std::find(others.begin(), others.end(), word) != others.end()) return model;
   }

@@ -33,7 +33,9 @@ std::vector<TimeNs> nearestDifferences(const std::vector<TimeNs>& stamps,
   return differences;
 }
 
-// The constant of pairFrames(); 0 where there is none or the tolerance does without.
+// The constant of pairFrames(); 0 where there is none or the tolerance does without. Half of the
+// stamps must lie well within the tolerance about it; and from half of a frame interval on the
+// nearest stamp is another frame's, from which a quarter keeps away.
 TimeNs constantShift(const std::vector<TimeNs>& stamps, const std::vector<TimeNs>& reference,
                      TimeNs tolerance) {
   if (std::min(stamps.size(), reference.size()) < kFewestForConstant) return 0;
@@ -108,6 +110,7 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
       if (stamps[i].camera != stamps[j].camera) joins.push_back({stamps[j].t - stamps[i].t, i, j});
     }
   }
+  // Among equal gaps in the order of the stamps: the same frames on every platform.
   std::stable_sort(joins.begin(), joins.end(),
                    [](const Join& a, const Join& b) { return a.gap < b.gap; });
   std::vector<Group> groups(n);
@@ -148,6 +151,7 @@ std::vector<Frame> pairFrames(const std::vector<CameraStream>& cameras,
     for (int i : group.members) frame.view[stamps[i].camera] = stamps[i].view;
     frames.push_back(std::move(frame));
   }
+  // A frame that camera 0 did not see is stamped on camera 0's clock all the same.
   const std::vector<TimeNs> shifts = stampShifts(cameras, frames);
   for (Frame& frame : frames) {
     std::size_t c = 0;

@@ -8,7 +8,9 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSmallAngle2 = 1e-8;  // squared angle below which series replace sin(t)/t and kin
+// Squared angle below which series replace sin(t)/t and kin: what they leave out there, t^4 / 120,
+// is below rounding.
+constexpr double kSmallAngle2 = 1e-8;
 
 }  // namespace
 
@@ -40,6 +42,7 @@ Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
   Eigen::Quaterniond q(R);
   if (q.w() < 0) q.coeffs() *= -1;
   const double n = q.vec().norm();
+  // atan(x) / x = 1 - x^2 / 3 ...: 1 to the last digit there.
   if (n < 1e-9) return 2 * q.vec() / q.w();
   return q.vec() * (2 * std::atan2(n, q.w()) / n);
 }
@@ -65,6 +68,7 @@ Eigen::Matrix3d rightJacobianSO3(const Eigen::Vector3d& w) { return leftJacobian
 // I - W/2 + (1/t^2 - cot(t/2)/(2t)) W^2.
 Eigen::Matrix3d inverseLeftJacobianSO3(const Eigen::Vector3d& w) {
   const double t2 = w.squaredNorm();
+  // The difference of two poles at 0: its series up to t = 0.1, where the next term is below 1e-12.
   double c = 1.0 / 12 + t2 / 720 + t2 * t2 / 30240;
   if (t2 > 1e-2) {
     const double t = std::sqrt(t2);

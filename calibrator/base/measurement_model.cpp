@@ -8,6 +8,7 @@ namespace plumbline {
 void MeasurementModel::check() const {
   requirePositive("pixel_sigma", pixel_sigma);
   requirePositive("gravity_m_s2", gravity_m_s2);
+  // 0 is squared error; a scale far below any detector's noise would leave no corner a weight.
   if (cauchy_px != 0) requireAtLeast(1e-3, "cauchy_px", cauchy_px);
   if (!noise) return;
   requirePositive("noise.gyro_density", noise->gyro_density);

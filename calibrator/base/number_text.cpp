@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::string_view kMinus = "\u2212";
 
+/// After such a character '-' is a hyphen or an exponent's sign: "cam-0", "1e-0".
 bool isPartOfWord(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return std::isalnum(byte) != 0 || c == '_' || c == '.' || c == '-' || byte >= 0x80;

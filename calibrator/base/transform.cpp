@@ -6,6 +6,7 @@
 namespace plumbline {
 
 Transform Transform::fromMatrix(const Eigen::Matrix4d& T) {
+  // Matrices of files are rounded: what is left of orthogonality would grow with every product.
   return {nearestRotation(T.topLeftCorner<3, 3>()), T.topRightCorner<3, 1>()};
 }
 

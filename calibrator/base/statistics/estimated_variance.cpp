@@ -15,6 +15,7 @@ EstimatedVariance sumOf(const EstimatedVariance& a, const EstimatedVariance& b) 
 
 double halfWidth90(double std, double dof) {
   if (std::isnan(std) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
+  // Two-sided: 5 % are left at either end.
   constexpr double kUpper = 0.95;
   return std * (std::isinf(dof) ? boost::math::quantile(boost::math::normal(), kUpper)
                                 : boost::math::quantile(boost::math::students_t(dof), kUpper));

@@ -18,6 +18,7 @@ double ClusterDegrees::of(const VectorXd& combination) const {
     a.col(b) = adjustment[at] * combination;
     Ga.col(b) = leverage[at] * a.col(b);
   }
+  // W_bc = [b = c] a_b' G_b a_b - a_b' G_b G_c a_c.
   MatrixXd W = -(Ga.transpose() * Ga);
   W.diagonal() += a.cwiseProduct(Ga).colwise().sum();
   const double trace = W.trace();
@@ -27,6 +28,7 @@ double ClusterDegrees::of(const VectorXd& combination) const {
 EstimatedVariance RobustCovariance::variance(const VectorXd& combination) const {
   const auto along = [&](const MatrixXd& C) { return combination.dot(C * combination); };
   const double certain = known.size() > 0 ? along(known) : 0;
+  // The known part has infinitely many degrees of freedom.
   return sumOf({along(matrix) - certain, degrees.of(combination)}, {certain});
 }
 

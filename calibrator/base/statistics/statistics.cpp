@@ -13,6 +13,7 @@ namespace {
 double quantileOfSorted(const std::vector<double>& sorted, double q) {
   const double position = q * static_cast<double>(sorted.size() - 1);
   const auto low = static_cast<std::size_t>(position);
+  // 0 also at the last value, which has no neighbour.
   const double share = position - static_cast<double>(low);
   return share == 0 ? sorted[low] : sorted[low] + share * (sorted[low + 1] - sorted[low]);
 }
@@ -29,6 +30,7 @@ SampleStatistics momentsOf(const std::vector<double>& values, int ddof) {
   }
   s.rmse = std::sqrt(s.sse / n);
   double spread = 0;
+  // In a second pass: sse - n mean^2 would cancel where values lie close about a large mean.
   for (const double x : values) spread += (x - s.mean) * (x - s.mean);
   if (n > ddof) s.std = std::sqrt(spread / (n - ddof));
   return s;
