@@ -230,6 +230,8 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
     place();
     iterations += solution.iterations;
   };
+  // After model and board: under wrong ones the corners to cut off would be those at the border of
+  // the image and of the board, which tell most.
   if (options.filter == CornerFilter::kKalibr) {
     if (rejectLikeKalibr(corners, problem, solution.estimate) > 0) again();
   } else if (options.filter == CornerFilter::kSigma) {
@@ -277,6 +279,7 @@ std::optional<CameraModelPair> statedModel(const CameraStream& stream) {
     if (!projection) throw InputError(stream.name + ": unknown model " + stream.camera_model);
     pair.projection = *projection;
   }
+  // They describe the distortion themselves.
   const bool bare =
       pair.projection == ProjectionModel::kEucm || pair.projection == ProjectionModel::kDs;
   if (bare) pair.distortion = DistortionModel::kNone;

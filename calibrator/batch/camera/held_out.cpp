@@ -41,7 +41,8 @@ CameraPart partOf(const CameraProblem& problem, const CameraEstimate& estimate,
   return part;
 }
 
-/// Blocks of every n-th frame; a frame's block is its index.
+/// Blocks of every n-th frame; a frame's block is its index. The stride is rounded down, so that up
+/// to twice `most_frames` take part, and a recording with less than that loses none.
 std::vector<std::vector<int>> blocksOf(int frames, int most_frames) {
   const int stride = std::max(1, frames / most_frames);
   const int count = (frames + stride - 1) / stride;
@@ -104,6 +105,7 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, Higher
       corners = placed;
     }
     for (std::size_t b = 1 - parity; b < blocks.size(); b += 2) {
+      // Poses start from `from`, the same whichever half was trained.
       const CameraPart test = partOf(problem, from, blocks[b]);
       const std::vector<double> costs = heldOutCosts(test, trained.estimate, corners);
       double sum = 0, count = 0;
@@ -124,6 +126,7 @@ MeanGain meanGain(const std::vector<double>& from, const std::vector<double>& to
   const auto n = static_cast<double>(from.size());
   MeanGain gain;
   for (std::size_t b = 0; b < from.size(); ++b) gain.mean += (from[b] - to[b]) / n;
+  // Paired by block: what makes a block hard is in both costs and drops out of their difference.
   double square = 0;
   for (std::size_t b = 0; b < from.size(); ++b) {
     const double d = from[b] - to[b] - gain.mean;

@@ -60,6 +60,7 @@ std::optional<CornerRows> rowsOf(const Intrinsics& lens, const Transform& T_CF,
   out.J_pose << projection->J_point, -projection->J_point * skew(p);
   out.J_F = projection->J_point * T_CF.R;
   const double ratio = cauchy_px > 0 ? out.e.squaredNorm() / (cauchy_px * cauchy_px) : 0;
+  // rho'(s) of rho(s) = c^2 log(1 + s / c^2).
   out.weight = 1 / (1 + ratio);
   return out;
 }
@@ -257,6 +258,7 @@ HigherPosterior underPrior(const HigherPrior& prior, const Eigen::MatrixXd& H,
 }  // namespace
 
 JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate) {
+  // Re-weighted as the products with the higher terms are, which know no curvature of the loss.
   const CameraNormals normals = normalsAt(problem, estimate, {problem.gram.cauchy_px, 0});
   HigherNormals higher = higherNormals(problem, estimate);
   JointSystem out{normals.G, std::move(higher.G_gh), std::move(higher.G_hh), normals.b,
@@ -277,6 +279,9 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
   return out;
 }
 
+// With a prior of information P = noise / variance the mean is (H + P)^-1 linear; the variance of a
+// group becomes sum mean^2 / gamma, gamma = sum (1 - P V) the number of its terms that the corners,
+// not the prior, determine (MacKay 1992), again and again.
 HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const HigherTerms& linear, double noise) {
   std::array<double, 4> variance{};
   variance.fill(kStartStd * kStartStd);
@@ -301,6 +306,7 @@ HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const HigherTerms& lin
           std::max(kLeastStd * kLeastStd, squares[group] / std::max(determined[group], 1e-9));
     }
   }
+  // Of the gradient P h, h having the prior's variance noise / P: P (noise / P) P.
   out.prior.scatter = noise * out.prior.information;
   return out;
 }
@@ -315,6 +321,7 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
     if (!covariance) break;
     const Eigen::MatrixXd K = *covariance * joint.S_gh;
     const Eigen::MatrixXd H = joint.S_hh - joint.S_gh.transpose() * K;
+    // K^T s_g: a rough solver stops before the minimum of cameras and terms.
     const HigherTerms g = joint.scores.rowwise().sum() - K.transpose() * joint.s_g;
     const double noise = noiseRatio(problem, solution.estimate);
     const std::optional<HigherPrior>& prior = problem.target->higher;

@@ -245,8 +245,9 @@ const Trialled* find(const std::vector<Trialled>& open, const CameraModelPair& m
   return nullptr;
 }
 
-/// The models of all cameras together, as if they were one: costs of a block are means over the
-/// cameras. Only those that are open in each of them, on equally many blocks.
+/// The models of all cameras together, as if they were one: costs of a block are sums over the
+/// cameras, of which only ratios and order count. Only those that are open in each of them, on
+/// equally many blocks.
 std::vector<Trialled> together(const std::vector<CameraTrial>& trials) {
   std::vector<Trialled> joint;
   for (const Trialled& first : trials.front().open) {
@@ -342,6 +343,7 @@ ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
     stated.push_back(statedModel(session.cameras[stated.size()]));
     ruleOut(trial);
     trial.settled = isSettled(trial, stated.back());
+    // Of fewer frames the screening took every one already: heldOut()'s stride was 1.
     more = more || trial.mono.problem.frameCount() >= 2 * kScreenFrames;
   }
   if (more) scoreAll(kTestFrames, problem.threads, trials);

@@ -335,6 +335,7 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
     }
   });
   std::vector<CameraSums> total = emptySums(layout);
+  // Chunk by chunk in their order, so that no sum depends on the threads.
   for (const auto& part : sums) {
     for (std::size_t c = 0; c < total.size(); ++c) total[c].add(part[c].gram, 1);
   }

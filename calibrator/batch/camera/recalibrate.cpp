@@ -87,6 +87,7 @@ Result<ResampleSummary> resampleCameras(const Session& session, const CameraStag
                                         const ResampleOptions& resample,
                                         const CameraStageOptions& options) {
   CameraStageOptions one_thread = options;
+  // Draws run beside each other.
   one_thread.threads = 1;
   const auto solve = [&](const std::vector<FrameSegment>& segments) {
     const auto again = recalibrateCameras(session, earlier, segments, one_thread);

@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kTolerance = 1e-6;
+constexpr double kTolerance = 1e-6;  // [standard deviations], as the batch's own
 constexpr int kIterations = 50;
 
 std::vector<FrameView> viewsOf(const CameraProblem& problem, const CameraEstimate& estimate,

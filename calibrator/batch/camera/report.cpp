@@ -84,7 +84,8 @@ void addView(int camera, int frame, const PackedView& view,
   }
 }
 
-/// Of the first n parameters, the others marginalised: their Schur complement.
+/// Of the first n parameters, the others marginalised: their Schur complement. Where the others are
+/// free they are held instead.
 Eigen::MatrixXd marginalInformation(const Eigen::MatrixXd& information, int n) {
   const auto rest = information.rows() - n;
   if (rest == 0) return information;
@@ -100,7 +101,7 @@ std::optional<TargetCovariance> targetCovariance(const Eigen::MatrixXd& informat
   return TargetCovariance(covariance->bottomRightCorner<kTargetTerms, kTargetTerms>());
 }
 
-/// At the size of the larger deviations.
+/// At the size of the larger deviations, correlations as they are: D C D, D diagonal.
 TargetCovariance stretched(const TargetCovariance& formal, const TargetTerms& robust_variance) {
   const TargetTerms ratio =
       robust_variance.cwiseQuotient(formal.diagonal()).cwiseMax(1).cwiseSqrt();

@@ -14,8 +14,10 @@ namespace plumbline {
 namespace {
 
 constexpr int kMostBlocks = 40;  // they know a variance to 22 %
-constexpr int kUnits = 240;      // frames are summed to at most as many before they make blocks
-constexpr int kUnitChunk = 1;    // units
+// Frames are summed to at most as many before they make blocks: six or more to a block, so that any
+// number of blocks cuts the recording about evenly, and no matrix is kept per frame.
+constexpr int kUnits = 240;
+constexpr int kUnitChunk = 1;  // units
 
 /// Frames' scores, and information in runs of neighbouring frames.
 struct Pieces {
@@ -33,6 +35,7 @@ void addFrame(const CameraProblem& one, const CameraEstimate& at, Eigen::Ref<Eig
   const CameraNormals n = normalsAt(one, at);
   score = n.b;
   information += reducedInformation(n);
+  // normalsAt() adds the prior to every frame's equations; it is no frame's own.
   if (at.target) {
     score.tail<kTargetTerms>() -= one.target->priorGradient(*at.target);
     information.bottomRightCorner<kTargetTerms, kTargetTerms>() -= one.target->information;
@@ -89,11 +92,13 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   const auto bread = covarianceOf(reducedInformation(solution.normals));
   if (frames < kLeastBlocks || !bread) return std::nullopt;
   Pieces pieces = piecesOf(problem, solution.estimate);
+  // Before the correlation is looked for: the higher terms take away what neighbours have of them.
   if (share) pieces.scores = share->eliminatedFrom(pieces.scores);
   RobustCovariance out;
   out.correlation_frames = correlationLength(pieces.scores, *bread);
   out.blocks = std::min(kMostBlocks, blocksOf(frames, out.correlation_frames));
   ClusterRobust robust = clusterRobust(sums(pieces, out.blocks), *bread);
+  // What neighbouring blocks share is in no block's own square: the sum is too small by that.
   out.matrix =
       robust.matrix / shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);
   out.degrees = std::move(robust.degrees);

@@ -88,6 +88,7 @@ std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimat
   if (left.empty()) return all;
   std::vector<ViewTerms> fitting;
   for (const int i : left) fitting.push_back(terms[static_cast<std::size_t>(i)]);
+  // Of the fitting frames alone: gross errors of one would pass for misfit of the lens.
   const ErrorComponents components = guarded(errorComponents(fitting));
   PredictedError error(model->use, components);
   std::vector<int> kept;

@@ -155,6 +155,7 @@ class Steps {
   }
 
   bool refuse() {
+    // It re-weights already: more damping is all that is left.
     if (gram_.triggs_clamp == problem_.gram.triggs_clamp) return false;
     steps_until_curvature_ = patience_;
     patience_ *= 2;
@@ -173,6 +174,7 @@ class Steps {
  private:
   GramOptions newton() const {
     GramOptions gram = problem_.gram;
+    // 2: the whole second derivative of the loss; without a loss there is no more of it.
     if (gram.cauchy_px > 0 && steps_until_curvature_ <= 0) gram.triggs_clamp = 2;
     return gram;
   }

@@ -14,8 +14,10 @@
 namespace plumbline {
 namespace {
 
-constexpr int kLeastViews = 3;        // of a camera, to start from
-constexpr int kFewCorners = 16;       // a view with as many may have the mirrored pose
+constexpr int kLeastViews = 3;  // of a camera, to start from
+// A view with as many (four tags) may have the mirrored pose: a small plane seen from afar projects
+// nearly alike under two (Schweighofer and Pinz 2006).
+constexpr int kFewCorners = 16;
 constexpr double kStartLoss = 0.01;   // scale of the Cauchy loss over the image's width
 constexpr double kPlainPose = 0.03;   // error of a pose under no distortion, likewise: still useful
 constexpr double kGoodPose = 0.005;   // error of a frame's pose over the image's width
@@ -42,6 +44,7 @@ std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int
   sizes.reserve(views.size());
   for (const int v : views) sizes.push_back(corners.view(v).count);
   std::sort(sizes.begin(), sizes.end());
+  // Not the largest: one view of a strange size would not decide.
   const int full = sizes[sizes.size() * 9 / 10];
   std::vector<int> rich;
   for (const int v : views) {
@@ -97,6 +100,7 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   const bool sane =
       camera.stacked().allFinite() && camera.projection.tail<4>().head<2>().minCoeff() > 0;
   if (!sane) return {plain};
+  // With pixel_sigma 1 the cost is half of the sum over corners.
   return {camera, std::sqrt(2 * solution.normals.cost / count), problem.frameCount()};
 }
 
@@ -201,6 +205,7 @@ std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
   const std::vector<FrameView> views = viewsOf(frame, corners, cameras);
   const Resolution& resolution = cameras.intrinsics[0].resolution;
   const double width = resolution.width;
+  // One camera alone has refined its pose already.
   const PoseRefinementOptions few = roughPose(resolution, views.size() > 1 ? 1 : 0);
   std::optional<PoseRefinement> best;
   for (const std::size_t c : camerasWithPose(frame, f, corners, own)) {

@@ -82,6 +82,7 @@ bool describe(const Solved& own, TargetFit& fit) {
   fit.std = fit.shape.covariance->diagonal().cwiseSqrt();
   if (const auto robust = robustCovariance(own.problem, bent, share)) {
     fit.blocks = robust->blocks;
+    // The larger of both: of few blocks the robust one may be small by chance.
     fit.std = fit.std.cwiseMax(robust->matrix.diagonal().tail<kTargetTerms>().cwiseSqrt());
   }
   return true;
@@ -192,6 +193,7 @@ double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) 
   double cost = normalsAt(plain, estimate).cost;
   if (estimate.target) {
     const TargetTerms gradient = problem.target->priorGradient(*estimate.target);
+    // normalsAt() has the prior's cost as well; what is asked for is that of the corners.
     cost -= 0.5 * gradient.dot(*estimate.target - problem.target->mean);
   }
   double corners = 0;
@@ -203,6 +205,7 @@ double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) 
       for (int k = 0; k < view.count; ++k) corners += problem.weight(f) * view.w[k];
     }
   }
+  // The cost has half of a corner's squares, which is their mean over its two axes.
   return cost / std::max(1.0, corners);
 }
 
@@ -223,6 +226,7 @@ std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMod
   }
   const Board information = noise * covariance.llt().solve(Board::Identity());
   model->information.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() = information;
+  // Of the gradient I (terms - mean), the mean being off by C: I C I.
   model->scatter.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() =
       information * covariance * information;
   return model;

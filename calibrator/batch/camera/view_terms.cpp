@@ -14,6 +14,7 @@
 namespace plumbline {
 namespace {
 
+// Of cellWeights(): the bounds keep a cell with a corner or two from outweighing the image.
 constexpr double kSeenRaised = 0.1;  // kappa
 constexpr double kSeenMost = 50;
 constexpr double kImageMost = 20;
@@ -24,6 +25,7 @@ constexpr int kUseChunk = 4;      // frames
 
 int CornerCells::cellOf(double u, double v, const Resolution& image) {
   const auto place = [](double x, int size, int count) {
+    // The image begins half a pixel before the centre of its first one.
     return std::clamp(static_cast<int>((x + 0.5) * count / size), 0, count - 1);
   };
   return place(v, image.height, kRows) * kColumns + place(u, image.width, kColumns);
@@ -177,6 +179,7 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
     double used = 0;
     for (int k = 0; k < view.count; ++k) used += view.w[k];
     if (!cell_weights.empty()) {
+      // A view's weights multiply residuals: squares get the cell's weight by its root.
       roots.assign(view.w, view.w + view.padded);
       for (int k = 0; k < view.count; ++k) {
         const int cell =
