@@ -163,6 +163,7 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
     const auto found = std::find_if(result.frames.begin(), result.frames.end(),
                                     [&](const Frame& f) { return f.t == frame.t; });
     if (found == result.frames.end()) {
+      // It was said to be accepted when it came.
       withdraw(frame.index, "no plausible pose in the start", d);
       continue;
     }
@@ -269,6 +270,7 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
 
 /// The oldest frames leave; entropy, error and scorer follow the window.
 void CameraGuide::State::windowChanged() {
+  // Before the information is read: what the oldest leave is in it as a prior.
   while (window->frameCount() > options.views.window) window->marginaliseOldest();
   const Eigen::MatrixXd information = window->information();
   judge.refresh(*window, information);

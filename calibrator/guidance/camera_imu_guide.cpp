@@ -208,6 +208,7 @@ void CameraImuGuide::State::report(Decision& d) {
 /// than was assumed, that counts; not where they have less, for then the IMU's noise is what is
 /// left, and it stays as it is. Trajectories are asked for on the same knowledge.
 void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision& d) {
+  // A corner has two axes, and pixel_sigma is of one.
   const double scale = std::max(1.0, 0.5 * std::pow(*d.rmse_px / stage().pixel_sigma, 2));
   const auto E = evaluator->squaredPx(known);
   if (E) d.error_px = std::sqrt(scale * *E);
@@ -225,8 +226,10 @@ double CameraImuGuide::State::worth(const CandidateRound& round, std::size_t i) 
   const double none = std::numeric_limits<double>::quiet_NaN();
   const double gain = round.mi_nats[i];
   if (!byError()) return stopsByError() || gain >= stage().threshold_nats ? gain : none;
+  // Nothing to compare with: what cannot be predicted yet is worth any trajectory.
   if (!asked_error_px) return std::numeric_limits<double>::infinity();
   const double lowering = std::log(*asked_error_px / round.error_px[i]);
+  // The share is one of E, the errors are roots: log sqrt(E / ((1 - share) E)).
   const double least = -0.5 * std::log1p(-stage().least_lowering);
   return stopsByError() || lowering >= least ? lowering : none;
 }

@@ -50,6 +50,7 @@ ImuReprojection::ImuReprojection(const std::vector<CameraCalibration>& cameras, 
 
 Matrix7d ImuReprojection::gram(const Transform& T_SC0) const {
   Vector6d motion;  // mean squares along each axis
+  // Every direction alike: a third of the square falls to each axis, and no two axes go together.
   motion << Eigen::Vector3d::Constant(use_.speed_m_s * use_.speed_m_s / 3),
       Eigen::Vector3d::Constant(use_.rate_rad_s * use_.rate_rad_s / 3);
   Matrix7d M = Matrix7d::Zero();
@@ -57,6 +58,8 @@ Matrix7d ImuReprojection::gram(const Transform& T_SC0) const {
     const Matrix6d A = cameraImuChain(Transform(), T_SC0, camera.T_C0Ci).A_SC0;
     const Matrix6d B = adjoint((T_SC0 * camera.T_C0Ci).inverse());
     M.topLeftCorner<6, 6>() += A.transpose() * camera.H * A;
+    // The mean of (v, omega)^T B^T H B (v, omega) over motions. Beside it row 6 is zero, for there
+    // a motion and its opposite cancel.
     M(6, 6) += motion.dot((B.transpose() * camera.H * B).diagonal());
   }
   return M / static_cast<double>(cameras_.size());

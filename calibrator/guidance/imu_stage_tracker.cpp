@@ -213,6 +213,7 @@ Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
   // Cameras' own stamps are of the batch: the window takes a frame's views as exposed together.
   problem.view_stamps.clear();
   CameraImuEstimate estimate = calibrationEstimate(*result);
+  // The window has one offset: camera 0's.
   estimate.time_offsets.resize(1);
   std::vector<TimeNs> stamps;
   for (const Frame& frame : result->frames) stamps.push_back(frame.t);

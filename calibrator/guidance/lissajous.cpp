@@ -122,6 +122,7 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
       duration_s_(options.duration_s) {
   options.check();
   const double reach = std::hypot(A_, B_);
+  // Both axes by the same, which keeps the shape.
   const double shrink = reach > kWidest * R_ ? kWidest * R_ / reach : 1;
   A_ *= shrink;
   B_ *= shrink;

@@ -84,6 +84,7 @@ ImuState stateOf(const MotionState& camera, const CameraImuEstimate& e) {
 ImuSample sampleOf(const MotionState& camera, const CameraImuEstimate& e, double gravity_m_s2,
                    TimeNs t) {
   const MotionState sensor = attached(camera, e.T_SC0.inverse());
+  // An accelerometer reads what holds it: at rest the opposite of gravity.
   const Eigen::Vector3d force = sensor.a_F - gravity_m_s2 * e.gravity_direction;
   return {t, sensor.omega_B + e.states.back().gyro_bias,
           sensor.T_FB.R.transpose() * force + e.states.back().accel_bias};
@@ -214,6 +215,7 @@ TrajectoryScores TrajectoryScorer::scores(const WindowKnowledge& now, int thread
     const auto after = calibrationInformation(*border, recording_.score_offset);
     const auto gain = after ? mutualInformationNats(*before, *after) : std::nullopt;
     if (gain) scores.gain_nats[i] = *gain;
+    // The pixels that the IMU predicts depend on the time offset, whether its gain counts or not.
     const auto all = calibrationInformation(*border, true);
     const auto E = all ? reprojection_.expectedError(*all, now.estimate.T_SC0) : std::nullopt;
     if (E) scores.squared_px[i] = *E;
@@ -249,6 +251,7 @@ void TrajectoryEvaluator::ask(TimeNs t, WindowKnowledge now, double error_scale)
   assert(isDue(t));
   asked_ = t;
   error_scale_ = error_scale;
+  // An answer that is due with the frame that asks is waited for in any case.
   const bool beside = timing_.threads > 1 && timing_.latency_s > 0;
   scores_ = std::async(beside ? std::launch::async : std::launch::deferred,
                        [scorer = scorer_, now = std::move(now), threads = timing_.threads] {

@@ -38,6 +38,7 @@ double tangentOf(const Intrinsics& camera, double share) {
 /// turned by `roll` about the line of sight.
 Transform lookingAt(const Eigen::Vector3d& centre, const Eigen::Vector3d& p_F, double roll) {
   const Eigen::Vector3d z = (centre - p_F).normalized();
+  // z points at the board, against z of F: z x y of F is then x of F, the image upright.
   const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitY()).normalized();
   Eigen::Matrix3d R;
   R << x, z.cross(x), z;

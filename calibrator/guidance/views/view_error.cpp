@@ -16,11 +16,13 @@
 namespace plumbline {
 namespace {
 
-constexpr double kWorstView = 3;
+constexpr double kWorstView = 3;  // times the median RMSE of the views kept
+// Poses start where another estimate had them, and serve a prediction to first order alone.
 constexpr double kPoseTolerance = 1e-3;  // standard deviations
 constexpr int kPoseIterations = 10;
 constexpr int kSeenUntilRefresh = 25;
 
+/// A refresh costs the more the more views there are, and one view changes the estimate the less.
 int viewsUntilRefresh(int views) {
   if (views < 8) return 1;
   if (views < 12) return 2;
@@ -143,6 +145,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   }
   components_ = guarded(errorComponents(fitting));
   error_.emplace(model_->use, components_);
+  // All of them: those that do not fit are in the estimate too, only the components go without.
   for (const ViewTerms& view : terms) error_->add(view);
 }
 

@@ -88,6 +88,7 @@ PackedView PredictedCorners::view() {
   view.count = count_;
   view.padded = (count_ + kLanes - 1) / kLanes * kLanes;
   double* all = columns_.data();
+  // Lanes that fill up repeat the last corner, which the model can project, at weight 0.
   for (int i = count_; i < view.padded; ++i) {
     for (int column = 0; column < 5; ++column) {
       all[column * stride_ + i] = all[column * stride_ + count_ - 1];

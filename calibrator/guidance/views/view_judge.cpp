@@ -80,6 +80,7 @@ bool ViewJudge::score(const CameraWindow& window, const FrameCorners& corners, D
   if (std::isnan(gain)) return false;
   d.mi_nats = gain;
   errors_.see(corners, *d.T_FC0);
+  // Seen before it is judged: where the frame's corners are is a place of later use, kept or not.
   if (errors_.isDue()) errors_.refresh(window.estimate(), window.cameras(), threads_);
   if (!errors_.isKnown()) return true;
   d.error_with_px = std::sqrt(errors_.seenWith(corners, *d.T_FC0));
@@ -133,6 +134,7 @@ bool ViewJudge::isWorthAsking(const CandidateRound& round, std::size_t i) const 
   if (options_.stop_projection_px > 0) return !std::isnan(round.mi_nats[i]);
   if (!byError()) return round.mi_nats[i] >= options_.threshold_nats;
   if (std::isnan(round.error_px[i])) return false;
+  // So few views may miss parts of the misfit, and predict too little to gain.
   if (errors_.keptCount() < options_.stop_views) return true;
   const double E = round.error_px[i] * round.error_px[i];
   return E <= (1 - options_.least_lowering) * errors_.predicted();
@@ -149,6 +151,7 @@ std::vector<double> ViewJudge::worthwhileGains(const CandidateRound& round) cons
 }
 
 bool ViewJudge::seesTargetBetween(const Transform& from, const Transform& to) const {
+  // As OperatorPace::secondsTo() takes the way: straight, turning evenly.
   const Vector6d way = boxminus(to, from);
   for (int k = 1; k < kWayPoints; ++k) {
     const Transform T_FC0 = boxplus(from, Vector6d(way * k / kWayPoints));
