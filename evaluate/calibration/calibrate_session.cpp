@@ -186,6 +186,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
       return locate(*failure, loaded, request.load.session);
     }
     cameras = record.camera->cameras;
+    // From here on the estimated shape is the session's, for the camera-IMU stage and the record.
     loaded.session.target.shape = record.camera->target;
     record.target = loaded.session.target;
   }

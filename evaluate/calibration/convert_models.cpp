@@ -68,6 +68,7 @@ std::vector<ModelConversion> convertModels(Calibration& calibration, const Camer
     compare(lens, fit->lens, conversion);
     conversions.push_back(std::move(conversion));
     lens = fit->lens;
+    // They are of the other model's parameters.
     camera.intrinsics_std.reset();
   }
   return conversions;

@@ -152,6 +152,7 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
   std::vector<BoardSystem> systems;
   std::optional<AprilGrid> board;
   const auto asStated = [&](LoadedSession& loaded) {
+    // About the even grid in every session, so that their terms compare.
     loaded.session.target.shape = {};
     if (!board) board = loaded.session.target;
     requireSameGrid(*board, loaded.session.target, loaded.target_path);
