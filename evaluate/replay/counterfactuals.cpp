@@ -40,6 +40,7 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
                    const CounterfactualOptions& options, Counterfactuals& out) {
   CameraStageOptions camera = options.camera;
   camera.models = otherModels(first.reference().estimate);
+  // Given cameras are of the first model.
   camera.start.clear();
   if (camera.models.empty()) return;
   const auto pool = ViewPool::prepare(first.session(), split, camera, options.max_held_out);

@@ -22,6 +22,7 @@ struct Point {
 
 Point pointAt(const ViewPool& pool, const std::vector<int>& order, int views) {
   Point point;
+  // Any order of all of it is the reference, which has been solved.
   const bool is_whole = static_cast<std::size_t>(views) == pool.pool().size();
   const auto solution = is_whole ? std::optional(pool.reference())
                                  : pool.solve({order.begin(), order.begin() + views});
@@ -97,6 +98,7 @@ std::vector<int> predictedErrorOrder(const ViewPool& pool, const CounterfactualO
   constexpr int kStart = 3;
   const int count = static_cast<int>(pool.pool().size());
   if (count < kStart) return {};
+  // No error can be predicted before there are cameras: the first views are the first of random.
   std::vector<int> first = framesOf(pool, randomOrder(count, options.seed));
   first.resize(kStart);
   OnlineOrderOptions online;
@@ -194,6 +196,7 @@ std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
   }
   if (asked.empty()) {
     views.insert({5, 8, 10, 15, 20, 30, 40});
+    // 60, 80, 120, 160 ...: evenly in logarithms, since errors fall by ratios of views.
     for (int n = 60; n < longest; n *= 2) views.insert({n, 4 * n / 3});
   }
   views.erase(views.begin(), views.lower_bound(1));

@@ -62,6 +62,7 @@ class Blocks {
 std::vector<Frame> pairedFrames(const Session& session, const GuideFramesOptions& options) {
   FrameOptions pairing;
   pairing.tolerance = options.tolerance;
+  // A frame without the target is one that the guide has to answer, too.
   pairing.min_corners = 0;
   return pairFrames(session.cameras, pairing);
 }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kWorstView = 3;  // times the candidates' median RMSE
 
+/// As the guide's ViewErrorTracker::isDue() has it.
 int viewsUntilNextEstimate(int views) {
   if (views < 8) return 1;
   if (views < 12) return 2;
@@ -127,6 +128,7 @@ class Online {
     if (options_.criterion == ViewCriterion::kPredictedError) {
       addBest(candidates, PredictedError(candidates.use(), components), count, used_);
     } else {
+      // So weak that it only keeps the determinants of the first views finite.
       const Eigen::MatrixXd before = 1e-6 * candidates.use().H;
       addBest(candidates, Information(before), count, used_);
     }

@@ -154,6 +154,7 @@ class Remarks {
   void loss() {
     const Comparison rmse = here(&CounterfactualCurve::held_out_px);
     const Comparison robust = here(&CounterfactualCurve::held_out_loss_px);
+    // Where the loss changes nothing it is not worth a sentence.
     if (std::abs(rmse.relative() - robust.relative()) < kTie) return;
     out_.push_back(
         fmt::format("Under the batch's robust loss, which limits the influence of gross errors, "
@@ -183,6 +184,7 @@ class Remarks {
     int counted = 0;
     std::vector<int> above, below;
     const std::vector<int>& views = greedy_.front()->views;
+    // Not the last one: all orders hold the same frames there.
     for (std::size_t i = 0; i + 1 < views.size(); ++i) {
       const auto c = compared(&CounterfactualCurve::held_out_px, i);
       if (!c) continue;

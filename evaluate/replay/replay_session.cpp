@@ -180,6 +180,7 @@ class Judge {
   void cameraStage(ReplayRecord& record) {
     tell_("judging the camera stage", -1);
     const Result<CameraStageResult> guides_own = guide_.cameraBatch();
+    // Before the camera-IMU stage is judged, which ran with these.
     if (guides_own) used_cameras_ = guides_own->cameras;
     batches_ = cameraBatches(run_, guides_own);
     record.stages.push_back(summariseCameraStage(run_, batches_));

@@ -173,6 +173,7 @@ StageBatches<CameraStageResult> cameraBatches(const ReplayRun& run,
   CameraStageOptions options = run.camera;
   if (guides_own) options.start = guides_own->cameras;
   auto kept = calibrateCameras(run.sessionOfFrames(run.accepted(GuideStage::kCamera)), options);
+  // In one minimum: batches in different ones would differ by more than their frames.
   if (kept) options.start = kept->cameras;
   return batchesOf(std::move(kept), calibrateCameras(run.sessionFrom(), options));
 }
@@ -202,6 +203,7 @@ ReplayStageSummary summariseCameraImuStage(const ReplayRun& run,
   ReplayStageSummary s = counted(run, GuideStage::kCameraImu);
   addBatches(batches, s);
   if (s.kept_batch && s.full_batch && s.finished) {
+    // What information lowers is entropy, in the same nats.
     s.information_after_finish_nats = s.kept_batch->entropy_nats - s.full_batch->entropy_nats;
   }
   return s;

@@ -21,6 +21,7 @@ namespace {
 std::vector<int> checkpointCounts(int least, int most, int count, std::optional<int> between) {
   std::set<int> counts;
   if (most < least) return {};
+  // Geometric, since errors fall by ratios of views; between two of them nothing is tried.
   const double ratio = std::max(1.0, static_cast<double>(most) / least);
   for (int i = 0; i < count; ++i) {
     const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 1;
@@ -183,6 +184,7 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   }
   const double bound = options.held_out_factor * *best;
   CameraStageOptions camera = run.camera;
+  // All checkpoints in the minimum of the batch that they are held against.
   camera.start = batches.kept->cameras;
   const auto counts = checkpointCounts(run.guide.views.start_frames, static_cast<int>(order.size()),
                                        options.checkpoints, finished_with);
@@ -218,6 +220,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   }
   const std::vector<int> kept = run.accepted(GuideStage::kCameraImu);
   CameraImuOptions imu = run.camera_imu;
+  // Densities do not matter here, and the check costs a part of every batch.
   imu.noise_check = false;
   std::vector<int> order(run.frames.size() - static_cast<std::size_t>(kept.front()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = kept.front() + static_cast<int>(i);

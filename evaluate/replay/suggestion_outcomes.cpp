@@ -71,6 +71,7 @@ std::map<TimeNs, Transform> posesOf(const ReplayRun& run,
 }
 
 ReachRule ruleOf(const ReplayRun& run, GuideStage stage) {
+  // The operator had until the next one was shown, whatever this replay's options say.
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (stage == GuideStage::kCamera) {
     return {run.guide.views.reached_px, run.guide.views.reached_s, kNever};

@@ -95,10 +95,12 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   ViewPool pool;
   pool.session_ = &session;
   pool.options_ = asked;
+  // Frames as splitFrames() counts them.
   pool.options_.frames = {};
   pool.options_.select_views.reset();
   const auto all = calibrateCameras(session, pool.options_);
   if (!all) return all.failure();
+  // From here on selections start from the reference.
   pool.options_.start.clear();
   pool.options_.threads = 1;  // selections run beside each other
   pool.corners_ = usedCorners(session, all->frames, all->residuals);
