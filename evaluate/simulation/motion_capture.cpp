@@ -16,6 +16,7 @@ namespace plumbline {
 namespace {
 
 Eigen::Vector3d normal(RandomStream& random, double std) {
+  // One after the other: arguments of a call are evaluated in any order.
   const double x = random.normal(), y = random.normal(), z = random.normal();
   return std * Eigen::Vector3d(x, y, z);
 }
@@ -52,11 +53,13 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
   const auto count = static_cast<int>(std::ceil(span_s * o.rate_hz));
   for (int k = 0; k <= count; ++k) {
     const double t_s = k / o.rate_hz;
+    // Drawn in gaps as well: the noise of the other poses does not depend on them.
     Vector6d error;
     error << normal(noise, o.noise_m), normal(noise, o.noise_rad);
     if (inGap(capture.gaps_s, t_s)) continue;
     const TimeNs t_imu = session.start_ns + toNanoseconds(t_s);
     const Transform T_VM = boxplus(T_VF * session.motionAtImuTime(t_imu).T_FB * o.T_SM, error);
+    // t_imu = t_mocap + clock_offset_s.
     capture.trajectory.poses.push_back(
         {t_imu - toNanoseconds(o.clock_offset_s), T_VM.t, T_VM.quaternion()});
   }

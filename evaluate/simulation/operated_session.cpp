@@ -48,6 +48,7 @@ class Recording {
 
   /// Ends the recording after this frame; the IMU goes on for the simulation's margin.
   OperatedSession end(int frame) {
+    // On the IMU's clock the last frame lies later by the offset, and samples must reach it.
     const double last_s = secondsAt(frame) + options_.simulation.imu_margin_s +
                           std::max(0.0, sensors_.truth().imu->timeOffset());
     moveUntil(last_s);

@@ -56,6 +56,7 @@ class Judge {
     int right = 0;
     for (const Checkpoint& checkpoint : checkpoints) {
       const bool last = &checkpoint == &checkpoints.back();
+      // Decided: only the end is calibrated besides.
       if (right >= options_.in_a_row && !last) continue;
       const ConvergencePoint point = at(checkpoint);
       if (last) s.at_end = point;
@@ -101,6 +102,7 @@ class Judge {
     for (int k = 0; k < frames(); ++k) {
       const double t_s = secondsAt(k);
       if (t_s < begin || t_s >= end) continue;
+      // A microsecond for stamps that are rounded to nanoseconds.
       if (t_s >= last_s + apart_s - 1e-6) taken.push_back(k), last_s = t_s;
       if (t_s - begin < next_s) continue;
       all.push_back({t_s - begin, taken});

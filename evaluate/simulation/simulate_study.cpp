@@ -60,6 +60,7 @@ double meanOf(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
+// To the milliseconds that STUDY.yaml states: the truth is of the figures that are analysed.
 double rounded(double seconds) { return std::round(1e3 * seconds) / 1e3; }
 
 OperatedSession operated(const SimulatedRig& rig, const StudySimulationOptions& o,
@@ -204,6 +205,7 @@ Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
     }
     for (const int period : {1, 2}) method_s.push_back(at(guided, period) - at(free, period));
     for (const Visit* v : {&free, &guided}) period_s.push_back(at(*v, 2) - at(*v, 1));
+    // A time that was cut off has no ratio.
     if (!all_done) continue;
     for (const int p : {1, 2}) log_method.push_back(std::log(at(guided, p) / at(free, p)));
     for (const Visit* v : {&free, &guided}) log_period.push_back(std::log(at(*v, 2) / at(*v, 1)));

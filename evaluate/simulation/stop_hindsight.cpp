@@ -132,6 +132,7 @@ std::optional<double> expectedProjectionPx(const OperatedSession& operated,
     const auto unit = unitMeanSquare(*found, c);
     if (!unit) return std::nullopt;
     const double bias = trueProjectionErrorPx(truth[c].intrinsics, found->cameras[c].intrinsics);
+    // The covariance is of corners with pixel_sigma; their true noise is `sigma` times that.
     worst = std::max(worst, bias * bias + sigma * sigma * *unit);
   }
   return std::sqrt(worst);

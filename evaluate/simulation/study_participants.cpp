@@ -89,6 +89,7 @@ std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOpt
   std::vector<SimulatedParticipant> people;
   for (std::size_t i = 0; i < skills.size(); ++i) {
     SimulatedParticipant person{fmt::format("p{:02}", i + 1), 0, {}};
+    // The middle of one of as many equal parts of [0, 1]: no sample is all experts by chance.
     person.clumsiness = (static_cast<double>(skills[i]) + 0.5) / o.participants;
     const bool guided_first = orders[i] % 2 == 1;
     for (const int period : {1, 2}) {
@@ -111,6 +112,7 @@ SimulatedVisit inOtherPeriod(const SimulatedVisit& visit, const StudySimulationO
   const bool to_second = visit.period == 1;
   SimulatedVisit other = visit;
   other.period = to_second ? 2 : 1;
+  // Practice is a factor, so that its inverse takes it back.
   other.skill = practised(visit.skill, to_second ? o.learning : 1 / o.learning);
   if (visit.method == "free") other.duration_s *= to_second ? o.learning : 1 / o.learning;
   limitPatience(other, o);
