@@ -92,6 +92,7 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
   std::vector<Perturbation> list;
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
     if (o.amounts[i].empty()) continue;
+    // What is not random comes out the same every time.
     const int draws = isRandom(kKinds[i].kind) ? o.repeats : 1;
     for (const double amount : amountsFrom(kKinds[i].name, o.amounts[i])) {
       for (int draw = 0; draw < draws; ++draw) {

@@ -69,6 +69,7 @@ void checkCalibrateOption(const std::string& option, const std::string& words) {
   (void)calibrateCommand().configure(app);
   app.set_help_flag();
   std::vector<std::string> line{"session", "--out", "result"};
+  // It needs --cameras, of which nothing is read here.
   if (option == "free-cameras") line.insert(line.end(), {"--cameras", "file"});
   line.push_back("--" + option);
   if (!words.empty()) line.push_back(words);

@@ -69,6 +69,7 @@ void saySummary(std::string_view summary) {
   std::istringstream lines(shown);
   for (std::string line; std::getline(lines, line);) {
     if (const char* colour = colourOf(line)) {
+      // Past "Verdict: ", whose level ends at the next colon.
       const std::size_t end = std::min(line.find(": ", 9), line.size());  // the level, and the rule
       line = colour + line.substr(0, end) + "\033[0m" + line.substr(end);
     }

@@ -108,6 +108,7 @@ double numberOf(const std::string& option, const std::string& word) {
       option, word));
 }
 
+/// Without the last digits that sums of a decimal step leave: 0.3, not 0.30000000000000004.
 double cleaned(double value) { return std::strtod(fmt::format("{:.12g}", value).c_str(), nullptr); }
 
 void addRange(const std::string& option, const std::vector<std::string>& ends,
@@ -115,6 +116,7 @@ void addRange(const std::string& option, const std::vector<std::string>& ends,
   const double from = numberOf(option, ends[0]);
   const double step = numberOf(option, ends[1]);
   const double to = numberOf(option, ends[2]);
+  // The last value belongs to the range though its quotient is rounded down.
   const double count = std::floor((to - from) / step + 1e-9);
   if (step == 0 || !(count >= 0) || count > kMostAmounts) {
     throw InputError(

@@ -242,6 +242,8 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
   std::vector<std::pair<std::string, std::string>> given;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name(false, false);
+    // What changes no figure stays out, so that equal results have equal documents; the session
+    // is the input, which is stated beside its hash.
     static const std::set<std::string> kWithoutEffect = {"--out",   "--force",   "--json",
                                                          "session", "--fail-on", "--no-report"};
     if (option->count() == 0 || kWithoutEffect.contains(name)) continue;

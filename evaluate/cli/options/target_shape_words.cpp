@@ -46,10 +46,12 @@ const std::array<Word, 7>& allWords() {
        }},
       {"stretch", false,
        [](const Place& c, double v) {
+         // Half to either axis, which leaves the scale.
          return Eigen::Vector3d(0.5 * v * c.p.x(), -0.5 * v * c.p.y(), 0);
        }},
       {"shear", false,
        [](const Place& c, double v) {
+         // Half to either axis, which leaves the rotation.
          return Eigen::Vector3d(0.5 * v * c.p.y(), 0.5 * v * c.p.x(), 0);
        }},
       {"keystone", false,
@@ -59,6 +61,7 @@ const std::array<Word, 7>& allWords() {
       {"s-bend", true,
        [](const Place& c, double v) {
          const double x = c.p.x() / c.half.x();
+         // x - x^3 has its largest value 2 / (3 sqrt(3)) at x = 1 / sqrt(3).
          return Eigen::Vector3d(0, 0, 1.5 * std::sqrt(3.) * v * (x - x * x * x));
        }},
       {"tag-edge", true,
@@ -124,6 +127,7 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
     }
   }
   TargetShape shape = fitTargetShape(grid, moved);
+  // The least squares leave rounding in it, which --images would take for an asked error.
   double& tag_edge = shape.terms[kTargetTerms - 1];
   if (std::abs(tag_edge) < kLeastTerm) tag_edge = 0;
   return shape;
