@@ -17,6 +17,7 @@ constexpr double kLongest = 2;      // of a typical arrow
 
 double lengthOf(const FieldArrow& arrow) { return std::hypot(arrow.dx, arrow.dy); }
 
+/// To 1, 2 or 5 times a power of ten: a length that a reader takes in.
 double roundedDown(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   for (const double factor : {5.0, 2.0}) {

@@ -36,6 +36,7 @@ std::string rangeText(double range_m) {
   return std::isinf(range_m) ? "at infinity" : fmt::format("at {:g} m", range_m);
 }
 
+// The outermost points lie at the centres of the outermost pixels.
 double stepX(const ImageMap& map) { return (map.width - 1.0) / std::max(1, map.columns - 1); }
 double stepY(const ImageMap& map) { return (map.height - 1.0) / std::max(1, map.rows - 1); }
 

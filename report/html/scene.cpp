@@ -40,6 +40,7 @@ SceneObject targetTags(const AprilGrid& grid) {
 }
 
 SceneObject targetBoard(const AprilGrid& grid) {
+  // A white border as wide as a gap; a little behind the tags, which would flicker in its plane.
   const double m = grid.tag_size * grid.spacing;
   const double w = grid.width() + m, h = grid.height() + m, z = -0.004 * grid.width();
   SceneObject object;
@@ -66,6 +67,7 @@ SceneObject arrow(const std::string& layer, const Eigen::Vector3d& from, const E
   object.colour = colour;
   object.width = 3;
   const Eigen::Vector3d d = to - from;
+  // Any direction but the arrow's own: the barbs lie across both.
   const Eigen::Vector3d other =
       std::abs(d.normalized().z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
   const Eigen::Vector3d side = 0.08 * d.norm() * d.cross(other).normalized();
@@ -147,6 +149,7 @@ Range rmseRange(const std::vector<std::vector<double>>& rmse) {
                  [](double v) { return std::isfinite(v); });
   }
   if (known.empty()) return {0, 1};
+  // A few bad views would pale the rest.
   const Range range{quantile(known, 0.02), quantile(known, 0.98)};
   return range.max > range.min ? range : Range{range.min, range.min + 1e-6};
 }
@@ -171,6 +174,7 @@ void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGri
         arrow("gravity", from, from + length * stage.gravity_F.normalized(), {201, 94, 0, 255}));
     const Eigen::Vector3d up = -stage.gravity_F.normalized();
     const Eigen::Vector3d view = (scene.focus - scene.eye).normalized();
+    // Seen along itself, up would be no direction of the picture.
     if (std::abs(up.dot(view)) < 0.9) scene.up = up;
   }
   if (stage.states.empty()) return;
@@ -199,6 +203,8 @@ std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transfo
   for (int k = 0; k < 4; ++k) {
     Eigen::Vector3d ray(0, 0, 1);
     if (n >= 4) {
+      // A pinhole of the model's fu fv pu pv, without its distortion: a sign of where the camera
+      // looks, not its field of view. 1.7 is the tangent of 60 degrees.
       ray.x() = std::clamp((us[k] - p[n - 2]) / p[n - 4], -1.7, 1.7);
       ray.y() = std::clamp((vs[k] - p[n - 1]) / p[n - 3], -1.7, 1.7);
     }

@@ -79,6 +79,7 @@ struct StillCamera {
   }
   Eigen::Vector3d project(const Eigen::Vector3d& p) const {
     const Eigen::Vector3d q = axes * (p - eye);
+    // What lies behind the eye would be mirrored.
     const double z = std::max(1e-3, q.z());
     return {450 + 900 * q.x() / z, 260 + 900 * q.y() / z, z};
   }

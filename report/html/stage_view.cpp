@@ -7,6 +7,7 @@
 namespace plumbline::html_internal {
 
 TimeNs timeOrigin(const CalibrationRecord& record) {
+  // The earlier of both stages: their plots have one axis of time.
   std::vector<TimeNs> first;
   if (record.camera && !record.camera->frames.empty()) {
     first.push_back(record.camera->frames.front().t);

@@ -15,6 +15,7 @@ std::string withPrecisionOf(double value, double std) {
   if (!(std > 0) || !std::isfinite(std) || !std::isfinite(value)) {
     return fmt::format("{:.6g}", value);
   }
+  // Of the digits of a double no more than 15 after the point mean anything.
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 15);
   return fmt::format("{:.{}f}", value, decimals);
 }
@@ -59,6 +60,7 @@ std::string scriptJson(const std::string& json) {
   text.reserve(json.size());
   for (const char c : json) {
     if (c == '<') {
+      // As JSON escapes it: "</script" would end the element.
       text += "\\u003c";
     } else {
       text += c;

@@ -113,6 +113,7 @@ Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
   for (const Frame& frame : stage.frames) seconds.push_back(secondsBetween(origin, frame.t));
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const ImuState& state : stage.states) mean += state.*bias;
+  // Taken off, for a bias walks by far less than its own size.
   mean /= std::max(1.0, static_cast<double>(stage.states.size()));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);

@@ -44,6 +44,7 @@ ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners whi
   grid.squares.assign(cells, 0);
   for (const CornerResidual& r : stage.residuals) {
     if (r.camera != camera || (!r.used && which == Corners::kUsed)) continue;
+    // The image begins half a pixel before the centre of its first one.
     const double u = (static_cast<double>(r.uv.x()) + 0.5) / grid.cell_width;
     const double v = (static_cast<double>(r.uv.y()) + 0.5) / grid.cell_height;
     const int column = std::clamp(static_cast<int>(u), 0, grid.columns - 1);
@@ -152,6 +153,7 @@ Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::st
     }
   }
   const auto n = static_cast<double>(errors.size());
+  // Of a component: every corner has two.
   const double deviation = std::max(1e-9, std::sqrt(squares / std::max(1.0, 2 * n)));
   plot.curves = {normalCurve("normal, same RMS", deviation, range, n * plot.bin_width)};
   return {toSvg(plot, id),

@@ -67,6 +67,7 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
                     std::round(1e3 * v.largest_px) / 1e3, v.used, first, v.corners.size()});
     if (!kept[i]) continue;
     for (const CornerResidual* r : v.corners) {
+      // -1 - u, since 0 has no sign.
       const std::int16_t u = packed(std::max(r->uv.x(), 0.0F), kQuarter);
       corners.push_back(static_cast<std::int16_t>(r->used ? u : -1 - u));
       corners.push_back(packed(r->uv.y(), kQuarter));

@@ -91,6 +91,7 @@ double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string&
 }
 
 Figure scoreBars(const std::vector<CalibrationScore>& scores) {
+  // Never both in one figure: in-sample errors beside held-out ones would look like better ones.
   const bool held_out = anyHeldOut(scores);
   BarPlot plot;
   std::vector<std::string> labels;

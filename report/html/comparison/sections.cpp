@@ -123,7 +123,7 @@ std::vector<std::string> labelsOf(const ComparisonRecord& record) {
   return labels;
 }
 
-/// "ours and kalibr": those that are not known to be of other data than the session.
+/// "ours, kalibr": those that are not known to be of other data than the session.
 std::string notHeldOut(const ComparisonRecord& record) {
   std::string names;
   for (const CalibrationScore& s : record.scores) {

@@ -43,6 +43,7 @@ BasinScale scaleOf(const PerturbationRecord& record, const CaseGroup& shifts) {
   BasinScale scale;
   scale.low = std::floor(std::log10(least) - 0.2);
   scale.high = std::max(scale.low + 2, std::ceil(std::log10(most) + 0.2));
+  // Above all errors, on a line of their own.
   scale.failed = scale.high + 0.6;
   const double margin = std::max(1e-6, 0.04 * (to - from));
   scale.x = {from - margin, to + margin};

@@ -24,6 +24,7 @@ Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quarti
   Series series;
   const auto& values = band.*column;
   for (std::size_t i = 0; i < std::min(band.views.size(), values.size()); ++i) {
+    // Logarithmic, for errors fall by ratios of views.
     series.x.push_back(std::log10(std::max(1, band.views[i])));
     series.y.push_back(values[i] ? (*values[i]).*part : std::numeric_limits<double>::quiet_NaN());
   }

@@ -140,6 +140,7 @@ CameraCalibration cameraOf(const ReplayRecord& record, std::size_t i) {
   for (const ReplayFrame& frame : record.frames) {
     if (i >= frame.corners.size()) continue;
     for (const Corner& c : frame.corners[i]) {
+      // The pixel after the one that the corner lies in.
       size.width = std::max(size.width, static_cast<int>(c.uv.x()) + 2);
       size.height = std::max(size.height, static_cast<int>(c.uv.y()) + 2);
     }
@@ -214,6 +215,7 @@ Json timesJson(const ReplayRecord& record, const ByFrame& decisions) {
   return {{"start", std::to_string(start)}, {"offsets", base64(offsets)}};
 }
 
+/// Of base64, and the end of its line.
 std::size_t textSize(std::size_t bytes) { return (bytes + 2) / 3 * 4 + 1; }
 
 std::vector<std::size_t> framesWithImages(const ReplayRecord& record) {

@@ -28,6 +28,7 @@ std::int16_t rounded(double value) {
 
 RoundPose roundPose(const Transform& T) {
   Eigen::Vector4d q = T.quaternion().coeffs();
+  // q and -q are one rotation: equal poses get equal cells, and are kept once.
   if (q[3] < 0) q = -q;
   RoundPose pose{};
   for (int i = 0; i < 3; ++i) pose[static_cast<std::size_t>(i)] = rounded(1e3 * T.t[i]);

@@ -24,7 +24,8 @@ struct Sampled {
   std::string what;  ///< beside the session's name; may be empty
 };
 
-/// A point's place beside the middle, the same for the same position in its group.
+/// A point's place beside the middle, the same for the same position in its group: steps of 7
+/// modulo 11 keep neighbours apart, and no page depends on chance.
 double beside(std::size_t i) { return kBesides * (static_cast<double>(i * 7 % 11) / 5 - 1); }
 
 /// A box with its points, at the end of the plot.

@@ -108,6 +108,7 @@ void addEnds(const StudyRecord& record, const StudySurvival& s, const Colour& co
              LinePlot& plot) {
   for (const StudySession& session : record.sessions) {
     if (session.method != s.method || !session.capture_s) continue;
+    // Whoever gave up is not done until the limit, as the curve has it.
     const bool done = session.finished && *session.capture_s <= record.limit_s;
     const double t = done ? *session.capture_s : record.limit_s;
     plot.points.push_back({t, heightAt(s, t),

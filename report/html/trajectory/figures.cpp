@@ -271,6 +271,7 @@ void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& labe
     top = std::max(top, box.quantiles[4]);
     longest = std::max(longest, box.name.size());
   }
+  // About as many letters fit side by side below 960 px.
   plot.frame.x.upright_labels = longest * plot.boxes.size() > 110;
   plot.frame.height = plot.frame.x.upright_labels ? 400 : 340;
   plot.frame.y.label = label;
