@@ -41,8 +41,10 @@ CameraPart partOf(const CameraProblem& problem, const CameraEstimate& estimate,
   return part;
 }
 
-/// Blocks of every n-th frame; a frame's block is its index. The stride is rounded down, so that up
-/// to twice `most_frames` take part, and a recording with less than that loses none.
+/// Blocks of every n-th frame; a frame's block is its index. Of time, not frame by frame:
+/// neighbours show nearly the same, and a frame between two that were seen is hardly unseen. The
+/// stride is rounded down, so that up to twice `most_frames` take part, and a recording with less
+/// than that loses none.
 std::vector<std::vector<int>> blocksOf(int frames, int most_frames) {
   const int stride = std::max(1, frames / most_frames);
   const int count = (frames + stride - 1) / stride;

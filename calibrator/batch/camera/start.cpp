@@ -118,6 +118,7 @@ MonoSolution firstSolution(const CameraStream& stream, const PackedCorners& corn
     const Intrinsics plain =
         plainCamera(model.projection, model.distortion, stream.resolution, focal);
     const MonoSolution mono = solveMono(plain, corners, some, options.threads);
+    // The first in any case: a camera without a good start still gets one.
     if (best.camera.projection.size() == 0 || mono.rms_px < best.rms_px) best = mono;
     if (best.rms_px < kGoodStart * stream.resolution.width) break;
   }
