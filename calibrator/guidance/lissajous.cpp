@@ -77,6 +77,8 @@ struct Extremes {
 
 }  // namespace
 
+// Frequencies, phases and ratios are those of the paper's public code (yac), which has eight
+// shapes; the paper names six. The sine of y is the code's, too, where the paper prints a cosine.
 std::vector<LissajousShape> lissajousShapes(bool s_curves) {
   std::vector<LissajousShape> shapes = {{"figure 8 horizontal", 1, 2, kPi, 0.3, 0.3},
                                         {"figure 8 vertical", 2, 1, kPi, 0.3, 0.3},
