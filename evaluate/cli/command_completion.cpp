@@ -90,6 +90,7 @@ complete -o default -F _plumbline plumbline
                      paths, cases);
 }
 
+// Within apostrophes; a colon parts a word from its description.
 std::string zshQuoted(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -174,6 +175,8 @@ end
                      paths, rules);
 }
 
+// A bare - may be set as a hyphen, which no shell takes for an option; a line that begins with a
+// stop or an apostrophe is a request.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -212,6 +212,7 @@ class Judge {
     const Session session = pool();
     const std::vector<int> recorded = recordedFrames(session);
     record.counterfactuals = counterfactuals(session, keptFrames(recorded), options);
+    // Back to positions in the recording, as decisions have them.
     for (CounterfactualCurve& curve : record.counterfactuals->curves) {
       for (int& frame : curve.order) frame = recorded[static_cast<std::size_t>(frame)];
     }

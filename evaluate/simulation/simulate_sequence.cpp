@@ -107,6 +107,7 @@ void renderRoom(const SequenceOptions& o, const SimulatedSession& recording, con
   writeImages(recording.session, folder, format, [&](int camera, std::size_t view) {
     const auto c = static_cast<std::size_t>(camera);
     const TimeNs t = recording.session.cameras[c].views[view].t;
+    // Of its own for every image: no two have the same noise.
     const std::uint64_t number = (static_cast<std::uint64_t>(c) << 32U) + view;
     return renderers[c].render(exposurePoses(recording, camera, t, o.images.exposure_s), number);
   });

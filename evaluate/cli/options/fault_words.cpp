@@ -75,6 +75,7 @@ std::string valueForm(const FaultValue& value, const char* before) {
 std::string formOf(const FaultDescription& d) {
   const bool takes_axis = d.key == FaultKey::kAxis || d.key == FaultKey::kAxisOrCamera;
   const bool takes_camera = d.key == FaultKey::kCamera || d.key == FaultKey::kAxisOrCamera;
+  // A board stretches in its plane alone.
   return d.name + valueForm(d.value, "=") + valueForm(d.extent, ",") +
          (d.instant == TakesInstant::kYes ? "@TIME" : "") +
          (takes_axis ? (d.kind == FaultKind::kStretch ? "[,x|y]" : "[,x|y|z]") : "") +
