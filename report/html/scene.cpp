@@ -204,7 +204,7 @@ std::vector<Eigen::Vector3d> frustum(const Intrinsics& intrinsics, const Transfo
     Eigen::Vector3d ray(0, 0, 1);
     if (n >= 4) {
       // A pinhole of the model's fu fv pu pv, without its distortion: a sign of where the camera
-      // looks, not its field of view. 1.7 is the tangent of 60 degrees.
+      // looks, not its field of view. 1.7 is about the tangent of 60 degrees.
       ray.x() = std::clamp((us[k] - p[n - 2]) / p[n - 4], -1.7, 1.7);
       ray.y() = std::clamp((vs[k] - p[n - 1]) / p[n - 3], -1.7, 1.7);
     }

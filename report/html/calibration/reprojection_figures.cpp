@@ -340,6 +340,7 @@ FigureGroup correlationFigures(const StageView& stage) {
       const double scale = std::sqrt(covariance.matrix(i, i) * covariance.matrix(j, j));
       const double rho = scale > 0 ? covariance.matrix(i, j) / scale : std::nan("");
       map.values.push_back(rho);
+      // Of many, only those that are worth a look: figures in all cells would hide them.
       const bool shown = std::isfinite(rho) && (n <= 8 || (i != j && std::abs(rho) >= 0.3));
       map.cell_labels.push_back(shown ? shortNumber(rho) : "");
     }

@@ -152,6 +152,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
       level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
             record.offset_bound_s, scale, kWarningColour));
   const double std = record.base.time_offset_std_s.value_or(0);
+  // A line outside of the axes would only stand in the legend.
   if (std > std::pow(10, scale.low) && std < std::pow(10, scale.high)) {
     plot.series.push_back(level("std of the base's offset", std, scale, {90, 98, 110, 255}));
   }

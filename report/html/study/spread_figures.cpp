@@ -63,6 +63,7 @@ Figure spreadFigure(const StudyRecord& record) {
                                        s.method, s.ratio, s.farthest),
                            farthest ? farthest->page : "", seriesColour(k)});
     top = std::max(top, s.ratio);
+    // The narrowest interval of all: that of the method with most sessions.
     low = std::max(low, s.low);
     high = std::min(high, s.high);
   }
