@@ -79,6 +79,7 @@ void GuideOptions::check() const {
   trajectories.check();
   latency.check();
   pace.check();
+  requireOption(camera_stage_s >= 0, "camera_stage_s", camera_stage_s, "0 (no limit) or more");
   requireOption(lost_target_s > 0, "lost_target_s", lost_target_s, "a positive time");
   requireOption(max_frame_gap_s > 0, "max_frame_gap_s", max_frame_gap_s, "a positive time");
   requireOption(threads >= 1, "threads", threads, "1 or more");
@@ -90,8 +91,12 @@ struct Guide::State {
   std::optional<CameraGuide> camera;                      // unless cameras were given
   std::optional<Result<CameraStageResult>> camera_batch;  // once the camera stage is over
   std::optional<CameraImuGuide> camera_imu;               // while and after it runs
+  std::optional<TimeNs> camera_since;                     // its first frame
+  bool camera_ended = false;                              // by options.camera_stage_s
 
+  bool cameraOver() const { return camera_ended || camera->finished(); }
   Decision stepCamera(const GuideFrame& frame);
+  void endByTime(Decision& last);
   void endCameraStage(Decision& last);
 };
 
@@ -140,26 +145,48 @@ void Guide::State::endCameraStage(Decision& last) {
   }
 }
 
+/// What is still open is taken back with the frame; one that this frame opened was never shown.
+void Guide::State::endByTime(Decision& last) {
+  camera_ended = true;
+  last.mode = GuideMode::kFinished;
+  if (last.event == SuggestionEvent::kOpened) {
+    last.event = SuggestionEvent::kNone;
+    last.suggestion.reset();
+    last.opened.reset();
+  } else if (last.event == SuggestionEvent::kNone && last.suggestion) {
+    last.event = SuggestionEvent::kWithdrawn;
+  }
+  note(last, "the stage is ended here without having said stop");
+}
+
 Decision Guide::State::stepCamera(const GuideFrame& frame) {
+  if (!camera_since) camera_since = frame.t;
   Decision decision = camera->step(frame);
-  if (camera->finished()) endCameraStage(decision);
+  const bool limited = options.camera_stage_s > 0;
+  if (limited && !camera->finished() &&
+      secondsBetween(*camera_since, frame.t) >= options.camera_stage_s) {
+    endByTime(decision);
+  }
+  if (cameraOver()) endCameraStage(decision);
   return decision;
 }
 
 Decision Guide::step(const GuideFrame& frame) {
   State& s = *state_;
   assert(frame.corners.size() == s.rig.cameras.size());
-  if (s.camera && !s.camera->finished()) return s.stepCamera(frame);
+  if (s.camera && !s.cameraOver()) return s.stepCamera(frame);
   if (!s.camera_imu) {
-    return s.camera ? s.camera->step(frame) : passedOver(frame);
+    return s.camera && !s.camera_ended ? s.camera->step(frame) : passedOver(frame);
   }
   return s.camera_imu->step(frame);
 }
 
 bool Guide::finished() const {
   if (state_->camera_imu) return state_->camera_imu->finished();
-  return !state_->camera || state_->camera->finished();
+  return !state_->camera || state_->cameraOver();
 }
+
+bool Guide::cameraStageEnded() const { return state_->camera_ended; }
 
 namespace {
 

@@ -15,10 +15,10 @@ namespace plumbline {
 
 /// The paper's interactive guide as a state machine over frames, driven by whoever has them.
 ///
-/// First the camera stage (next best view), unless `cameras` are given; when it finishes, its views
-/// are solved in batch, and the camera-IMU stage (next best trajectory) begins with the frames that
-/// follow. Time is that of the frames: equal frames and options give equal decisions, whatever the
-/// threads and the speed at which step() is called.
+/// First the camera stage (next best view), unless `cameras` are given; when it finishes, or its
+/// time is over, its views are solved in batch, and the camera-IMU stage (next best trajectory)
+/// begins with the frames that follow. Time is that of the frames: equal frames and options give
+/// equal decisions, whatever the threads and the speed at which step() is called.
 class Guide {
  public:
   Guide(const GuideRig& rig, const GuideOptions& options,
@@ -32,6 +32,8 @@ class Guide {
 
   /// Nothing is left to ask for.
   bool finished() const;
+  /// The camera stage was ended by GuideOptions::camera_stage_s, and did not say stop itself.
+  bool cameraStageEnded() const;
 
   /// The final batch of a stage over the frames that it kept: what the operator is given. Before
   /// the stage finishes: over those kept so far.

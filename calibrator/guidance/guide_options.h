@@ -117,6 +117,9 @@ struct GuideOptions {
   TrajectoryGuideOptions trajectories;
   OperatorPace pace;
   GuideLatency latency;
+  /// The camera stage ends so long after its first frame, whatever it would still ask for [s]; 0:
+  /// when it says so.
+  double camera_stage_s = 0;
   double lost_target_s = 2;    ///< without the target for longer: said in the log [s]
   double max_frame_gap_s = 1;  ///< a pause between frames longer than this is a jump [s]
   int threads = 1;             ///< decisions do not depend on it

@@ -155,6 +155,11 @@ void GuideOptionSet::declare(CLI::App& app) {
   app.add_option("--criterion", criterion,
                  "Criterion to choose views and trajectories, and to stop: mi or predicted-error")
       ->capture_default_str();
+  app.add_option("--camera-stage-s", guide.camera_stage_s,
+                 "End the camera stage after this time even if it does not say stop [s] (0: only "
+                 "where it would take the whole recording, at half of it)")
+      ->check(numberFrom(0))
+      ->capture_default_str();
   app.add_option("--later-use", later_use,
                  "Where the error is predicted: image (the whole image) or seen (where corners "
                  "were seen so far)")

@@ -57,6 +57,13 @@ struct FrameSplitOptions {
 /// Throws InputError for options out of range.
 FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options = {});
 
+/// How a camera stage ended.
+enum class CameraStageEnd {
+  kItself,  ///< by its stop, or with the recording
+  kTime,    ///< GuideOptions::camera_stage_s
+  kHalf,    ///< likewise, at half of the recording, in the whole of which it does not say stop
+};
+
 /// A replay that has run, for those who judge it. All members outlive the judging.
 struct ReplayRun {
   const Session& session;
@@ -65,11 +72,15 @@ struct ReplayRun {
   GuideOptions guide;
   CameraStageOptions camera;    ///< of the batches
   CameraImuOptions camera_imu;  ///< likewise
+  CameraStageEnd camera_end = CameraStageEnd::kItself;
 
   /// Positions of the frames that a stage accepted and did not withdraw later, ascending.
   std::vector<int> accepted(GuideStage stage) const;
-  /// The decision with which a stage finished; null if it did not.
+  /// The decision with which a stage finished, or was ended; null if it went on.
   const Decision* finish(GuideStage stage) const;
+  bool wasEnded(GuideStage stage) const {
+    return stage == GuideStage::kCamera && camera_end != CameraStageEnd::kItself;
+  }
   /// The session of some frames; all views of a frame carry the frame's stamp.
   Session sessionOfFrames(const std::vector<int>& wanted) const;
   /// The same of all frames, or of those from position `first` on.

@@ -78,7 +78,8 @@ Finding stopFinding(const StopAudit& audit, double tolerance_s) {
       break;
     case StopAudit::Verdict::kNeverStopped:
       f.level = VerdictLevel::kCaution;
-      f.advice = "the guide had not finished when the recording ended";
+      f.advice = fmt::format("the guide had not finished when the {} ended",
+                             audit.ended ? "stage was" : "recording");
       break;
     case StopAudit::Verdict::kEarly:
       f.level = VerdictLevel::kCaution;
@@ -149,6 +150,46 @@ std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
     if (decision.failure) note(decision, textOf(*decision.failure).message);
   }
   return decisions;
+}
+
+/// A recording played, by a guide that still has its views.
+struct Played {
+  Guide guide;
+  GuideOptions options;
+  std::vector<Decision> decisions;
+  CameraStageEnd camera_end = CameraStageEnd::kItself;
+};
+
+Played playedWith(const ReplayRequest& request, const GuideRig& rig,
+                  const std::vector<GuideFrame>& frames, const GuideOptions& options,
+                  const std::optional<std::vector<CameraCalibration>>& given,
+                  const ProgressSink& progress) {
+  Played played{Guide(rig, options, given), options, {}};
+  played.decisions = play(played.guide, frames, progress);
+  if (played.guide.cameraStageEnded()) {
+    const bool asked = request.guide.camera_stage_s > 0;
+    played.camera_end = asked ? CameraStageEnd::kTime : CameraStageEnd::kHalf;
+  }
+  return played;
+}
+
+/// Where the camera stage would take the whole recording, it is ended at half of it, as a person
+/// with so much time would do: otherwise nothing were known of the camera-IMU stage.
+Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
+                      const std::vector<GuideFrame>& frames,
+                      const std::optional<std::vector<CameraCalibration>>& given,
+                      const ProgressSink& progress) {
+  Played played = playedWith(request, rig, frames, request.guide, given, progress);
+  if (request.guide.camera_stage_s > 0) return played;  // its user decides
+  const bool stuck = !played.decisions.empty() && rig.imu && !given &&
+                     played.decisions.back().stage == GuideStage::kCamera &&
+                     !played.guide.finished();
+  if (!stuck) return played;
+  GuideOptions half = request.guide;
+  half.camera_stage_s = 0.5 * secondsBetween(frames.front().t, frames.back().t);
+  if (!(half.camera_stage_s > 0)) return played;
+  Played again = playedWith(request, rig, frames, half, given, progress);
+  return again.guide.cameraBatch().ok() ? std::move(again) : std::move(played);
 }
 
 /// What both stages left behind, and what is made of it.
@@ -308,18 +349,19 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   const std::vector<Frame> paired = pairedFrames(session, arrival);
   const std::vector<GuideFrame> frames = guideFrames(session, arrival);
   const auto given = givenCameras(request, session);
-  Guide guide(guideRig(session, models), request.guide, given);
+  Played played = playBothStages(request, guideRig(session, models), frames, given, progress);
 
   ReplayRecord record;
   attribute(record, request.provenance, loaded);
   record.target = session.target;
   record.assumptions = assumptionsOf(request.camera, request.camera_imu, session);
-  record.decisions = play(guide, frames, progress);
+  record.decisions = std::move(played.decisions);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
   if (request.images) addImages(loaded, paired, record.frames, progress);
-  const ReplayRun run{session,       frames,         record.decisions,
-                      request.guide, request.camera, request.camera_imu};
-  Judge(request, run, guide, given, suggestions, progress).write(record);
+  const ReplayRun run{session,          frames,         record.decisions,
+                      played.options,   request.camera, request.camera_imu,
+                      played.camera_end};
+  Judge(request, run, played.guide, given, suggestions, progress).write(record);
   record.verdict = makeVerdict(replayFindings(record, request.audit.tolerance_s));
   record.verdict.headline = headlineOf(record.verdict, stopWords(record));
   return record;

@@ -66,7 +66,9 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   }
   s.views_used = static_cast<int>(run.accepted(stage).size());
   s.ran = s.started.has_value();
-  if (const Decision* finish = run.finish(stage)) s.finished = finish->t;
+  if (const Decision* finish = run.finish(stage)) {
+    (run.wasEnded(stage) ? s.ended : s.finished) = finish->t;
+  }
   if (!s.ran) s.problem = entered ? startProblem(run, stage) : entryProblem(run);
   return s;
 }

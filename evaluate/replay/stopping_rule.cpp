@@ -11,6 +11,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/lie.h"
+#include "calibrator/guidance/imu_reprojection.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/stage_summary.h"
 
@@ -89,6 +90,17 @@ std::string sinceStart(const ReplayRun& run, TimeNs t) {
   return fmt::format("{:.1f} s", secondsBetween(run.frames.front().t, t));
 }
 
+/// Until when a guide that did not say stop could have.
+std::string beforeEnd(const ReplayRun& run, const StopAudit& audit) {
+  if (!audit.ended) {
+    return "before the recording ended at " + sinceStart(run, run.frames.back().t);
+  }
+  const std::string at = sinceStart(run, *audit.ended);
+  if (run.camera_end == CameraStageEnd::kTime) return "before its stage was ended at " + at;
+  return fmt::format("in the whole recording of {}, so its stage was ended at half of it, {}",
+                     sinceStart(run, run.frames.back().t), at);
+}
+
 /// Early, late or right, once it is known when the frames were enough.
 void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::string& what,
            StopAudit& audit) {
@@ -98,8 +110,7 @@ void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::
   if (!audit.finished) {
     audit.verdict = StopAudit::Verdict::kNeverStopped;
     audit.explanation =
-        fmt::format("the guide did not say stop before the recording ended at {}; {}: {}",
-                    sinceStart(run, end), what, reached);
+        fmt::format("the guide did not say stop {}; {}: {}", beforeEnd(run, audit), what, reached);
     return;
   }
   const std::string said = "the guide said stop at " + sinceStart(run, *audit.finished);
@@ -121,7 +132,9 @@ StopAudit auditOf(const ReplayRun& run, GuideStage stage,
                   const StageBatches<StageResult>& batches) {
   StopAudit audit;
   audit.stage = stage;
-  if (const Decision* finish = run.finish(stage)) audit.finished = finish->t;
+  if (const Decision* finish = run.finish(stage)) {
+    (run.wasEnded(stage) ? audit.ended : audit.finished) = finish->t;
+  }
   if (batches.kept) audit.entropy_at_finish_nats = batches.kept->summary.entropy_nats;
   if (batches.full) audit.entropy_of_all_nats = batches.full->summary.entropy_nats;
   return audit;
@@ -149,11 +162,51 @@ std::optional<double> heldOutError(const Session& held_out,
   return scored->summary.reprojection.rmse_px;
 }
 
+/// What the camera-IMU stage expected last.
+std::optional<double> expectedErrorPx(const ReplayRun& run) {
+  for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
+    if (d->stage == GuideStage::kCameraImu && d->error_px) return d->error_px;
+  }
+  return std::nullopt;
+}
+
+/// By how much points that the IMU predicts with a are off from those with b: sqrt(d^T M d) [px]
+/// (ImuReprojection).
+double predictedPointsPx(const ImuReprojection& use, const ImuCalibration& a,
+                         const ImuCalibration& b) {
+  Eigen::Matrix<double, 7, 1> d;
+  d << boxminus(a.T_SC0, b.T_SC0), a.timeOffset() - b.timeOffset();
+  return std::sqrt(d.dot(use.gram(b.T_SC0) * d));
+}
+
 bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {
   const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
   return difference.head<3>().norm() <= options.translation_m &&
          difference.tail<3>().norm() <= options.rotation_rad &&
          std::abs(a.timeOffset() - b.timeOffset()) <= options.offset_s;
+}
+
+/// What is held against a stop by T_SC0 and time offset.
+std::string armWords(const ImuCalibration& kept, const ImuCalibration& best,
+                     const StoppingRuleOptions& options) {
+  const Vector6d off = boxminus(kept.T_SC0, best.T_SC0);
+  return fmt::format(
+      "T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} us from the "
+      "whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
+      1e3 * off.head<3>().norm(), off.tail<3>().norm() * kDegrees,
+      1e6 * std::abs(kept.timeOffset() - best.timeOffset()), 1e3 * options.translation_m,
+      options.rotation_rad * kDegrees, 1e6 * options.offset_s);
+}
+
+/// The same of a stop by the points that the IMU predicts.
+std::string pointsWords(const StopAudit& audit, double bar_px) {
+  const auto words = [](const std::optional<double>& px) {
+    return px ? fmt::format("{:.3f} px", *px) : "unknown";
+  };
+  return fmt::format(
+      "points that the IMU predicts are {} from where the whole recording's calibration puts them "
+      "({} expected by the guide); within {:g} px",
+      words(audit.measured_px), words(audit.predicted_px), bar_px);
 }
 
 }  // namespace
@@ -228,23 +281,28 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   const auto counts =
       checkpointCounts(run.guide.trajectories.start_frames, static_cast<int>(order.size()),
                        options.checkpoints, finished_with);
+  const ImuReprojection use(cameras);
+  const double bar_px = run.guide.trajectories.stop_reprojection_px;
+  const ImuCalibration& best = batches.full->imu;
+  const auto isEnough = [&](const ImuCalibration& imu_at) {
+    return bar_px > 0 ? predictedPointsPx(use, imu_at, best) <= bar_px
+                      : isNear(imu_at, best, options);
+  };
   std::vector<bool> holds;
   for (const int count : counts) {
     const auto batch = calibrateCameraImu(run.sessionOfFrames(firstOf(order, count)), cameras, imu);
-    holds.push_back(batch.ok() && isNear(batch->imu, batches.full->imu, options));
+    holds.push_back(batch.ok() && isEnough(batch->imu));
   }
   if (const auto first = holdsFrom(holds)) {
     const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];
     audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
   }
-  const Vector6d off = boxminus(batches.kept->imu.T_SC0, batches.full->imu.T_SC0);
+  audit.predicted_px = expectedErrorPx(run);
+  // Over all frames there is nothing to hold them against.
+  const bool all = kept.size() == order.size();
+  if (!all) audit.measured_px = predictedPointsPx(use, batches.kept->imu, best);
   judge(run, options,
-        fmt::format("T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} "
-                    "us from the whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
-                    1e3 * off.head<3>().norm(), off.tail<3>().norm() * kDegrees,
-                    1e6 * std::abs(batches.kept->imu.timeOffset() - batches.full->imu.timeOffset()),
-                    1e3 * options.translation_m, options.rotation_rad * kDegrees,
-                    1e6 * options.offset_s),
+        bar_px > 0 ? pointsWords(audit, bar_px) : armWords(batches.kept->imu, best, options),
         audit);
   return audit;
 }

@@ -33,7 +33,9 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
                           const StoppingRuleOptions& options = {});
 
 /// Camera-IMU stage: the same for the frames since the stage's start, held against T_SC0 and time
-/// offset of the batch over all of them.
+/// offset of the batch over all of them; of a stage that stops by
+/// TrajectoryGuideOptions::stop_reprojection_px, by the points that the IMU predicts, which that
+/// bar is for.
 StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
                              const StageBatches<CameraImuStageResult>& batches,
                              const StoppingRuleOptions& options = {});

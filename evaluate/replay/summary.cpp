@@ -38,6 +38,10 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
   if (s.finished) {
     add(text, "; finished at {:.1f} s", secondsBetween(record.frames.front().t, *s.finished));
   }
+  if (s.ended) {
+    add(text, "; ended at {:.1f} s without a stop",
+        secondsBetween(record.frames.front().t, *s.ended));
+  }
   add(text, "\n");
   if (!s.kept_batch || !s.full_batch) return;
   add(text, "  entropy {:.2f} nats ({:.2f} bits); of all frames {:.2f} nats ({:.2f} bits)\n",
@@ -46,9 +50,16 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
 }
 
 void addExcess(Text& text, const StopAudit& audit) {
-  if (!audit.predicted_excess || !audit.measured_excess) return;
-  add(text, "  the views kept add {:.1f} % (predicted), {:.1f} % (measured) to a corner's error\n",
-      100 * *audit.predicted_excess, 100 * *audit.measured_excess);
+  if (audit.predicted_excess && audit.measured_excess) {
+    add(text,
+        "  the views kept add {:.1f} % (predicted), {:.1f} % (measured) to a corner's error\n",
+        100 * *audit.predicted_excess, 100 * *audit.measured_excess);
+  }
+  if (audit.predicted_px && audit.measured_px) {
+    add(text,
+        "  points that the IMU predicts are off by {:.3f} px (expected), {:.3f} px (measured)\n",
+        *audit.predicted_px, *audit.measured_px);
+  }
 }
 
 void addCounterfactuals(Text& text, const Counterfactuals& c) {

@@ -79,12 +79,16 @@ struct StopAudit {
   GuideStage stage = GuideStage::kCamera;
   Verdict verdict = Verdict::kNeverStopped;
   std::optional<TimeNs> finished;  ///< the guide's "finish"
+  std::optional<TimeNs> ended;     ///< the stage was ended here without one
   std::optional<TimeNs> enough;    ///< first instant at which the views kept were good enough
   double seconds = 0;              ///< early: missing; late: wasted; right or never: 0
   double saved_s = 0;              ///< of the recording, after "finish"
   /// Camera stage: by how much the views kept at the end of the stage leave more error than all
   /// frames would, as a share: as the guide predicted it, and on frames held out.
   std::optional<double> predicted_excess, measured_excess;
+  /// Camera-IMU stage: by how much points that the IMU predicts are off (RMS) [px]: as the guide
+  /// expects with the frames kept, and their calibration against that of all frames.
+  std::optional<double> predicted_px, measured_px;
   double entropy_at_finish_nats = 0;  ///< of the calibration parameters
   double entropy_of_all_nats = 0;     ///< had every frame been used
   std::string explanation;            ///< a sentence with the numbers that decided it
@@ -100,12 +104,17 @@ void fields(V& v, StopAudit& a) {
   v("stage", a.stage, "`camera` or `camera-imu`");
   v("verdict", a.verdict, "`right`, `early`, `late`, `never stopped`, `not judged`");
   v("finished_ns", a.finished, "the guide's \"finish\"");
+  v("ended_ns", a.ended, "the stage was ended here without one");
   v("enough_ns", a.enough, "first instant at which the views kept were sufficient");
   v("seconds", a.seconds, "s", "early: missing; late: wasted; right or never: 0");
   v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");
   v("predicted_excess", a.predicted_excess, "1",
     "share by which the views kept raise the error, as predicted by the guide");
   v("measured_excess", a.measured_excess, "1", "the same on held-out frames, against all frames");
+  v("predicted_px", a.predicted_px, "px",
+    "camera-IMU stage: error of points that the IMU predicts (RMS), as expected by the guide");
+  v("measured_px", a.measured_px, "px",
+    "the same of the calibration of the frames kept, against that of all frames");
   v("entropy_at_finish_nats", a.entropy_at_finish_nats, "nat", "of the calibration parameters");
   v("entropy_of_all_nats", a.entropy_of_all_nats, "nat", "had every frame been used");
   v("explanation", a.explanation, "a sentence with the numbers that decided it");
@@ -125,6 +134,7 @@ struct ReplayStageSummary {
   int reached = 0;
   std::optional<TimeNs> started;
   std::optional<TimeNs> finished;
+  std::optional<TimeNs> ended;  ///< without "finish", for the next stage's sake
   /// Batch over the kept views, and over all frames of the recording.
   std::optional<StageSummary> kept_batch;
   std::optional<StageSummary> full_batch;
@@ -149,6 +159,7 @@ void fields(V& v, ReplayStageSummary& s) {
   v("suggestions_reached", s.reached, "1", "of them");
   v("started_ns", s.started, "first frame of the stage");
   v("finished_ns", s.finished, "the guide's \"finish\"");
+  v("ended_ns", s.ended, "the stage was ended here without \"finish\"");
   std::optional<double> duration_s;
   if (s.started && s.finished) duration_s = secondsBetween(*s.started, *s.finished);
   v.derived("duration_s", duration_s, "s", "from start to \"finish\"");

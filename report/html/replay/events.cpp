@@ -56,17 +56,27 @@ std::string finishedText(const Decision& d) {
   return text;
 }
 
+std::string endedText(const Decision& d) {
+  return fmt::format("{} stage ended without a stop, {} kept", toString(d.stage), d.views_kept);
+}
+
 /// Walks over the decisions and remembers what a text needs of those before.
 class Events {
  public:
   std::vector<ReplayEvent> events;
+
+  explicit Events(const ReplayRecord& record) {
+    for (const ReplayStageSummary& s : record.stages) {
+      if (s.ended) ended_.insert(s.stage);
+    }
+  }
 
   void add(const Decision& d) {
     addProblem(d);
     if (d.reason == GuideReason::kInitialised) push(d, "initialised", initialisedText(d));
     addSuggestion(d);
     if (d.mode == GuideMode::kFinished && finished_.insert(d.stage).second) {
-      push(d, "finished", finishedText(d));
+      push(d, "finished", ended_.contains(d.stage) ? endedText(d) : finishedText(d));
     }
   }
 
@@ -107,7 +117,7 @@ class Events {
     push(d, toString(d.event).c_str(), std::move(text));
   }
 
-  std::set<GuideStage> finished_;
+  std::set<GuideStage> finished_, ended_;
   std::map<int, TimeNs> opened_;
   GuideReason problem_ = GuideReason::kInitialising;
   int run_ = 0;         ///< frames in a row with this problem
@@ -123,7 +133,7 @@ std::string bitsAndNats(double nats) {
 }
 
 std::vector<ReplayEvent> replayEvents(const ReplayRecord& record) {
-  Events all;
+  Events all(record);
   for (const Decision& d : record.decisions) all.add(d);
   return std::move(all.events);
 }

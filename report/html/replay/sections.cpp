@@ -35,6 +35,12 @@ std::string titleOf(GuideStage stage) {
   return stage == GuideStage::kCamera ? "cameras" : "camera-IMU";
 }
 
+/// Seconds of a stage's stop, or of its end without one.
+std::string endText(const ReplayRecord& record, std::optional<TimeNs> finished,
+                    std::optional<TimeNs> ended) {
+  return ended ? "ended at " + secondsText(record, ended) : secondsText(record, finished);
+}
+
 std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary& s) {
   std::vector<Cell> row = {tight(titleOf(s.stage))};
   const auto count = [&row](bool known, int n) {
@@ -45,7 +51,7 @@ std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary&
   for (const int n : {s.views_redundant, s.views_missed}) count(in_hindsight, n);
   for (const int n : {s.suggestions, s.reached}) count(s.ran, n);
   row.push_back(number(secondsText(record, s.started)));
-  row.push_back(number(secondsText(record, s.finished)));
+  row.push_back(number(endText(record, s.finished, s.ended)));
   row.push_back(number(s.finished ? bitsAndNats(s.information_after_finish_nats) : kDash));
   return row;
 }
@@ -162,12 +168,14 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
   return {
       tight(titleOf(a.stage)),
       verdictCell(a.verdict),
-      number(secondsText(record, a.finished)),
+      number(endText(record, a.finished, a.ended)),
       number(secondsText(record, a.enough)),
       number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
       number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
       number(fixedOrDash(a.predicted_excess, 1, 100)),
       number(fixedOrDash(a.measured_excess, 1, 100)),
+      number(fixedOrDash(a.predicted_px, 3)),
+      number(fixedOrDash(a.measured_px, 3)),
       number(a.finished && a.entropy_at_finish_nats != 0
                  ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
                  : kDash),
@@ -218,7 +226,10 @@ Section stopAuditSection(const ReplayRecord& record) {
       "The guide's \"finish\" compared with the first instant at which the views kept were "
       "sufficient, judged by the held-out error of the batch over them. Saved: the part of the "
       "recording after it. Excess: relative increase of the error with the views kept over that "
-      "with all frames, as predicted by the guide and as measured on held-out frames.",
+      "with all frames, as predicted by the guide and as measured on held-out frames. Points by "
+      "the "
+      "IMU: by how much points that it predicts are off, as expected by the guide and against the "
+      "calibration of all frames. Ended: without a stop, so that the other stage is replayed.",
       {},
       {}};
   Table table{{{"Stage"},
@@ -229,6 +240,8 @@ Section stopAuditSection(const ReplayRecord& record) {
                {"Saved [s]", kNumber},
                {"Excess, predicted [%]", kNumber},
                {"Measured [%]", kNumber},
+               {"Points by the IMU, expected [px]", kNumber},
+               {"Measured [px]", kNumber},
                {"Entropy then [nats]", kNumber},
                {"Of all frames [nats]", kNumber}},
               {}};

@@ -148,13 +148,36 @@ TEST_F(CommandReplay, ByPredictedErrorItStopsWithFewViewsAndSaysHowGoodTheyAre) 
 }
 
 TEST_F(CommandReplay, AStageThatWasNotPlayedIsNotJudged) {
-  // Too short for the camera stage to finish.
-  ASSERT_EQ(replay(session(), "--no-report --to 4").exit_code, 0);
+  // Too short for the camera stage to finish, and its user lets it take as long as it wants.
+  ASSERT_EQ(replay(session(), "--no-report --to 4 --camera-stage-s 1000").exit_code, 0);
   const json document = json::parse(read(out() / "replay.json"));
   ASSERT_EQ(document["stages"].size(), 2u);
   ASSERT_EQ(document["stop_audits"].size(), 2u);
   EXPECT_EQ(document["stop_audits"][1]["stage"], "camera-imu");
   EXPECT_EQ(document["stop_audits"][1]["verdict"], "not judged");
+}
+
+TEST_F(CommandReplay, ACameraStageThatTakesAllIsEndedAtHalf) {
+  const Outcome run = replay(session(), "--no-report --to 8 --min-views 10000");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("ended at 4.0 s without a stop"));
+  EXPECT_THAT(run.text, HasSubstr("in the whole recording of 8"));
+  const json document = json::parse(read(out() / "replay.json"));
+  EXPECT_TRUE(document["stages"][0]["ended_ns"].is_number());
+  EXPECT_FALSE(document["stages"][0].contains("finished_ns"));
+  EXPECT_EQ(document["stop_audits"][0]["verdict"], "never stopped");
+  EXPECT_GT(document["stages"][1]["frames_offered"], 0);
+  EXPECT_NE(document["stop_audits"][1]["verdict"], "not judged");
+  EXPECT_TRUE(document["stop_audits"][1]["predicted_px"].is_number());
+  // Still one decision a frame.
+  const auto decisions = lines(out() / "decisions.jsonl");
+  for (std::size_t i = 0; i < decisions.size(); ++i) EXPECT_EQ(decisions[i]["frame"], i);
+}
+
+TEST_F(CommandReplay, ACameraStageHasTheTimeAskedFor) {
+  const Outcome run = replay(session(), "--no-report --to 8 --min-views 10000 --camera-stage-s 3");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("before its stage was ended at 3.0 s"));
 }
 
 TEST_F(CommandReplay, SuggestionsOfTheRecordingAreFollowed) {

@@ -93,5 +93,36 @@ TEST_F(Stopping, ACameraImuStageIsJudgedByItsDistanceFromAllFrames) {
   EXPECT_THAT(audit.explanation, HasSubstr("mm"));
 }
 
+TEST_F(Stopping, ACameraStageThatWasEndedDidNotStop) {
+  decide(GuideStage::kCamera, 2, 10);
+  ReplayRun r = run();
+  r.camera_end = CameraStageEnd::kHalf;
+  const StopAudit audit = judgeCameraStop(r, cameraBatches(r, keptCameras(r)));
+  EXPECT_EQ(audit.verdict, Stop::kNeverStopped);
+  EXPECT_FALSE(audit.finished.has_value());
+  ASSERT_TRUE(audit.ended.has_value());
+  EXPECT_THAT(audit.explanation, HasSubstr("ended at half of it, 10.0 s"));
+}
+
+TEST_F(Stopping, ACameraImuStageThatStopsByPointsIsJudgedByThem) {
+  decide(GuideStage::kCameraImu, 1, 18);
+  decisions_.back().error_px = 0.25;
+  ReplayRun r = run();
+  const auto& cameras = recording_.truth.cameras;
+  const auto judged = [&](double bar_px) {
+    r.guide.trajectories.stop_reprojection_px = bar_px;
+    return judgeCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
+  };
+  const StopAudit loose = judged(100), strict = judged(1e-9);
+  EXPECT_EQ(loose.predicted_px, 0.25);
+  EXPECT_EQ(loose.verdict, Stop::kLate) << loose.explanation;
+  EXPECT_EQ(strict.verdict, Stop::kEarly) << strict.explanation;
+  // The last second of twenty changes the points by less than a pixel, but by something.
+  ASSERT_TRUE(loose.measured_px);
+  EXPECT_GT(*loose.measured_px, 0);
+  EXPECT_LT(*loose.measured_px, 1);
+  EXPECT_THAT(loose.explanation, HasSubstr("0.250 px expected by the guide"));
+}
+
 }  // namespace
 }  // namespace plumbline
