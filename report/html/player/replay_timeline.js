@@ -129,7 +129,7 @@
       ctx.fillText(text, x, y);
     }
 
-    drawEnds(ctx) { for (const f of this.ends) this.rule(ctx, f, inks.end, [], 'finish'); }
+    drawEnds(ctx) { for (const f of this.ends) this.rule(ctx, f, inks.end, [], 'end'); }
 
     tick(ctx, unit, label, from, to) {
       ctx.strokeStyle = inks.grid;

@@ -72,7 +72,9 @@ class Events {
   }
 
   void add(const Decision& d) {
-    addProblem(d);
+    // That a stage was ended is said by its own event.
+    const bool ends = d.mode == GuideMode::kFinished && ended_.contains(d.stage);
+    if (!ends || d.failure) addProblem(d);
     if (d.reason == GuideReason::kInitialised) push(d, "initialised", initialisedText(d));
     addSuggestion(d);
     if (d.mode == GuideMode::kFinished && finished_.insert(d.stage).second) {
