@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/guide.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -140,8 +141,13 @@ void Guide::State::endCameraStage(Decision& last) {
     note(last, "the batch over the views kept failed");
     last.failure = camera_batch->failure();
   } else if (rig.imu) {
+    TimeNs busy_until = camera->busyUntil();
+    // A stage that finishes itself accounts for its batch.
+    if (camera_ended) {
+      busy_until = std::max(busy_until, last.t) + toNanoseconds(options.latency.camera_batch_s);
+    }
     camera_imu.emplace(rig, camera_batch->value().cameras, options,
-                       CameraImuGuide::Begin{camera->nextSuggestion(), camera->busyUntil()});
+                       CameraImuGuide::Begin{camera->nextSuggestion(), busy_until});
   }
 }
 

@@ -183,7 +183,7 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
   if (request.guide.camera_stage_s > 0) return played;  // its user decides
   const bool stuck = !played.decisions.empty() && rig.imu && !given &&
                      played.decisions.back().stage == GuideStage::kCamera &&
-                     !played.guide.finished();
+                     played.decisions.back().mode != GuideMode::kFinished;
   if (!stuck) return played;
   GuideOptions half = request.guide;
   half.camera_stage_s = 0.5 * secondsBetween(frames.front().t, frames.back().t);

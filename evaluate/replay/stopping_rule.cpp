@@ -298,9 +298,8 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
     audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
   }
   audit.predicted_px = expectedErrorPx(run);
-  // Over all frames there is nothing to hold them against.
-  const bool all = kept.size() == order.size();
-  if (!all) audit.measured_px = predictedPointsPx(use, batches.kept->imu, best);
+  // Of a stage that went on to the end both are calibrations of the same frames.
+  if (audit.finished) audit.measured_px = predictedPointsPx(use, batches.kept->imu, best);
   judge(run, options,
         bar_px > 0 ? pointsWords(audit, bar_px) : armWords(batches.kept->imu, best, options),
         audit);

@@ -115,7 +115,7 @@ window.plumblineReplay = {};
     const poses = typed(Float32Array, json.poses);
     const rounds = roundsOf(json.candidates);
     const roundFrames = rounds.map((r) => r.frame);
-    const suggestions = json.suggestions.map((s) => ({...s, mi: s.mi === null ? Infinity : s.mi, overlay: s.overlay.map(overlayOf)}));
+    const suggestions = json.suggestions.map((s) => ({...s, overlay: s.overlay.map(overlayOf)}));
     const byId = new Map(suggestions.map((s) => [s.id, s]));
     return {
       frames, table, words: json.words, target: {...json.target, points: typed(Float32Array, json.target.points)},

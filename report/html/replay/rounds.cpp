@@ -142,7 +142,6 @@ Json suggestionJson(const SuggestionOutcome& o, const Band& band) {
           {"end", toString(o.end)},
           {"name", s.candidate},
           {"camera", s.camera},
-          {"mi", s.mi_nats},
           {"pose", poseJson(s.T_FC0)},
           {"path", pathJson(s.path)},
           {"closest_px", numberOrNull(o.closest_px)},

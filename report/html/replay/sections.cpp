@@ -227,9 +227,8 @@ Section stopAuditSection(const ReplayRecord& record) {
       "sufficient, judged by the held-out error of the batch over them. Saved: the part of the "
       "recording after it. Excess: relative increase of the error with the views kept over that "
       "with all frames, as predicted by the guide and as measured on held-out frames. Points by "
-      "the "
-      "IMU: by how much points that it predicts are off, as expected by the guide and against the "
-      "calibration of all frames. Ended: without a stop, so that the other stage is replayed.",
+      "the IMU: by how much points that it predicts are off, as expected by the guide and against "
+      "the calibration of all frames. Ended: without a stop, so that the other stage is replayed.",
       {},
       {}};
   Table table{{{"Stage"},

@@ -176,6 +176,22 @@ TEST_F(CommandReplay, ACameraStageThatTakesAllIsEndedAtHalf) {
   for (std::size_t i = 0; i < decisions.size(); ++i) EXPECT_EQ(decisions[i]["frame"], i);
 }
 
+TEST_F(CommandReplay, AStopWithTheLastFrameIsAStop) {
+  ASSERT_EQ(replay(session(), "--no-report --threshold-bits 20").exit_code, 0);
+  const json whole = json::parse(read(out() / "replay.json"))["stages"][0];
+  ASSERT_TRUE(whole["finished_ns"].is_number());
+  const auto first = lines(out() / "decisions.jsonl").front()["t_ns"].get<std::int64_t>();
+  const double stop_s =
+      1e-9 * static_cast<double>(whole["finished_ns"].get<std::int64_t>() - first);
+  ASSERT_EQ(
+      replay(session(), fmt::format("--no-report --threshold-bits 20 --to {:.4f}", stop_s + 1e-3))
+          .exit_code,
+      0);
+  const json cut = json::parse(read(out() / "replay.json"))["stages"][0];
+  EXPECT_EQ(cut["finished_ns"], whole["finished_ns"]);
+  EXPECT_FALSE(cut.contains("ended_ns"));
+}
+
 TEST_F(CommandReplay, ACameraStageHasTheTimeAskedFor) {
   const Outcome run = replay(session(), "--no-report --to 8 --min-views 10000 --camera-stage-s 3");
   ASSERT_EQ(run.exit_code, 0) << run.text;
