@@ -177,14 +177,20 @@ TEST_F(CommandReplay, ACameraStageThatTakesAllIsEndedAtHalf) {
 }
 
 TEST_F(CommandReplay, AStopWithTheLastFrameIsAStop) {
-  ASSERT_EQ(replay(session(), "--no-report --threshold-bits 20").exit_code, 0);
+  ASSERT_EQ(
+      replay(session(), "--no-report --loss none --criterion predicted-error --stop-excess 50")
+          .exit_code,
+      0);
   const json whole = json::parse(read(out() / "replay.json"))["stages"][0];
   ASSERT_TRUE(whole["finished_ns"].is_number());
   const auto first = lines(out() / "decisions.jsonl").front()["t_ns"].get<std::int64_t>();
   const double stop_s =
       1e-9 * static_cast<double>(whole["finished_ns"].get<std::int64_t>() - first);
   ASSERT_EQ(
-      replay(session(), fmt::format("--no-report --threshold-bits 20 --to {:.4f}", stop_s + 1e-3))
+      replay(session(),
+             fmt::format(
+                 "--no-report --loss none --criterion predicted-error --stop-excess 50 --to {:.4f}",
+                 stop_s + 1e-3))
           .exit_code,
       0);
   const json cut = json::parse(read(out() / "replay.json"))["stages"][0];
