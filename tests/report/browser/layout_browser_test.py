@@ -218,45 +218,47 @@ setTimeout(() => {
 }, 800);
 </script>"""
 
-# A frame is as narrow as it is told to be; a window is not.
-FRAME = """<!DOCTYPE html><html><body style="margin:0"><script>
+# A frame is as narrow as it is told to be; a window is not. Frames of all widths stand side by side in one
+# window that shows them all: what is out of sight is not laid out in time.
+FRAMES = """<!DOCTYPE html><html><body style="margin:0;display:flex"><script>
+const all = [];
 addEventListener('message', (event) => {
+  all.push(JSON.parse(event.data));
+  if (all.length < %d) return;
   const out = document.createElement('script');
   out.type = 'application/json';
   out.id = 'probe';
-  out.textContent = event.data;
+  out.textContent = JSON.stringify(all);
   document.body.append(out);
 });
-</script><iframe src="%s" allow="clipboard-write" style="width:%dpx;height:900px;border:0"></iframe></body></html>"""
+</script>%s</body></html>"""
+FRAME = '<iframe src="%s" allow="clipboard-write" style="flex:none;width:%dpx;height:900px;border:0"></iframe>'
 
 
-def views():
-    """Width, scheme, and whether the controls are used there."""
-    for width in WIDTHS:
-        for scheme in ("light", "dark"):
-            yield width, scheme, width == WIDTHS[0] and scheme == "light"
-
-
-def measured(page, width, scheme, used):
+def measured(page, scheme):
+    """Faults by width. The controls are used where there is most room, in light."""
     colours = ["--blink-settings=preferredColorScheme=%d" % (0 if scheme == "dark" else 1)]
-    frame = page + ".frame.html"
-    with open(frame, "w", encoding="utf-8") as file:
-        file.write(FRAME % (os.path.basename(page) + ("#use" if used else ""), width))
-    result = told(chromium("file://" + frame, "--dump-dom", "--window-size=1500,900", *FLAT, *colours))
-    if result["width"] != width or result["dark"] != (scheme == "dark"):
-        fail("the window is %d px, dark %s; asked for %d, %s" % (result["width"], result["dark"], width, scheme))
-    return result["faults"]
+    outer, inner = page + ".frames.html", os.path.basename(page)
+    frames = [FRAME % (inner + ("#use" if (w, scheme) == (WIDTHS[0], "light") else ""), w) for w in WIDTHS]
+    with open(outer, "w", encoding="utf-8") as file:
+        file.write(FRAMES % (len(WIDTHS), "".join(frames)))
+    size = "--window-size=%d,900" % (sum(WIDTHS) + 10)
+    results = told(chromium("file://" + outer, "--dump-dom", size, *FLAT, *colours))
+    faults = {result["width"]: result["faults"] for result in results if result["dark"] == (scheme == "dark")}
+    if sorted(faults) != sorted(WIDTHS):
+        fail("measured at %s px; asked for %s, %s" % (sorted(faults), WIDTHS, scheme))
+    return faults
 
 
 def check_page(name, page):
     instrument(page, PROBE)
     found = 0
-    for width, scheme, used in views():
-        faults = measured(page, width, scheme, used)
-        found += len(faults)
-        if faults:
-            print("%s at %d px, %s: %d faults" % (name, width, scheme, len(faults)))
-            print("\n".join("  " + fault for fault in faults[:SHOWN]))
+    for scheme in ("light", "dark"):
+        for width, faults in measured(page, scheme).items():
+            found += len(faults)
+            if faults:
+                print("%s at %d px, %s: %d faults" % (name, width, scheme, len(faults)))
+                print("\n".join("  " + fault for fault in faults[:SHOWN]))
     return found
 
 
