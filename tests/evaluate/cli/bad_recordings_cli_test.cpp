@@ -105,7 +105,7 @@ TEST_P(BadImuData, IsRefusedByFileWithTheCause) {
   const fs::path copy = spoiled();
   changeSamples(copy, GetParam().change);
   const auto before = contents(copy);
-  const Outcome outcome = calibrate(copy);
+  const Outcome outcome = calibrateAsStated(copy);
   expectRefusal(outcome, GetParam().exit_code, HasSubstr(copy.string()));
   for (const std::string& word : GetParam().words) EXPECT_THAT(outcome.text, HasSubstr(word));
   EXPECT_EQ(contents(copy), before);
@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(Imu, BadImuData, testing::ValuesIn(kBadImus), kCaseName
 TEST_F(CommandLine, GapsOfTheImuBreakTheChainAndAreReported) {
   const fs::path copy = spoiled();
   changeSamples(copy, [](Sample& s) { return secondsIn(s) < 4 || secondsIn(s) > 8; });
-  const Outcome outcome = calibrate(copy, "--no-report");
+  const Outcome outcome = calibrateAsStated(copy, "--no-report");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, AllOf(HasSubstr("gaps in the IMU: 1"), HasSubstr("Gaps in the IMU")));
   EXPECT_THAT(outcome.text, Not(HasSubstr("Verdict: GOOD")));
@@ -129,7 +129,7 @@ TEST_F(CommandLine, GapsOfTheImuBreakTheChainAndAreReported) {
 TEST_F(CommandLine, FramesThatTheImuDoesNotCoverAreCounted) {
   const fs::path copy = spoiled();
   changeSamples(copy, [](Sample& s) { return secondsIn(s) > 9; });
-  const Outcome outcome = calibrate(copy, "--no-report");
+  const Outcome outcome = calibrateAsStated(copy, "--no-report");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, AllOf(HasSubstr("without IMU samples"),
                                   HasSubstr("Frames covered by the IMU"), HasSubstr("BAD")));
@@ -138,8 +138,9 @@ TEST_F(CommandLine, FramesThatTheImuDoesNotCoverAreCounted) {
 TEST_F(CommandLine, AnImuThatIsDescribedAndMissingIsNotPassedOver) {
   const fs::path copy = spoiled();
   fs::remove_all(copy / "mav0/imu0");
-  expectRefusal(calibrate(copy), 2, AllOf(HasSubstr("imu0/data.csv"), HasSubstr("--no-imu")));
-  EXPECT_EQ(calibrate(copy, "--no-imu --no-report").exit_code, 0);
+  expectRefusal(calibrateAsStated(copy), 2,
+                AllOf(HasSubstr("imu0/data.csv"), HasSubstr("--no-imu")));
+  EXPECT_EQ(calibrateAsStated(copy, "--no-imu --no-report").exit_code, 0);
 }
 
 // ---- the target
@@ -149,12 +150,13 @@ TEST_F(CommandLine, TargetsOfAnotherSizeAreNeverGood) {
   for (const char* size : {"0.044", "0.080", "0.092", "0.110"}) {
     const fs::path copy = spoiled();
     write(copy / "target.yaml", replaced(target, "0.088", size));
-    expectRefusal(calibrate(copy), 2, AllOf(HasSubstr("target.yaml:4: "), HasSubstr("tagSize")));
+    expectRefusal(calibrateAsStated(copy), 2,
+                  AllOf(HasSubstr("target.yaml:4: "), HasSubstr("tagSize")));
     fs::remove_all(scratch());
   }
   const fs::path copy = spoiled();
   write(copy / "target.yaml", replaced(target, "0.088", "0.090"));
-  EXPECT_THAT(calibrate(copy, "--no-report").text,
+  EXPECT_THAT(calibrateAsStated(copy, "--no-report").text,
               AllOf(HasSubstr("CAUTION"), HasSubstr("Unmodelled fault: size of the target")));
 }
 
@@ -165,14 +167,14 @@ TEST_F(CommandLine, AWrongSpacingIsRefusedByItsOwnLine) {
     write(copy / "target.yaml",
           replaced(target, "Spacing: 0.3", std::string("Spacing: ") + spacing));
     expectRefusal(
-        calibrate(copy), 2,
+        calibrateAsStated(copy), 2,
         AllOf(HasSubstr("target.yaml:5: "), HasSubstr(std::string("tagSpacing is ") + spacing),
               HasSubstr("gaps of 0.3")));
     fs::remove_all(scratch());
   }
   const fs::path copy = spoiled();
   write(copy / "target.yaml", replaced(target, "Spacing: 0.3", "Spacing: 0.28"));
-  EXPECT_THAT(calibrate(copy, "--no-report --no-imu").text,
+  EXPECT_THAT(calibrateAsStated(copy, "--no-report --no-imu").text,
               AllOf(HasSubstr("Spacing of the target's tags"), HasSubstr("states 0.28"),
                     HasSubstr("times the tags' size")));
 }
@@ -182,12 +184,12 @@ TEST_F(CommandLine, AWrongNumberOfColumnsOrRowsIsNamed) {
   const fs::path columns = spoiled();
   write(columns / "target.yaml", replaced(target, "tagCols: 6", "tagCols: 7"));
   expectRefusal(
-      calibrate(columns), 2,
+      calibrateAsStated(columns), 2,
       AllOf(HasSubstr("target.yaml:"), HasSubstr("tagCols is 7"), HasSubstr("are aligned")));
   fs::remove_all(scratch());
   const fs::path rows = spoiled();
   write(rows / "target.yaml", replaced(target, "tagRows: 6", "tagRows: 8"));
-  EXPECT_THAT(calibrate(rows, "--no-report --no-imu").text,
+  EXPECT_THAT(calibrateAsStated(rows, "--no-report --no-imu").text,
               AllOf(HasSubstr("Rows of the target"), HasSubstr("2 of 8 tag rows never observed")));
 }
 
@@ -197,12 +199,12 @@ TEST_F(CommandLine, AResolutionThatTheCornersContradictIsSaid) {
   const std::string good = read(sensor);
   write(sensor, replaced(good, "752, 480", "800, 600"));
   EXPECT_THAT(
-      calibrate(copy, "--only cam0 --no-imu --no-report").text,
+      calibrateAsStated(copy, "--only cam0 --no-imu --no-report").text,
       AllOf(HasSubstr("Resolution of cam0"), HasSubstr("800x600"), HasSubstr("optical centre")));
   fs::remove_all(scratch() / "out");
   write(sensor, replaced(good, "752, 480", "640, 480"));
   expectRefusal(
-      calibrate(copy, "--only cam0 --no-imu"), 2,
+      calibrateAsStated(copy, "--only cam0 --no-imu"), 2,
       AllOf(HasSubstr("corners.csv:"), HasSubstr("outside the image"), HasSubstr("sensor.yaml")));
 }
 
@@ -242,7 +244,8 @@ TEST_F(CommandLine, MotionsThatLeaveParametersFreeAreNamedInWords) {
                         motion)
                   .exit_code,
               0);
-    expectRefusal(calibrate(folder), 1, AllOf(HasSubstr(folder.string()), HasSubstr(words)));
+    expectRefusal(calibrateAsStated(folder), 1,
+                  AllOf(HasSubstr(folder.string()), HasSubstr(words)));
   }
 }
 

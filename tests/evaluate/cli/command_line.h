@@ -119,6 +119,11 @@ class CommandLine : public testing::Test {
     return plumbline("calibrate " + folder.string() + " --out " + (scratch() / "out").string() +
                      " --no-cache --force " + options);
   }
+  /// With the lens models that the session states, not those chosen by held-out frames, and without
+  /// comparing halves: a quarter of the time, for tests of neither.
+  Outcome calibrateAsStated(const fs::path& folder, const std::string& options = "") const {
+    return calibrate(folder, "--models pinhole-radtan --no-halves " + options);
+  }
   // Refused with this exit code, these words, and nothing left behind.
   void expectRefusal(const Outcome& outcome, int exit_code,
                      const testing::Matcher<std::string>& words) const {

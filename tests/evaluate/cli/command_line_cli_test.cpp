@@ -132,7 +132,7 @@ TEST_F(CommandLine, ZshCompletesCommandsAndOptions) {
 
 TEST_F(CommandLine, FailOnTurnsTheVerdictIntoTheExitCode) {
   const auto codeOf = [&](const std::string& words) {
-    return calibrate(session(), "--no-imu --no-report " + words).exit_code;
+    return calibrateAsStated(session(), "--no-imu --no-report " + words).exit_code;
   };
   const std::string strict = "--threshold rmse_px=0.001,1000 ";  // caution
   EXPECT_EQ(codeOf(strict), 0);
@@ -145,12 +145,15 @@ TEST_F(CommandLine, FailOnTurnsTheVerdictIntoTheExitCode) {
 TEST_F(CommandLine, JsonMeansTheSameInEveryCommand) {
   const fs::path result = scratch() / "out";
   const std::string document =
-      calibrate(session(), "--no-imu --no-report --json - 2>/dev/null").text;
+      calibrateAsStated(session(), "--no-imu --no-report --json - 2>/dev/null").text;
   EXPECT_EQ(document, read(result / "calibration.json")) << "and nothing else";
   const fs::path copy = scratch() / "copy.json";
-  ASSERT_EQ(calibrate(session(), "--no-imu --no-report --json " + copy.string()).exit_code, 0);
+  ASSERT_EQ(calibrateAsStated(session(), "--no-imu --no-report --json " + copy.string()).exit_code,
+            0);
   EXPECT_EQ(read(copy), read(result / "calibration.json"));
-  EXPECT_EQ(calibrate(session(), "--no-imu --json " + (result / "in.json").string()).exit_code, 2);
+  EXPECT_EQ(
+      calibrateAsStated(session(), "--no-imu --json " + (result / "in.json").string()).exit_code,
+      2);
 }
 
 TEST_F(CommandLine, UsageErrorsExitWithTwo) {
@@ -240,7 +243,7 @@ TEST_F(CommandLine, FaultsAreListedAndMayBeRepeated) {
 // ---- options that choose data
 
 TEST_F(CommandLine, OnlyTheCamerasAskedForAreCalibrated) {
-  const Outcome outcome = calibrate(session(), "--only cam1 --no-imu --no-report");
+  const Outcome outcome = calibrateAsStated(session(), "--only cam1 --no-imu --no-report");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const std::string json = read(scratch() / "out/calibration.json");
   EXPECT_THAT(json, HasSubstr("\"cam1.fu\""));
@@ -248,8 +251,8 @@ TEST_F(CommandLine, OnlyTheCamerasAskedForAreCalibrated) {
 }
 
 TEST_F(CommandLine, SelectedViewsAreFewerAndTheSeedIsKept) {
-  const Outcome outcome =
-      calibrate(session(), "--only cam0 --no-imu --no-report --select-views mi:0.2bits --seed 9");
+  const Outcome outcome = calibrateAsStated(
+      session(), "--only cam0 --no-imu --no-report --select-views mi:0.2bits --seed 9");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const std::string json = read(scratch() / "out/calibration.json");
   const int used = numberAfter(json, "\"views_used\": ");
@@ -259,12 +262,13 @@ TEST_F(CommandLine, SelectedViewsAreFewerAndTheSeedIsKept) {
 }
 
 TEST_F(CommandLine, ResamplingReportsItsSpread) {
-  const Outcome outcome = calibrate(session(), "--only cam0 --no-imu --no-report --resample 4");
+  const Outcome outcome =
+      calibrateAsStated(session(), "--only cam0 --no-imu --no-report --resample 4");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const std::string json = read(scratch() / "out/calibration.json");
   EXPECT_EQ(numberAfter(json, "\"resamples\": "), 4);
   fs::remove_all(scratch());
-  expectRefusal(calibrate(session(), "--resample 1"), 2, HasSubstr("--resample"));
+  expectRefusal(calibrateAsStated(session(), "--resample 1"), 2, HasSubstr("--resample"));
 }
 
 TEST_F(CommandLine, MoreCornersThanAViewHoldsAreAskedForByOption) {
@@ -275,7 +279,7 @@ TEST_F(CommandLine, MoreCornersThanAViewHoldsAreAskedForByOption) {
 
 TEST_F(CommandLine, EveryFileReadIsInTheHash) {
   const auto hash = [&](const std::string& options) {
-    const Outcome outcome = calibrate(session(), "--no-report " + options);
+    const Outcome outcome = calibrateAsStated(session(), "--no-report " + options);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
     const std::string json = read(scratch() / "out/calibration.json");
     return json.substr(json.find("xxh64:"), 22);
@@ -328,7 +332,7 @@ TEST_F(CommandLine, ReportIsMadeAgainFromTheRecordsAlone) {
 }
 
 TEST_F(CommandLine, ReportGivesTheDocumentAgainToMachines) {
-  ASSERT_EQ(calibrate(session(), "--no-report").exit_code, 0);
+  ASSERT_EQ(calibrateAsStated(session(), "--no-report").exit_code, 0);
   const fs::path out = scratch() / "out";
   const std::string document = read(out / "calibration.json");
   const Outcome piped = plumbline("report " + out.string() + " --json - 2>/dev/null");
@@ -344,26 +348,26 @@ TEST_F(CommandLine, ResultsAreWrittenTogetherOrNotAtAll) {
   const fs::path out = scratch() / "out";
   fs::create_directories(out / "report.html");
   write(out / "calibration.json", "earlier");
-  const Outcome outcome = calibrate(session());
+  const Outcome outcome = calibrateAsStated(session());
   EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
   EXPECT_THAT(outcome.text, HasSubstr("calibration.json: was not written by plumbline"));
   EXPECT_EQ(read(out / "calibration.json"), "earlier");
   EXPECT_EQ(contents(out).size(), 1U);
   fs::remove_all(out);
-  ASSERT_EQ(calibrate(session()).exit_code, 0);
+  ASSERT_EQ(calibrateAsStated(session()).exit_code, 0);
   for (const auto& [name, text] : contents(out)) EXPECT_EQ(name.find('.') == 0, false) << name;
-  ASSERT_EQ(calibrate(session(), "--no-imu --no-report").exit_code, 0);
+  ASSERT_EQ(calibrateAsStated(session(), "--no-imu --no-report").exit_code, 0);
   for (const char* name : {"report.html", "imu.yaml", "camchain-imucam.yaml"}) {
     EXPECT_FALSE(fs::exists(out / name)) << name << " is of an earlier run";
   }
 }
 
 TEST_F(CommandLine, ItsOwnCalibrationIsAStartForTheNext) {
-  ASSERT_EQ(calibrate(session(), "--no-report").exit_code, 0);
+  ASSERT_EQ(calibrateAsStated(session(), "--no-report").exit_code, 0);
   fs::rename(scratch() / "out", scratch() / "first");
   for (const char* file : {"calibration.json", "camchain-imucam.yaml"}) {
-    const Outcome outcome =
-        calibrate(session(), "--no-report --cameras " + (scratch() / "first" / file).string());
+    const Outcome outcome = calibrateAsStated(
+        session(), "--no-report --cameras " + (scratch() / "first" / file).string());
     EXPECT_EQ(outcome.exit_code, 0) << file << outcome.text;
     EXPECT_EQ(read(scratch() / "out/imu.yaml"), read(scratch() / "first/imu.yaml"));
   }
@@ -391,7 +395,7 @@ TEST_F(CommandLine, FaultyRowsAreNamedByFileAndLine) {
       {"", "data.csv"}};
   for (const auto& [text, words] : faults) {
     write(csv, text);
-    expectRefusal(calibrate(copy), 2, AllOf(HasSubstr("imu0/data.csv"), HasSubstr(words)));
+    expectRefusal(calibrateAsStated(copy), 2, AllOf(HasSubstr("imu0/data.csv"), HasSubstr(words)));
   }
 }
 
@@ -399,13 +403,14 @@ TEST_F(CommandLine, WrongTargetSizeIsFoundByTheImu) {
   const fs::path copy = spoiled();
   const std::string target = read(copy / "target.yaml");
   write(copy / "target.yaml", replaced(target, "0.088", "0.110"));
-  expectRefusal(calibrate(copy), 2, AllOf(HasSubstr("target.yaml:4:"), HasSubstr("tagSize")));
+  expectRefusal(calibrateAsStated(copy), 2,
+                AllOf(HasSubstr("target.yaml:4:"), HasSubstr("tagSize")));
 }
 
 TEST_F(CommandLine, CameraWithoutDetectionsIsNamed) {
   const fs::path copy = spoiled();
   write(copy / "mav0/cam1/corners.csv", "#timestamp [ns],corner_id,u [px],v [px]\n");
-  expectRefusal(calibrate(copy), 1, HasSubstr("cam1"));
+  expectRefusal(calibrateAsStated(copy), 1, HasSubstr("cam1"));
 }
 
 TEST_F(CommandLine, TooFewViewsAreRefused) {

@@ -46,7 +46,7 @@ class SimulatedSequence : public testing::Test {
 };
 
 TEST_F(SimulatedSequence, TracksAreRunAsTheyAre) {
-  const fs::path flight = simulate("flight", "--duration 20 --seed 5");
+  const fs::path flight = simulate("flight", "--duration 20 --seed 5 --tracks 80");
   const json exact = run(flight, "--truth " + (flight / "truth/trajectory.csv").string());
   EXPECT_EQ(exact["status"], "complete");
   EXPECT_LT(exact["ate"]["translation_m"]["rmse"], 0.03);
@@ -91,7 +91,7 @@ class TwoCalibrations : public SimulatedSequence {
  protected:
   void SetUp() override {
     SimulatedSequence::SetUp();
-    flight_ = simulate("flight", "--duration 12 --seed 3 --first-rest 1");
+    flight_ = simulate("flight", "--duration 12 --seed 3 --first-rest 1 --tracks 60");
     fs::copy_file(flight_ / "truth/camchain-imucam.yaml", folder_ / "true.yaml");
     const std::string text = read(folder_ / "true.yaml");
     write(folder_ / "wrong.yaml",
