@@ -68,7 +68,7 @@ TEST(OdometryStatistics, ErrorsAreSmallAndAsStated) {
   options.covariances = true;
   options.pixel_sigma = 0.5;  // as simulated
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const RoomFlight flight = flightOf(seed, 20);
+    const RoomFlight flight = flightOf(seed, 10);
     const OdometryResult result = run(flight, simulatedRig("euroc").calibration, options);
     EXPECT_TRUE(result.losses.empty()) << seed;
     EXPECT_GT(result.poses.size(), flight.frames.size() - 30) << seed;
@@ -100,7 +100,7 @@ std::vector<double> errorsWith(const std::vector<RoomFlight>& flights,
 // turns: with them 5 ms cost more than the focal length.
 TEST(OdometryStatistics, FeelsWrongCalibrations) {
   std::vector<RoomFlight> flights;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) flights.push_back(flightOf(seed, 25, 0));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) flights.push_back(flightOf(seed, 12, 0));
   const std::vector<double> truth = errorsWith(flights, [](Calibration&) {});
   const auto cost = [&](const std::function<void(Calibration&)>& spoil) {
     std::vector<double> d = errorsWith(flights, spoil);

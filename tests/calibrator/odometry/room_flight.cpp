@@ -19,6 +19,7 @@ SimulatedFlight flown(const SimulatedRig& rig, const RoomFlightOptions& o) {
   flight.turns = o.turns;
   TrackOptions tracks;
   tracks.sigma_px = o.pixel_sigma;
+  tracks.tracks = o.tracks;
   tracks.outlier_share = o.outlier_share;
   return simulateFlight(rig, simulation, flight, tracks);
 }

@@ -17,6 +17,7 @@ struct RoomFlightOptions {
   double pixel_sigma = 0.5;  ///< of a track's coordinates [px]
   bool imu_noise = true;
   int turns = 4;             ///< fast ones
+  int tracks = 150;          ///< followed at a time
   double outlier_share = 0;  ///< of sightings that lie anywhere
 };
 
