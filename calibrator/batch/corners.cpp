@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/rayleigh.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -37,9 +38,8 @@ std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const
 }
 
 constexpr double kKalibrSigmas = 2;
-constexpr double kKalibrLeast = 0.2;                    // [px]
-constexpr int kKalibrIterations = 20;                   // of a view's own pose
-constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2)
+constexpr double kKalibrLeast = 0.2;   // [px]
+constexpr int kKalibrIterations = 20;  // of a view's own pose
 
 /// |e| of every corner of a view.
 std::vector<double> errorNorms(const Intrinsics& camera, const Transform& T_CF,

@@ -10,6 +10,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
+#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -98,10 +99,7 @@ PoseGram frameGram(const std::vector<FrameView>& views, const Transform& T_C0F,
   PoseGram sum;
   for (const FrameView& v : views) {
     const PoseGram g = poseGram(*v.camera, v.T_CiC0 * T_C0F, v.view, options);
-    // Twists of C0 to those of Ci: the adjoint of T_CiC0 (residuals/tangent.h).
-    const Eigen::Matrix3d& R = v.T_CiC0.R;
-    Matrix6d A;
-    A << R, skew(v.T_CiC0.t) * R, Eigen::Matrix3d::Zero(), R;
+    const Matrix6d A = adjoint(v.T_CiC0);  // twists of C0 to those of Ci
     const Matrix6d AtH = A.transpose().lazyProduct(g.H);
     sum.H.noalias() += AtH.lazyProduct(A);
     sum.b.noalias() += A.transpose().lazyProduct(g.b);

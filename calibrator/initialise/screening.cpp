@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "calibrator/base/statistics/rayleigh.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_rates.h"
@@ -343,7 +344,6 @@ std::vector<int> falseCorners(const Intrinsics& camera, const PackedView& view,
                               const Transform& T_CF) {
   constexpr double kLeast = 3;  // [px]
   constexpr double kSigmas = 8;
-  constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2)
   const std::vector<double> distances = distancesOf(camera, view, T_CF);
   std::vector<double> used;
   for (int k = 0; k < view.count; ++k) {

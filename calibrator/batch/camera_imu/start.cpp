@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics/rayleigh.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/imu_gravity.h"
@@ -58,7 +59,6 @@ Eigen::Vector3d downFromMeanForce(std::span<const CameraPose> poses,
   return sum.norm() > 0 ? Eigen::Vector3d(-sum.normalized()) : start.gravity_direction;
 }
 
-constexpr double kRayleighMedian = 1.1774100225154747;  // sqrt(2 ln 2)
 constexpr double kRoughLoss = 0.01;  // scale of the first loss over the image's width
 constexpr double kGoodPose = 0.005;  // error of a rough pose, likewise
 constexpr double kFineLoss = 1.5;    // [px] where the options have no loss
