@@ -84,6 +84,25 @@ void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& fou
   throw badInput(map.path(), map.line(), complaint);
 }
 
+ImuNoise noiseFields(const YamlMap& map, const std::string& rate_key) {
+  const auto positive = [&](const std::string& key, const std::string& unit) {
+    const std::string expected = "a positive number [" + unit + "]";
+    const double value = map.number(key, expected);
+    if (value > 0) return value;
+    throw map.fault(
+        key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value), expected,
+              "take it from the data sheet or an Allan deviation; it sets the weight of the IMU"});
+  };
+  ImuNoise noise;
+  noise.accel_density = positive("accelerometer_noise_density", "m/s^2/sqrt(Hz)");
+  noise.accel_random_walk = positive("accelerometer_random_walk", "m/s^3/sqrt(Hz)");
+  noise.gyro_density = positive("gyroscope_noise_density", "rad/s/sqrt(Hz)");
+  noise.gyro_random_walk = positive("gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
+  noise.rate_hz = positive(rate_key, "Hz");
+  refuseImplausible(map, implausible(noise), {});
+  return noise;
+}
+
 Resolution resolutionField(const YamlMap& map, const std::string& key) {
   return resolutionOf(map, key, map.numbers(key, "[width, height] in pixels"));
 }

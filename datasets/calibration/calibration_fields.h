@@ -46,6 +46,10 @@ using KeysOfParts = std::vector<std::pair<Implausible::Part, std::string>>;
 void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& found,
                        const KeysOfParts& keys);
 
+/// Densities and rate of an IMU by Kalibr's keys, each positive, the rate under `rate_key`.
+/// InputError where one is not, or where they are implausible.
+ImuNoise noiseFields(const YamlMap& map, const std::string& rate_key);
+
 /// Models, parameters and resolution of one camera, in Kalibr's order (see Intrinsics).
 Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys);
 

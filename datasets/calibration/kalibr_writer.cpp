@@ -17,14 +17,6 @@ std::string matrixText(const char* key, const Transform& T) {
   return text;
 }
 
-std::string overlapsText(std::size_t camera, std::size_t count) {
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i != camera) text += (text.empty() ? "" : ", ") + std::to_string(i);
-  }
-  return "[" + text + "]";
-}
-
 std::string cameraText(const Calibration& calibration, std::size_t i) {
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
@@ -35,7 +27,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   if (i > 0) {
     text += matrixText("T_cn_cnm1", camera.T_C0Ci.inverse() * calibration.cameras[i - 1].T_C0Ci);
   }
-  text += fmt::format("  cam_overlaps: {}\n", overlapsText(i, calibration.cameras.size()));
+  text += fmt::format("  cam_overlaps: {}\n", kalibrOverlaps(i, calibration.cameras.size()));
   text += fmt::format("  camera_model: {}\n", toString(k.projection_model));
   text += fmt::format("  distortion_coeffs: {}\n", yamlList(k.distortion));
   text += fmt::format("  distortion_model: {}\n", toString(k.distortion_model));
@@ -51,6 +43,14 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
 }
 
 }  // namespace
+
+std::string kalibrOverlaps(std::size_t camera, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i != camera) text += (text.empty() ? "" : ", ") + std::to_string(i);
+  }
+  return "[" + text + "]";
+}
 
 std::string kalibrCamchainText(const Calibration& calibration) {
   std::string text;

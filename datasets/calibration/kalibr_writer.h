@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "calibrator/base/april_grid.h"
@@ -20,6 +21,9 @@ std::string kalibrCamchainText(const Calibration& calibration);
 
 /// Kalibr's imu.yaml as it writes it, below imu0:, model calibrated.
 std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic);
+
+/// cam_overlaps of a camera: "[0, 2]", the indices of all others.
+std::string kalibrOverlaps(std::size_t camera, std::size_t count);
 
 /// target.yaml of an AprilGrid.
 std::string kalibrTargetText(const AprilGrid& target);

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "datasets/calibration/calibration_fields.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/shown_text.h"
 #include "datasets/files/table.h"
@@ -19,18 +19,6 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kSensorKeys = "resolution: [width, height], camera_model, distortion_model";
-
-Resolution resolutionOf(const YamlMap& file) {
-  const std::string expected = "resolution: [width, height] in pixels, e.g. [752, 480]";
-  const std::vector<double> size = file.numbers("resolution", expected);
-  const auto pixels = [](double v) { return v >= 1 && v <= 65535 && v == std::floor(v); };
-  if (size.size() != 2 || !pixels(size[0]) || !pixels(size[1])) {
-    throw file.fault("resolution",
-                     {InputFault::kBadNumber, "the resolution is not two positive integers",
-                      expected, "correct the value"});
-  }
-  return {static_cast<int>(size[0]), static_cast<int>(size[1])};
-}
 
 std::string cameraModel(const YamlMap& file) {
   const std::string word = file.textOr("camera_model", "");
@@ -157,7 +145,7 @@ CameraDescription readCameraDescription(const std::string& path, bool supported_
          "a global shutter, rolling_shutter: false", "record with a global-shutter camera"});
   }
   CameraDescription camera;
-  if (file.has("resolution")) camera.resolution = resolutionOf(file);
+  if (file.has("resolution")) camera.resolution = resolutionField(file, "resolution");
   camera.camera_model = cameraModel(file);
   camera.distortion_model = distortionModel(file);
   camera.rostopic = file.textOr("rostopic", "");

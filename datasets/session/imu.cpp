@@ -23,15 +23,6 @@ constexpr const char* kImuKeys =
 constexpr const char* kRefusedModel =
     "IMU scale and misalignment are not supported yet (they would be silently ignored)";
 
-double positive(const YamlMap& imu, const std::string& key, const std::string& unit) {
-  const double value = imu.number(key, "a positive number [" + unit + "]");
-  if (value > 0) return value;
-  throw imu.fault(
-      key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value),
-            "a positive number [" + unit + "]",
-            "take it from the data sheet or an Allan deviation; it sets the weight of the IMU"});
-}
-
 bool isIdentity(const std::vector<std::vector<double>>& rows) {
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
@@ -135,14 +126,8 @@ ImuDescription readImuDescription(const std::string& path) {
   const YamlMap imu = unwrapped(file);
   refuseModels(imu);
   ImuDescription description;
-  ImuNoise& noise = description.noise;
-  noise.accel_density = positive(imu, "accelerometer_noise_density", "m/s^2/sqrt(Hz)");
-  noise.accel_random_walk = positive(imu, "accelerometer_random_walk", "m/s^3/sqrt(Hz)");
-  noise.gyro_density = positive(imu, "gyroscope_noise_density", "rad/s/sqrt(Hz)");
-  noise.gyro_random_walk = positive(imu, "gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
   const bool euroc = imu.has("rate_hz") && !imu.has("update_rate");
-  noise.rate_hz = positive(imu, euroc ? "rate_hz" : "update_rate", "Hz");
-  refuseImplausible(imu, implausible(noise), {});
+  description.noise = noiseFields(imu, euroc ? "rate_hz" : "update_rate");
   description.rostopic = imu.textOr("rostopic", "");
   return description;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Keys as OpenVINS' VioManagerOptions and YamlParser read them.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "datasets/calibration/export/tools.h"
+#include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/numbers.h"
 
 namespace plumbline {
@@ -32,14 +32,6 @@ std::vector<std::string> openVinsWarnings(const Calibration& calibration) {
   return warnings;
 }
 
-std::string overlapsText(std::size_t camera, std::size_t count) {
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i != camera) others.push_back(i);
-  }
-  return fmt::format("[{}]", fmt::join(others, ", "));
-}
-
 std::string cameraText(const Calibration& calibration, std::size_t i, const ExportChecks& checks) {
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
@@ -47,7 +39,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
   const char* distortion = openVinsDistortion(camera, checks);
   std::string text = fmt::format("cam{}:\n  T_imu_cam:\n", i) + yamlRows(T_SCi.matrix(), "    ");
   text += fmt::format("  cam_overlaps: {}\n  camera_model: pinhole\n",
-                      overlapsText(i, calibration.cameras.size()));
+                      kalibrOverlaps(i, calibration.cameras.size()));
   text += fmt::format("  distortion_coeffs: {}\n  distortion_model: {}\n",
                       yamlList(fourCoefficients(k)), distortion);
   text +=

@@ -154,13 +154,6 @@ void refuseRollingShutter(const KalibrCamchain& chain) {
 
 constexpr const char* kWhat = "Kalibr's imu.yaml (update_rate and noise densities, or imu0: ...)";
 
-double positive(const YamlMap& map, const std::string& key, const std::string& unit) {
-  const double value = map.number(key, "a positive number [" + unit + "]");
-  if (value > 0) return value;
-  throw map.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value),
-                        "a positive number [" + unit + "]", ""});
-}
-
 std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& sensor,
                                         const std::string& key) {
   if (!imu.has(sensor)) return std::nullopt;
@@ -184,12 +177,7 @@ KalibrImu imuOf(const YamlMap& map, const std::string& name) {
   imu.name = name;
   imu.rostopic = map.textOr("rostopic", "");
   imu.model = map.textOr("model", "calibrated");
-  imu.noise.accel_density = positive(map, "accelerometer_noise_density", "m/s^2/sqrt(Hz)");
-  imu.noise.accel_random_walk = positive(map, "accelerometer_random_walk", "m/s^3/sqrt(Hz)");
-  imu.noise.gyro_density = positive(map, "gyroscope_noise_density", "rad/s/sqrt(Hz)");
-  imu.noise.gyro_random_walk = positive(map, "gyroscope_random_walk", "rad/s^2/sqrt(Hz)");
-  imu.noise.rate_hz = positive(map, "update_rate", "Hz");
-  refuseImplausible(map, implausible(imu.noise), {});
+  imu.noise = noiseFields(map, "update_rate");
   if (map.has("T_i_b")) imu.T_i_b = transformField(map, "T_i_b");
   imu.time_offset_s = map.numberOr("time_offset", 0);
   imu.accel_M = matrixOf(map, "accelerometers", "M");
