@@ -15,6 +15,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/manifest.h"
+#include "datasets/files/surroundings.h"
 #include "datasets/files/workplace.h"
 
 namespace plumbline {
@@ -34,18 +35,10 @@ bool isSame(const struct stat& a, const struct stat& b) {
 }
 
 // Whether `path` is `folder` or lies in it, however either is written.
-bool isWithin(const fs::path& path, const struct stat& folder) {
+bool isWithinExisting(const fs::path& path, const struct stat& folder) {
   for (fs::path at = fs::weakly_canonical(fs::absolute(path));; at = at.parent_path()) {
     const auto status = statusOf(at);
     if (status && isSame(*status, folder)) return true;
-    if (!at.has_relative_path()) return false;
-  }
-}
-
-// The same for a folder that is not there yet: by name.
-bool isWithinNamed(const fs::path& path, const fs::path& folder) {
-  for (fs::path at = fs::weakly_canonical(fs::absolute(path));; at = at.parent_path()) {
-    if (at == folder) return true;
     if (!at.has_relative_path()) return false;
   }
 }
@@ -60,7 +53,10 @@ constexpr const char* kElsewhere = "choose another output";
 void refuseHolding(const OutputRequest& request, const fs::path& final_path,
                    const std::string& input) {
   const auto output = statusOf(final_path);
-  if (!(output ? isWithin(input, *output) : isWithinNamed(input, final_path))) return;
+  // One that is not there yet holds nothing but by name.
+  const bool holds = output ? isWithinExisting(input, *output)
+                            : isWithin(fs::weakly_canonical(fs::absolute(input)), final_path);
+  if (!holds) return;
   throw refusal(InputFault::kInputInTheWay, request.path,
                 fmt::format("contains {}, an input or a cache, which is never removed", input),
                 kElsewhere);
@@ -70,7 +66,7 @@ void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
   for (const std::string& kept : request.kept) refuseHolding(request, final_path, kept);
   for (const std::string& input : request.inputs) {
     const auto status = statusOf(input);
-    if (status && isWithin(final_path, *status)) {
+    if (status && isWithinExisting(final_path, *status)) {
       const auto output = statusOf(final_path);
       const char* where = output && isSame(*output, *status) ? "is" : "is inside";
       throw refusal(InputFault::kInputInTheWay, request.path,

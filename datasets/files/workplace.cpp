@@ -21,6 +21,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/manifest.h"
+#include "datasets/files/surroundings.h"
 
 namespace plumbline {
 namespace {
@@ -50,24 +51,10 @@ std::string prefixOf(const fs::path& final_path) {
   return "." + final_path.filename().string().substr(0, kLongestName) + ".partial-";
 }
 
-std::string hostName() {
-  char name[256] = "";
-  return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
-}
-
-std::string nowUtc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
 // NAME as the last line, so that it may hold anything but a line end.
 std::string lockText(const fs::path& final_path) {
   return fmt::format("{}pid {}\nhost {}\nstarted {}\nfor {}\n", kMark, ::getpid(), hostName(),
-                     nowUtc(), final_path.filename().string());
+                     utcText(std::time(nullptr)), final_path.filename().string());
 }
 
 BadInput unmakeable(const std::string& path, int error) {

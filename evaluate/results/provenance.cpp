@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "datasets/files/surroundings.h"
 #include "generated/commit.h"
 #include "generated/version.h"
 
@@ -20,11 +21,7 @@ std::string nowUtc() {
   if (const char* fixed = std::getenv("SOURCE_DATE_EPOCH"); fixed != nullptr && *fixed != '\0') {
     now = static_cast<std::time_t>(std::strtoll(fixed, nullptr, 10));
   }
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
+  return utcText(now);
 }
 
 std::vector<std::string>& keptArguments() {

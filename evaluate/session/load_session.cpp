@@ -14,6 +14,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/time.h"
 #include "datasets/files/bad_input.h"
+#include "datasets/files/surroundings.h"
 #include "datasets/session/corner_cache.h"
 #include "datasets/session/session_folder.h"
 #include "datasets/session/target_shape.h"
@@ -59,9 +60,8 @@ CameraCounts countsOf(const CameraStream& camera) {
 
 /// Links resolved, `path` itself included.
 bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder) {
-  const auto inner = std::filesystem::weakly_canonical(path);
-  const auto outer = std::filesystem::weakly_canonical(folder);
-  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+  return isWithin(std::filesystem::weakly_canonical(path),
+                  std::filesystem::weakly_canonical(folder));
 }
 
 // The cache, unless it cannot be made and the work may go on without.

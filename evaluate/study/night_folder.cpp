@@ -14,6 +14,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/surroundings.h"
 #include "evaluate/results/provenance.h"
 
 namespace plumbline {
@@ -27,11 +28,6 @@ BadInput unwritable(const fs::path& path, const std::string& why) {
   return badInput(path.string(), 0,
                   {InputFault::kUnwritable, "cannot be written (" + why + ")", "",
                    "check its permissions, or give another folder"});
-}
-
-bool isWithin(const fs::path& path, const fs::path& folder) {
-  const auto [at, end] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
-  return at == folder.end();
 }
 
 /// Results within a recording would change its hash, and a recording within results may be removed.
@@ -75,12 +71,6 @@ bool isHeld(const fs::path& lock) {
   const bool held = flock(file, LOCK_SH | LOCK_NB) != 0;
   close(file);
   return held;
-}
-
-std::string hostName() {
-  char name[256] = "";
-  (void)gethostname(name, sizeof name - 1);
-  return name;
 }
 
 }  // namespace
