@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <type_traits>
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
@@ -28,6 +31,30 @@ void setOwner(SQLite::Database& db, const FileKind& kind);
 /// Refuses a file that is not of this kind or of a newer version; throws SQLite's exception for
 /// damage.
 void checkOwner(SQLite::Database& db, const std::string& path, const FileKind& kind);
+
+/// Binds a value to a statement's column, counted from 1: NULL, not known, for what is no finite
+/// number.
+template <class T>
+void bindValue(SQLite::Statement& statement, int column, const T& value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) return statement.bind(column);
+  }
+  statement.bind(column, value);
+}
+
+inline void bindValue(SQLite::Statement& statement, int column,
+                      const std::optional<double>& value) {
+  bindValue(statement, column, value.value_or(std::nan("")));
+}
+
+/// Runs a statement once more with these values.
+template <class... Values>
+void runWith(SQLite::Statement& statement, const Values&... values) {
+  statement.reset();
+  int column = 0;
+  (bindValue(statement, ++column, values), ...);
+  statement.exec();
+}
 
 /// A store of runs.
 inline constexpr FileKind kRunStore{0x504c4d42, 2,  // "PLMB"

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "calibrator/base/error.h"
+#include "report/store/database.h"
 
 namespace plumbline::store_internal {
 
@@ -18,27 +19,6 @@ E wordAs(const std::string& word) {
   return *known;
 }
 
-void bindOne(SQLite::Statement& statement, int column, double value) {
-  if (!std::isfinite(value)) {
-    statement.bind(column);  // NULL: not known
-  } else {
-    statement.bind(column, value);
-  }
-}
-template <class T>
-void bindOne(SQLite::Statement& statement, int column, const T& value) {
-  statement.bind(column, value);
-}
-
-/// Adds a row with these values.
-template <class... Values>
-void addRow(SQLite::Statement& insert, const Values&... values) {
-  insert.reset();
-  int column = 0;
-  (bindOne(insert, ++column, values), ...);
-  insert.exec();
-}
-
 }  // namespace
 
 RunWriter::RunWriter(SQLite::Database& db, RunKind kind, const std::string& name,
@@ -47,27 +27,27 @@ RunWriter::RunWriter(SQLite::Database& db, RunKind kind, const std::string& name
   SQLite::Statement run(db,
                         "INSERT INTO runs (kind, name, version, command, input, input_hash, date, "
                         "verdict) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
-  addRow(run, toString(kind), name, p.version, p.command, p.input, p.input_hash, p.date,
-         toString(verdict.level));
+  runWith(run, toString(kind), name, p.version, p.command, p.input, p.input_hash, p.date,
+          toString(verdict.level));
   run_ = db.getLastInsertRowid();
   SQLite::Statement option(
       db, "INSERT INTO options (run_id, position, name, value) VALUES (?, ?, ?, ?)");
   int position = 0;
-  for (const auto& [key, value] : p.options) addRow(option, run_, position++, key, value);
+  for (const auto& [key, value] : p.options) runWith(option, run_, position++, key, value);
   SQLite::Statement finding(
       db,
       "INSERT INTO findings (run_id, position, rule, level, evidence, advice, "
       "value, threshold, unit, subject) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   position = 0;
   for (const Finding& f : verdict.findings) {
-    addRow(finding, run_, position++, f.rule, toString(f.level), f.evidence, f.advice, f.value,
-           f.threshold, f.unit, toString(f.subject));
+    runWith(finding, run_, position++, f.rule, toString(f.level), f.evidence, f.advice, f.value,
+            f.threshold, f.unit, toString(f.subject));
   }
 }
 
 void RunWriter::document(const std::string& json) {
   SQLite::Statement insert(db_, "INSERT INTO documents (run_id, json) VALUES (?, ?)");
-  addRow(insert, run_, json);
+  runWith(insert, run_, json);
 }
 
 void RunWriter::array(const std::string& name, const std::string& element,
@@ -85,7 +65,7 @@ void RunWriter::array(const std::string& name, const std::string& element,
 void RunWriter::metrics(const std::vector<Metric>& metrics) {
   SQLite::Statement insert(
       db_, "INSERT INTO metrics (run_id, stage, name, unit, value) VALUES (?, ?, ?, ?, ?)");
-  for (const Metric& m : metrics) addRow(insert, run_, m.stage, m.name, m.unit, m.value);
+  for (const Metric& m : metrics) runWith(insert, run_, m.stage, m.name, m.unit, m.value);
 }
 
 void RunWriter::parameters(const std::vector<StageParameters>& stages) {
@@ -95,8 +75,8 @@ void RunWriter::parameters(const std::vector<StageParameters>& stages) {
   for (const auto& [stage, parameters] : stages) {
     int position = 0;
     for (const ParameterEstimate& p : parameters) {
-      addRow(insert, run_, stage, position++, p.name, p.unit, p.value, p.std,
-             p.resample_std.value_or(std::nan("")));
+      runWith(insert, run_, stage, position++, p.name, p.unit, p.value, p.std,
+              p.resample_std.value_or(std::nan("")));
     }
   }
 }

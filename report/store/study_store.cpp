@@ -27,34 +27,12 @@ struct StudyStore::Memory {
 namespace {
 
 namespace fs = std::filesystem;
+using store_internal::runWith;
 
 constexpr store_internal::FileKind kStudyHistory{
     0x504c5354, 1,  // "PLST"
     "expected a study's history; choose another folder for the study",
     "use the Plumbline that wrote it, or choose another folder"};
-
-void bindOne(SQLite::Statement& statement, int column, double value) {
-  if (std::isfinite(value)) {
-    statement.bind(column, value);
-  } else {
-    statement.bind(column);  // NULL: not known
-  }
-}
-void bindOne(SQLite::Statement& statement, int column, const std::optional<double>& value) {
-  bindOne(statement, column, value.value_or(std::nan("")));
-}
-template <class T>
-void bindOne(SQLite::Statement& statement, int column, const T& value) {
-  statement.bind(column, value);
-}
-
-template <class... Values>
-void run(SQLite::Statement& statement, const Values&... values) {
-  statement.reset();
-  int column = 0;
-  (bindOne(statement, ++column, values), ...);
-  statement.exec();
-}
 
 double numberAt(SQLite::Statement& row, int column) {
   const SQLite::Column value = row.getColumn(column);
@@ -243,8 +221,8 @@ void StudyStore::addNight(const StudyNight& night, const std::vector<StudyFigure
   SQLite::Database& db = memory_->db;
   SQLite::Transaction transaction(db);
   SQLite::Statement add(db, "INSERT INTO nights VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
-  run(add, night.night, night.date, night.version, night.sessions, night.failed, night.alarms,
-      night.seconds, night.held_out_rmse_px);
+  runWith(add, night.night, night.date, night.version, night.sessions, night.failed, night.alarms,
+          night.seconds, night.held_out_rmse_px);
   SQLite::Statement find(db,
                          "SELECT session, name, unit, inputs_key, version, value, command, id FROM "
                          "figures WHERE session = ? AND name = ? AND last_night = ?");
@@ -259,10 +237,10 @@ void StudyStore::addNight(const StudyNight& night, const std::vector<StudyFigure
     find.bind(2, f.name);
     find.bind(3, night.night - 1);
     if (find.executeStep() && figureAt(find) == f) {
-      run(prolong, night.night, static_cast<std::int64_t>(find.getColumn(7).getInt64()));
+      runWith(prolong, night.night, static_cast<std::int64_t>(find.getColumn(7).getInt64()));
     } else {
-      run(insert, f.session, f.name, f.unit, f.inputs_key, f.version, f.value, f.command,
-          night.night, night.night);
+      runWith(insert, f.session, f.name, f.unit, f.inputs_key, f.version, f.value, f.command,
+              night.night, night.night);
     }
   }
   find.reset();
@@ -274,10 +252,10 @@ void StudyStore::addAlarms(int night, const std::vector<StudyAlarm>& alarms) {
                         "INSERT INTO alarms (night, session, name, kind, first_night, was, now, "
                         "command) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   for (const StudyAlarm& a : alarms) {
-    run(add, night, a.session, a.metric, a.kind, a.night, a.was, a.is, a.command);
+    runWith(add, night, a.session, a.metric, a.kind, a.night, a.was, a.is, a.command);
   }
   SQLite::Statement count(memory_->db, "UPDATE nights SET alarms = ? WHERE night = ?");
-  run(count, static_cast<int>(alarms.size()), night);
+  runWith(count, static_cast<int>(alarms.size()), night);
 }
 
 void StudyStore::setSteps(int night, const std::vector<StudyStepRow>& steps) {
@@ -286,7 +264,7 @@ void StudyStore::setSteps(int night, const std::vector<StudyStepRow>& steps) {
   db.exec("DELETE FROM steps");
   SQLite::Statement add(db, "INSERT INTO steps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   for (const StudyStepRow& s : steps) {
-    run(add, s.name, s.key, s.status, s.message, s.command, s.seconds, s.peak_mb, night);
+    runWith(add, s.name, s.key, s.status, s.message, s.command, s.seconds, s.peak_mb, night);
   }
   transaction.commit();
 }
@@ -295,7 +273,7 @@ void StudyStore::accept(const StudyAcceptance& a) {
   SQLite::Statement add(memory_->db,
                         "INSERT INTO accepted (night, session, name, note, date) VALUES (?, ?, ?, "
                         "?, ?)");
-  run(add, a.night, a.session, a.name, a.note, a.date);
+  runWith(add, a.night, a.session, a.name, a.note, a.date);
 }
 
 void StudyStore::save() const {
