@@ -8,29 +8,6 @@
 #include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
-namespace {
-
-bool canBeCalibrated(const Calibration& calibration) {
-  return std::all_of(calibration.cameras.begin(), calibration.cameras.end(),
-                     [](const CameraCalibration& camera) {
-                       return canBeCalibrated(camera.intrinsics.projection_model,
-                                              camera.intrinsics.distortion_model);
-                     });
-}
-
-/// The first calibration's models, so that parameters compare one by one; none of its values.
-CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options) {
-  options.models.clear();
-  options.start.clear();
-  for (const CameraCalibration& camera : calibration.cameras) {
-    options.models.push_back(
-        {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
-  }
-  return options;
-}
-
-}  // namespace
-
 SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
                                 const ScoreOptions& options, TargetMode target,
                                 const ComparisonThresholds& thresholds) {
@@ -40,6 +17,7 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
     own.problem = "the first calibration's camera models can be scored but not calibrated";
     return own;
   }
+  // The first one's models, so that parameters compare one by one.
   CameraStageOptions camera = withModelsOf(calibrations.front(), options.camera);
   camera.target = target;
   const auto cameras = calibrateCameras(session, camera);

@@ -130,18 +130,6 @@ struct FoldScores {
   Scored in_sample, held_out;
 };
 
-/// The calibration's models, but not its values as a start: these may have been estimated with the
-/// corners that a fold holds out.
-CameraStageOptions recalibration(const Calibration& calibration, CameraStageOptions options) {
-  options.models.clear();
-  options.start.clear();
-  for (const CameraCalibration& camera : calibration.cameras) {
-    options.models.push_back(
-        {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
-  }
-  return options;
-}
-
 /// Both scores of a fold that could not be calibrated, with the reason.
 FoldScores failedFold(FoldScores scores, const std::string& problem) {
   scores.in_sample.score.problem = scores.held_out.score.problem = problem;
@@ -155,7 +143,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   FoldScores out;
   out.in_sample.score = emptyScore(scored.label, fold.training);
   out.held_out.score = emptyScore(scored.label, fold.held_out);
-  const auto cameras = calibrateCameras(fold.training, recalibration(calibration, options.camera));
+  const auto cameras = calibrateCameras(fold.training, withModelsOf(calibration, options.camera));
   if (!cameras) return failedFold(std::move(out), problemOf(cameras.failure()));
   addCameraStage(*cameras, out.in_sample);
   out.in_sample.score.entropy_nats = cameras->summary.entropy_nats;
@@ -231,14 +219,6 @@ void addFolds(const ScoredCalibration& scored, const Session& session, const Sco
   scores.push_back(pooled(std::move(sum.held_out), all, true));
 }
 
-bool canBeCalibrated(const Calibration& calibration) {
-  for (const CameraCalibration& camera : calibration.cameras) {
-    const Intrinsics& k = camera.intrinsics;
-    if (!canBeCalibrated(k.projection_model, k.distortion_model)) return false;
-  }
-  return true;
-}
-
 /// Why there is no K-fold validation; empty where there can be one.
 std::string whyNoFolds(const Calibration& calibration, const Session& session,
                        const ScoreOptions& options) {
@@ -251,6 +231,24 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
 }
 
 }  // namespace
+
+bool canBeCalibrated(const Calibration& calibration) {
+  return std::all_of(calibration.cameras.begin(), calibration.cameras.end(),
+                     [](const CameraCalibration& camera) {
+                       return canBeCalibrated(camera.intrinsics.projection_model,
+                                              camera.intrinsics.distortion_model);
+                     });
+}
+
+CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options) {
+  options.models.clear();
+  options.start.clear();
+  for (const CameraCalibration& camera : calibration.cameras) {
+    options.models.push_back(
+        {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+  }
+  return options;
+}
 
 void ScoreOptions::check() const {
   if (folds >= 0 && folds != 1) return;

@@ -42,6 +42,13 @@ struct SessionScores {
   std::optional<CameraImuStageResult> camera_imu;  ///< likewise
 };
 
+/// Whether the program can estimate every camera's models; some it can only score.
+bool canBeCalibrated(const Calibration& calibration);
+
+/// Options that calibrate anew with the calibration's models, but none of its values as a start:
+/// these may have been estimated with corners that the new one must not have seen.
+CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options);
+
 /// Scores a calibration on a session: of the cameras only the poses move (scoreCameras()), and with
 /// IMU only states and gravity's direction (scoreCameraImu()); everything else is as the file says.
 /// This compares calibrations fairly where the session is the same; their own in-sample errors do
