@@ -130,8 +130,11 @@ std::string partnersFound(const Failure& f) {
                      f.number("truth"));
 }
 
-/// What some sentences say beyond the values as they stand.
-void addDerived(const Failure& f, Words& words) {
+// What some sentences say beyond the values as they stand; of each failure at most one of these has
+// something.
+
+/// Of samples that an IMU's file holds.
+void addOfSamples(const Failure& f, Words& words) {
   switch (f.code) {
     case Code::kColumnsSwapped:
     case Code::kAccelerometerInG:
@@ -150,6 +153,26 @@ void addDerived(const Failure& f, Words& words) {
                                        "sensor's range: move more gently, or set a wider range",
                                        f.number("cut_off_at"))));
       return;
+    case Code::kSamplesInBursts:
+      words.push_back(fmt::arg("apart_us", 1e6 * f.number("apart_s")));
+      words.push_back(fmt::arg("pause_ms", 1e3 * f.number("pause_s")));
+      return;
+    case Code::kStampsWander:
+      words.push_back(fmt::arg("from_ms", 1e3 * f.number("from_s")));
+      words.push_back(fmt::arg("to_ms", 1e3 * f.number("to_s")));
+      words.push_back(fmt::arg("std_ms", 1e3 * f.number("std_s")));
+      return;
+    case Code::kImuDoesNotCover:
+      words.push_back(fmt::arg("span", imuSpan(f)));
+      return;
+    default:
+      return;
+  }
+}
+
+/// Of a calibration.
+void addOfCalibration(const Failure& f, Words& words) {
+  switch (f.code) {
     case Code::kCameraImuNotConverged: {
       const bool found = f.values.count("fault") > 0;
       words.push_back(fmt::arg(
@@ -162,15 +185,6 @@ void addDerived(const Failure& f, Words& words) {
                                    "or calibrate the cameras alone with --no-imu"));
       return;
     }
-    case Code::kSamplesInBursts:
-      words.push_back(fmt::arg("apart_us", 1e6 * f.number("apart_s")));
-      words.push_back(fmt::arg("pause_ms", 1e3 * f.number("pause_s")));
-      return;
-    case Code::kStampsWander:
-      words.push_back(fmt::arg("from_ms", 1e3 * f.number("from_s")));
-      words.push_back(fmt::arg("to_ms", 1e3 * f.number("to_s")));
-      words.push_back(fmt::arg("std_ms", 1e3 * f.number("std_s")));
-      return;
     case Code::kRotationAboutOneAxis:
       words.push_back(fmt::arg("across", otherAxes(axisOf(f, "axis"))));
       return;
@@ -183,12 +197,17 @@ void addDerived(const Failure& f, Words& words) {
       words.push_back(fmt::arg("measured_std", f.number("scale_std") * f.number("tag_size")));
       return;
     }
-    case Code::kImuDoesNotCover:
-      words.push_back(fmt::arg("span", imuSpan(f)));
-      return;
     case Code::kLooseDirections:
       words.push_back(fmt::arg("loose", looseDirections(f)));
       return;
+    default:
+      return;
+  }
+}
+
+/// Of a trajectory and its ground truth.
+void addOfTrajectory(const Failure& f, Words& words) {
+  switch (f.code) {
     case Code::kNoCommonTime:
       words.push_back(
           fmt::arg("likely", likelyCause(f.number("estimate_from_s"), f.number("truth_from_s"))));
@@ -227,7 +246,9 @@ FailureText textOf(const Failure& failure) {
     std::visit(AddValue{words, name.c_str()}, value.content());
   }
   try {
-    addDerived(failure, words);
+    addOfSamples(failure, words);
+    addOfCalibration(failure, words);
+    addOfTrajectory(failure, words);
     FailureText text{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
     text.cure += wideAngle(failure);

@@ -38,6 +38,37 @@ double emptyStrip(double low, double high, double centre, int side) {
   return std::max(0.0, (side - 1 - high) / side);
 }
 
+/// How far the board is from target.yaml's grid, and what held-out frames say of it.
+std::string deviationOf(const TargetFit& fit, double rms_mm) {
+  // Each term is the RMS over the board's corners of what it moves them by [m].
+  const double height_mm =
+      1e3 * std::hypot(fit.shape.terms.segment<3>(8).norm(),
+                       fit.shape.higher ? fit.shape.higher->tail<kHigherFunctions>().norm() : 0);
+  return fmt::format(
+      "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
+      "mm in height); RMSE of held-out frames: {:.4f} px with the estimated shape, {:.4f} px "
+      "without",
+      rms_mm, height_mm,
+      fit.higher_held_out_px && fit.shape.higher ? *fit.higher_held_out_px : fit.held_out_px,
+      fit.flat_held_out_px);
+}
+
+/// A board that is bent: as bad as it is bent where the cameras were estimated with its shape, and
+/// at least to be looked at where they were not.
+Finding bentBoard(const CameraStageResult& stage, Rule rule, double rms_mm) {
+  const TargetFit& fit = *stage.target_fit;
+  const std::string found = deviationOf(fit, rms_mm);
+  if (stage.target.terms == fit.shape.terms) {
+    return above(rule, rms_mm, found + "; estimated with the cameras");
+  }
+  rule.advice =
+      "The calibration assumes the target as target.yaml states it, which biases its "
+      "parameters. Run again with --target-shape auto, or with the board's "
+      "target_shape.yaml.";
+  return finding(rule, std::max(VerdictLevel::kCaution, levelAbove(rms_mm, rule.bound)), rms_mm,
+                 found);
+}
+
 }  // namespace
 
 Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) {
@@ -148,33 +179,13 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
 Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t) {
   if (!stage.target_fit) return {};
   const TargetFit& fit = *stage.target_fit;
-  // Each term is the RMS over the board's corners of what it moves them by [m].
   const double rms_mm = 1e3 * fit.shape.rms();  // without the tags' edge
-  const double height_mm =
-      1e3 * std::hypot(fit.shape.terms.segment<3>(8).norm(),
-                       fit.shape.higher ? fit.shape.higher->tail<kHigherFunctions>().norm() : 0);
   const Rule rule{
       "Shape of the target", "mm", t.target_shape_mm,
       "Use a target that is flatter and more evenly printed, e.g. on glass or aluminium."};
-  const std::string found = fmt::format(
-      "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
-      "mm in height); RMSE of held-out frames: {:.4f} px with the estimated shape, {:.4f} px "
-      "without",
-      rms_mm, height_mm,
-      fit.higher_held_out_px && fit.shape.higher ? *fit.higher_held_out_px : fit.held_out_px,
-      fit.flat_held_out_px);
   switch (fit.finding) {
     case TargetFinding::kBent:
-      if (stage.target.terms != fit.shape.terms) {
-        Rule flat = rule;
-        flat.advice =
-            "The calibration assumes the target as target.yaml states it, which biases its "
-            "parameters. Run again with --target-shape auto, or with the board's "
-            "target_shape.yaml.";
-        return {finding(flat, std::max(VerdictLevel::kCaution, levelAbove(rms_mm, rule.bound)),
-                        rms_mm, found)};
-      }
-      return {above(rule, rms_mm, found + "; estimated with the cameras")};
+      return {bentBoard(stage, rule, rms_mm)};
     case TargetFinding::kKnown:
       return {
           finding(rule, VerdictLevel::kGood, 0,
