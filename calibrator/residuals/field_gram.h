@@ -28,24 +28,29 @@ struct FieldBox {
 Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
                                                          const Eigen::Vector2d& uv);
 
-/// ViewGram, with the functions taken at the measured pixels as further columns F:
-///   H_pose_f = sum w J_pose^T F,  H_k_f = sum w J_k^T F,  b_f = sum w F^T e,
-/// and H_f = sum w f f^T of one row (it is the same for u and v, and nothing couples them).
+/// ViewGram, with further columns F: for each corner [f^T 0; 0 f^T] of the functions f at the
+/// measured pixel, or that times R, whose columns combine them:
+///   H_pose_f = sum w J_pose^T F,  H_k_f = sum w J_k^T F.
+/// Of the functions themselves, whatever R: b_f = sum w [f^T 0; 0 f^T]^T e, and H_f = sum w f f^T
+/// of one row (it is the same for u and v, and nothing couples them).
 struct FieldGram : ViewGram {
-  Eigen::Matrix<double, 6, kFieldColumns> H_pose_f;
-  Eigen::Matrix<double, Eigen::Dynamic, kFieldColumns, 0, kMaxIntrinsics, kFieldColumns> H_k_f;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> H_pose_f;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic> H_k_f;
   Eigen::Matrix<double, kFieldFunctions, kFieldFunctions> H_f;
   Eigen::Matrix<double, kFieldColumns, 1> b_f;
 };
 
-/// What is done with the squares of the functions: a view that nobody has taken needs none.
+/// What is done with the squares of the functions, and with what they take of the residuals: a view
+/// that nobody has taken needs neither.
 enum class FieldSquares { kKeep, kDrop };
 
 /// Corners weigh w^2 of the view (any weight here, 0 or more: its root is the column's factor),
 /// times 1 / (1 + |e|^2 / c^2) where there is a loss; triggs_clamp does not matter, and `cost` is
-/// squared_error, the loss left out. Without FieldSquares::kKeep H_f is zero. Vectorised as
+/// squared_error, the loss left out. Without FieldSquares::kKeep H_f and b_f are zero.
+/// `combinations`: R, kFieldColumns x K; empty: the functions by themselves. Vectorised as
 /// viewGram() is.
 FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                    const FieldBox& box, FieldSquares squares, const GramOptions& options = {});
+                    const FieldBox& box, FieldSquares squares, const GramOptions& options = {},
+                    const Eigen::Ref<const Eigen::MatrixXd>& combinations = Eigen::MatrixXd());
 
 }  // namespace plumbline

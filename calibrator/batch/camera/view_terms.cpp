@@ -107,40 +107,26 @@ class ViewTermsMaker::Sum {
  private:
   void addFields(std::size_t c, const FieldGram& g, const Matrix6d& A, int e) {
     const MisfitField& field = maker_.field_;
-    if (field.columns.size() > 0) {
-      const auto R = field.ofCamera(c);
-      const Eigen::Index size = g.H_k_f.rows();
-      rows_.resize(6 + size, kFieldColumns);
-      rows_.topRows<6>() = g.H_pose_f;
-      rows_.bottomRows(size) = g.H_k_f;
-      combined_.noalias() = rows_ * R;
-      place(c, g, A, e, 0, combined_.topRows<6>(), combined_.bottomRows(size));
-      if (squares_) addSquares(g, R);
-      return;
+    const bool combined = field.columns.size() > 0;
+    const Eigen::Index at = combined ? 0 : static_cast<Eigen::Index>(c) * kFieldColumns;
+    const Eigen::Index columns = g.H_k_f.cols();
+    out_.C.block(maker_.layout_.intrinsics[c], at, g.H_k_f.rows(), columns) += g.H_k_f;
+    auto X = X_.middleCols(n_ + at, columns);
+    if (e < 0) {
+      X += g.H_pose_f;
+    } else {
+      X.noalias() += A.transpose() * g.H_pose_f;
+      const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
+      out_.C.block(e, at, 3, columns).noalias() -= R.transpose() * g.H_pose_f.topRows<3>();
+      out_.C.block(e + 3, at, 3, columns).noalias() -= R.transpose() * g.H_pose_f.bottomRows<3>();
     }
-    const Eigen::Index at = static_cast<Eigen::Index>(c) * kFieldColumns;
-    place(c, g, A, e, at, g.H_pose_f, g.H_k_f);
     if (!squares_) return;
+    if (combined) return addSquares(g, field.ofCamera(c));
     for (int row = 0; row < 2; ++row) {
       const Eigen::Index f = at + row * kFieldFunctions;
       out_.D.block<kFieldFunctions, kFieldFunctions>(f, f) += g.H_f;
     }
     out_.s.segment<kFieldColumns>(at) += g.b_f;
-  }
-
-  void place(std::size_t c, const FieldGram& g, const Matrix6d& A, int e, Eigen::Index at,
-             const Eigen::Ref<const Eigen::MatrixXd>& pose_f,
-             const Eigen::Ref<const Eigen::MatrixXd>& k_f) {
-    const Eigen::Index columns = pose_f.cols();
-    out_.C.block(maker_.layout_.intrinsics[c], at, g.H_k.rows(), columns) += k_f;
-    if (e < 0) {
-      X_.middleCols(n_ + at, columns) += pose_f;
-      return;
-    }
-    X_.middleCols(n_ + at, columns).noalias() += A.transpose() * pose_f;
-    const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
-    out_.C.block(e, at, 3, columns).noalias() -= R.transpose() * pose_f.topRows<3>();
-    out_.C.block(e + 3, at, 3, columns).noalias() -= R.transpose() * pose_f.bottomRows<3>();
   }
 
   void addSquares(const FieldGram& g, const Eigen::Ref<const Eigen::MatrixXd>& R) {
@@ -155,7 +141,7 @@ class ViewTermsMaker::Sum {
   const ViewTermsMaker& maker_;
   Eigen::Index n_, K_;
   Matrix6d H_;
-  Eigen::MatrixXd X_, rows_, combined_;
+  Eigen::MatrixXd X_;
   ViewTerms out_;
   bool squares_ = false;
 };
@@ -189,8 +175,9 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
       }
       view.w = roots.data();
     }
-    const FieldGram g = fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view,
-                                  field_.boxes[c], FieldSquares::kKeep, {cauchy_px_, 0});
+    const FieldGram g =
+        fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view, field_.boxes[c],
+                  FieldSquares::kKeep, {cauchy_px_, 0}, field_.ofCamera(c));
     sum.add(c, g);
     sum.count(g.squared_error, used);
   }
@@ -203,7 +190,7 @@ ViewTerms ViewTermsMaker::imagined(const RigView& frame) const {
     const PackedView& view = frame.views[c];
     if (view.count == 0) continue;
     sum.add(c, fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view, field_.boxes[c],
-                         FieldSquares::kDrop, {0, 0}));
+                         FieldSquares::kDrop, {0, 0}, field_.ofCamera(c)));
     sum.count(0, view.count);
   }
   return std::move(sum).finish();

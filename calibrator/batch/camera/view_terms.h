@@ -25,8 +25,9 @@ struct MisfitField {
   /// column by itself.
   Eigen::MatrixXd columns;
 
-  /// Of a camera's rows of `columns`.
+  /// Of a camera's rows of `columns`, where there are any.
   Eigen::MatrixXd::ConstBlockXpr ofCamera(std::size_t camera) const {
+    if (columns.size() == 0) return columns.topRows(0);
     return columns.middleRows(static_cast<Eigen::Index>(camera) * kFieldColumns, kFieldColumns);
   }
   Eigen::Index size() const {

@@ -144,6 +144,31 @@ TEST(FieldGram, ThePoseAndIntrinsicsAreThoseOfTheView) {
   }
 }
 
+TEST(FieldGram, CombinationsAreProductsOfTheColumns) {
+  const AprilGrid target;
+  const Transform T_CF = test::examplePose();
+  Intrinsics plain = test::radtanCamera();
+  plain.distortion_model = DistortionModel::kNone;
+  plain.distortion.resize(0);
+  // Seven: what is left over by groups of four and of two. Rows of a taller matrix, as of a rig.
+  const Eigen::MatrixXd all = Eigen::MatrixXd::Random(2 * kFieldColumns, 7);
+  const auto R = all.bottomRows(kFieldColumns);
+  for (const Intrinsics& camera : {test::radtanCamera(), test::equidistantCamera(), plain}) {
+    const PackedCorners packed(target, {test::noisyView(target, camera, T_CF, 109, 0.7, 3)});
+    const auto gram = [&](FieldSquares squares, const Eigen::MatrixXd& combinations) {
+      return fieldGram(camera, T_CF, packed.view(0), kBox, squares, {1, 0}, combinations);
+    };
+    const FieldGram each = gram(FieldSquares::kKeep, {});
+    for (const FieldSquares squares : {FieldSquares::kKeep, FieldSquares::kDrop}) {
+      const FieldGram g = fieldGram(camera, T_CF, packed.view(0), kBox, squares, {1, 0}, R);
+      EXPECT_LT((g.H_pose_f - each.H_pose_f * R).norm(), 1e-12 * each.H_pose_f.norm());
+      EXPECT_LT((g.H_k_f - each.H_k_f * R).norm(), 1e-12 * each.H_k_f.norm());
+    }
+    EXPECT_EQ(gram(FieldSquares::kKeep, R).b_f, each.b_f);
+    EXPECT_EQ(gram(FieldSquares::kDrop, R).b_f.norm(), 0);
+  }
+}
+
 TEST(FieldFunctions, AreOrthonormalOverTheBox) {
   constexpr int kSide = 120;
   Eigen::Matrix<double, kFieldFunctions, kFieldFunctions> mean;
