@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "calibrator/information/excess_kernel.h"
 #include "calibrator/linear/dense.h"
+#include "calibrator/residuals/instruction_set.h"
 
 namespace plumbline {
 namespace {
@@ -33,17 +35,11 @@ std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
   return MatrixXd(f->D.asDiagonal() * MatrixXd(f->llt.matrixL()));
 }
 
-/// tr(Z^T Q Z) = <Q, Z Z^T> of a symmetric Q, of which only the lower triangle is read.
-double tracedSquare(const MatrixXd& Q, const MatrixXd& Z) {
-  MatrixXd P = MatrixXd::Zero(Z.rows(), Z.rows());
-  P.selfadjointView<Eigen::Lower>().rankUpdate(Z);
-  double twice = 0;
-  for (Eigen::Index j = 0; j < P.cols(); ++j) {
-    const Eigen::Index below = P.rows() - j - 1;
-    twice += Q.col(j).tail(below).dot(P.col(j).tail(below));
-  }
-  return 2 * twice + Q.diagonal().dot(P.diagonal());
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] double valueAvx2(const excess::Input& in) {
+  return excess::value<4>(in);
 }
+#endif
 
 /// Sums over views of what the components are made of.
 struct Moments {
@@ -195,30 +191,25 @@ double PredictedError::valueWith(const ViewTerms& view) const {
   return evaluate(H_ + view.I, &view.C);
 }
 
-/// With Z = H^-1 L and P = Z Z^T = H^-1 H_T H^-1:
-///   E = sigma^2 tr(H_T H^-1) + tau^2 <Q, P> + b^2 |Z^T C - L^T A_T|^2.
-/// The lower triangles of Q and P are enough for <Q, P>: half the multiplications of Q Z and
-/// Z^T C_v.
 double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
-  const Eigen::LLT<MatrixXd> llt(H);
-  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  MatrixXd Z = L_;
-  llt.matrixL().solveInPlace(Z);
-  // Halfway, Z is the factor of H solved for L: |Z|^2 = tr(L^T H^-1 L). The second half makes it
-  // H^-1 L.
-  double E = components_.sigma2 * Z.squaredNorm();
-  if (components_.tau2 == 0 && components_.b2 == 0) return E;
-  llt.matrixU().solveInPlace(Z);
-  if (components_.tau2 > 0) {
-    MatrixXd Q = Q_;
-    if (C_v != nullptr) Q.selfadjointView<Eigen::Lower>().rankUpdate(*C_v);
-    E += components_.tau2 * tracedSquare(Q, Z);
+  const MatrixXd* C = &C_;
+  const MatrixXd* Q = &Q_;
+  MatrixXd C_all, Q_all;
+  if (C_v != nullptr && components_.b2 > 0) {
+    C_all = C_ + *C_v;
+    C = &C_all;
   }
-  if (components_.b2 > 0) {
-    const MatrixXd C = C_v != nullptr ? MatrixXd(C_ + *C_v) : C_;
-    E += components_.b2 * (Z.transpose() * C - bias_).squaredNorm();
+  if (C_v != nullptr && components_.tau2 > 0) {
+    Q_all = Q_;
+    Q_all.selfadjointView<Eigen::Lower>().rankUpdate(*C_v);
+    Q = &Q_all;
   }
-  return E;
+#if defined(__x86_64__)
+  if (bestInstructionSet() == InstructionSet::kAvx2) {
+    return valueAvx2({H, *C, *Q, L_, bias_, components_});
+  }
+#endif
+  return excess::value<2>({H, *C, *Q, L_, bias_, components_});
 }
 
 }  // namespace plumbline

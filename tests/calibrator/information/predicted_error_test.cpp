@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/information/excess_kernel.h"
+
 namespace plumbline {
 namespace {
 
@@ -86,6 +88,27 @@ TEST(PredictedError, IsWhatTheEquationSaysOfManyViews) {
   EXPECT_NEAR(error.valueWith(views.terms.back()), expected, 1e-6 * expected);
   error.add(views.terms.back());
   EXPECT_NEAR(error.value(), expected, 1e-6 * expected);
+}
+
+/// Every width of the kernel, with sides that fill no whole number of lanes.
+TEST(PredictedError, EveryWidthOfTheKernelIsTheEquation) {
+  const LinearViews views(7, 0.3, 0.2, 0.1, 10);
+  const LaterUse use = laterUse(LinearViews(9, 0, 0, 0, 11).terms);
+  const ErrorComponents c{0.09, 0.04, 0.01, 1, true};
+  MatrixXd H = MatrixXd::Zero(kErrorParameters, kErrorParameters), Q = H;
+  MatrixXd C = MatrixXd::Zero(kErrorParameters, kFunctions);
+  for (const ViewTerms& v : views.terms) {
+    H += v.I;
+    C += v.C;
+    Q += v.C * v.C.transpose();
+  }
+  const MatrixXd L = use.H.llt().matrixL();
+  const MatrixXd bias = L.triangularView<Eigen::Lower>().solve(use.C);
+  const double expected = byInverses(views, use, c);
+  EXPECT_NEAR(excess::value<2>({H, C, Q, L, bias, c}), expected, 1e-9 * expected);
+  EXPECT_NEAR(excess::value<4>({H, C, Q, L, bias, c}), expected, 1e-9 * expected);
+  H(3, 3) = -1;
+  EXPECT_TRUE(std::isinf(excess::value<2>({H, C, Q, L, bias, c})));
 }
 
 TEST(PredictedError, WithoutMisfitItIsTheVarianceInLaterUse) {
