@@ -152,13 +152,14 @@ template <int W, class Model, bool kRobust>
 template <int W, int S>
 struct RowSums {
   static constexpr int kSize = (S + 2 + W - 1) / W * W;
-  alignas(64) double of[kFieldFunctions][kSize] = {};
+  alignas(64) double of[kFieldFunctions][kSize];
 
   [[gnu::always_inline]] RowSums(const FieldSums<W, S>& sums, int row) {
     for (int f = 0; f < kFieldFunctions; ++f) {
       for (int i = 0; i < S; ++i) of[f][i] = gram::sumOf<W>(sums.fields[row][i][f]);
       of[f][S] = gram::sumOf<W>(sums.fields[row][S + gram::kPlane][f]);
       of[f][S + 1] = gram::sumOf<W>(sums.fields[row][S + gram::kOne][f]);
+      for (int i = S + 2; i < kSize; ++i) of[f][i] = 0;
     }
   }
 };

@@ -32,7 +32,9 @@ int CornerCells::cellOf(double u, double v, const Resolution& image) {
 }
 
 /// Sums of one frame: H of the pose; X = [P | C | b] its 6 rows against the parameters, the fields
-/// and the residuals; and G, C, D, s of the parameters and fields themselves.
+/// and the residuals; and G, C, D, s of the parameters and fields themselves. Products over six
+/// rows or fewer are taken coefficient by coefficient: blocks for the cache cost more than they
+/// save.
 class ViewTermsMaker::Sum {
  public:
   explicit Sum(const ViewTermsMaker& maker)
@@ -70,11 +72,11 @@ class ViewTermsMaker::Sum {
     E.bottomRightCorner<3, 3>() = -R;
     const Matrix6d AtH = A.transpose() * g.H;
     H_.noalias() += AtH * A;
-    X_.middleCols(k, size).noalias() += A.transpose() * g.H_pose_k;
+    X_.middleCols(k, size) += A.transpose().lazyProduct(g.H_pose_k);
     X_.middleCols<6>(e).noalias() += AtH * E;
     X_.col(n_ + K_).noalias() += A.transpose() * g.b;
     out_.I.block<6, 6>(e, e).noalias() += E.transpose() * g.H * E;
-    const Eigen::MatrixXd cross = E.transpose() * g.H_pose_k;
+    const Eigen::MatrixXd cross = E.transpose().lazyProduct(g.H_pose_k);
     out_.I.block(e, k, 6, size) += cross;
     out_.I.block(k, e, size, 6) += cross.transpose();
     addFields(c, g, A, e);
@@ -87,14 +89,15 @@ class ViewTermsMaker::Sum {
       out_.corners = 0;
       return std::move(out_);
     }
-    llt.matrixL().solveInPlace(X_);
-    const auto P = X_.leftCols(n_);
-    const auto F = X_.middleCols(n_, K_);
-    out_.I.noalias() -= P.transpose() * P;
-    out_.C.noalias() -= P.transpose() * F;
+    const Matrix6d L_inverse = llt.matrixL().solve(Matrix6d::Identity());
+    const SixRows Y = L_inverse.lazyProduct(X_);
+    const auto P = Y.leftCols(n_);
+    const auto F = Y.middleCols(n_, K_);
+    out_.I -= P.transpose().lazyProduct(P);
+    out_.C -= P.transpose().lazyProduct(F);
     if (squares_) {
       out_.D.noalias() -= F.transpose() * F;
-      out_.s.noalias() -= F.transpose() * X_.col(n_ + K_);
+      out_.s.noalias() -= F.transpose() * Y.col(n_ + K_);
     }
     return std::move(out_);
   }
@@ -105,6 +108,8 @@ class ViewTermsMaker::Sum {
   }
 
  private:
+  using SixRows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
   void addFields(std::size_t c, const FieldGram& g, const Matrix6d& A, int e) {
     const MisfitField& field = maker_.field_;
     const bool combined = field.columns.size() > 0;
@@ -115,10 +120,10 @@ class ViewTermsMaker::Sum {
     if (e < 0) {
       X += g.H_pose_f;
     } else {
-      X.noalias() += A.transpose() * g.H_pose_f;
+      X += A.transpose().lazyProduct(g.H_pose_f);
       const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
-      out_.C.block(e, at, 3, columns).noalias() -= R.transpose() * g.H_pose_f.topRows<3>();
-      out_.C.block(e + 3, at, 3, columns).noalias() -= R.transpose() * g.H_pose_f.bottomRows<3>();
+      out_.C.block(e, at, 3, columns) -= R.transpose().lazyProduct(g.H_pose_f.topRows<3>());
+      out_.C.block(e + 3, at, 3, columns) -= R.transpose().lazyProduct(g.H_pose_f.bottomRows<3>());
     }
     if (!squares_) return;
     if (combined) return addSquares(g, field.ofCamera(c));
@@ -141,7 +146,7 @@ class ViewTermsMaker::Sum {
   const ViewTermsMaker& maker_;
   Eigen::Index n_, K_;
   Matrix6d H_;
-  Eigen::MatrixXd X_;
+  SixRows X_;
   ViewTerms out_;
   bool squares_ = false;
 };
