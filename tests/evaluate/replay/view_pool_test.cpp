@@ -87,11 +87,12 @@ TEST(ViewPool, HeldOutErrorIsThatOfScoringTheHeldOutSession) {
   ASSERT_TRUE(score);
   EXPECT_NEAR(error.px, score->summary.reprojection.rmse_px, 1e-7);
 
+  const double scale = c.options.cauchy_px * c.options.cauchy_px;
   double border = 0, centre = 0, loss = 0;
   int at_border = 0, elsewhere = 0;
   for (const CornerResidual& r : score->residuals) {
     const double s = r.error.cast<double>().squaredNorm();
-    loss += 2.25 * std::log(1 + s / 2.25);
+    loss += scale * std::log(1 + s / scale);
     const Resolution& image = held_out.cameras[static_cast<std::size_t>(r.camera)].resolution;
     const double x = (static_cast<double>(r.uv.x()) + 0.5) / image.width;
     const double y = (static_cast<double>(r.uv.y()) + 0.5) / image.height;
