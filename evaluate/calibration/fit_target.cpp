@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -43,7 +44,7 @@ class SessionStages {
 
   /// Of the sessions `which`, at most as many in memory as there are threads.
   std::optional<Failure> run(const std::vector<std::size_t>& which, TargetMode mode,
-                             const Prepare& prepare, const Use& use) const {
+                             const Prepare& prepare, const Use& use) {
     const auto threads = static_cast<std::size_t>(std::max(1, request_.camera.threads));
     for (std::size_t first = 0; first < which.size(); first += threads) {
       const std::size_t count = std::min(threads, which.size() - first);
@@ -55,8 +56,13 @@ class SessionStages {
       progress_("calibrating cameras",
                 static_cast<double>(first) / static_cast<double>(which.size()));
       std::vector<std::optional<Result<CameraStageResult>>> stages(count);
+      // In the order of the sessions, so that no choice depends on the threads.
+      for (std::size_t k = 0; k < count; ++k) {
+        if (choosesModels(loaded[k])) stages[k] = choosing(loaded[k], mode);
+      }
       parallelFor(count, static_cast<int>(count), [&](int /*worker*/, std::size_t k) {
-        stages[k] = calibrate(loaded[k], mode, request_.camera.threads / static_cast<int>(count));
+        const int own_threads = request_.camera.threads / static_cast<int>(count);
+        if (!stages[k]) stages[k] = calibrate(loaded[k], mode, own_threads);
       });
       for (std::size_t k = 0; k < count; ++k) {
         if (!stages[k]->ok()) return stages[k]->failure();
@@ -67,11 +73,61 @@ class SessionStages {
   }
 
  private:
+  /// Lens models that a session's choice found, and what they left there.
+  struct Chosen {
+    std::vector<CameraModelPair> models;
+    double rmse_px = 0;
+  };
+
+  /// What sessions of one rig have in common.
+  static std::string rigOf(const Session& session) {
+    std::string key;
+    for (const CameraStream& c : session.cameras) {
+      key += fmt::format("{} {}x{} {} {};", c.name, c.resolution.width, c.resolution.height,
+                         c.camera_model, c.distortion_model);
+    }
+    return key;
+  }
+  bool choosesModels(const LoadedSession& loaded) const {
+    return request_.camera.model_mode == ModelMode::kAuto &&
+           !chosen_.contains(rigOf(loaded.session));
+  }
+
+  /// The first session of a rig chooses the lens models of all: choosing costs more than all else.
+  Result<CameraStageResult> choosing(const LoadedSession& loaded, TargetMode mode) {
+    auto stage = calibrated(loaded, mode, request_.camera);
+    if (!stage) return stage;
+    Chosen chosen{{}, stage->summary.reprojection.rmse_px};
+    for (const CameraCalibration& camera : stage->cameras) {
+      chosen.models.push_back(
+          {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+    }
+    chosen_.emplace(rigOf(loaded.session), std::move(chosen));
+    return stage;
+  }
+
+  /// By the models of its rig; where they leave much more than there, it is another rig that looks
+  /// alike, and chooses its own.
   Result<CameraStageResult> calibrate(const LoadedSession& loaded, TargetMode mode,
                                       int threads) const {
+    constexpr double kMuchMore = 1.5;
     CameraStageOptions options = request_.camera;
-    options.target = mode;
     options.threads = threads;
+    const auto of_rig = chosen_.find(rigOf(loaded.session));
+    if (of_rig != chosen_.end()) {
+      CameraStageOptions given = options;
+      given.model_mode = ModelMode::kGiven;
+      given.models = of_rig->second.models;
+      auto stage = calibrated(loaded, mode, given);
+      const double bound = kMuchMore * of_rig->second.rmse_px;
+      if (stage && stage->summary.reprojection.rmse_px <= bound) return stage;
+    }
+    return calibrated(loaded, mode, options);
+  }
+
+  static Result<CameraStageResult> calibrated(const LoadedSession& loaded, TargetMode mode,
+                                              CameraStageOptions options) {
+    options.target = mode;
     if (options.models.size() == 1) {
       options.models.resize(loaded.session.cameras.size(), options.models.front());
     }
@@ -80,12 +136,12 @@ class SessionStages {
 
   const TargetFitRequest& request_;
   const ProgressSink& progress_;
+  std::map<std::string, Chosen> chosen_;  ///< by rigOf()
 };
 
 /// Of every session: those that differ by more than chance are calibrated again, on the joint
 /// board.
-Result<std::vector<BoardAgreement>> agreementOf(const SessionStages& stages,
-                                                const JointTarget& joint) {
+Result<std::vector<BoardAgreement>> agreementOf(SessionStages& stages, const JointTarget& joint) {
   std::vector<BoardAgreement> agreement(joint.members.size(), BoardAgreement::kSame);
   std::vector<std::size_t> differing;
   for (std::size_t i = 0; i < joint.members.size(); ++i) {
@@ -147,7 +203,7 @@ std::string undeterminedText(const JointTarget& joint) {
 
 Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
                                              const ProgressSink& progress) {
-  const SessionStages stages(request, progress);
+  SessionStages stages(request, progress);
   SessionsTarget out;
   std::vector<BoardSystem> systems;
   std::optional<AprilGrid> board;

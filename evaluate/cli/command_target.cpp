@@ -98,7 +98,8 @@ void declareFit(CLI::App& app, FitOptions& o) {
   app.add_option("--target", o.target, "Kalibr's target.yaml (default: in each session)");
   app.add_option(
       "--models", o.models,
-      "Lens model for all cameras (default: auto, chosen by the error of held-out frames)");
+      "Lens model for all cameras (default: auto, chosen by the error of held-out frames of the "
+      "first session of a rig)");
   app.add_option("--loss", o.loss, "none, or cauchy:SCALE [px]")->capture_default_str();
   app.add_option("--target-degree", o.degree,
                  "Highest degree of the shape: 4 where the sessions ask for it, or 2")

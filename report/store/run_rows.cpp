@@ -146,7 +146,8 @@ std::vector<ParameterEstimate> estimatesOf(const ComparisonRecord& record, std::
   std::vector<ParameterEstimate> estimates;
   for (const ComparedParameter& p : record.parameters) {
     if (k >= p.values.size() || !p.values[k]) continue;
-    const auto std = k < p.std.size() ? p.std[k] : std::nullopt;
+    std::optional<double> std;
+    if (k < p.std.size()) std = p.std[k];
     estimates.push_back({p.name, *p.values[k], std.value_or(std::nan("")), p.unit, {}, {}, {}});
   }
   return estimates;

@@ -66,6 +66,19 @@ TEST_F(CommandTarget, FitsOneBoardToSeveralSessions) {
   EXPECT_EQ(plumbline("target fit " + at("nowhere") + " --out " + at("y.yaml")).exit_code, 2);
 }
 
+// The first session chooses the lens models of its rig, whatever the threads.
+TEST_F(CommandTarget, FitsWithLensModelsThatTheFirstSessionChose) {
+  simulate("1", "bow=1mm");
+  simulate("2", "bow=1mm");
+  const auto fit = [&](const std::string& words, const char* file) {
+    const Outcome outcome = plumbline("target fit " + words + " --force --out " + at(file));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  };
+  fit(at("1") + " " + at("2") + " --threads 1", "one.yaml");
+  fit(at("1") + " " + at("2") + " --threads 2", "two.yaml");
+  EXPECT_EQ(contents(root_).at("one.yaml"), contents(root_).at("two.yaml"));
+}
+
 // Deviations are those of the corners' own noise of 0.2 px: at the stated pixel sigma of 1 px the
 // tenth of a millimetre of session 3 would pass for chance.
 TEST_F(CommandTarget, NamesSessionsWhoseBoardBent) {
