@@ -20,6 +20,19 @@ struct LanesOf {
 template <int kWidth>
 using Lanes = typename LanesOf<kWidth>::type;
 
+/// W doubles in a row, at any address.
+template <int W>
+[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
+  Lanes<W> a;
+  __builtin_memcpy(&a, from, sizeof a);
+  return a;
+}
+
+template <int W>
+[[gnu::always_inline]] inline void store(double* to, const Lanes<W>& a) {
+  __builtin_memcpy(to, &a, sizeof a);
+}
+
 template <class T>
 inline constexpr bool kIsLanes = !std::is_class_v<T> && !std::is_arithmetic_v<T>;
 

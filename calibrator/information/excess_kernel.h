@@ -45,20 +45,13 @@ class Rows {
   std::vector<double> values_;
 };
 
-template <int W>
-[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
-  Lanes<W> a;
-  __builtin_memcpy(&a, from, sizeof a);
-  return a;
-}
-
 /// to += factor from, over entries begin .. end - 1.
 template <int W>
 [[gnu::always_inline]] inline void add(double factor, const double* from, int begin, int end,
                                        double* to) {
   for (int j = begin; j < end; j += W) {
     const Lanes<W> sum = load<W>(to + j) + factor * load<W>(from + j);
-    __builtin_memcpy(to + j, &sum, sizeof sum);
+    store<W>(to + j, sum);
   }
 }
 
@@ -71,7 +64,7 @@ template <int W, class Factor, class Row>
     Lanes<W> sum = load<W>(to + j);
     for (int k = first; k < end; ++k) sum += factor(k) * load<W>(row(k) + j);
     sum *= scale;
-    __builtin_memcpy(to + j, &sum, sizeof sum);
+    store<W>(to + j, sum);
   }
 }
 

@@ -103,9 +103,9 @@ template <int W, int S, class Model, bool kRobust>
     for (int lane = 0; lane < W; ++lane) g.w[lane] *= std::sqrt(slope[lane]);
   }
   gram::fillPlain<W, S, true, false>(in, g, first + j, left + j);
-  eachFunction<W>(box, gram::load<W>(in.view.u + first + j), gram::load<W>(in.view.v + first + j),
+  eachFunction<W>(box, load<W>(in.view.u + first + j), load<W>(in.view.v + first + j),
                   [&](int place, const Lanes<W>& f) {
-                    gram::store<W>(functions + place * gram::kStride + j, g.w * f);
+                    store<W>(functions + place * gram::kStride + j, g.w * f);
                   });
 }
 
@@ -186,7 +186,7 @@ template <int W, int kShape, int J>
   for (int f = 0; f < kFieldFunctions; ++f) {
 #pragma GCC unroll 8
     for (int v = 0; v < kSize / W; ++v) {
-      const Lanes<W> part = gram::load<W>(sums.of[f] + v * W);
+      const Lanes<W> part = load<W>(sums.of[f] + v * W);
 #pragma GCC unroll 4
       for (int j = 0; j < J; ++j) sum[j][v] += r[j * R.stride + f] * part;
     }
@@ -195,7 +195,7 @@ template <int W, int kShape, int J>
 #pragma GCC unroll 4
   for (int j = 0; j < J; ++j) {
 #pragma GCC unroll 8
-    for (int v = 0; v < kSize / W; ++v) gram::store<W>(column + v * W, sum[j][v]);
+    for (int v = 0; v < kSize / W; ++v) store<W>(column + v * W, sum[j][v]);
     addColumn<kShape>(column, row, first + j, out);
   }
 }

@@ -14,18 +14,6 @@ inline constexpr int kChunk = 48;
 inline constexpr int kStride = 2 * kChunk;
 
 template <int W>
-[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
-  Lanes<W> a;
-  __builtin_memcpy(&a, from, sizeof a);
-  return a;
-}
-
-template <int W>
-[[gnu::always_inline]] inline void store(double* to, const Lanes<W>& a) {
-  __builtin_memcpy(to, &a, sizeof a);
-}
-
-template <int W>
 [[gnu::always_inline]] inline double sumOf(const Lanes<W>& a) {
   double sum = a[0];
   for (int i = 1; i < W; ++i) sum += a[i];

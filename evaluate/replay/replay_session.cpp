@@ -174,7 +174,7 @@ Played playedWith(const ReplayRequest& request, const GuideRig& rig,
 }
 
 /// Where the camera stage would take the whole recording, it is ended at half of it, as a person
-/// with so much time would do: otherwise nothing were known of the camera-IMU stage.
+/// with so much time would do: otherwise nothing would be known of the camera-IMU stage.
 Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
                       const std::vector<GuideFrame>& frames,
                       const std::optional<std::vector<CameraCalibration>>& given,

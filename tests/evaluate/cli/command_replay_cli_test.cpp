@@ -204,6 +204,16 @@ TEST_F(CommandReplay, ACameraStageHasTheTimeAskedFor) {
   EXPECT_THAT(run.text, HasSubstr("before its stage was ended at 3.0 s"));
 }
 
+TEST_F(CommandReplay, TheBatchOfAStageThatWasEndedTakesItsTime) {
+  const Outcome run = replay(session(),
+                             "--no-report --to 8 --min-views 10000 --camera-stage-s 3 "
+                             "--latency-ms camera-batch=1000");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  int busy = 0;
+  for (const json& d : lines(out() / "decisions.jsonl")) busy += d["reason"] == "busy" ? 1 : 0;
+  EXPECT_NEAR(busy, 20, 1);  // a second at 20 Hz
+}
+
 TEST_F(CommandReplay, SuggestionsOfTheRecordingAreFollowed) {
   const fs::path folder = spoiled();
   write(folder / "suggestions.csv",

@@ -79,6 +79,24 @@ TEST_F(CommandTarget, FitsWithLensModelsThatTheFirstSessionChose) {
   EXPECT_EQ(contents(root_).at("one.yaml"), contents(root_).at("two.yaml"));
 }
 
+// A radtan and a fisheye rig whose sensor.yaml read alike.
+TEST_F(CommandTarget, ARigThatLooksLikeAnotherChoosesItsOwnModels) {
+  simulate("1", "bow=1mm");
+  ASSERT_EQ(plumbline("simulate --rig tumvi --duration 12 --target-shape bow=1mm --seed 2 --out " +
+                      at("2"))
+                .exit_code,
+            0);
+  for (const char* session : {"1", "2"}) {
+    for (const char* camera : {"cam0", "cam1"}) {
+      write(fs::path(at(session)) / "mav0" / camera / "sensor.yaml", "resolution: [752, 512]\n");
+    }
+  }
+  const Outcome outcome =
+      plumbline("target fit " + at("1") + " " + at("2") + " --out " + at("shape.yaml"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("1: shows the same"), HasSubstr("2: shows the same")));
+}
+
 // Deviations are those of the corners' own noise of 0.2 px: at the stated pixel sigma of 1 px the
 // tenth of a millimetre of session 3 would pass for chance.
 TEST_F(CommandTarget, NamesSessionsWhoseBoardBent) {

@@ -18,7 +18,7 @@ import sys
 import tempfile
 import zlib
 
-from browser_test import FLAT, chromium, fail, instrument, told
+from browser import FLAT, chromium, fail, instrument, told
 
 WIDTHS = (1400, 800, 390)
 KINDS = ("calibration", "perturbation", "trajectory", "comparison", "study", "replay")

@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 
-from browser_test import FLAT, chromium, fail, instrument, told
+from browser import FLAT, chromium, fail, instrument, told
 from layout_browser_test import MOST_SHEETS, sheets_of
 
 PAGE_MB = 10

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-from browser_test import STUDY_PROBE, check_figures, fail, instrument, photograph, probe
+from browser import STUDY_PROBE, check_figures, fail, instrument, photograph, probe
 
 FLAT = ["--disable-gpu"]
 FIELDS = ["frame", "time", "stage", "mode", "reason", "mi", "entropy", "suggestion", "distance"]

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The guide over its stages: a camera stage whose time is over.
+#include "calibrator/guidance/guide.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/calibrator/guidance/camera_guide_replay.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kRate = 10;  // [Hz]
+
+/// Two seconds of a free motion, then held still, so that the guide asks for a view.
+std::vector<Decision> played(Guide& guide, const test::LiveRig& rig, int frames) {
+  std::vector<Decision> decisions;
+  for (int i = 0; i < frames; ++i) {
+    const double t = i / kRate;
+    decisions.push_back(guide.step(rig.frame(i, t, rig.wandering(std::min(t, 2.0)))));
+  }
+  return decisions;
+}
+
+std::vector<Decision> endedAfter(double seconds, int frames) {
+  const test::LiveRig rig("euroc", 1, 0.2);
+  GuideOptions options;
+  options.camera_stage_s = seconds;
+  Guide guide(rig.guideRig(), options);
+  auto decisions = played(guide, rig, frames);
+  EXPECT_EQ(guide.cameraStageEnded(), seconds > 0);
+  EXPECT_EQ(guide.finished(), seconds > 0);
+  return decisions;
+}
+
+std::size_t openedAt(const std::vector<Decision>& decisions) {
+  const auto opened = std::find_if(decisions.begin(), decisions.end(),
+                                   [](const Decision& d) { return d.opened.has_value(); });
+  return static_cast<std::size_t>(opened - decisions.begin());
+}
+
+TEST(Guide, ACameraStageWhoseTimeIsOverEndsWithThatFrame) {
+  const auto decisions = endedAfter(1, 20);
+  for (std::size_t i = 0; i < decisions.size(); ++i) {
+    EXPECT_EQ(decisions[i].mode == GuideMode::kFinished, i >= 10) << i;
+    EXPECT_EQ(decisions[i].reason == GuideReason::kFinished, i > 10) << i;
+  }
+  EXPECT_NE(decisions[10].detail, "");
+}
+
+TEST(Guide, ASuggestionThatIsOpenThenIsWithdrawn) {
+  const auto free = endedAfter(0, 60);
+  const std::size_t opened = openedAt(free);
+  ASSERT_LT(opened + 2, free.size());
+  const auto ended = endedAfter(static_cast<double>(opened + 2) / kRate, 60);
+  EXPECT_EQ(ended[opened + 2].event, SuggestionEvent::kWithdrawn);
+  EXPECT_EQ(ended[opened + 2].suggestion, free[opened].suggestion);
+}
+
+TEST(Guide, ASuggestionOfTheLastFrameIsNeverShown) {
+  const auto free = endedAfter(0, 60);
+  const std::size_t opened = openedAt(free);
+  ASSERT_LT(opened, free.size());
+  const auto ended = endedAfter(static_cast<double>(opened) / kRate, 60);
+  EXPECT_EQ(ended[opened].mode, GuideMode::kFinished);
+  EXPECT_EQ(ended[opened].event, SuggestionEvent::kNone);
+  EXPECT_FALSE(ended[opened].opened || ended[opened].suggestion);
+}
+
+}  // namespace
+}  // namespace plumbline
