@@ -195,10 +195,17 @@ std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board) {
   for (std::size_t id = 0; id < points.size(); ++id) {
     points[id] += basis.columns(static_cast<int>(id)) * board.shape.terms;
   }
-  if (!board.shape.higher) return points;
-  const HigherBasis higher(board);
-  for (std::size_t id = 0; id < points.size(); ++id) {
-    points[id] += higher.displacement(static_cast<int>(id), *board.shape.higher);
+  if (board.shape.higher) {
+    const HigherBasis higher(board);
+    for (std::size_t id = 0; id < points.size(); ++id) {
+      points[id] += higher.displacement(static_cast<int>(id), *board.shape.higher);
+    }
+  }
+  if (board.shape.corners) {
+    assert(board.shape.corners->size() == 3 * board.cornerCount());
+    for (std::size_t id = 0; id < points.size(); ++id) {
+      points[id] += board.shape.corners->segment<3>(3 * static_cast<Eigen::Index>(id));
+    }
   }
   return points;
 }

@@ -37,25 +37,28 @@ inline constexpr int kHigherTerms = 3 * kHigherFunctions;
 using HigherTerms = Eigen::Matrix<double, kHigherTerms, 1>;
 
 /// The board's own shape: a displacement of every corner of the grid in F,
-///   p = p_grid + sum_j B_j(p_grid) terms_j + sum_k Q_k(p_grid) higher_k,
+///   p = p_grid + sum_j B_j(p_grid) terms_j + sum_k Q_k(p_grid) higher_k + corners_p,
 /// B_j of TargetBasis, Q_k of HigherBasis. All zero: flat and even, as target.yaml says. It holds
 /// no similarity (translation, rotation, scale stay those of the grid). The last term is one of
 /// recording and detector rather than of the board: how much wider the tags look [m], where their
 /// edges span kTagEdgePx pixels. A detector errs by pixels, so that it is more on tags that look
-/// smaller, by tagEdgeScale().
+/// smaller, by tagEdgeScale(). Nor are the remainders of single corners the board's: two recordings
+/// of one board have different ones (docs/target_shape.md).
 struct TargetShape {
   TargetTerms terms = TargetTerms::Zero();     ///< [m]
   std::optional<TargetCovariance> covariance;  ///< of terms [m^2]; none: taken as exact
   std::optional<HigherTerms> higher = {};      ///< [m]; none: all zero
   /// Standard deviations of `higher` [m], taken as independent; none: taken as exact.
   std::optional<HigherTerms> higher_std = {};
+  /// What is left at the single corners [m]: x, y, z of corner 0, then of corner 1; none: zero.
+  std::optional<Eigen::VectorXd> corners = {};
 
-  bool isFlat() const { return terms.isZero(0) && !higher; }
-  /// RMS displacement of the corners, tag_edge aside [m].
+  bool isFlat() const { return terms.isZero(0) && !higher && !corners; }
+  /// RMS displacement of the corners by the board's own terms (not tag_edge, not `corners`) [m].
   double rms() const;
   bool operator==(const TargetShape& other) const {
     return terms == other.terms && covariance == other.covariance && higher == other.higher &&
-           higher_std == other.higher_std;
+           higher_std == other.higher_std && corners == other.corners;
   }
 };
 

@@ -221,6 +221,17 @@ struct TargetFit {
   /// Of terms of degrees 3 and 4 (shape.higher where they are kept), where they were tried: RMS of
   /// the same frames, and by how much their squares are smaller than with the twelve terms.
   std::optional<double> higher_held_out_px, higher_gain_px2, higher_gain_std_px2;
+  /// The same of remainders of single corners besides, against degrees 3 and 4; and the standard
+  /// deviations [m] that their prior has been given, in the plane and in height, where they are
+  /// kept.
+  std::optional<double> corners_held_out_px, corners_gain_px2, corners_gain_std_px2;
+  std::optional<double> corners_plane_std, corners_height_std;
+
+  /// RMS of held-out frames with the board that `shape` is.
+  double shapeHeldOutPx() const {
+    if (shape.corners && corners_held_out_px) return *corners_held_out_px;
+    return shape.higher && higher_held_out_px ? *higher_held_out_px : held_out_px;
+  }
 };
 
 /// A lens model that was tried for a camera.

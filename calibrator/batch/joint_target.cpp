@@ -198,7 +198,7 @@ HigherTest testHigher(const std::vector<BoardSystem>& sessions, double dispersio
   out.chi2 = h.dot(linear) / dispersion;
   out.limit = chiSquare99(kHigherTerms);
   H.diagonal().array() -= prior;
-  out.information = higherPosterior(H, linear, dispersion).prior.information;
+  out.information = higherPosterior(H, linear, {dispersion}).prior.information;
   return out;
 }
 

@@ -48,6 +48,8 @@ void fields(V& v, TargetShape& s) {
   v("higher", s.higher,
     "terms of degrees 3 and 4 [m]: 9 along x, 9 along y, 9 of height; absent: none");
   v("higher_std", s.higher_std, "their standard deviations [m]; absent: assumed exact");
+  v("corners", s.corners,
+    "remainders of single corners [m]: x, y, height of corner 0, then of corner 1; absent: none");
 }
 
 template <class V>

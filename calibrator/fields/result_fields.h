@@ -126,6 +126,14 @@ void fields(V& v, TargetFit& t) {
   v("higher_gain_px2", t.higher_gain_px2, "px^2",
     "by how much the squares are smaller with them than with the twelve terms");
   v("higher_gain_std_px2", t.higher_gain_std_px2, "px^2", "standard deviation of that mean");
+  v("corners_held_out_px", t.corners_held_out_px, "px",
+    "`held_out_px` with remainders of single corners besides; absent: not tried");
+  v("corners_gain_px2", t.corners_gain_px2, "px^2",
+    "by how much the squares are smaller with them than with degrees 3 and 4");
+  v("corners_gain_std_px2", t.corners_gain_std_px2, "px^2", "standard deviation of that mean");
+  v("corners_plane_std", t.corners_plane_std, "m",
+    "standard deviation of their prior along x and y, estimated; absent: none are kept");
+  v("corners_height_std", t.corners_height_std, "m", "the same in height");
 }
 
 template <class V>

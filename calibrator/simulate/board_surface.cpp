@@ -14,6 +14,7 @@ BoardSurface::BoardSurface(const AprilGrid& board)
   AprilGrid printed = board;
   printed.shape.terms[kTargetTerms - 1] = 0;
   printed.shape.higher.reset();
+  printed.shape.corners.reset();  // of a detector, not printed
   const std::vector<Eigen::Vector3d> points = cornerPoints(printed);
   const Eigen::Vector2d centre(0.5 * board.width(), 0.5 * board.height());
   Eigen::MatrixXd monomials(board.cornerCount(), 6), displacements(board.cornerCount(), 3);

@@ -118,6 +118,35 @@ HigherTerms readHigherStd(const YamlMap& file) {
                                      "use the file as the program wrote it, or delete the key"});
 }
 
+Eigen::VectorXd readCorners(const YamlMap& file, const AprilGrid& grid) {
+  const auto rows = file.rows("corners_mm", "x, y, height of every corner [mm]");
+  Eigen::VectorXd out(3 * grid.cornerCount());
+  bool complete = rows.size() == static_cast<std::size_t>(grid.cornerCount());
+  for (std::size_t id = 0; complete && id < rows.size(); ++id) {
+    complete = rows[id].size() == 3;
+    for (std::size_t j = 0; complete && j < 3; ++j) {
+      out[static_cast<Eigen::Index>(3 * id + j)] = rows[id][j] / kMillimetres;
+    }
+  }
+  if (complete && (out.array().abs() <= kLargest).all()) return out;
+  throw file.fault(
+      "corners_mm",
+      {InputFault::kOutOfRange, "these are not remainders of the grid's corners",
+       fmt::format("{} rows (x, y, height) of displacements of at most 50 mm", grid.cornerCount()),
+       "use the file as the program wrote it, or delete the key"});
+}
+
+std::string cornersText(const Eigen::VectorXd& corners) {
+  std::string text =
+      "corners_mm:  # remainders of single corners: x, y, height; of recording and detector\n";
+  for (Eigen::Index j = 0; j < corners.size(); j += 3) {
+    text += fmt::format("  - [{}, {}, {}]\n", yamlNumber(kMillimetres * corners[j]),
+                        yamlNumber(kMillimetres * corners[j + 1]),
+                        yamlNumber(kMillimetres * corners[j + 2]));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string targetShapeText(const AprilGrid& board) {
@@ -137,6 +166,7 @@ std::string targetShapeText(const AprilGrid& board) {
   if (board.shape.higher_std) {
     text += higherText("higher_std_mm", "their standard deviations", *board.shape.higher_std);
   }
+  if (board.shape.corners) text += cornersText(*board.shape.corners);
   if (!board.shape.covariance) return text;
   text += "covariance_mm2:\n";
   for (const auto& row : board.shape.covariance->rowwise()) {
@@ -156,6 +186,7 @@ TargetShape readTargetShape(const std::string& path, const AprilGrid& grid) {
   shape.terms = readTerms(file.map("terms_mm", kFile));
   if (file.has("higher_mm")) shape.higher = readHigherTerms(file, "higher_mm");
   if (shape.higher && file.has("higher_std_mm")) shape.higher_std = readHigherStd(file);
+  if (file.has("corners_mm")) shape.corners = readCorners(file, grid);
   if (file.has("covariance_mm2")) shape.covariance = readCovariance(file);
   return shape;
 }

@@ -124,8 +124,7 @@ void addTarget(Text& text, const TargetFit& fit, bool kept) {
       "Target: {:.2f} mm RMS deviation from the even grid{}; held-out frames {:.4f} px with the "
       "estimated shape, {:.4f} px without\n",
       1e3 * fit.shape.rms(), kept ? ", estimated with the cameras" : ", not applied",
-      fit.shape.higher && fit.higher_held_out_px ? *fit.higher_held_out_px : fit.held_out_px,
-      fit.flat_held_out_px);
+      fit.shapeHeldOutPx(), fit.flat_held_out_px);
 }
 
 Calibration calibrationOf(const CalibrationRecord& record) {

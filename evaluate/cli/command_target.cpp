@@ -126,6 +126,7 @@ TargetFitRequest fitRequest(const FitOptions& o) {
   }
   request.camera.cauchy_px = lossFrom(o.loss);
   request.camera.target_degree = o.degree;
+  request.camera.target_corners = false;  // they are a recording's, not the board's
   request.camera.threads = threadCount(o.threads);
   request.camera.model_mode = ModelMode::kAuto;
   if (o.models && *o.models != "auto") {

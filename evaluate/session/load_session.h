@@ -29,6 +29,7 @@ struct LoadRequest {
   std::optional<std::string> target_shape;
   TargetMode target = TargetMode::kGiven;  ///< of jobs that calibrate
   int target_degree = 4;                   ///< likewise
+  bool target_corners = true;              ///< likewise
   std::vector<std::string> only;           ///< cameras to use, by name; empty: all
   std::vector<std::string> others;         ///< further files that the input hash covers
   int threads = 0;  ///< of the detection; 0: all cores. Results do not depend on it.

@@ -74,6 +74,8 @@ struct CameraStageOptions : MeasurementModel {
   double target_max_std = 5e-4;
   /// Highest degree of an estimated board's displacement: 2, or 4 where unseen frames ask for it.
   int target_degree = 4;
+  /// Remainders of single corners, where degree 4 is kept and unseen frames ask for them too.
+  bool target_corners = true;
 
   FrameOptions frames;        ///< how views are paired
   int min_start_corners = 4;  ///< views with fewer corners give no first guess of their pose

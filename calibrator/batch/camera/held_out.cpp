@@ -84,7 +84,7 @@ CameraPart testedPart(const CameraProblem& problem, const CameraEstimate& estima
   return partOf(problem, estimate, frames);
 }
 
-HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, HigherDegrees higher,
+HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardDetail detail,
                 int most_frames, const MinimiserOptions& solver) {
   const auto blocks = blocksOf(problem.frameCount(), most_frames);
   HeldOut out;
@@ -97,8 +97,8 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, Higher
     }
     CameraPart training = partOf(problem, from, seen);
     CameraSolution trained = solveCameraProblem(training.problem, training.estimate, solver);
-    if (higher == HigherDegrees::kEstimated) {
-      trained = withHigherTerms(training.problem, std::move(trained), solver, 1);
+    if (detail != BoardDetail::kTwelveTerms) {
+      trained = withHigherTerms(training.problem, std::move(trained), solver, {detail, 1});
     }
     std::span<const PackedCorners> corners = problem.corners;
     if (trained.estimate.target) {

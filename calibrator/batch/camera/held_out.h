@@ -26,12 +26,10 @@ inline constexpr int kFramesOfTest = 400;
 /// The solver's options for solutions that are only compared: a tenth of a standard deviation.
 MinimiserOptions roughSolver();
 
-/// Whether the solutions have terms of degrees 3 and 4 of their own (higher_terms.h).
-enum class HigherDegrees { kAsTheyAre, kEstimated };
-
-/// `from` starts both solutions and has the poses.
+/// `from` starts both solutions and has the poses; they have a board of their own to that detail
+/// (higher_terms.h).
 HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from,
-                HigherDegrees higher = HigherDegrees::kAsTheyAre, int most_frames = kFramesOfTest,
+                BoardDetail detail = BoardDetail::kTwelveTerms, int most_frames = kFramesOfTest,
                 const MinimiserOptions& solver = roughSolver());
 
 /// The frames on which heldOut() stands, with their poses.

@@ -12,6 +12,7 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera/remainder_space.h"
 #include "calibrator/batch/camera/target.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/covariance.h"
@@ -24,20 +25,13 @@ constexpr double kSettled = 0.1;    // last step over the terms' standard deviat
 constexpr double kStartStd = 1e-4;  // of a term [m]
 constexpr double kLeastStd = 1e-7;  // [m]; smaller ones change nothing
 constexpr int kEvidenceRounds = 50;
+// Of corners: without noise the prior would vanish, and with it what bounds remainders that no
+// view determines.
+constexpr double kLeastNoisePx = 1e-4;
+constexpr double kSameVariance = 1e-3;  // relative change that ends the search for the evidence
 
-using PoseHigher = Eigen::Matrix<double, 6, kHigherTerms>;
+using PoseHigher = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 using LensPoint = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxIntrinsics, 3>;
-using LensHigher =
-    Eigen::Matrix<double, Eigen::Dynamic, kHigherTerms, 0, kMaxIntrinsics, kHigherTerms>;
-
-/// X (x) phi: the columns of an axis a are X.col(a) phi^T.
-template <class Out, class Columns>
-void addKronecker(const Columns& X, const HigherBasis::Functions& phi, Out& out) {
-  for (int axis = 0; axis < 3; ++axis) {
-    out.template middleCols<kHigherFunctions>(kHigherFunctions * axis).noalias() +=
-        X.col(axis).lazyProduct(phi.transpose());
-  }
-}
 
 /// A corner's share: J_F = de/dp_F, weighted.
 struct CornerRows {
@@ -65,6 +59,32 @@ std::optional<CornerRows> rowsOf(const Intrinsics& lens, const Transform& T_CF,
   return out;
 }
 
+/// Columns of the higher terms in the normal equations: the polynomials, then with remainders x, y
+/// of every corner of the board, then their heights.
+struct HigherColumns {
+  explicit HigherColumns(const AprilGrid& board, BoardDetail detail)
+      : corners(detail == BoardDetail::kCorners ? board.cornerCount() : 0),
+        size(kHigherTerms + 3 * corners) {}
+  int plane(int id) const { return kHigherTerms + 2 * id; }
+  int height(int id) const { return kHigherTerms + 2 * corners + id; }
+
+  /// Adds products X (n x 3) with the displacement of a corner: the columns of an axis a of the
+  /// polynomials are X.col(a) phi^T, those of the corner are X.
+  template <class X, class Out>
+  void add(const X& x, int id, const HigherBasis::Functions& phi, Out& out) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      out.template middleCols<kHigherFunctions>(kHigherFunctions * axis).noalias() +=
+          x.col(axis).lazyProduct(phi.transpose());
+    }
+    if (corners == 0) return;
+    out.template middleCols<2>(plane(id)) += x.template leftCols<2>();
+    out.col(height(id)) += x.col(2);
+  }
+
+  int corners;  ///< of the board; 0: without remainders
+  int size;
+};
+
 /// Sums over frames of one chunk, in the frames' order.
 struct HigherSums {
   std::vector<Eigen::Matrix3d> M;            ///< per corner of the board: J_F^T J_F
@@ -72,11 +92,11 @@ struct HigherSums {
   std::vector<std::vector<LensPoint>> lens;  ///< per camera and corner: J_k^T J_F
   std::vector<PoseHigher> pose;              ///< per camera, in its own twist
 
-  HigherSums(int corners, const CameraLayout& layout)
+  HigherSums(int corners, int columns, const CameraLayout& layout)
       : M(static_cast<std::size_t>(corners), Eigen::Matrix3d::Zero()), M_edge(M) {
     for (const int size : layout.intrinsics_size) {
       lens.emplace_back(M.size(), LensPoint::Zero(size, 3));
-      pose.emplace_back(PoseHigher::Zero());
+      pose.emplace_back(PoseHigher::Zero(6, columns));
     }
   }
   void add(const HigherSums& other) {
@@ -93,8 +113,11 @@ struct HigherSums {
 
 /// The board's places and functions that the corners of all views share.
 struct HigherBoard {
-  explicit HigherBoard(const TargetModel& model, const TargetTerms& terms)
-      : basis(model.basis), higher(model.grid), tag_edge(terms[kTargetTerms - 1]) {
+  HigherBoard(const TargetModel& model, const TargetTerms& terms, BoardDetail detail)
+      : basis(model.basis),
+        higher(model.grid),
+        columns(model.grid, detail),
+        tag_edge(terms[kTargetTerms - 1]) {
     AprilGrid board = model.grid;
     board.shape.terms = terms;
     board.shape.terms[kTargetTerms - 1] = 0;
@@ -109,20 +132,22 @@ struct HigherBoard {
   }
   TargetBasis basis;
   HigherBasis higher;
+  HigherColumns columns;
   std::vector<Eigen::Vector3d> points;
   double tag_edge;
 };
 
 /// What one camera's view adds to its frame: P in the camera's twist, and the terms' gradient.
 struct ViewShare {
-  PoseHigher P = PoseHigher::Zero();
-  HigherTerms b = HigherTerms::Zero();
+  PoseHigher P;
+  Eigen::RowVectorXd b;
 };
 
 ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const Transform& T_CF,
                         const PackedView& view, double cauchy_px, double frame_weight,
                         std::size_t c, HigherSums& sums) {
-  ViewShare out;
+  const HigherColumns& columns = board.columns;
+  ViewShare out{PoseHigher::Zero(6, columns.size), Eigen::RowVectorXd::Zero(columns.size)};
   for (int k = 0; k < view.count; ++k) {
     if (!(view.w[k] > 0)) continue;
     const int id = view.id[k];
@@ -133,13 +158,10 @@ ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const 
     const Eigen::Matrix3d M = rows->J_F.transpose() * weighted;
     sums.M[static_cast<std::size_t>(id)] += M;
     sums.M_edge[static_cast<std::size_t>(id)] += view.edge[k] * M;
-    addKronecker(Eigen::Matrix<double, 6, 3>(rows->J_pose.transpose() * weighted), phi, out.P);
+    columns.add(Eigen::Matrix<double, 6, 3>(rows->J_pose.transpose() * weighted), id, phi, out.P);
     sums.lens[c][static_cast<std::size_t>(id)].noalias() +=
         rows->projection.J_intrinsics.transpose().lazyProduct(weighted);
-    const Eigen::Vector3d gradient = weighted.transpose() * rows->e;
-    for (int axis = 0; axis < 3; ++axis) {
-      out.b.segment<kHigherFunctions>(kHigherFunctions * axis) += gradient[axis] * phi;
-    }
+    columns.add(Eigen::RowVector3d(rows->e.transpose() * weighted), id, phi, out.b);
   }
   sums.pose[c] += out.P;
   return out;
@@ -164,7 +186,7 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
   const int corners = board.basis.cornerCount();
   std::vector<HigherSums> parts(
       static_cast<std::size_t>(chunkCount(problem.frameCount(), kFrameChunk)),
-      HigherSums(corners, layout));
+      HigherSums(corners, board.columns.size, layout));
   const double scale = 1 / (problem.pixel_sigma * problem.pixel_sigma);
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     HigherSums& sums = parts[static_cast<std::size_t>(chunk.index)];
@@ -178,7 +200,7 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
                           problem.corners[c].view(index), problem.gram.cauchy_px,
                           scale * problem.weight(i), c, sums);
         out.P[f] += chain[c].transpose() * view.P;
-        out.b.col(i) += view.b;
+        out.b.col(i) += view.b.transpose();
       }
     }
   });
@@ -190,91 +212,126 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
 void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const CameraLayout& layout,
                const HigherBoard& board, HigherNormals& out) {
   for (std::size_t c = 0; c < sums.lens.size(); ++c) {
-    LensHigher lens = LensHigher::Zero(layout.intrinsics_size[c], kHigherTerms);
+    auto lens = out.G_gh.middleRows(layout.intrinsics[c], layout.intrinsics_size[c]);
     for (std::size_t i = 0; i < sums.M.size(); ++i) {
-      addKronecker(sums.lens[c][i], board.higher.functions(static_cast<int>(i)), lens);
+      const auto id = static_cast<int>(i);
+      board.columns.add(sums.lens[c][i], id, board.higher.functions(id), lens);
     }
-    out.G_gh.middleRows(layout.intrinsics[c], layout.intrinsics_size[c]) = lens;
     if (c == 0) continue;
     const Eigen::Matrix3d A = -estimate.T_C0Ci[c].inverse().R;  // of twists, in the tangent
     out.G_gh.middleRows<3>(layout.T_C0Ci[c]) = A.transpose() * sums.pose[c].topRows<3>();
     out.G_gh.middleRows<3>(layout.T_C0Ci[c] + 3) = A.transpose() * sums.pose[c].bottomRows<3>();
   }
-  Eigen::Matrix<double, kTargetTerms, kHigherTerms> terms;
-  terms.setZero();
+  auto terms = out.G_gh.middleRows<kTargetTerms>(layout.target);
   for (int id = 0; id < board.basis.cornerCount(); ++id) {
     const auto i = static_cast<std::size_t>(id);
     const auto& phi = board.higher.functions(id);
     const Eigen::Matrix<double, 3, kTargetTerms> B = board.basis.columns(id);
     Eigen::Matrix<double, kTargetTerms, 3> BtM = B.transpose() * sums.M[i];
     BtM.row(kTargetTerms - 1) = B.col(kTargetTerms - 1).transpose() * sums.M_edge[i];
-    addKronecker(BtM, phi, terms);
-    const HigherBasis::Functions& f = phi;
+    board.columns.add(BtM, id, phi, terms);
+    Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(3, board.columns.size);  // of the displacement
+    board.columns.add(Eigen::Matrix3d::Identity(), id, phi, Q);
+    const auto polynomials = Q.leftCols<kHigherTerms>();
+    out.G_hh.topLeftCorner<kHigherTerms, kHigherTerms>() +=
+        polynomials.transpose() * sums.M[i] * polynomials;
+    if (board.columns.corners == 0) continue;
+    const std::array<int, 3> at{board.columns.plane(id), board.columns.plane(id) + 1,
+                                board.columns.height(id)};
     for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) {
-        out.G_hh
-            .block<kHigherFunctions, kHigherFunctions>(kHigherFunctions * a, kHigherFunctions * b)
-            .noalias() += sums.M[i](a, b) * f * f.transpose();
-      }
+      out.G_hh.col(at[a]).head<kHigherTerms>() = polynomials.transpose() * sums.M[i].col(a);
+      out.G_hh.row(at[a]).head<kHigherTerms>() = sums.M[i].row(a) * polynomials;
+      for (int b = 0; b < 3; ++b) out.G_hh(at[a], at[b]) = sums.M[i](a, b);
     }
   }
-  out.G_gh.middleRows<kTargetTerms>(layout.target) = terms;
 }
 
-HigherNormals higherNormals(const CameraProblem& problem, const CameraEstimate& estimate) {
+HigherNormals higherNormals(const CameraProblem& problem, const CameraEstimate& estimate,
+                            BoardDetail detail) {
   const CameraLayout layout(estimate);
-  const HigherBoard board(*problem.target, *estimate.target);
+  const HigherBoard board(*problem.target, *estimate.target, detail);
+  const int size = board.columns.size;
   HigherNormals out;
-  out.P.assign(problem.frames.size(), PoseHigher::Zero());
-  out.b.setZero(kHigherTerms, problem.frameCount());
-  out.G_gh.setZero(layout.size, kHigherTerms);
-  out.G_hh.setZero(kHigherTerms, kHigherTerms);
+  out.P.assign(problem.frames.size(), PoseHigher::Zero(6, size));
+  out.b.setZero(size, problem.frameCount());
+  out.G_gh.setZero(layout.size, size);
+  out.G_hh.setZero(size, size);
   const HigherSums sums = sumFrames(problem, estimate, layout, board, out);
   placeSums(sums, estimate, layout, board, out);
   return out;
 }
 
-/// Of the variances of the prior: cubic and quartic, in the plane and in height.
-int groupOf(int term) {
+/// Groups of one variance each: cubic, quartic and remainders, in the plane and in height.
+constexpr std::size_t kGroups = 6;
+std::size_t groupOf(int term, int plane) {
+  if (term >= kHigherTerms) return term < kHigherTerms + plane ? 4 : 5;
   const bool quartic = term % kHigherFunctions >= kCubicFunctions;
   const bool height = term >= 2 * kHigherFunctions;
   return (quartic ? 2 : 0) + (height ? 1 : 0);
 }
 
-/// The terms under a prior that is given.
-HigherPosterior underPrior(const HigherPrior& prior, const Eigen::MatrixXd& H,
-                           const HigherTerms& linear, double noise) {
-  Eigen::MatrixXd A = H;
-  A.diagonal() += prior.information;
-  const Eigen::LLT<Eigen::MatrixXd> llt(A);
-  HigherPosterior out;
-  out.mean = llt.solve(linear + prior.information.cwiseProduct(prior.mean));
-  const Eigen::MatrixXd V = llt.solve(Eigen::MatrixXd::Identity(kHigherTerms, kHigherTerms));
-  out.std = (noise * V.diagonal()).cwiseMax(0).cwiseSqrt();
-  out.prior = prior;
+/// The board with other higher terms h.
+void setHigher(const Eigen::VectorXd& h, const std::optional<RemainderSpace>& space,
+               TargetShape& shape) {
+  shape.higher = h.head<kHigherTerms>();
+  if (space) shape.corners = space->corners(h.tail(h.size() - kHigherTerms));
+}
+
+Eigen::VectorXd higherOf(const TargetShape& shape, const std::optional<RemainderSpace>& space) {
+  Eigen::VectorXd h = Eigen::VectorXd::Zero(kHigherTerms + (space ? space->size() : 0));
+  if (shape.higher) h.head<kHigherTerms>() = *shape.higher;
+  if (space && shape.corners) h.tail(h.size() - kHigherTerms) = space->coordinates(*shape.corners);
+  return h;
+}
+
+/// Rows in the order of HigherColumns become those of the polynomials and of the coordinates.
+Eigen::MatrixXd reducedRows(const RemainderSpace& space, const Eigen::MatrixXd& rows) {
+  Eigen::MatrixXd out(kHigherTerms + space.size(), rows.cols());
+  out << rows.topRows<kHigherTerms>(), space.reduced(rows.bottomRows(rows.rows() - kHigherTerms));
   return out;
+}
+
+std::optional<RemainderSpace> spaceOf(const AprilGrid& board, BoardDetail detail) {
+  if (detail != BoardDetail::kCorners) return std::nullopt;
+  return RemainderSpace(board);
 }
 
 }  // namespace
 
-JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate) {
+JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate,
+                        BoardDetail detail) {
   // Re-weighted as the products with the higher terms are, which know no curvature of the loss.
   const CameraNormals normals = normalsAt(problem, estimate, {problem.gram.cauchy_px, 0});
-  HigherNormals higher = higherNormals(problem, estimate);
+  HigherNormals higher = higherNormals(problem, estimate, detail);
   JointSystem out{normals.G, std::move(higher.G_gh), std::move(higher.G_hh), normals.b,
                   std::move(higher.b)};
-  for (int i = 0; i < problem.frameCount(); ++i) {
-    const auto f = static_cast<std::size_t>(i);
-    const Eigen::LLT<Matrix6d> llt(normals.H[f]);
-    if (llt.info() != Eigen::Success) continue;
-    const Eigen::MatrixXd W_g = llt.matrixL().solve(normals.P.middleRows<6>(6 * i));
-    const PoseHigher W_h = llt.matrixL().solve(higher.P[f]);
-    const Vector6d w = llt.matrixL().solve(normals.b_pose.segment<6>(6 * i));
+  // The frames of a chunk stand below each other: one product of matrices in place of many small.
+  Eigen::MatrixXd W_g, W_h;
+  Eigen::VectorXd w;
+  for (int first = 0; first < problem.frameCount(); first += kFrameChunk) {
+    const int count = std::min(kFrameChunk, problem.frameCount() - first);
+    W_g.setZero(6 * count, out.S_gg.cols());
+    W_h.setZero(6 * count, out.S_hh.cols());
+    w.setZero(6 * count);
+    for (int k = 0; k < count; ++k) {
+      const int i = first + k;
+      const auto f = static_cast<std::size_t>(i);
+      const Eigen::LLT<Matrix6d> llt(normals.H[f]);
+      if (llt.info() != Eigen::Success) continue;
+      W_g.middleRows<6>(6 * k) = llt.matrixL().solve(normals.P.middleRows<6>(6 * i));
+      W_h.middleRows<6>(6 * k) = llt.matrixL().solve(higher.P[f]);
+      w.segment<6>(6 * k) = llt.matrixL().solve(normals.b_pose.segment<6>(6 * i));
+      out.scores.col(i).noalias() -= W_h.middleRows<6>(6 * k).transpose() * w.segment<6>(6 * k);
+    }
     out.S_gg.noalias() -= W_g.transpose() * W_g;
     out.S_gh.noalias() -= W_g.transpose() * W_h;
     out.S_hh.noalias() -= W_h.transpose() * W_h;
     out.s_g.noalias() -= W_g.transpose() * w;
-    out.scores.col(i).noalias() -= W_h.transpose() * w;
+  }
+  if (const auto space = spaceOf(problem.target->grid, detail)) {
+    out.S_gh = reducedRows(*space, out.S_gh.transpose()).transpose();
+    out.S_hh = reducedRows(*space, reducedRows(*space, out.S_hh).transpose());
+    out.scores = reducedRows(*space, out.scores);
   }
   return out;
 }
@@ -282,29 +339,41 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
 // With a prior of information P = noise / variance the mean is (H + P)^-1 linear; the variance of a
 // group becomes sum mean^2 / gamma, gamma = sum (1 - P V) the number of its terms that the corners,
 // not the prior, determine (MacKay 1992), again and again.
-HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const HigherTerms& linear, double noise) {
-  std::array<double, 4> variance{};
+HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const Eigen::VectorXd& linear,
+                                const HigherKnowledge& known) {
+  const auto size = static_cast<int>(H.rows());
+  const int given = known.prior && known.prior->given ? kHigherTerms : 0;
+  const double noise = known.noise;
+  const auto group = [&](int j) { return groupOf(j, known.remainders_in_plane); };
+  std::array<double, kGroups> variance{};
   variance.fill(kStartStd * kStartStd);
   HigherPosterior out;
+  out.prior.given = given > 0;
+  out.prior.mean.setZero(size);
+  out.prior.information.setZero(size);
+  if (given > 0) {
+    out.prior.mean.head(given) = known.prior->mean.head(given);
+    out.prior.information.head(given) = known.prior->information.head(given);
+  }
   for (int round = 0; round < kEvidenceRounds; ++round) {
-    for (int j = 0; j < kHigherTerms; ++j) {
-      out.prior.information[j] = noise / variance[static_cast<std::size_t>(groupOf(j))];
-    }
+    for (int j = given; j < size; ++j) out.prior.information[j] = noise / variance[group(j)];
     Eigen::MatrixXd A = H;
     A.diagonal() += out.prior.information;
-    const Eigen::MatrixXd V = A.llt().solve(Eigen::MatrixXd::Identity(kHigherTerms, kHigherTerms));
-    out.mean = V * linear;
+    const Eigen::MatrixXd V = A.llt().solve(Eigen::MatrixXd::Identity(size, size));
+    out.mean = V * (linear + out.prior.information.cwiseProduct(out.prior.mean));
     out.std = (noise * V.diagonal()).cwiseMax(0).cwiseSqrt();
-    std::array<double, 4> squares{}, determined{};
-    for (int j = 0; j < kHigherTerms; ++j) {
-      const auto group = static_cast<std::size_t>(groupOf(j));
-      squares[group] += out.mean[j] * out.mean[j];
-      determined[group] += 1 - out.prior.information[j] * V(j, j);
+    std::array<double, kGroups> squares{}, determined{};
+    for (int j = given; j < size; ++j) {
+      squares[group(j)] += out.mean[j] * out.mean[j];
+      determined[group(j)] += 1 - out.prior.information[j] * V(j, j);
     }
-    for (std::size_t group = 0; group < variance.size(); ++group) {
-      variance[group] =
-          std::max(kLeastStd * kLeastStd, squares[group] / std::max(determined[group], 1e-9));
+    double change = 0;
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      const double before = variance[g];
+      variance[g] = std::max(kLeastStd * kLeastStd, squares[g] / std::max(determined[g], 1e-9));
+      change = std::max(change, std::abs(variance[g] / before - 1));
     }
+    if (change < kSameVariance) break;
   }
   // Of the gradient P h, h having the prior's variance noise / P: P (noise / P) P.
   out.prior.scatter = noise * out.prior.information;
@@ -312,26 +381,27 @@ HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const HigherTerms& lin
 }
 
 CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
-                               const MinimiserOptions& solver, int rounds) {
+                               const MinimiserOptions& solver, const HigherSteps& steps) {
   CameraSolution solution = std::move(without);
-  HigherTerms at = problem.target->grid.shape.higher.value_or(HigherTerms::Zero());
-  for (int round = 0; round < rounds; ++round) {
-    const JointSystem joint = jointSystem(problem, solution.estimate);
+  const auto space = spaceOf(problem.target->grid, steps.detail);
+  Eigen::VectorXd at = higherOf(problem.target->grid.shape, space);
+  const double least = std::pow(kLeastNoisePx / problem.pixel_sigma, 2);
+  for (int round = 0; round < steps.rounds; ++round) {
+    const JointSystem joint = jointSystem(problem, solution.estimate, steps.detail);
     const auto covariance = covarianceOf(joint.S_gg);
     if (!covariance) break;
     const Eigen::MatrixXd K = *covariance * joint.S_gh;
     const Eigen::MatrixXd H = joint.S_hh - joint.S_gh.transpose() * K;
     // K^T s_g: a rough solver stops before the minimum of cameras and terms.
-    const HigherTerms g = joint.scores.rowwise().sum() - K.transpose() * joint.s_g;
-    const double noise = noiseRatio(problem, solution.estimate);
-    const std::optional<HigherPrior>& prior = problem.target->higher;
-    const HigherPosterior found = prior && prior->given ? underPrior(*prior, H, H * at - g, noise)
-                                                        : higherPosterior(H, H * at - g, noise);
+    const Eigen::VectorXd g = joint.scores.rowwise().sum() - K.transpose() * joint.s_g;
+    const double noise = std::max(noiseRatio(problem, solution.estimate), least);
+    const HigherPosterior found =
+        higherPosterior(H, H * at - g, {noise, problem.target->higher, space ? space->plane() : 0});
     const double step = (found.mean - at).cwiseQuotient(found.std).cwiseAbs().maxCoeff();
     if (round > 0 && step < kSettled) break;
     at = found.mean;
     auto model = std::make_shared<TargetModel>(*problem.target);
-    model->grid.shape.higher = at;
+    setHigher(at, space, model->grid.shape);
     model->higher = found.prior;
     problem.target = std::move(model);
     CameraSolution next = solveCameraProblem(problem, solution.estimate, solver);
@@ -343,7 +413,7 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
 }
 
 HigherTerms HigherShare::deviations(double noise) const {
-  return (noise * V.diagonal()).cwiseMax(0).cwiseSqrt();
+  return (noise * V.diagonal().head<kHigherTerms>()).cwiseMax(0).cwiseSqrt();
 }
 
 Eigen::MatrixXd HigherShare::eliminatedFrom(const Eigen::MatrixXd& scores_g) const {
@@ -361,14 +431,16 @@ std::optional<HigherShare> higherShare(const CameraProblem& problem,
                                        const CameraEstimate& estimate) {
   if (!estimate.target || !problem.target->higher) return std::nullopt;
   const HigherPrior& prior = *problem.target->higher;
-  JointSystem joint = jointSystem(problem, estimate);
+  const auto size = prior.information.size();
+  JointSystem joint = jointSystem(
+      problem, estimate, size > kHigherTerms ? BoardDetail::kCorners : BoardDetail::kHigherTerms);
   const auto covariance = covarianceOf(joint.S_gg);
   if (!covariance) return std::nullopt;
   HigherShare out;
   out.K = *covariance * joint.S_gh;
   Eigen::MatrixXd A = joint.S_hh - joint.S_gh.transpose() * out.K;
   A.diagonal() += prior.information;
-  out.V = A.llt().solve(Eigen::MatrixXd::Identity(kHigherTerms, kHigherTerms));
+  out.V = A.llt().solve(Eigen::MatrixXd::Identity(size, size));
   out.S_gh = std::move(joint.S_gh);
   out.scores = std::move(joint.scores);
   const Eigen::MatrixXd KV = out.K * out.V;

@@ -8,20 +8,24 @@
 
 namespace plumbline {
 
-/// The board's terms of degrees 3 and 4 (HigherBasis) beside the twelve of TargetBasis, with a
-/// prior: what a known board's file says, or 0 with one variance each for the cubic and quartic
-/// displacements in the plane and in height, estimated with them (largest evidence, MacKay 1992).
-/// The solver of the batch does not
-/// know them: they are solved for between its solutions, from the normal equations of all
-/// parameters together with the poses eliminated, and hold in its board.
+/// What the board's shape has beside the twelve terms of TargetBasis: terms of degrees 3 and 4
+/// (HigherBasis), and with BoardDetail::kCorners the remainders of single corners behind them, as
+/// coordinates in the space that a similarity and all terms leave. They have a prior: what a known
+/// board's file says, or 0 with one variance each for the cubic and quartic displacements and the
+/// remainders, in the plane and in height, estimated with them (largest evidence, MacKay 1992). The
+/// solver of the batch does not know them: they are solved for between its solutions, from the
+/// normal equations of all parameters together with the poses eliminated, and hold in its board.
 
-/// The solution with higher terms, from one with those of the problem's board (none: zero);
-/// `problem` receives a board that has them. Of problems whose estimate has the board's terms. At
-/// most `rounds` steps: the first leaves a tenth of a standard deviation, enough where solutions
-/// are only compared.
-inline constexpr int kHigherRounds = 3;
+/// The solution with them, from one with those of the problem's board (none: zero); `problem`
+/// receives a board that has them. Of problems whose estimate has the board's terms. At most
+/// `rounds` steps: the first leaves a tenth of a standard deviation, enough where solutions are
+/// only compared.
+struct HigherSteps {
+  BoardDetail detail = BoardDetail::kHigherTerms;
+  int rounds = 3;
+};
 CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
-                               const MinimiserOptions& solver, int rounds = kHigherRounds);
+                               const MinimiserOptions& solver, const HigherSteps& steps);
 
 /// Normal equations of all parameters together about an estimate, the poses eliminated, in units of
 /// pixel_sigma: g the cameras and the twelve terms in the layout's order with what is known of them
@@ -32,16 +36,24 @@ struct JointSystem {
   Eigen::MatrixXd scores;  ///< s_h of every frame
 };
 /// Of a problem whose estimate has the board's terms.
-JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate);
+JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate,
+                        BoardDetail detail);
 
 /// The higher terms h where evidence is largest, of a cost 0.5 h^T H h - linear^T h (their prior
-/// left out) in units in which the measurements' variance is `noise`.
+/// left out) in units in which the measurements' variance is `noise`; polynomials under the prior
+/// where that is given.
+struct HigherKnowledge {
+  double noise = 1;
+  std::optional<HigherPrior> prior = {};
+  int remainders_in_plane = 0;  ///< behind the polynomials; what follows are those in height
+};
 struct HigherPosterior {
-  HigherTerms mean;
-  HigherTerms std;
+  Eigen::VectorXd mean;
+  Eigen::VectorXd std;
   HigherPrior prior;
 };
-HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const HigherTerms& linear, double noise);
+HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const Eigen::VectorXd& linear,
+                                const HigherKnowledge& known);
 
 /// What the higher terms' uncertainty adds to that of cameras and twelve terms, to first order.
 /// With g those parameters, h the higher terms, S_gg and S_gh of the reduced information,
@@ -56,7 +68,8 @@ struct HigherShare {
   Eigen::MatrixXd covariance;  ///< K V K^T
   Eigen::MatrixXd known;       ///< K V scatter V K^T: by the prior's error
 
-  /// Standard deviations of h [m], `noise` being the corners' variance in units of pixel_sigma^2.
+  /// Standard deviations of the polynomials [m], `noise` being the corners' variance in units of
+  /// pixel_sigma^2.
   HigherTerms deviations(double noise) const;
   /// `scores` of g, a column per frame, with h at its best.
   Eigen::MatrixXd eliminatedFrom(const Eigen::MatrixXd& scores_g) const;

@@ -40,11 +40,15 @@ CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
 /// board they are given; otherwise the mean is zero, and the variances are estimated with the
 /// terms.
 struct HigherPrior {
-  bool given = false;
-  HigherTerms mean = HigherTerms::Zero();  ///< [m]
-  HigherTerms information = HigherTerms::Zero();
-  HigherTerms scatter = HigherTerms::Zero();
+  bool given = false;    ///< of the polynomials; remainders' variances are always estimated
+  Eigen::VectorXd mean;  ///< [m]; of kHigherTerms, or of these and the remainders
+  Eigen::VectorXd information;
+  Eigen::VectorXd scatter;
 };
+
+/// What of the board is estimated beside the twelve terms: nothing; its HigherTerms; these and the
+/// remainders of single corners.
+enum class BoardDetail { kTwelveTerms, kHigherTerms, kCorners };
 
 /// A board whose shape is estimated: about its grid, with what is known of the terms beforehand.
 /// The grid's higher terms hold while the others are solved for (higher_terms.h).

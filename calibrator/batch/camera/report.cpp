@@ -158,7 +158,8 @@ CameraStageResult resultFrom(const Session& session, const CameraProblem& proble
   result.frames = problem.frames;
   result.target = session.target.shape;
   if (estimate.target) {
-    result.target = {*estimate.target, std::nullopt, problem.target->grid.shape.higher};
+    const TargetShape& held = problem.target->grid.shape;
+    result.target = {.terms = *estimate.target, .higher = held.higher, .corners = held.corners};
   }
   for (const Transform& T_C0F : estimate.T_C0F) result.T_FC0.push_back(T_C0F.inverse());
   return result;

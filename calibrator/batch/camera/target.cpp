@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -72,8 +73,17 @@ TargetFinding findingOf(const TargetFit& fit, const CameraStageOptions& options)
 /// The shape of a solution, with its deviations; false where it has none.
 bool describe(const Solved& own, TargetFit& fit) {
   const CameraSolution& bent = own.solution;
+  const TargetModel& model = *own.problem.target;
   fit.shape.terms = *bent.estimate.target;
-  fit.shape.higher = own.problem.target->grid.shape.higher;
+  fit.shape.higher = model.grid.shape.higher;
+  fit.shape.corners = model.grid.shape.corners;
+  if (fit.shape.corners) {
+    const auto std = [&](Eigen::Index j) {
+      return std::sqrt(model.higher->scatter[j]) / model.higher->information[j];
+    };
+    fit.corners_plane_std = std(kHigherTerms);
+    fit.corners_height_std = std(model.higher->scatter.size() - 1);
+  }
   const auto share = higherShare(own.problem, bent.estimate);
   auto formal = covarianceOf(reducedInformation(bent.normals));
   if (!bent.converged || !formal) return false;
@@ -116,22 +126,33 @@ Judgement judge(const Solved& own, const Solved& stated, const CameraStageOption
   return out;
 }
 
-/// Adds terms of degrees 3 and 4 to a bent board where they predict unseen frames better.
-void addHigherTerms(const HeldOut& with, CameraProblem& problem, CameraSolution& bent,
-                    const CameraStageOptions& options, TargetFit& fit) {
-  const HeldOut higher = heldOut(problem, bent.estimate, HigherDegrees::kEstimated);
-  const MeanGain gain = meanGain(with.cost, higher.cost);
-  fit.higher_held_out_px = higher.rms();
-  fit.higher_gain_px2 = gain.mean;
-  fit.higher_gain_std_px2 = gain.std;
-  if (!(gain.mean > kGainSigmas * gain.std)) return;
-  CameraProblem own = problem;
-  CameraSolution solution = withHigherTerms(own, bent, solverOptions(options));
+/// A board under estimation, as far as it is known by now.
+struct BentBoard {
+  CameraProblem& problem;
+  CameraSolution& solution;
+  TargetFit& fit;
+  HeldOut with;  ///< error of unseen frames with it
+};
+
+/// Adds a detail to a bent board where it predicts unseen frames better; whether it does.
+bool addDetail(BoardDetail detail, const MinimiserOptions& solver, BentBoard& board) {
+  HeldOut finer = heldOut(board.problem, board.solution.estimate, detail);
+  const MeanGain gain = meanGain(board.with.cost, finer.cost);
+  TargetFit& fit = board.fit;
+  const bool corners = detail == BoardDetail::kCorners;
+  (corners ? fit.corners_held_out_px : fit.higher_held_out_px) = finer.rms();
+  (corners ? fit.corners_gain_px2 : fit.higher_gain_px2) = gain.mean;
+  (corners ? fit.corners_gain_std_px2 : fit.higher_gain_std_px2) = gain.std;
+  if (!(gain.mean > kGainSigmas * gain.std)) return false;
+  CameraProblem own = board.problem;
+  CameraSolution solution = withHigherTerms(own, board.solution, solver, {detail});
   TargetFit better = fit;
-  if (!describe({own, solution}, better)) return;
-  problem.target = own.target;
-  bent = std::move(solution);
+  if (!describe({own, solution}, better)) return false;
+  board.problem.target = own.target;
+  board.solution = std::move(solution);
   fit = std::move(better);
+  board.with = std::move(finer);
+  return true;
 }
 
 /// With the known board's terms under their prior, and beside it with terms of its own.
@@ -149,7 +170,7 @@ TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, Camera
     known = std::move(next);
   }
   if (problem.target->higher) {
-    known = withHigherTerms(problem, std::move(known), solverOptions(options));
+    known = withHigherTerms(problem, std::move(known), solverOptions(options), {});
   }
   CameraProblem free = problem;
   free.target = std::make_shared<TargetModel>(board);
@@ -161,7 +182,7 @@ TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, Camera
 
 /// What a known board's file says of its higher terms, `noise` as in targetModel().
 HigherPrior knownHigher(const TargetShape& shape, double noise) {
-  HigherPrior prior{.given = true, .mean = *shape.higher};
+  HigherPrior prior{.given = true, .mean = *shape.higher, .information = {}, .scatter = {}};
   prior.information = noise * (shape.higher_std->array().square() + kExact * kExact).inverse();
   prior.scatter = noise * prior.information;
   return prior;
@@ -177,10 +198,12 @@ void freeTarget(const Session& session, const CameraStageResult& earlier,
   CameraProblem plain = problem;
   AprilGrid board = session.target;
   board.shape.higher = earlier.target.higher;
+  board.shape.corners = earlier.target.corners;
   plain.target = std::make_shared<TargetModel>(board);
   auto model =
       std::make_shared<TargetModel>(*targetModel(session.target, options.target, plain, placed));
   model->grid.shape.higher = earlier.target.higher;
+  model->grid.shape.corners = earlier.target.corners;
   problem.target = std::move(model);
   estimate.target = earlier.target.terms;
 }
@@ -247,12 +270,15 @@ CameraSolution solveAgain(const Session& session, const CameraStageResult& earli
   const bool higher = problem.target && (problem.target->higher ||
                                          earlier.target.higher != session.target.shape.higher);
   if (!higher || !solution.converged) return solution;
-  return withHigherTerms(problem, std::move(solution), solver, 1);
+  const BoardDetail detail =
+      earlier.target.corners ? BoardDetail::kCorners : BoardDetail::kHigherTerms;
+  return withHigherTerms(problem, std::move(solution), solver, {detail, 1});
 }
 
-TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, CameraSolution flat,
+TargetSolution estimateTarget(AprilGrid board, CameraProblem& problem, CameraSolution flat,
                               const CameraStageOptions& options) {
   if (options.target == TargetMode::kGiven || !flat.converged) return {std::move(flat), {}};
+  board.shape.corners.reset();  // of another recording and its detector, like tag_edge
   if (options.target == TargetMode::kKnown) {
     return solveKnown(board, problem, std::move(flat), options);
   }
@@ -267,7 +293,11 @@ TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, Ca
           ? bent.converged
           : options.target == TargetMode::kAuto && fit.finding == TargetFinding::kBent;
   if (keep && options.target == TargetMode::kAuto && options.target_degree > 2) {
-    addHigherTerms(with, problem, bent, options, fit);
+    const MinimiserOptions solver = solverOptions(options);
+    BentBoard board_so_far{problem, bent, fit, std::move(with)};
+    if (addDetail(BoardDetail::kHigherTerms, solver, board_so_far) && options.target_corners) {
+      addDetail(BoardDetail::kCorners, solver, board_so_far);
+    }
   }
   return {keep ? std::move(bent) : std::move(flat), std::move(fit)};
 }

@@ -53,12 +53,13 @@ struct TargetSolution {
 ///   terms add noise, so that the gain is below zero.
 ///
 /// A board that is kept so gets terms of degrees 3 and 4 besides (higher_terms.h), where those
-/// predict unseen frames better than the twelve alone, by the same test; only with
-/// TargetMode::kAuto and options.target_degree 4.
+/// predict unseen frames better than the twelve alone, by the same test, and where these are kept,
+/// remainders of single corners, where they in turn do; only with TargetMode::kAuto and
+/// options.target_degree 4.
 ///
 /// A known board (TargetMode::kKnown) is kept whatever comes out; the same test says whether terms
 /// of its own do better.
-TargetSolution estimateTarget(const AprilGrid& board, CameraProblem& problem, CameraSolution flat,
+TargetSolution estimateTarget(AprilGrid board, CameraProblem& problem, CameraSolution flat,
                               const CameraStageOptions& options);
 
 }  // namespace plumbline

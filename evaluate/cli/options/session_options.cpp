@@ -101,6 +101,8 @@ void SessionOptions::declareDetails(CLI::App& app) {
                    "Highest degree of an estimated shape: 4 where held-out frames ask for it, or 2")
         ->check(CLI::IsMember({2, 4}))
         ->capture_default_str();
+    app.add_flag("--no-target-corners", no_target_corners,
+                 "No remainders of single corners beside degree 4, whatever held-out frames say");
   }
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
@@ -136,6 +138,7 @@ LoadRequest SessionOptions::request() const {
                      : namesAFile(target_shape) ? TargetMode::kKnown
                                                 : TargetMode::kTested;
     request.target_degree = target_degree;
+    request.target_corners = !no_target_corners;
   }
   if (namesAFile(target_shape)) request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);
@@ -222,6 +225,7 @@ CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const
   if (filter == CornerFilter::kSigma) options.filter_sigmas = sigmas;
   options.target = load.target;
   options.target_degree = load.target_degree;
+  options.target_corners = load.target_corners;
   options.frames = measurements.frames;
   options.frames.tolerance = load.read.sync_tolerance;
   options.threads = threadCount(load.threads);

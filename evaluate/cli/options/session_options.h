@@ -25,6 +25,7 @@ struct SessionOptions {
   /// "flat", a file, or in commands that calibrate, "auto".
   std::string target_shape = "flat";
   int target_degree = 4;
+  bool no_target_corners = false;
   double from_s = 0;
   std::optional<double> to_s;
   int stride = 1;

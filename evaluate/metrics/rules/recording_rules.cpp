@@ -48,9 +48,7 @@ std::string deviationOf(const TargetFit& fit, double rms_mm) {
       "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
       "mm in height); RMSE of held-out frames: {:.4f} px with the estimated shape, {:.4f} px "
       "without",
-      rms_mm, height_mm,
-      fit.higher_held_out_px && fit.shape.higher ? *fit.higher_held_out_px : fit.held_out_px,
-      fit.flat_held_out_px);
+      rms_mm, height_mm, fit.shapeHeldOutPx(), fit.flat_held_out_px);
 }
 
 /// A board that is bent: as bad as it is bent where the cameras were estimated with its shape, and

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The board's own shape, estimated together with the cameras.
+#include <Eigen/Geometry>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -262,6 +264,108 @@ TEST(CameraTarget, ABoardOfDegreeTwoHasNoHigherTerms) {
   EXPECT_FALSE(four->target.higher);
   EXPECT_EQ(four->target.terms, two->target.terms);
   EXPECT_EQ(four->summary.covariance.matrix, two->summary.covariance.matrix);
+}
+
+/// The board above, each of whose corners is off by itself: 30 um in the plane, 100 um in height.
+SimulationOptions unevenRecording(double sigma_px) {
+  SimulationOptions recording = recordingOf(bentTerms(), sigma_px);
+  recording.target.shape = higherShape();
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const int n = recording.target.cornerCount();
+  recording.target.shape.corners = Eigen::VectorXd(3 * n);
+  for (int j = 0; j < 3 * n; ++j) {
+    (*recording.target.shape.corners)[j] = (j % 3 == 2 ? 1e-4 : 3e-5) * normal(random);
+  }
+  return recording;
+}
+
+/// Height of the corners over the plane and x, y over the similarity that fit them best, by which
+/// alone boards differ to a camera; a column per corner [m].
+Eigen::Matrix3Xd withoutSimilarity(const TargetShape& shape) {
+  AprilGrid board;
+  board.shape = shape;
+  const auto points = cornerPoints(board);
+  Eigen::Matrix3Xd P(3, board.cornerCount()), grid(3, board.cornerCount());
+  for (int id = 0; id < board.cornerCount(); ++id) {
+    P.col(id) = points[static_cast<std::size_t>(id)];
+    grid.col(id) << board.corner(id), 0;
+  }
+  const Eigen::Matrix4d T = Eigen::umeyama(P, grid, true);
+  return (T.topLeftCorner<3, 3>() * P).colwise() + T.topRightCorner<3, 1>() - grid;
+}
+
+double cornersRms(const TargetShape& found, const TargetShape& truth) {
+  const Eigen::Matrix3Xd d = withoutSimilarity(found) - withoutSimilarity(truth);
+  return std::sqrt(d.squaredNorm() / static_cast<double>(d.cols()));
+}
+
+TEST(CameraTarget, RecoversSingleCornersWithoutNoise) {
+  const SimulationOptions recording = unevenRecording(0);
+  const auto s = simulateSession(simulatedRig("euroc"), recording);
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kAuto));
+  ASSERT_TRUE(result.ok()) << result.failure();
+  ASSERT_TRUE(result->target.corners);
+  EXPECT_LT(cornersRms(result->target, recording.target.shape), 2e-6);
+  EXPECT_LT(result->summary.reprojection.rmse_px, 5e-3);
+}
+
+TEST(CameraTarget, FindsSingleCornersWithinTheirNoise) {
+  const SimulationOptions recording = unevenRecording(0.1);
+  const auto s = simulateSession(simulatedRig("euroc"), recording);
+  CameraStageOptions options = estimating(TargetMode::kAuto, 0.1);
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_TRUE(result.ok() && result->target_fit && result->target.corners);
+  const TargetFit& fit = *result->target_fit;
+  EXPECT_GT(*fit.corners_gain_px2, 2 * *fit.corners_gain_std_px2);
+  EXPECT_EQ(fit.shapeHeldOutPx(), *fit.corners_held_out_px);
+  EXPECT_LT(*fit.corners_held_out_px, *fit.higher_held_out_px);
+  EXPECT_NEAR(*fit.corners_plane_std, 3e-5, 6e-6);
+  EXPECT_NEAR(*fit.corners_height_std, 1e-4, 3e-5);
+  EXPECT_LT(largestError(*result, s.truth), 4);
+
+  options.target_corners = false;
+  const auto smooth = calibrateCameras(s.session, options);
+  ASSERT_TRUE(smooth.ok());
+  EXPECT_FALSE(smooth->target.corners || smooth->target_fit->corners_held_out_px);
+  EXPECT_LT(cornersRms(result->target, recording.target.shape),
+            0.6 * cornersRms(smooth->target, recording.target.shape));
+
+  // Half of the recording has remainders of its own.
+  options.target_corners = true;
+  const auto half = static_cast<int>(result->frames.size() / 2);
+  const auto again = recalibrateCameras(s.session, *result, {{0, half, 1}}, options);
+  ASSERT_TRUE(again.ok() && again->target.corners);
+  EXPECT_NE(*again->target.corners, *result->target.corners);
+  EXPECT_LT(cornersRms(again->target, recording.target.shape),
+            cornersRms(smooth->target, recording.target.shape));
+}
+
+TEST(CameraTarget, ASmoothBoardHasNoRemaindersOfCorners) {
+  const auto s = recordedHigher(0.2);
+  CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_TRUE(result.ok() && result->target.higher);
+  EXPECT_TRUE(result->target_fit->corners_held_out_px);
+  EXPECT_FALSE(result->target.corners);
+  options.target_corners = false;
+  const auto untried = calibrateCameras(s.session, options);
+  ASSERT_TRUE(untried.ok());
+  EXPECT_EQ(untried->summary.covariance.matrix, result->summary.covariance.matrix);
+}
+
+// They belong to recording and detector, as tag_edge does.
+TEST(CameraTarget, AKnownBoardBringsNoRemaindersOfCorners) {
+  SimulationOptions recording = recordingOf(bentTerms(), 0.2);
+  auto s = simulateSession(simulatedRig("euroc"), recording);
+  s.session.target.shape.terms = bentTerms();
+  s.session.target.shape.covariance = TargetCovariance::Identity() * 1e-10;
+  const auto smooth = calibrateCameras(s.session, estimating(TargetMode::kKnown, 0.2));
+  s.session.target.shape.corners = 1e-4 * Eigen::VectorXd::Random(3 * AprilGrid().cornerCount());
+  const auto result = calibrateCameras(s.session, estimating(TargetMode::kKnown, 0.2));
+  ASSERT_TRUE(result.ok() && smooth.ok());
+  EXPECT_FALSE(result->target.corners);
+  EXPECT_LT((result->target.terms - smooth->target.terms).norm(), 1e-7);
 }
 
 TEST(CameraTarget, AVeryShortRecordingIsLeftAsStated) {

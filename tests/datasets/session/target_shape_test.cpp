@@ -63,8 +63,20 @@ TEST_F(TargetShapeFile, HigherTermsAreReadAgain) {
   EXPECT_LT((*read.higher_std - *written.shape.higher_std).norm(), 1e-18);
 }
 
+TEST_F(TargetShapeFile, RemaindersOfCornersAreReadAgain) {
+  AprilGrid written = board();
+  written.shape.corners = 1e-4 * Eigen::VectorXd::Random(3 * written.cornerCount());
+  const std::string file = folder_.write("target_shape.yaml", targetShapeText(written));
+  const TargetShape read = readTargetShape(file, AprilGrid());
+  ASSERT_TRUE(read.corners);
+  EXPECT_LT((*read.corners - *written.shape.corners).norm(), 1e-17);
+}
+
 TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
   const std::string good = targetShapeText(board());
+  AprilGrid corners = board();
+  corners.shape.corners = Eigen::VectorXd::Constant(3 * corners.cornerCount(), 5e-5);
+  const std::string uneven = targetShapeText(corners);
   const struct {
     std::string text;
     InputFault code;
@@ -77,6 +89,9 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
       {replaced(good, "covariance_mm2:\n  - [", "covariance_mm2:\n  - [-1e9, "),
        InputFault::kOutOfRange},
       {good + "higher_mm: [[1, 2, 3]]\n", InputFault::kOutOfRange},
+      {good + "corners_mm: [[1, 2, 3]]\n", InputFault::kOutOfRange},
+      {replaced(uneven, "  - [0.05, ", "  - [51, "), InputFault::kOutOfRange},
+      {replaced(uneven, "  - [0.05, ", "  - ["), InputFault::kOutOfRange},
       {good + "higher_mm:\n  - [51, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
               "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
        InputFault::kOutOfRange},
