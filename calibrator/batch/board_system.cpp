@@ -24,7 +24,7 @@ struct BoardNormals {
 /// Of the board alone: its prior taken out, the cameras eliminated.
 std::optional<BoardNormals> boardNormals(const CameraProblem& problem,
                                          const CameraEstimate& estimate) {
-  JointSystem joint = jointSystem(problem, estimate, BoardDetail::kHigherTerms);
+  JointSystem joint = jointSystem(problem, estimate, BoardDetail::kHigher);
   const TargetTerms& terms = *estimate.target;
   const Eigen::Index cameras = joint.S_gg.rows() - kTargetTerms;
   joint.S_gg.bottomRightCorner<kTargetTerms, kTargetTerms>() -= problem.target->information;

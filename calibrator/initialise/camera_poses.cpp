@@ -77,16 +77,24 @@ std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
     const Eigen::Vector2d q = (p.target - out.centre) / out.scale;
     const Eigen::Vector3d X(q.x(), q.y(), 1);
     const Eigen::Vector3d r = R_ZC * p.ray;
-    for (int axis = 0; axis < 2; ++axis) {
-      Vector8d row = Vector8d::Zero();
-      row.segment<3>(3 * axis) = r.z() * X;
-      row.tail<2>() = -r(axis) * q;
-      A.selfadjointView<Eigen::Lower>().rankUpdate(row);
-      b += row * r(axis);
-    }
+    // Sums of row row^T and row r_axis over both rows (r_z X, 0, -r_x q), (0, r_z X, -r_y q).
+    const Eigen::Matrix3d XX = X * (r.z() * r.z() * X).transpose();
+    const Eigen::Matrix<double, 2, 3> qX = -r.z() * q * X.transpose();
+    const double across = r.head<2>().squaredNorm();
+    A.block<3, 3>(0, 0) += XX;
+    A.block<3, 3>(3, 3) += XX;
+    A.block<2, 3>(6, 0) += r.x() * qX;
+    A.block<2, 3>(6, 3) += r.y() * qX;
+    A.block<2, 2>(6, 6) += across * q * q.transpose();
+    b.segment<3>(0) += r.z() * r.x() * X;
+    b.segment<3>(3) += r.z() * r.y() * X;
+    b.tail<2>() -= across * q;
   }
   const Eigen::LDLT<Matrix8d> ldlt(A);
-  if (ldlt.info() != Eigen::Success || !(ldlt.rcond() > kLeastRcond)) return std::nullopt;
+  // D is in descending order: its ends bound the condition from below, which is enough to tell
+  // rank.
+  const Vector8d D = ldlt.vectorD();
+  if (ldlt.info() != Eigen::Success || !(D[7] > kLeastRcond * D[0])) return std::nullopt;
   const Vector8d h = ldlt.solve(b);
   if (!h.allFinite()) return std::nullopt;
   out.H << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), 1;

@@ -335,7 +335,9 @@ std::vector<int> beyondAngle(const PackedView& view, const Transform& T_CF, doub
   for (int k = 0; k < view.count; ++k) {
     if (!(view.w[k] > 0)) continue;
     const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k]);
-    if (p.z() < least * p.norm()) positions.push_back(k);
+    // z < least |p| without a root, whatever the signs.
+    const double squares = p.z() * std::abs(p.z()) - least * std::abs(least) * p.squaredNorm();
+    if (squares < 0) positions.push_back(k);
   }
   return positions;
 }
@@ -349,7 +351,8 @@ std::vector<int> falseCorners(const Intrinsics& camera, const PackedView& view,
   for (int k = 0; k < view.count; ++k) {
     if (view.w[k] > 0) used.push_back(distances[static_cast<std::size_t>(k)]);
   }
-  if (used.empty()) return {};
+  // Most views have none that far off, whatever their median.
+  if (used.empty() || *std::max_element(used.begin(), used.end()) <= kLeast) return {};
   const double limit = std::max(kLeast, kSigmas * middleOf(std::move(used)) / kRayleighMedian);
   std::vector<int> out;
   for (int k = 0; k < view.count; ++k) {

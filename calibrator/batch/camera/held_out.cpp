@@ -97,7 +97,7 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
     }
     CameraPart training = partOf(problem, from, seen);
     CameraSolution trained = solveCameraProblem(training.problem, training.estimate, solver);
-    if (detail != BoardDetail::kTwelveTerms) {
+    if (detail != BoardDetail::kTwelve) {
       trained = withHigherTerms(training.problem, std::move(trained), solver, {detail, 1});
     }
     std::span<const PackedCorners> corners = problem.corners;

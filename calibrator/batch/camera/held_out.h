@@ -29,7 +29,7 @@ MinimiserOptions roughSolver();
 /// `from` starts both solutions and has the poses; they have a board of their own to that detail
 /// (higher_terms.h).
 HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from,
-                BoardDetail detail = BoardDetail::kTwelveTerms, int most_frames = kFramesOfTest,
+                BoardDetail detail = BoardDetail::kTwelve, int most_frames = kFramesOfTest,
                 const MinimiserOptions& solver = roughSolver());
 
 /// The frames on which heldOut() stands, with their poses.

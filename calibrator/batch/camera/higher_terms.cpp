@@ -433,7 +433,7 @@ std::optional<HigherShare> higherShare(const CameraProblem& problem,
   const HigherPrior& prior = *problem.target->higher;
   const auto size = prior.information.size();
   JointSystem joint = jointSystem(
-      problem, estimate, size > kHigherTerms ? BoardDetail::kCorners : BoardDetail::kHigherTerms);
+      problem, estimate, size > kHigherTerms ? BoardDetail::kCorners : BoardDetail::kHigher);
   const auto covariance = covarianceOf(joint.S_gg);
   if (!covariance) return std::nullopt;
   HigherShare out;

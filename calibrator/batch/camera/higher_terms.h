@@ -21,7 +21,7 @@ namespace plumbline {
 /// `rounds` steps: the first leaves a tenth of a standard deviation, enough where solutions are
 /// only compared.
 struct HigherSteps {
-  BoardDetail detail = BoardDetail::kHigherTerms;
+  BoardDetail detail = BoardDetail::kHigher;
   int rounds = 3;
 };
 CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,

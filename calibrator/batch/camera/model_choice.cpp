@@ -104,7 +104,7 @@ void score(const CameraPart& mono, int frames, Trialled& trial) {
   if (!trial.lens) return;
   CameraEstimate from = mono.estimate;
   from.intrinsics = {*trial.lens};
-  HeldOut error = heldOut(mono.problem, from, BoardDetail::kTwelveTerms, frames, trialSolver());
+  HeldOut error = heldOut(mono.problem, from, BoardDetail::kTwelve, frames, trialSolver());
   const bool finite = std::all_of(error.cost.begin(), error.cost.end(),
                                   [](double cost) { return std::isfinite(cost); });
   if (finite && error.cost.size() >= kLeastJudgedBlocks) trial.error = std::move(error);

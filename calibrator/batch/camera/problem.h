@@ -48,7 +48,7 @@ struct HigherPrior {
 
 /// What of the board is estimated beside the twelve terms: nothing; its HigherTerms; these and the
 /// remainders of single corners.
-enum class BoardDetail { kTwelveTerms, kHigherTerms, kCorners };
+enum class BoardDetail { kTwelve, kHigher, kCorners };
 
 /// A board whose shape is estimated: about its grid, with what is known of the terms beforehand.
 /// The grid's higher terms hold while the others are solved for (higher_terms.h).

@@ -28,23 +28,23 @@ struct Eliminated {
   bool positive = true;
 };
 
+/// Solves for one step after another, in memory that it keeps.
 class StepSolver {
  public:
-  StepSolver(const CameraNormals& normals, double damping, int threads)
-      : n_(normals), damping_(damping), threads_(threads) {}
+  explicit StepSolver(int threads) : threads_(threads) {}
 
-  std::optional<Step> solve() {
-    const int frames = static_cast<int>(n_.H.size());
-    L_.resize(n_.H.size());
-    W_ = n_.P;
-    y_ = n_.b_pose;
+  std::optional<Step> solve(const CameraNormals& n, double damping) {
+    const int frames = static_cast<int>(n.H.size());
+    L_.resize(n.H.size());
+    W_ = n.P;
+    y_ = n.b_pose;
     std::vector<Eliminated> parts(static_cast<std::size_t>(chunkCount(frames, kFrameChunk)));
     forChunks(frames, kFrameChunk, threads_, [&](const Chunk& chunk) {
-      parts[static_cast<std::size_t>(chunk.index)] = eliminate(chunk);
+      parts[static_cast<std::size_t>(chunk.index)] = eliminate(n, damping, chunk);
     });
-    Eigen::MatrixXd S = n_.G;
-    S.diagonal() *= 1 + damping_;
-    Eigen::VectorXd s = n_.b;
+    Eigen::MatrixXd S = n.G;
+    S.diagonal() *= 1 + damping;
+    Eigen::VectorXd s = n.b;
     for (const Eliminated& part : parts) {
       if (!part.positive) return std::nullopt;
       S -= part.WtW;
@@ -60,22 +60,26 @@ class StepSolver {
       L_[static_cast<std::size_t>(f)].transpose().triangularView<Eigen::Upper>().solveInPlace(x);
     }
     if (!step.cameras.allFinite() || !step.poses.allFinite()) return std::nullopt;
-    step.decrement = -(step.cameras.dot(n_.b) + step.poses.dot(n_.b_pose));
+    step.decrement = -(step.cameras.dot(n.b) + step.poses.dot(n.b_pose));
     return step;
   }
 
  private:
-  Eliminated eliminate(const Chunk& chunk) {
+  Eliminated eliminate(const CameraNormals& n, double damping, const Chunk& chunk) {
     Eliminated out;
     for (int f = chunk.begin; f < chunk.end; ++f) {
-      Matrix6d A = n_.H[static_cast<std::size_t>(f)];
-      A.diagonal() *= 1 + damping_;
+      Matrix6d A = n.H[static_cast<std::size_t>(f)];
+      A.diagonal() *= 1 + damping;
       const Eigen::LLT<Matrix6d> llt(A);
       if (llt.info() != Eigen::Success) out.positive = false;
       Matrix6d& L = L_[static_cast<std::size_t>(f)];
       L = llt.matrixL();
       auto W = W_.middleRows<6>(6 * f);
-      L.triangularView<Eigen::Lower>().solveInPlace(W);
+      for (Eigen::Index j = 0; j < W.cols(); ++j) {  // unrolled, as a whole block would not be
+        Vector6d column = W.col(j);
+        L.triangularView<Eigen::Lower>().solveInPlace(column);
+        W.col(j) = column;
+      }
       auto y = y_.segment<6>(6 * f);
       L.triangularView<Eigen::Lower>().solveInPlace(y);
     }
@@ -86,8 +90,6 @@ class StepSolver {
     return out;
   }
 
-  const CameraNormals& n_;
-  double damping_;
   int threads_;
   std::vector<Matrix6d> L_;
   Eigen::MatrixXd W_;
@@ -127,14 +129,14 @@ CameraEstimate moved(const CameraEstimate& from, const Step& step) {
 class Steps {
  public:
   Steps(const CameraProblem& problem, const CameraEstimate& start)
-      : problem_(problem), gram_(problem.gram), estimate_(start) {
+      : problem_(problem), solver_(problem.threads), gram_(problem.gram), estimate_(start) {
     normals_ = normalsAt(problem_, start, gram_);
   }
 
   double cost() const { return normals_.cost; }
 
   std::optional<double> solve(double damping) {
-    step_ = StepSolver(normals_, damping, problem_.threads).solve();
+    step_ = solver_.solve(normals_, damping);
     if (!step_) return std::nullopt;
     return step_->decrement;
   }
@@ -180,6 +182,7 @@ class Steps {
   }
 
   const CameraProblem& problem_;
+  StepSolver solver_;
   GramOptions gram_, next_gram_;
   CameraEstimate estimate_, next_;
   CameraNormals normals_, next_normals_;

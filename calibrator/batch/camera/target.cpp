@@ -270,8 +270,7 @@ CameraSolution solveAgain(const Session& session, const CameraStageResult& earli
   const bool higher = problem.target && (problem.target->higher ||
                                          earlier.target.higher != session.target.shape.higher);
   if (!higher || !solution.converged) return solution;
-  const BoardDetail detail =
-      earlier.target.corners ? BoardDetail::kCorners : BoardDetail::kHigherTerms;
+  const BoardDetail detail = earlier.target.corners ? BoardDetail::kCorners : BoardDetail::kHigher;
   return withHigherTerms(problem, std::move(solution), solver, {detail, 1});
 }
 
@@ -295,7 +294,7 @@ TargetSolution estimateTarget(AprilGrid board, CameraProblem& problem, CameraSol
   if (keep && options.target == TargetMode::kAuto && options.target_degree > 2) {
     const MinimiserOptions solver = solverOptions(options);
     BentBoard board_so_far{problem, bent, fit, std::move(with)};
-    if (addDetail(BoardDetail::kHigherTerms, solver, board_so_far) && options.target_corners) {
+    if (addDetail(BoardDetail::kHigher, solver, board_so_far) && options.target_corners) {
       addDetail(BoardDetail::kCorners, solver, board_so_far);
     }
   }
