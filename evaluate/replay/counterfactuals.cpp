@@ -73,7 +73,8 @@ void CounterfactualOptions::check() const {
 
 Counterfactuals counterfactuals(const Session& session, const std::vector<int>& guide_frames,
                                 const CounterfactualOptions& options) {
-  return counterfactuals(session, splitFrames(session, options.split), guide_frames, options);
+  return counterfactuals(session, splitFrames(session, options.split, options.camera.frames),
+                         guide_frames, options);
 }
 
 Counterfactuals counterfactuals(const Session& session, const FrameSplit& split,

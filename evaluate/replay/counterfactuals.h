@@ -13,7 +13,7 @@ namespace plumbline {
 
 struct CounterfactualOptions {
   /// Noise, loss, filter and models of every calibration, and a start for that of all frames;
-  /// `frames`, `select_views` and `threads` do not matter.
+  /// `frames` also says how the recording is paired; `select_views` and `threads` do not matter.
   CameraStageOptions camera;
   FrameSplitOptions split;
   int random_seeds = 5;    ///< random orders
@@ -49,7 +49,7 @@ struct CounterfactualOptions {
 /// but started at the whole pool's calibration, so that no curve depends on how a first guess
 /// went), and scored on the held-out frames, where only poses move (as scoreCameras()): RMSE [px].
 ///
-/// A frame is its position in pairFrames(session.cameras) with default FrameOptions, here, in
+/// A frame is its position in pairFrames(session.cameras, options.camera.frames), here, in
 /// `guide_frames` and in the curves' orders. Frames without a plausible pose, and corners that the
 /// options' filter rejects at the calibration from all frames, take no part anywhere.
 /// Where nothing can be calibrated, Counterfactuals::problem says why. Throws InputError for models

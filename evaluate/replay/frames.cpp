@@ -113,10 +113,11 @@ void FrameSplitOptions::check() const {
   }
 }
 
-FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options) {
+FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options,
+                       const FrameOptions& pairing) {
   options.check();
   FrameSplit split;
-  const std::vector<Frame> frames = pairFrames(session.cameras);
+  const std::vector<Frame> frames = pairFrames(session.cameras, pairing);
   if (frames.empty()) return split;
   const Blocks blocks(frames.front().t, options);
   const TimeNs guard = toNanoseconds(options.guard_s);

@@ -37,7 +37,7 @@ Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
                   const std::vector<int>& wanted);
 
 /// Frames of a recording that are chosen from, and those that choices are judged by: positions in
-/// pairFrames(session.cameras) with default FrameOptions, ascending, no frame in both.
+/// pairFrames(session.cameras, pairing), ascending, no frame in both.
 struct FrameSplit {
   std::vector<int> pool;
   std::vector<int> held_out;
@@ -55,7 +55,8 @@ struct FrameSplitOptions {
 /// Blocks of time rather than single frames, for neighbours show nearly the same: block b holds the
 /// frames with floor((t - t_first) / block_s) = b; held out where (b + 1) % held_out_every = 0.
 /// Throws InputError for options out of range.
-FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options = {});
+FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options = {},
+                       const FrameOptions& pairing = {});
 
 /// How a camera stage ended.
 enum class CameraStageEnd {
@@ -70,7 +71,8 @@ struct ReplayRun {
   const std::vector<GuideFrame>& frames;
   const std::vector<Decision>& decisions;  ///< one per frame
   GuideOptions guide;
-  CameraStageOptions camera;    ///< of the batches
+  /// Of the batches; without a tolerance of stamps, since a frame's views have one stamp here.
+  CameraStageOptions camera;
   CameraImuOptions camera_imu;  ///< likewise
   CameraStageEnd camera_end = CameraStageEnd::kItself;
 

@@ -247,10 +247,10 @@ class Judge {
     if (!request_.counterfactuals) return;
     tell_("computing counterfactual view orders", -1);
     CounterfactualOptions options = *request_.counterfactuals;
-    options.camera = request_.camera;
+    options.camera = run_.camera;
     if (given_) startFrom(used_cameras_, options.camera);
     options.threads = threadCount(request_.load.threads);
-    const Session session = pool();
+    const Session session = run_.sessionFrom();
     const std::vector<int> recorded = recordedFrames(session);
     record.counterfactuals = counterfactuals(session, keptFrames(recorded), options);
     // Back to positions in the recording, as decisions have them.
@@ -270,24 +270,12 @@ class Judge {
     }
   }
 
-  /// The recording as the batches take it: a frame's views under one stamp, none with too few
-  /// corners.
-  Session pool() const {
-    Session session = run_.sessionFrom();
-    for (CameraStream& camera : session.cameras) {
-      std::erase_if(camera.views, [&](const ImageView& view) {
-        return static_cast<int>(view.corners.size()) < run_.camera.frames.min_corners;
-      });
-    }
-    return session;
-  }
-
   /// Of each frame as counterfactuals() counts those of `session`, its position in the recording.
   std::vector<int> recordedFrames(const Session& session) const {
     std::map<TimeNs, int> position;
     for (const GuideFrame& frame : run_.frames) position.emplace(frame.t, frame.index);
     std::vector<int> recorded;
-    for (const Frame& frame : pairFrames(session.cameras)) {
+    for (const Frame& frame : pairFrames(session.cameras, run_.camera.frames)) {
       recorded.push_back(position.at(frame.t));
     }
     return recorded;
@@ -358,6 +346,8 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   record.decisions = std::move(played.decisions);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
   if (request.images) addImages(loaded, paired, record.frames, progress);
+  // Frames stay as they were played: other stamps than equal ones are of different frames.
+  request.camera.frames.tolerance = request.camera_imu.frames.tolerance = 0;
   const ReplayRun run{session,          frames,         record.decisions,
                       played.options,   request.camera, request.camera_imu,
                       played.camera_end};

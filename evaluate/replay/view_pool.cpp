@@ -95,8 +95,6 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   ViewPool pool;
   pool.session_ = &session;
   pool.options_ = asked;
-  // Frames as splitFrames() counts them.
-  pool.options_.frames = {};
   pool.options_.select_views.reset();
   const auto all = calibrateCameras(session, pool.options_);
   if (!all) return all.failure();
@@ -104,7 +102,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   pool.options_.start.clear();
   pool.options_.threads = 1;  // selections run beside each other
   pool.corners_ = usedCorners(session, all->frames, all->residuals);
-  pool.frames_ = pairFrames(session.cameras);
+  pool.frames_ = pairFrames(session.cameras, pool.options_.frames);
   pool.T_C0F_.resize(pool.frames_.size());
   const std::vector<int> usable = positionsOf(all->frames, pool.frames_);
   for (std::size_t i = 0; i < usable.size(); ++i) {

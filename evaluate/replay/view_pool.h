@@ -37,6 +37,7 @@ class ViewPool {
  public:
   /// Calibrates all frames (from scratch, or options.start) for first poses and the corners to
   /// leave out, and then the split's pool, which is the reference that every selection starts from.
+  /// The split counts frames as paired by `options.frames`.
   /// Of the held-out frames at most `max_held_out` are kept, evenly spread. Fails as
   /// calibrateCameras().
   static Result<ViewPool> prepare(const Session& session, const FrameSplit& split,
