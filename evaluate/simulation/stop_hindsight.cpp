@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/information/projection_uncertainty.h"
@@ -133,7 +134,8 @@ std::optional<double> expectedProjectionPx(const OperatedSession& operated,
     if (!unit) return std::nullopt;
     const double bias = trueProjectionErrorPx(truth[c].intrinsics, found->cameras[c].intrinsics);
     // The covariance is of corners with pixel_sigma; their true noise is `sigma` times that.
-    worst = std::max(worst, bias * bias + sigma * sigma * *unit);
+    const double square = bias * bias + sigma * sigma * *unit;
+    if (isLarger(square, worst)) worst = square;
   }
   return std::sqrt(worst);
 }

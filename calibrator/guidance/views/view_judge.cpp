@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/information/projection_uncertainty.h"
 
 namespace plumbline {
@@ -46,7 +47,7 @@ std::optional<double> predictedProjectionPx(const CameraWindow& window,
     const auto square =
         imageFitMeanSquare(window.estimate().intrinsics[c], scale * unit.block(k, k, size, size));
     if (!square) return std::nullopt;
-    worst = std::max(worst, std::sqrt(*square));
+    if (const double px = std::sqrt(*square); isLarger(px, worst)) worst = px;
   }
   return std::isfinite(worst) ? std::optional(worst) : std::nullopt;
 }

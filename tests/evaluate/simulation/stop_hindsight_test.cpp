@@ -4,6 +4,7 @@
 #include "evaluate/simulation/stop_hindsight.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -39,6 +40,16 @@ TEST(StopHindsight, TheExpectedErrorIsThatOfDraws) {
   EXPECT_NEAR(*expectedProjectionPx(s, noisier, hindsightRig(), views) / *px, 2, 1e-6);
   EXPECT_NEAR(*drawnProjectionPx(s, noisier, hindsightRig(), views, 40) / *drawn, 2, 0.1)
       << "the same draws, twice as large";
+}
+
+TEST(StopHindsight, ANoiseThatIsNoNumberIsNoErrorOfZero) {
+  OperatedOptions o = stoppedAt(0.2, 1);
+  const OperatedSession s = recordGuided(hindsightRig(), o);
+  const auto views = keptViews(s).back().frames;
+  o.simulation.corner_sigma_px = std::numeric_limits<double>::quiet_NaN();
+  const auto px = expectedProjectionPx(s, o, hindsightRig(), views);
+  ASSERT_TRUE(px);
+  EXPECT_TRUE(std::isnan(*px)) << *px;
 }
 
 // A board that is not as it is taken to be: an error that no view takes away.
