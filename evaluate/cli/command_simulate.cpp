@@ -62,8 +62,8 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
                  "Inject a fault, e.g. gyro-delay=5ms; repeatable; list: prints all faults")
       ->allow_extra_args(false);
   app.add_option("--target-shape", o.target_shape,
-                 "True shape of the board, which target.yaml does not state, e.g. "
-                 "bow=1mm,stretch=0.3%,keystone=0.2% (also twist, shear, tag-edge)");
+                 "True shape of the board, which target.yaml does not state: terms of " +
+                     targetShapeExample());
   app.add_option("--threads", o.threads, "Rendering threads (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

@@ -31,51 +31,49 @@ using Displacement = std::function<Eigen::Vector3d(const Place&, double value)>;
 struct Word {
   const char* name;
   bool is_length;
+  const char* example;  ///< of its value
   Displacement displacement;
 };
 
 const std::array<Word, 7>& allWords() {
   static const std::array<Word, 7> words = {{
-      {"bow", true,
+      {"bow", true, "1mm",
        [](const Place& c, double v) {
          return Eigen::Vector3d(0, 0, v * (1 - c.p.squaredNorm() / c.half.squaredNorm()));
        }},
-      {"twist", true,
+      {"twist", true, "0.5mm",
        [](const Place& c, double v) {
          return Eigen::Vector3d(0, 0, v * c.p.prod() / c.half.prod());
        }},
-      {"stretch", false,
+      {"stretch", false, "0.3%",
        [](const Place& c, double v) {
          // Half to either axis, which leaves the scale.
          return Eigen::Vector3d(0.5 * v * c.p.x(), -0.5 * v * c.p.y(), 0);
        }},
-      {"shear", false,
+      {"shear", false, "0.1%",
        [](const Place& c, double v) {
          // Half to either axis, which leaves the rotation.
          return Eigen::Vector3d(0.5 * v * c.p.y(), 0.5 * v * c.p.x(), 0);
        }},
-      {"keystone", false,
+      {"keystone", false, "0.2%",
        [](const Place& c, double v) {
          return Eigen::Vector3d(0.5 * v * c.p.x() * c.p.y() / c.half.y(), 0, 0);
        }},
-      {"s-bend", true,
+      {"s-bend", true, "0.2mm",
        [](const Place& c, double v) {
          const double x = c.p.x() / c.half.x();
          // x - x^3 has its largest value 2 / (3 sqrt(3)) at x = 1 / sqrt(3).
          return Eigen::Vector3d(0, 0, 1.5 * std::sqrt(3.) * v * (x - x * x * x));
        }},
-      {"tag-edge", true,
+      {"tag-edge", true, "0.1mm",
        [](const Place& c, double v) { return Eigen::Vector3d(v * c.edge.x(), v * c.edge.y(), 0); }},
   }};
   return words;
 }
 
 [[noreturn]] void refuse(const std::string& words, const std::string& complaint) {
-  throw InputError(
-      fmt::format("--target-shape {}: {}; expected e.g. "
-                  "bow=1mm,twist=0.5mm,stretch=0.3%,shear=0.1%,keystone=0.2%,"
-                  "s-bend=0.2mm,tag-edge=0.1mm",
-                  words, complaint));
+  throw InputError(fmt::format("--target-shape {}: {}; expected e.g. {}", words, complaint,
+                               targetShapeExample()));
 }
 
 double valueOf(const std::string& words, const Word& word, const std::string& text) {
@@ -107,6 +105,14 @@ const Word& wordNamed(const std::string& words, const std::string& name) {
 }
 
 }  // namespace
+
+std::string targetShapeExample() {
+  std::string example;
+  for (const Word& word : allWords()) {
+    example += fmt::format("{}{}={}", example.empty() ? "" : ",", word.name, word.example);
+  }
+  return example;
+}
 
 TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid) {
   const Eigen::Vector2d half(0.5 * grid.width(), 0.5 * grid.height());

@@ -13,11 +13,15 @@ namespace plumbline {
 ///   stretch=SHARE    wider along x than along y
 ///   shear=SHARE      its right angles are lost by this [rad]
 ///   keystone=SHARE   its upper edge is wider than its lower one
-///   s-bend=LENGTH   height of degree 3 along x: 0 at its middle and its left and right edges, this
-///                   much at 1/sqrt(3) of the way to the right edge
+///   s-bend=LENGTH    height of degree 3 along x: 0 at its middle and its left and right edges,
+///   this
+///                    much at 1/sqrt(3) of the way to the right edge
 ///   tag-edge=LENGTH  its tags are larger at unchanged pitch
 /// What of these is a similarity is left out. Throws InputError for words that it does not know,
 /// lengths without a unit (mm, m) or above 20 mm, and shares above 5 %.
 TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid);
+
+/// Every word of targetShapeFromWords() with a value: "bow=1mm,twist=0.5mm,...".
+std::string targetShapeExample();
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 
 #include <sys/stat.h>
 
+#include "evaluate/cli/options/target_shape_words.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -41,6 +42,12 @@ TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   }
   EXPECT_GE(commands, 11) << "the list was not read";
   EXPECT_EQ(plumbline("--version").exit_code, 0);
+}
+
+TEST_F(CommandLine, HelpOfSimulateHasEveryTermOfABoard) {
+  const std::string help = plumbline("simulate --help").text;
+  std::istringstream terms(targetShapeExample());
+  for (std::string term; std::getline(terms, term, ',');) EXPECT_THAT(help, HasSubstr(term));
 }
 
 TEST_F(CommandLine, AMistypedWordIsRecognised) {

@@ -77,6 +77,17 @@ TEST(TargetShapeWords, WordsAddUp) {
   EXPECT_LT((sum - parts).norm(), 1e-15);
 }
 
+TEST(TargetShapeWords, TheExampleHasEveryWord) {
+  const AprilGrid grid;
+  const std::string example = targetShapeExample();
+  const TargetShape shape = targetShapeFromWords(example, grid);
+  EXPECT_TRUE(shape.higher) << "s-bend";
+  EXPECT_NEAR(shape.terms[kTargetTerms - 1], 1e-4, 1e-12) << "tag-edge";
+  for (const char* word : {"bow", "twist", "stretch", "shear", "keystone", "s-bend", "tag-edge"}) {
+    EXPECT_NE(example.find(std::string(word) + "="), std::string::npos) << word;
+  }
+}
+
 TEST(TargetShapeWords, RefusesWhatItDoesNotKnow) {
   for (const char* words : {"", "bow", "bow=", "bow=1", "bow=1px", "bow=1m", "wobble=1mm",
                             "stretch=0.3mm", "stretch=9%", "bow=nan", "bow=1mm,,"}) {
