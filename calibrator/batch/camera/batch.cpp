@@ -87,32 +87,6 @@ std::vector<CornerPlace> misplacedCorners(const AprilGrid& target, const CameraP
   return places;
 }
 
-/// Solves, with a loss so wide that it touches gross errors only first where the loss is robust:
-/// its normal equations lead closer to the minimum from afar. Corners that stand near 90 degrees
-/// take no part in the first solution, whose lens may be off by some degrees there.
-CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>& corners,
-                             CameraProblem& problem, const CameraEstimate& start,
-                             const CameraStageOptions& options) {
-  const MinimiserOptions solver = solverOptions(options);
-  const auto near_grazing = cornersBeyond(problem, start, kNearGrazing);
-  weigh(near_grazing, 0, corners);
-  MinimiserOptions rough = solver;
-  rough.cost_tolerance = 1e-3;
-  const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
-  problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
-  CameraSolution wide{start, {}, false, 0};
-  if (options.cauchy_px > 0 || !near_grazing.empty()) {
-    wide = solveCameraProblem(problem, start, rough);
-  }
-  weigh(near_grazing, 1, corners);
-  weigh(cornersBeyond(problem, wide.estimate, kGrazing), 0, corners);
-  weigh(misplacedCorners(target, problem, wide.estimate), 0, corners);
-  problem.gram.cauchy_px = options.cauchy_px;
-  CameraSolution robust = solveCameraProblem(problem, wide.estimate, solver);
-  robust.iterations += wide.iterations;
-  return robust;
-}
-
 /// The problem and estimate with only the frames that `keep` names (ascending).
 void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEstimate& estimate) {
   std::vector<Frame> frames;
@@ -129,8 +103,8 @@ void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEsti
   estimate.T_C0F = std::move(poses);
 }
 
-/// Leaves out frames whose corners were all but rejected.
-void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate) {
+/// Frames whose corners were not all but rejected.
+std::vector<int> framesWithCorners(const CameraProblem& problem) {
   std::vector<int> keep;
   for (int f = 0; f < problem.frameCount(); ++f) {
     const Frame& frame = problem.frames[static_cast<std::size_t>(f)];
@@ -144,7 +118,56 @@ void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate) {
     }
     if (most >= kMinUsedCorners) keep.push_back(f);
   }
+  return keep;
+}
+
+void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate) {
+  const std::vector<int> keep = framesWithCorners(problem);
   if (static_cast<int>(keep.size()) < problem.frameCount()) keepFrames(keep, problem, estimate);
+}
+
+/// Solves over the frames that have corners; the others stay where they are.
+CameraSolution solveWithoutBareFrames(const CameraProblem& problem, const CameraEstimate& start,
+                                      const MinimiserOptions& solver) {
+  const std::vector<int> keep = framesWithCorners(problem);
+  CameraProblem some = problem;
+  CameraEstimate at = start;
+  keepFrames(keep, some, at);
+  CameraSolution solution = solveCameraProblem(some, at, solver);
+  std::vector<Transform> poses = start.T_C0F;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    poses[static_cast<std::size_t>(keep[i])] = solution.estimate.T_C0F[i];
+  }
+  solution.estimate.T_C0F = std::move(poses);
+  return solution;
+}
+
+/// Solves, with a loss so wide that it touches gross errors only first where the loss is robust:
+/// its normal equations lead closer to the minimum from afar. Corners that stand near 90 degrees
+/// take no part in the first solution, whose lens may be off by some degrees there. Frames that are
+/// left without corners leave the problem.
+CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>& corners,
+                             CameraProblem& problem, const CameraEstimate& start,
+                             const CameraStageOptions& options) {
+  const MinimiserOptions solver = solverOptions(options);
+  const auto near_grazing = cornersBeyond(problem, start, kNearGrazing);
+  weigh(near_grazing, 0, corners);
+  MinimiserOptions rough = solver;
+  rough.cost_tolerance = 1e-3;
+  const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
+  problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
+  CameraSolution wide{start, {}, false, 0};
+  if (options.cauchy_px > 0 || !near_grazing.empty()) {
+    wide = solveWithoutBareFrames(problem, start, rough);
+  }
+  weigh(near_grazing, 1, corners);
+  weigh(cornersBeyond(problem, wide.estimate, kGrazing), 0, corners);
+  weigh(misplacedCorners(target, problem, wide.estimate), 0, corners);
+  problem.gram.cauchy_px = options.cauchy_px;
+  dropBareFrames(problem, wide.estimate);
+  CameraSolution robust = solveCameraProblem(problem, wide.estimate, solver);
+  robust.iterations += wide.iterations;
+  return robust;
 }
 
 std::size_t rejectAboveSigma(std::vector<PackedCorners>& corners, const CameraProblem& problem,
@@ -185,6 +208,7 @@ ModelSolution solveModels(const Session& session, std::vector<PackedCorners>& co
     return {solveFromAfar(board, corners, problem, start, options), {}, 0};
   }
   const std::vector<PackedCorners> all = corners;
+  const std::vector<Frame> all_frames = problem.frames;
   CameraSolution first = solveFromAfar(board, corners, problem, start, options);
   const Stopwatch watch;
   ChosenModels chosen = chooseModels(session, problem, first.estimate, options, most_parameters);
@@ -196,6 +220,11 @@ ModelSolution solveModels(const Session& session, std::vector<PackedCorners>& co
   std::copy(all.begin(), all.end(), corners.begin());
   CameraEstimate other = first.estimate;
   other.intrinsics = std::move(chosen.lenses);
+  other.T_C0F = start.T_C0F;
+  for (std::size_t f = 0, i = 0; f < all_frames.size() && i < problem.frames.size(); ++f) {
+    if (all_frames[f].view == problem.frames[i].view) other.T_C0F[f] = first.estimate.T_C0F[i++];
+  }
+  problem.frames = all_frames;
   CameraSolution solution = solveFromAfar(board, corners, problem, other, options);
   solution.iterations += first.iterations;
   return {std::move(solution), std::move(chosen.choices), choice_s};
