@@ -316,11 +316,10 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
     for (int k = 0; k < count; ++k) {
       const int i = first + k;
       const auto f = static_cast<std::size_t>(i);
-      const Eigen::LLT<Matrix6d> llt(normals.H[f]);
-      if (llt.info() != Eigen::Success) continue;
-      W_g.middleRows<6>(6 * k) = llt.matrixL().solve(normals.P.middleRows<6>(6 * i));
-      W_h.middleRows<6>(6 * k) = llt.matrixL().solve(higher.P[f]);
-      w.segment<6>(6 * k) = llt.matrixL().solve(normals.b_pose.segment<6>(6 * i));
+      const PoseElimination R(normals.H[f]);
+      W_g.middleRows<6>(6 * k) = R * normals.P.middleRows<6>(6 * i);
+      W_h.middleRows<6>(6 * k) = R * higher.P[f];
+      w.segment<6>(6 * k) = R * normals.b_pose.segment<6>(6 * i);
       out.scores.col(i).noalias() -= W_h.middleRows<6>(6 * k).transpose() * w.segment<6>(6 * k);
     }
     out.S_gg.noalias() -= W_g.transpose() * W_g;

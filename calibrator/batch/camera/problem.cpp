@@ -2,10 +2,12 @@
 #include "calibrator/batch/camera/problem.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/residuals/tangent.h"
@@ -259,15 +261,36 @@ CameraNormals emptyNormals(int frames, int size) {
   return out;
 }
 
-/// P^T H^-1 P of one frame, or of none where its pose is free.
-Eigen::MatrixXd eliminated(const Matrix6d& H, const Eigen::MatrixXd& P) {
-  const Eigen::LLT<Matrix6d> llt(H);
-  if (llt.info() != Eigen::Success) return Eigen::MatrixXd::Zero(P.cols(), P.cols());
-  const Eigen::MatrixXd W = llt.matrixL().solve(P);
-  return W.transpose() * W;
+constexpr double kFreePose = 1e-12;  // share of a pose's information that is rounding
+
+/// Whether H is positive definite beyond rounding: pivots over the diagonal are those of H scaled
+/// to a unit diagonal.
+bool isDetermined(const Matrix6d& H, const Eigen::LLT<Matrix6d>& llt) {
+  if (llt.info() != Eigen::Success) return false;
+  const Vector6d pivots = llt.matrixLLT().diagonal().cwiseAbs2();
+  return (pivots.array() >= kFreePose * H.diagonal().array()).all();
 }
 
 }  // namespace
+
+PoseElimination::PoseElimination(const Matrix6d& H) : llt_(H) {
+  if (isDetermined(H, llt_)) return;
+  Vector6d scale = Vector6d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (H(i, i) > 0) scale[i] = 1 / std::sqrt(H(i, i));
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * H * scale.asDiagonal());
+  Vector6d root = Vector6d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (eigen.eigenvalues()[i] > kFreePose) root[i] = 1 / std::sqrt(eigen.eigenvalues()[i]);
+  }
+  R_ = root.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+}
+
+Eigen::MatrixXd PoseElimination::operator*(const Eigen::Ref<const Eigen::MatrixXd>& P) const {
+  assert(P.rows() == 6);
+  return R_ ? Eigen::MatrixXd(*R_ * P) : Eigen::MatrixXd(llt_.matrixL().solve(P));
+}
 
 CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
                           std::span<const Transform> T_FC0) {
@@ -373,7 +396,9 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
 Eigen::MatrixXd reducedInformation(const CameraNormals& normals) {
   Eigen::MatrixXd S = normals.G;
   for (std::size_t f = 0; f < normals.H.size(); ++f) {
-    S -= eliminated(normals.H[f], normals.P.middleRows<6>(6 * static_cast<Eigen::Index>(f)));
+    const Eigen::MatrixXd W =
+        PoseElimination(normals.H[f]) * normals.P.middleRows<6>(6 * static_cast<Eigen::Index>(f));
+    S -= W.transpose() * W;
   }
   return S;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <functional>
 #include <memory>
@@ -131,8 +132,22 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate,
                         const GramOptions& gram);
 
+/// R with R^T R = H^-1 of a frame's pose, or the pseudo-inverse where corners leave a part of the
+/// pose free (H scaled to a unit diagonal has a pivot or an eigenvalue below 1e-12): such a frame
+/// says what holds whatever that part is, and one or two corners of one camera say nothing.
+class PoseElimination {
+ public:
+  explicit PoseElimination(const Matrix6d& H);
+  /// R P of P with 6 rows.
+  Eigen::MatrixXd operator*(const Eigen::Ref<const Eigen::MatrixXd>& P) const;
+
+ private:
+  Eigen::LLT<Matrix6d> llt_;
+  std::optional<Matrix6d> R_;  ///< where a part is free
+};
+
 /// What all frames together say of the cameras, their poses eliminated:
-/// S = G - sum_f P_f^T H_f^-1 P_f. A frame whose pose is free adds nothing.
+/// S = G - sum_f P_f^T H_f^-1 P_f, by PoseElimination.
 Eigen::MatrixXd reducedInformation(const CameraNormals& normals);
 
 /// The share of every frame in it, which add up to S less the prior.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera/robust_covariance.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -40,8 +39,8 @@ void addFrame(const CameraProblem& one, const CameraEstimate& at, Eigen::Ref<Eig
     score.tail<kTargetTerms>() -= one.target->priorGradient(*at.target);
     information.bottomRightCorner<kTargetTerms, kTargetTerms>() -= one.target->information;
   }
-  const Eigen::LLT<Matrix6d> llt(n.H.front());
-  if (llt.info() == Eigen::Success) score -= n.P.transpose() * llt.solve(n.b_pose);
+  const PoseElimination R(n.H.front());
+  score -= (R * n.P).transpose() * (R * n.b_pose);
 }
 
 Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
