@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibrator/camera/camera.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {
@@ -41,19 +42,15 @@ class ChannelMaker {
   double pace_;
 };
 
-/// Half of the angle that the image spans along one axis, for pan and tilt [rad].
-double halfAngle(const Intrinsics& camera, int axis) {
-  const int size = axis == 0 ? camera.resolution.width : camera.resolution.height;
-  const double slope = 0.5 * size / camera.projection[axis];
-  // An equidistant lens images angles by f theta, a pinhole by f tan theta.
-  return camera.distortion_model == DistortionModel::kEquidistant ? slope : std::atan(slope);
-}
-
-/// Distance at which the target fills the shorter side of the image, but at least 0.3 m [m].
-double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
-  const double size = std::max(target.width(), target.height());
-  const int side = std::min(camera.resolution.width, camera.resolution.height);
-  return std::max(0.3, size * camera.projection[0] / side);
+/// The lens without the polynomials of its distortion; an equidistant one's first term, the angle
+/// itself, stays.
+Intrinsics withoutPolynomials(Intrinsics camera) {
+  if (camera.distortion_model == DistortionModel::kFov) return camera;
+  camera.distortion.setZero();
+  if (camera.distortion_model == DistortionModel::kEquidistant) return camera;
+  camera.distortion_model = DistortionModel::kNone;
+  camera.distortion.resize(0);
+  return camera;
 }
 
 /// The rig's centre between its cameras, with the orientation of camera 0, in camera 0.
@@ -65,6 +62,30 @@ Transform rigCentre(const std::vector<CameraCalibration>& cameras) {
 }
 
 }  // namespace
+
+double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
+  const double size = std::max(target.width(), target.height());
+  const int side = std::min(camera.resolution.width, camera.resolution.height);
+  return std::max(0.3, size * pixelsPerRadian(camera) / side);
+}
+
+double halfAngle(const Intrinsics& camera, int axis) {
+  const Eigen::Vector4d fu_fv_pu_pv = camera.projection.tail<4>();
+  const double half = 0.5 * (axis == 0 ? camera.resolution.width : camera.resolution.height);
+  const Intrinsics lens = withoutPolynomials(camera);
+  if (lens.projection_model == ProjectionModel::kPinhole) {
+    const double slope = half / fu_fv_pu_pv[axis];
+    if (lens.distortion_model == DistortionModel::kEquidistant) return slope;
+    if (lens.distortion_model == DistortionModel::kNone) return std::atan(slope);
+  }
+  // Inwards from the image's side to where the lens images anything.
+  for (double share = 1; share > 0.01; share *= 0.97) {
+    Eigen::Vector2d uv = fu_fv_pu_pv.tail<2>();
+    uv[axis] += share * half;
+    if (const auto ray = unproject(lens, uv)) return std::atan2(ray->head<2>().norm(), ray->z());
+  }
+  return 0;
+}
 
 AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedRig& rig,
                                        const TrajectoryOptions& options)

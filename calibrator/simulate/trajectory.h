@@ -36,6 +36,14 @@ struct TrajectoryOptions {
   double distance_ratio = 1;  ///< multiplies the distance to the target
 };
 
+/// Distance at which the target's longer side would fill the shorter side of the image, were the
+/// image as large everywhere as about its optical axis (pixelsPerRadian()); at least 0.3 m [m].
+double fillingDistance(const AprilGrid& target, const Intrinsics& camera);
+
+/// Half of the angle that the image spans along u (axis 0) or v (1), for pan and tilt [rad]. The
+/// polynomials of a distortion are left out, and so is what the lens does not image.
+double halfAngle(const Intrinsics& camera, int axis);
+
 /// A smooth motion of a rig in front of a target, known in closed form: sums of sinusoids in
 /// rotation angles and coordinates, so every derivative is analytic and no integrator is involved.
 ///

@@ -7,6 +7,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/simulate/operator/rig_sensors.h"
+#include "calibrator/simulate/trajectory.h"
 
 namespace plumbline {
 namespace {

@@ -22,12 +22,6 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double most) {
 
 }  // namespace
 
-double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
-  const int side = std::min(camera.resolution.width, camera.resolution.height);
-  const double focal = camera.projection[camera.projection.size() - 4];
-  return std::max(0.3, std::max(target.width(), target.height()) * focal / side);
-}
-
 SimulatedOperator::SimulatedOperator(const OperatorSkill& skill, const AprilGrid& target,
                                      double distance_m, double spacing_s, std::uint64_t seed)
     : skill_(skill),

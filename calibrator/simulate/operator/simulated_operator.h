@@ -75,7 +75,4 @@ class SimulatedOperator {
   std::optional<double> turned_back_at_s_;  // until then
 };
 
-/// At which the board's longer side fills the shorter side of the image, at least 0.3 m.
-double fillingDistance(const AprilGrid& target, const Intrinsics& camera);
-
 }  // namespace plumbline

@@ -66,7 +66,8 @@ TEST(CameraModels, EveryModelRecoversTheLensWithoutNoise) {
     const Intrinsics lens = lensOf(model.projection, model.distortion);
     const SimulatedSession s = recorded(lens, 0);
     CameraStageOptions options = as(lens);
-    options.pixel_sigma = 5e-3;  // rational's coefficients are observable to no less
+    options.pixel_sigma = 5e-3;     // rational's coefficients are observable to no less
+    options.max_iterations = 1000;  // omni-radtan's way along a flat valley takes 585
     const auto result = calibrateCameras(s.session, options);
     ASSERT_TRUE(result.ok()) << nameOf(lens) << ": " << result.failure();
     EXPECT_LT(result->summary.reprojection.rmse_px, 1e-5) << nameOf(lens);

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/lie.h"
+#include "calibrator/camera/camera.h"
+#include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {
 namespace {
@@ -132,6 +134,45 @@ TEST(Trajectory, FrontoParallelKeepsTheTargetSquareToCameraZero) {
     const Matrix3d R_FC0 = (trajectory.at(t).T_FB * T_SC0).R;
     EXPECT_LE((R_FC0 * Vector3d::UnitZ() + Vector3d::UnitZ()).norm(), 1e-12);
   }
+}
+
+/// Whatever the model, the lens is about that of EuRoC's cam0.
+TEST(Trajectory, TheBoardFillsTheImageOfEveryModel) {
+  const AprilGrid board;
+  const double size = std::max(board.width(), board.height());
+  for (const Intrinsics& lens : test::everyModel()) {
+    if (lens.resolution.height == 512) continue;  // TUM-VI's is another lens
+    SCOPED_TRACE(toString(lens.projection_model) + "-" + toString(lens.distortion_model));
+    const double distance = fillingDistance(board, lens);
+    // Near the axis, where the scale is that of the middle, a hundredth of the board.
+    const auto left = project(lens, {-0.005 * size, 0, distance});
+    const auto right = project(lens, {0.005 * size, 0, distance});
+    ASSERT_TRUE(left && right);
+    EXPECT_NEAR(100 * (right->x() - left->x()), lens.resolution.height, 0.5);
+    EXPECT_NEAR(distance, fillingDistance(board, test::radtanCamera()), 0.1 * distance);
+  }
+}
+
+TEST(Trajectory, HalfAngleIsThatOfTheImagesSide) {
+  for (Intrinsics lens : test::everyModel()) {
+    SCOPED_TRACE(toString(lens.projection_model) + "-" + toString(lens.distortion_model));
+    const double u = halfAngle(lens, 0), v = halfAngle(lens, 1);
+    if (lens.distortion_model != DistortionModel::kFov) lens.distortion.setZero();
+    const Eigen::Vector2d centre = lens.projection.tail<2>();
+    const auto right = project(lens, {std::sin(u), 0, std::cos(u)});
+    const auto below = project(lens, {0, std::sin(v), std::cos(v)});
+    ASSERT_TRUE(right && below);
+    EXPECT_NEAR(right->x() - centre.x(), 0.5 * lens.resolution.width, 1e-6);
+    EXPECT_NEAR(below->y() - centre.y(), 0.5 * lens.resolution.height, 1e-6);
+  }
+}
+
+TEST(Trajectory, HalfAngleEndsWhereTheLensDoes) {
+  // A unified sphere of xi = 2 images a disc of radius fu / sqrt(xi^2 - 1) = 115 px.
+  const Intrinsics lens =
+      test::cameraOf(ProjectionModel::kOmni, DistortionModel::kNone, {2, 200, 200, 367, 248}, {});
+  EXPECT_GT(halfAngle(lens, 0), 1.5);
+  EXPECT_LE(halfAngle(lens, 0), std::acos(-0.5));
 }
 
 }  // namespace
