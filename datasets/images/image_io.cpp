@@ -105,7 +105,7 @@ GrayImage readGrayImage(const std::string& path, std::optional<Resolution> state
   }
 }
 
-void writePng(const std::string& path, const GrayImage& image) {
+void writePng(const std::string& path, const GrayImage& image, PngEffort effort) {
   if (image.empty()) {
     throw badInput(
         path, 0,
@@ -116,6 +116,7 @@ void writePng(const std::string& path, const GrayImage& image) {
   png.width = static_cast<png_uint_32>(image.width());
   png.height = static_cast<png_uint_32>(image.height());
   png.format = PNG_FORMAT_GRAY;
+  if (effort == PngEffort::kFast) png.flags = PNG_IMAGE_FLAG_FAST;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.data(), 0, nullptr) == 0) {

@@ -25,8 +25,12 @@ GrayImage readGrayImage(const std::string& path, std::optional<Resolution> state
 /// image itself for a factor of 1.
 GrayImage shrunk(const GrayImage& image, int factor);
 
+/// kFast: half the time for a file a little larger.
+enum class PngEffort { kSmall, kFast };
+
 /// Writes an 8-bit grey PNG, whole or not at all. Throws InputError where it cannot be written or
 /// the image is empty.
-void writePng(const std::string& path, const GrayImage& image);
+void writePng(const std::string& path, const GrayImage& image,
+              PngEffort effort = PngEffort::kSmall);
 
 }  // namespace plumbline

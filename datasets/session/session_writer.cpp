@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <png.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -18,6 +17,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
+#include "datasets/images/image_io.h"
 #include "datasets/session/target_shape.h"
 
 namespace plumbline {
@@ -168,19 +168,6 @@ std::string noiseYaml(const ImuNoise& noise) {
 
 namespace fs = std::filesystem;
 
-void writePng(const fs::path& path, const GrayImage& image) {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width());
-  png.height = static_cast<png_uint_32>(image.height());
-  png.format = PNG_FORMAT_GRAY;
-  png.flags = PNG_IMAGE_FLAG_FAST;  // half the time for a file a little larger
-  if (png_image_write_to_file(&png, path.c_str(), 0, image.data(), image.width(), nullptr) == 0) {
-    throw BadInput(InputFault::kUnwritable, path.string(), 0,
-                   std::string("cannot be written: ") + png.message);
-  }
-}
-
 /// One image to be rendered.
 struct ImageJob {
   int camera = 0;
@@ -249,7 +236,7 @@ void writeImages(const Session& session, const fs::path& folder,
     const auto [camera, view] = jobs[index];
     const auto i = static_cast<std::size_t>(camera);
     const TimeNs t = session.cameras[i].views[view].t;
-    writePng(folders[i] / fmt::format("{}.png", t), render(camera, view));
+    writePng(folders[i] / fmt::format("{}.png", t), render(camera, view), PngEffort::kFast);
     const std::lock_guard lock(mutex);
     ++done;
     if (format.progress) format.progress(done, jobs.size());

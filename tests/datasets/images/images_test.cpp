@@ -85,6 +85,15 @@ TEST_F(Images, PngComesBackBitForBit) {
   EXPECT_TRUE(std::equal(image.data(), image.data() + 64 * 48, again.data()));
 }
 
+TEST_F(Images, AQuickPngIsTheSameImage) {
+  writePng(path("a.png"), gradient());
+  writePng(path("quick.png"), gradient(), PngEffort::kFast);
+  EXPECT_NE(read(path("quick.png")), read(path("a.png")));
+  const GrayImage a = readGrayImage(path("a.png")), quick = readGrayImage(path("quick.png"));
+  ASSERT_EQ(quick.width(), a.width());
+  EXPECT_TRUE(std::equal(a.data(), a.data() + 64 * 48, quick.data()));
+}
+
 TEST_F(Images, JpegComesBackNearly) {
   const GrayImage image = gradient();
   writeJpeg(path("a.jpg"), image);
