@@ -17,6 +17,12 @@ double logDeterminantOf(const ScaledCholesky& f) {
   return 2 * (f.llt.matrixLLT().diagonal().array().log().sum() + f.D.array().log().sum());
 }
 
+// log_determinant: of the covariance of n parameters.
+double gaussianEntropy(Eigen::Index n, double log_determinant) {
+  const double log_2_pi_e = std::log(2 * std::numbers::pi * std::numbers::e);
+  return 0.5 * (static_cast<double>(n) * log_2_pi_e + log_determinant);
+}
+
 // The parameters that carry a direction: those within a factor of three of the largest.
 std::vector<int> leadingOf(const Eigen::VectorXd& weights) {
   const double least = 0.3 * weights.cwiseAbs().maxCoeff();
@@ -55,8 +61,13 @@ std::optional<Eigen::MatrixXd> covarianceOf(const Eigen::MatrixXd& information) 
 std::optional<double> entropyNats(const Eigen::MatrixXd& information) {
   const auto log_determinant = logDeterminant(information);
   if (!log_determinant) return std::nullopt;
-  const double log_2_pi_e = std::log(2 * std::numbers::pi * std::numbers::e);
-  return 0.5 * (static_cast<double>(information.rows()) * log_2_pi_e - *log_determinant);
+  return gaussianEntropy(information.rows(), -*log_determinant);
+}
+
+std::optional<double> entropyNatsOfCovariance(const Eigen::MatrixXd& covariance) {
+  const auto log_determinant = logDeterminant(covariance);
+  if (!log_determinant) return std::nullopt;
+  return gaussianEntropy(covariance.rows(), *log_determinant);
 }
 
 std::optional<double> mutualInformationNats(const Eigen::MatrixXd& before,

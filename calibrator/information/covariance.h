@@ -20,6 +20,9 @@ std::optional<Eigen::MatrixXd> covarianceOf(const Eigen::MatrixXd& information);
 /// Entropy of a Gaussian with that information: 0.5 log((2 pi e)^n |Sigma|) [nats].
 std::optional<double> entropyNats(const Eigen::MatrixXd& information);
 
+/// The same by its covariance; empty where that is not positive definite to working precision.
+std::optional<double> entropyNatsOfCovariance(const Eigen::MatrixXd& covariance);
+
 /// What measurements that turn the information `before` into `after` tell of the parameters:
 /// 0.5 (log |after| - log |before|) [nats]. Empty where either determinant is.
 std::optional<double> mutualInformationNats(const Eigen::MatrixXd& before,

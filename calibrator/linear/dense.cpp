@@ -83,4 +83,15 @@ Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double toleranc
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
+Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double prior) {
+  assert(A.rows() == A.cols());
+  const Eigen::VectorXd scale = A.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  scaled.diagonal().array() += prior;
+  const Eigen::MatrixXd inverse =
+      scaled.ldlt().solve(Eigen::MatrixXd::Identity(A.rows(), A.cols()));
+  const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
+  return 0.5 * (out + out.transpose());
+}
+
 }  // namespace plumbline

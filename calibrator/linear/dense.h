@@ -59,4 +59,9 @@ SymmetricEigen symmetricEigen(const Eigen::MatrixXd& A);
 /// every solution. Zero for a zero matrix.
 Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance);
 
+/// Inverse of a symmetric positive semi-definite matrix of mixed units, always finite: A is scaled
+/// to a unit diagonal, entries of the diagonal below `least` as if they were that, and there
+/// `prior` is added to the diagonal, a share far below what is measured. Symmetric to the last bit.
+Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double prior);
+
 }  // namespace plumbline

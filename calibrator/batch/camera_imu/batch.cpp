@@ -173,9 +173,7 @@ void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
 void addInformation(CameraImuProblem problem, const CameraImuSolution& solution, double cauchy_px,
                     StageSummary& summary) {
   auto covariance = fixedCovariance(std::move(problem), solution, cauchy_px);
-  if (!covariance) return;
-  summary.entropy_nats = gaussianEntropy(covariance->matrix);
-  summary.covariance = std::move(*covariance);
+  if (covariance) setCovariance(std::move(*covariance), summary);
 }
 
 /// All that was left out of the recording, with stamps as recorded.

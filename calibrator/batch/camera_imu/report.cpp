@@ -2,7 +2,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <numbers>
+#include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,9 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/information/covariance.h"
 #include "calibrator/initialise/imu_sanity.h"
+#include "calibrator/linear/dense.h"
 #include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
@@ -100,17 +103,9 @@ Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixX
   return 0.5 * (out + out.transpose());
 }
 
-/// Inverse of an information matrix whose rows differ in unit: scaled to a unit diagonal first, and
-/// kept finite by a prior far weaker than any useful measurement.
-Eigen::MatrixXd invert(const Eigen::MatrixXd& information) {
-  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-13;
-  const Eigen::MatrixXd inverse =
-      scaled.ldlt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
-  const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
-  return 0.5 * (out + out.transpose());
-}
+// An information far weaker than any useful measurement, and its share of what there is.
+constexpr double kNoInformation = 1e-12;
+constexpr double kWeakPrior = 1e-13;
 
 /// The worst direction of a 3 x 3 covariance and its deviation, where that exceeds the limit or is
 /// no number.
@@ -231,11 +226,10 @@ ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals) 
   return s;
 }
 
-double gaussianEntropy(const Eigen::MatrixXd& covariance) {
-  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-  const double half_log_det = llt.matrixLLT().diagonal().array().log().sum();
-  const auto n = static_cast<double>(covariance.rows());
-  return 0.5 * n * std::log(2 * std::numbers::pi * std::numbers::e) + half_log_det;
+void setCovariance(ParameterCovariance covariance, StageSummary& summary) {
+  summary.entropy_nats =
+      entropyNatsOfCovariance(covariance.matrix).value_or(std::numeric_limits<double>::quiet_NaN());
+  summary.covariance = std::move(covariance);
 }
 
 Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
@@ -250,7 +244,7 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   if (!chain) {
     return Failure{FailureCode::kMotionInformationSingular};
   }
-  Eigen::MatrixXd full = invert(chain->border_information);
+  Eigen::MatrixXd full = finiteInverse(chain->border_information, kNoInformation, kWeakPrior);
   // Sandwich: the gradient by t_d varies by more than the information says.
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
@@ -270,7 +264,8 @@ std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
   const auto chain = solveChain(normals->chain, {0, problem.threads});
   if (!chain) return std::nullopt;
   constexpr int kFixed = BorderLayout::kFixed;  // own offsets stand behind: leaving them out holds
-  Eigen::MatrixXd full = invert(chain->border_information.topLeftCorner(kFixed, kFixed));
+  Eigen::MatrixXd full = finiteInverse(chain->border_information.topLeftCorner(kFixed, kFixed),
+                                       kNoInformation, kWeakPrior);
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
   const ParameterList list = parameterList(solution.estimate, false);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/score_tests.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "calibrator/information/cluster_robust.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {
@@ -15,15 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Inverse of a positive matrix of mixed units: scaled to a unit diagonal first, and kept finite by
-/// a prior far weaker than what is measured.
-MatrixXd inverseOf(const MatrixXd& A) {
-  const VectorXd scale = A.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
-  MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-12;
-  const MatrixXd inverse = scaled.ldlt().solve(MatrixXd::Identity(A.rows(), A.cols()));
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
-}
+MatrixXd inverseOf(const MatrixXd& A) { return finiteInverse(A, 1e-30, 1e-12); }
 
 template <class Entry>
 MatrixXd matrix(const Terms& a, const Terms& b, const Entry& entry) {

@@ -56,8 +56,7 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
   const Eigen::VectorXd deviations = covariance.standardDeviations();
   result.imu.T_SC0_std = Vector6d(deviations.head<6>());
   result.imu.time_offset_std_s = deviations(6);
-  result.summary.entropy_nats = gaussianEntropy(covariance.matrix);
-  result.summary.covariance = std::move(covariance);
+  setCovariance(std::move(covariance), result.summary);
   if (!free_cameras) return;
   Eigen::Index at = 7;
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {

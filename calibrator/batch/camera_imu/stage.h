@@ -77,8 +77,8 @@ std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
 std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& problem,
                                                     const CameraImuSolution& solution);
 
-/// 0.5 log((2 pi e)^n |Sigma|) [nats] of a positive definite covariance.
-double gaussianEntropy(const Eigen::MatrixXd& covariance);
+/// Sets a stage's covariance and its entropy, which is NaN where the covariance is singular.
+void setCovariance(ParameterCovariance covariance, StageSummary& summary);
 
 /// See FrameErrors. With H, b the sums of a frame's corners (MovedView) about its pose, and d the
 /// column of its stamp's shift: b' H^-1 b is what the pose of its own takes, b_d^2 / H_dd what a

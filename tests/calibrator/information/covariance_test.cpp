@@ -47,6 +47,13 @@ TEST(Entropy, OfIndependentParametersIsTheSumOfTheirs) {
   EXPECT_NEAR(*entropyNats(information), sum, 1e-12);
 }
 
+TEST(Entropy, IsTheSameByInformationAndByCovariance) {
+  const Eigen::MatrixXd information = randomInformation(6, 20, 4);
+  EXPECT_NEAR(*entropyNatsOfCovariance(*covarianceOf(information)), *entropyNats(information),
+              1e-10);
+  EXPECT_FALSE(entropyNatsOfCovariance(-Eigen::MatrixXd::Identity(2, 2)).has_value());
+}
+
 TEST(Entropy, ChangesWithTheUnitOfAParameterByItsLogarithm) {
   const Eigen::MatrixXd in_metres = randomInformation(4, 20, 2);
   Eigen::MatrixXd in_millimetres = in_metres;

@@ -44,5 +44,23 @@ TEST(SymmetricPseudoInverse, LeavesAsZeroWhatIsBelowTheTolerance) {
   EXPECT_TRUE(symmetricPseudoInverse(Eigen::MatrixXd::Zero(2, 2), 1e-12).isZero(0));
 }
 
+TEST(FiniteInverse, IsTheInverseWhateverTheUnits) {
+  Eigen::MatrixXd A = matrixWith(Eigen::Vector3d(1, 3, 8));
+  const Eigen::Vector3d units(1e-4, 1, 1e5);
+  A = (units.asDiagonal() * A * units.asDiagonal()).eval();
+  const Eigen::MatrixXd product =
+      units.asDiagonal() * finiteInverse(A, 1e-30, 1e-13) * A * units.cwiseInverse().asDiagonal();
+  EXPECT_TRUE(product.isIdentity(1e-11));
+}
+
+TEST(FiniteInverse, IsFiniteWhereNothingIsKnown) {
+  const Eigen::MatrixXd A = Eigen::Vector3d(0, 1e-9, 2).asDiagonal();
+  const Eigen::MatrixXd inverse = finiteInverse(A, 1e-6, 1e-3);
+  // The least of the diagonal times the prior's share is what is known of the first.
+  EXPECT_NEAR(inverse(0, 0), 1e9, 1);
+  EXPECT_NEAR(inverse(1, 1), 5e8, 1);
+  EXPECT_NEAR(inverse(2, 2), 0.5 / 1.001, 1e-12);
+}
+
 }  // namespace
 }  // namespace plumbline
