@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -119,11 +117,7 @@ int exportFiles(const ExportFilesOptions& o) {
 Command exportCommand() {
   return {"export", "Write a calibration in the format of another tool",
           "plumbline export result/calibration.json --to openvins --out openvins_config",
-          [](CLI::App& app) {
-            auto options = std::make_shared<ExportFilesOptions>();
-            declareExport(app, *options);
-            return std::function<int()>([options] { return exportFiles(*options); });
-          }};
+          withOptions(declareExport, exportFiles)};
 }
 
 }  // namespace plumbline

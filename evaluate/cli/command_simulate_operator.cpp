@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -12,6 +10,7 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/simulation/simulate_operator.h"
 
@@ -60,6 +59,43 @@ struct SimulateOperatorOptions {
   OperatorSimulationOptions simulation;
 };
 
+/// What the guide asks for and when it stops.
+void declareOperatorsGuide(CLI::App& app, SimulateOperatorOptions& o) {
+  auto& guide = o.simulation.guide;
+  app.add_option(
+         "--stop-projection-px", guide.views.stop_projection_px,
+         "Finish the camera stage exactly when the predicted projection error over the image "
+         "(RMS) is at most this [px] (0: use the criterion)")
+      ->check(numberWithin(0, 100))
+      ->capture_default_str();
+  app.add_option(
+         "--stop-reprojection-px", guide.trajectories.stop_reprojection_px,
+         "Finish the camera-IMU stage exactly when the expected reprojection error of points "
+         "predicted by the IMU is at most this [px] (0: use the criterion)")
+      ->check(numberWithin(0, 100))
+      ->capture_default_str();
+  app.add_option("--trajectory-s", guide.trajectories.duration_s, "Duration of a trajectory [s]")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--trajectory-amplitude", guide.trajectories.amplitude,
+                 "Scale factor of the trajectories")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--trajectory-held-s", guide.trajectories.reached_s,
+                 "Time at a trajectory's start until it counts as reached [s]")
+      ->check(numberFrom(0))
+      ->capture_default_str();
+  app.add_option(
+         "--first-trajectory", o.first_trajectory,
+         "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
+         "when it can be scored")
+      ->capture_default_str();
+  app.add_option("--operator-speed", guide.pace.speed_m_s,
+                 "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+}
+
 void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   auto& s = o.simulation;
   o.output.declare(app, "Folder to write")->required();
@@ -79,38 +115,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
   }
-  app.add_option(
-         "--stop-projection-px", s.guide.views.stop_projection_px,
-         "Finish the camera stage exactly when the predicted projection error over the image "
-         "(RMS) is at most this [px] (0: use the criterion)")
-      ->check(numberWithin(0, 100))
-      ->capture_default_str();
-  app.add_option(
-         "--stop-reprojection-px", s.guide.trajectories.stop_reprojection_px,
-         "Finish the camera-IMU stage exactly when the expected reprojection error of points "
-         "predicted by the IMU is at most this [px] (0: use the criterion)")
-      ->check(numberWithin(0, 100))
-      ->capture_default_str();
-  app.add_option("--trajectory-s", s.guide.trajectories.duration_s, "Duration of a trajectory [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--trajectory-amplitude", s.guide.trajectories.amplitude,
-                 "Scale factor of the trajectories")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--trajectory-held-s", s.guide.trajectories.reached_s,
-                 "Time at a trajectory's start until it counts as reached [s]")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option(
-         "--first-trajectory", o.first_trajectory,
-         "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
-         "when it can be scored")
-      ->capture_default_str();
-  app.add_option("--operator-speed", s.guide.pace.speed_m_s,
-                 "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
+  declareOperatorsGuide(app, o);
   app.add_option("--duration", s.duration_s,
                  "Length of an unguided recording, and limit of a guided one [s]")
       ->check(CLI::Range(5.0, 3600.0))
@@ -123,15 +128,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   app.add_option("--seed", s.seed, "Seed of operator and noise: same seed, same bytes")
       ->check(seedFrom(0))
       ->capture_default_str();
-  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
-      ->capture_default_str();
-  app.add_option("--board-bend-mm", s.board_bend_mm, "Bow of the board, RMS [mm]")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  app.add_option("--guide-board", o.guide_board,
-                 "Board shape that the guide assumes: measured (the true one) or flat")
-      ->check(CLI::IsMember({"measured", "flat"}))
-      ->capture_default_str();
+  declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);
   app.add_flag("--judge", s.judge, "Also find when the recording was sufficient");
 }
 
@@ -195,11 +192,8 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
 
 Command simulateOperatorCommand() {
   return {"operator", "Simulate an operator's recording, guided or unguided, with ground truth",
-          "plumbline simulate operator --skill novice --out session", [](CLI::App& app) {
-            auto options = std::make_shared<SimulateOperatorOptions>();
-            declareSimulateOperator(app, *options);
-            return std::function<int()>([options] { return simulateOperatorFolder(*options); });
-          }};
+          "plumbline simulate operator --skill novice --out session",
+          withOptions(declareSimulateOperator, simulateOperatorFolder)};
 }
 
 }  // namespace plumbline

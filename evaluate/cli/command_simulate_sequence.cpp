@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
-#include <memory>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -84,11 +82,8 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
 
 Command simulateSequenceCommand() {
   return {"sequence", "Simulate a flight through a room for odometry, with ground truth",
-          "plumbline simulate sequence --duration 40 --images --out flight", [](CLI::App& app) {
-            auto options = std::make_shared<SimulateSequenceOptions>();
-            declareSimulateSequence(app, *options);
-            return std::function<int()>([options] { return simulateSequenceFolder(*options); });
-          }};
+          "plumbline simulate sequence --duration 40 --images --out flight",
+          withOptions(declareSimulateSequence, simulateSequenceFolder)};
 }
 
 }  // namespace plumbline

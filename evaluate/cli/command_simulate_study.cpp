@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
-#include <memory>
 
 #include <CLI/CLI.hpp>
 
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/simulation/simulate_study.h"
 
@@ -42,15 +41,7 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
                  "Learning: errors, reaction and time of the second session relative to the first "
                  "(1: none)")
       ->capture_default_str();
-  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px]")
-      ->capture_default_str();
-  app.add_option("--board-bend-mm", s.board_bend_mm, "Bow of the board, RMS [mm]")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  app.add_option("--guide-board", o.guide_board,
-                 "Board shape that the guide assumes: measured (the true one) or flat")
-      ->check(CLI::IsMember({"measured", "flat"}))
-      ->capture_default_str();
+  declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);
   app.add_option("--threads", s.threads, "Threads (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -77,11 +68,8 @@ int simulateStudyFolder(SimulateStudyOptions o) {
 
 Command simulateStudyCommand() {
   return {"study", "Simulate a user study, guided and unguided, with ground truth",
-          "plumbline simulate study --participants 4 --duration 10 --out study", [](CLI::App& app) {
-            auto options = std::make_shared<SimulateStudyOptions>();
-            declareSimulateStudy(app, *options);
-            return std::function<int()>([options] { return simulateStudyFolder(*options); });
-          }};
+          "plumbline simulate study --participants 4 --duration 10 --out study",
+          withOptions(declareSimulateStudy, simulateStudyFolder)};
 }
 
 }  // namespace plumbline

@@ -2,7 +2,6 @@
 #include <charconv>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -151,21 +150,14 @@ int fitTarget(const FitOptions& o) {
 
 Command fitCommand() {
   return {"fit", "Estimate a board's shape from several recordings, and test whether it changed",
-          "plumbline target fit monday tuesday --out target_shape.yaml", [](CLI::App& app) {
-            auto options = std::make_shared<FitOptions>();
-            declareFit(app, *options);
-            return std::function<int()>([options] { return fitTarget(*options); });
-          }};
+          "plumbline target fit monday tuesday --out target_shape.yaml",
+          withOptions(declareFit, fitTarget)};
 }
 
 Command printCommand() {
   return {"print", "Write an AprilGrid to print at true size, with its target.yaml",
           "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
-          [](CLI::App& app) {
-            auto options = std::make_shared<PrintOptions>();
-            declarePrint(app, *options);
-            return std::function<int()>([options] { return printTarget(*options); });
-          }};
+          withOptions(declarePrint, printTarget)};
 }
 
 }  // namespace

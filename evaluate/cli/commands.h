@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include <CLI/App.hpp>
@@ -24,6 +25,17 @@ struct Command {
   std::string example;
   std::function<std::function<int()>(CLI::App&)> configure;
 };
+
+/// The `configure` of a command whose options are a struct: `declare` puts them on the app, `run`
+/// does the work and returns the ExitCode.
+template <class Options, class Run>
+auto withOptions(void (*declare)(CLI::App&, Options&), Run run) {
+  return [declare, run](CLI::App& app) {
+    auto options = std::make_shared<Options>();
+    declare(app, *options);
+    return std::function<int()>([options, run] { return run(*options); });
+  };
+}
 
 Command simulateCommand();
 Command detectCommand();

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/options/simulation_options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace plumbline {
+
+void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board_bend_mm,
+                           std::string& guide_board) {
+  app.add_option("--corner-sigma", corner_sigma_px, "Noise of corners [px]")->capture_default_str();
+  app.add_option("--board-bend-mm", board_bend_mm, "Bow of the board, RMS [mm]")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  app.add_option("--guide-board", guide_board,
+                 "Board shape that the guide assumes: measured (the true one) or flat")
+      ->check(CLI::IsMember({"measured", "flat"}))
+      ->capture_default_str();
+}
+
+}  // namespace plumbline
