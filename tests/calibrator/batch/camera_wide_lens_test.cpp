@@ -48,14 +48,18 @@ std::vector<Corner> cornersAtTheRim(const AprilGrid& board, double angle_rad, do
   return corners;
 }
 
-TEST(CameraOfAWideLens, AFrameThatShowsTheBoardAtTheRimAloneIsLeftOut) {
-  SimulatedSession s = wideRecording();
-  const auto without = calibrateCameras(s.session);
-  ASSERT_TRUE(without.ok()) << without.failure();
+void addFrameAtTheRim(SimulatedSession& s) {
   std::vector<ImageView>& views = s.session.cameras[0].views;
   views.push_back(
       {views.back().t + 200'000'000, cornersAtTheRim(s.session.target, 89.1 * kDegree, 8)});
   ASSERT_EQ(views.back().corners.size(), 24U);
+}
+
+TEST(CameraOfAWideLens, AFrameThatShowsTheBoardAtTheRimAloneIsLeftOut) {
+  SimulatedSession s = wideRecording();
+  const auto without = calibrateCameras(s.session);
+  ASSERT_TRUE(without.ok()) << without.failure();
+  addFrameAtTheRim(s);
   for (const double cauchy_px : {0.0, 3.0}) {
     CameraStageOptions options;
     options.start = s.truth.cameras;
@@ -65,6 +69,18 @@ TEST(CameraOfAWideLens, AFrameThatShowsTheBoardAtTheRimAloneIsLeftOut) {
     EXPECT_EQ(result->summary.views_used, without->summary.views_used);
     EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.1 * std::sqrt(2), 0.004);
   }
+}
+
+TEST(CameraOfAWideLens, SoItIsWhereTheModelIsChosen) {
+  SimulatedSession s = wideRecording();
+  addFrameAtTheRim(s);
+  CameraStageOptions options;
+  options.model_mode = ModelMode::kAuto;
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_TRUE(result.ok()) << result.failure();
+  ASSERT_EQ(result->cameras[0].intrinsics.projection_model, ProjectionModel::kPinhole);
+  EXPECT_EQ(result->summary.views_used, result->summary.views_offered - 1);
+  EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.1 * std::sqrt(2), 0.004);
 }
 
 }  // namespace
