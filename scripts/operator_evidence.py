@@ -3,8 +3,8 @@
 """Is a person faster with the guide? Lets simulated persons of all skills record (`simulate operator
 --judge`) with the guide by either criterion, without, and as a dance, and prints the tables of
 docs/counterfactuals.md: seconds and views until the projection error against the truth, over the
-image, is below 0.1 px, and T_SC0 within 1 mm and 0.05 degrees, and how near the guide's stop is to
-the best one: by the error of the recording's own noise, and by the expected error
+image, is below 0.1 px, and T_SC0 within 1 mm and 0.05 degrees, and how near the guide's stops are to
+the best ones: of the cameras by the error of the recording's own noise, of both stages by the expected error
 (evaluate/simulation/stop_hindsight.h).
 
   nice -n 15 scripts/operator_evidence.py --plumbline build/evaluate/plumbline --work FOLDER \\
@@ -29,6 +29,8 @@ METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
            "guided, mi, to 0.1 px": ["guided", "--criterion", "mi", "--stop-projection-px", "0.1"],
            "guided, predicted-error, to 0.1 px": ["guided", "--criterion", "predicted-error",
                                                   "--stop-projection-px", "0.1"],
+           "guided, mi, IMU to 0.2 px": ["guided", "--criterion", "mi", "--stop-reprojection-px", "0.2"],
+           "guided, mi, IMU to 0.1 px": ["guided", "--criterion", "mi", "--stop-reprojection-px", "0.1"],
            "guided, mi, settings before": ["guided", "--criterion", "mi", "--first-trajectory", "scored",
                                            "--trajectory-s", "5", "--trajectory-amplitude", "1",
                                            "--trajectory-held-s", "1"],
@@ -116,14 +118,30 @@ def table(options):
                 a, b = (quantile([needed(found[n][p], stage) for p in persons], 0.5) for n in (guided, other))
                 cells += [text(a / b if b < math.inf else math.nan if a == math.inf else 0, 2), f"{bar}"]
             print(f"| {guided} / {other} | " + " | ".join(cells) + " |")
-    stop_table(options, found, sorted(persons))
+    stop_table(found, sorted(persons))
+    imu_stop_table(found, sorted(persons))
 
 
 def within(ratios):
     return f"{sum(abs(r - 1) <= STOP for r in ratios)} of {len(ratios)}"
 
 
-def stop_table(options, found, persons):
+def judged_stops(documents, stage):
+    """What was found of the stops by pixels, and stop over best time of all persons."""
+    judged = [(d.get("stop") or {}).get(stage) for d in documents]
+    ratios = [j["stopped_s"] / j["best_s"] if j and j["best_s"] else math.inf for j in judged]
+    judged = [j for j in judged if j]
+    if judged:
+        squares = [(j["drawn_px"] / j["expected_px"]) ** 2 for j in judged]
+        print(f"<!-- {stage}: drawn^2 over expected^2, mean of {len(squares)}: {sum(squares) / len(squares):.3f} -->")
+    return judged, ratios
+
+
+def predicted_over_expected(judged):
+    return quartiles([j["predicted_px"] / j["expected_px"] for j in judged], 3)
+
+
+def stop_table(found, persons):
     """The best stop by the error of the recording's own noise, and by the expected one."""
     print("\n| stop of | cameras stopped [s] | over the best, own noise | within 15 % | error there [px] | above 0.1 px "
           "| over the best, expected error | within 15 % | predicted over expected there | IMU stopped |"
@@ -137,18 +155,29 @@ def stop_table(options, found, persons):
         errors = [math.inf if e is None else e for e in errors]
         imu = sum(needed(d, "camera_imu", "stopped_s") < math.inf for d in chosen)
         expected, predicted = ["–", "–"], "–"
-        judged = [d["stop"] for d in chosen if d.get("stop")]
+        judged, by = judged_stops(chosen, "cameras")
         if judged:
-            by = [d.get("stop", {}).get("best_s") for d in chosen]
-            by = [s / b if b and s < math.inf else math.inf for s, b in zip(stops, by)]
             expected = [quartiles(by, 2), within(by)]
-            predicted = quartiles([s["predicted_px"] / s["expected_px"] for s in judged], 3)
-            squares = [(s["drawn_px"] / s["expected_px"]) ** 2 for s in judged]
-            mean = sum(squares) / len(squares)
-            print(f"<!-- {name}: drawn^2 over expected^2, mean of {len(squares)}: {mean:.3f} -->")
+            predicted = predicted_over_expected(judged)
         print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {within(ratios)} "
               f"| {quartiles(errors, 3)} | {sum(e > 0.1 for e in errors)} | {expected[0]} | {expected[1]} "
               f"| {predicted} | {imu} of {len(chosen)} |")
+
+
+def imu_stop_table(found, persons):
+    """The camera-IMU stage's stop by the expected error of points that the IMU predicts."""
+    print("\n| stop of | IMU stopped [s] | over the best, expected error | within 15 % | predicted over expected there "
+          "| error there, own noise [px] |\n|---|---|---|---|---|---|")
+    for name, documents in found.items():
+        chosen = [documents[p] for p in persons]
+        judged, ratios = judged_stops(chosen, "camera_imu")
+        if not judged:
+            continue
+        stops = [needed(d, "camera_imu", "stopped_s") for d in chosen]
+        errors = [(d["convergence"]["camera_imu"].get("at_end") or {}).get("reprojection_px") for d in chosen]
+        errors = [math.inf if e is None else e for e in errors]
+        print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {within(ratios)} "
+              f"| {predicted_over_expected(judged)} | {quartiles(errors, 3)} |")
 
 
 def main():

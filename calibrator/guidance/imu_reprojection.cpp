@@ -74,4 +74,16 @@ std::optional<double> ImuReprojection::expectedError(const Eigen::MatrixXd& info
   return std::isfinite(E) ? std::optional(E) : std::nullopt;
 }
 
+double ImuReprojection::expectedErrorUnder(const Eigen::MatrixXd& covariance,
+                                           const Transform& T_SC0) const {
+  assert(covariance.rows() == 7 && covariance.cols() == 7);
+  return gram(T_SC0).cwiseProduct(covariance).sum();
+}
+
+double ImuReprojection::differencePx(const ImuCalibration& a, const ImuCalibration& b) const {
+  Eigen::Matrix<double, 7, 1> d;
+  d << boxminus(a.T_SC0, b.T_SC0), a.timeOffset() - b.timeOffset();
+  return std::sqrt(d.dot(gram(b.T_SC0) * d));
+}
+
 }  // namespace plumbline

@@ -43,6 +43,10 @@ class ImuReprojection {
   /// E [px^2] from the information of T_SC0 and time offset (7 x 7); empty where that is singular.
   std::optional<double> expectedError(const Eigen::MatrixXd& information,
                                       const Transform& T_SC0) const;
+  /// E [px^2] from their covariance (7 x 7).
+  double expectedErrorUnder(const Eigen::MatrixXd& covariance, const Transform& T_SC0) const;
+  /// By how much points are off with `a` from where `b` puts them: sqrt((d, e)^T M (d, e)) [px].
+  double differencePx(const ImuCalibration& a, const ImuCalibration& b) const;
 
  private:
   struct Camera {

@@ -209,24 +209,12 @@ Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
   const auto result = calibrateCameraImu(session, cameras, batch);
   if (!result) return result.failure();
   if (!result->summary.converged) return notConverged();
-  CameraImuProblem problem = makeProblem(session, batch);
+  auto [problem, estimate] = solvedBatch(session, *result, batch);
   // Cameras' own stamps are of the batch: the window takes a frame's views as exposed together.
   problem.view_stamps.clear();
-  CameraImuEstimate estimate = calibrationEstimate(*result);
   // The window has one offset: camera 0's.
   estimate.time_offsets.resize(1);
-  std::vector<TimeNs> stamps;
-  for (const Frame& frame : result->frames) stamps.push_back(frame.t);
-  const auto selection =
-      selectFrames(stamps, problem.samples, imuGaps(problem.samples, batch.max_gap_intervals),
-                   selectionOptions(batch, estimate.timeOffset()));
-  for (const int i : selection.chosen) {
-    problem.frames.push_back(result->frames[static_cast<std::size_t>(i)]);
-    estimate.states.push_back(result->states[static_cast<std::size_t>(i)]);
-  }
   if (problem.frameCount() <= options.window) return notConverged();
-  problem.links = selection.links;
-  problem.weights.assign(problem.frames.size(), 1);
   CameraImuWindowOptions size;
   size.states = options.window;
   auto window = CameraImuWindow::fromBatch(problem, estimate, session.target, size);

@@ -168,6 +168,17 @@ std::string convergenceText(const char* what, const StageConvergence& stage) {
   return fmt::format("{}: {}{}\n", what, right, stop);
 }
 
+std::string stopText(const char* stage, const std::optional<StopHindsight>& stop) {
+  if (!stop) return "";
+  const auto px = [](const std::optional<double>& error) {
+    return error ? fmt::format("{:.3f} px", *error) : "unknown";
+  };
+  const std::string best =
+      stop->best_s ? fmt::format("after {:.1f} s", *stop->best_s) : "later than the recording";
+  return fmt::format("{}: stopped after {:.1f} s, predicted {}, expected {}; best stop: {}\n",
+                     stage, stop->stopped_s, px(stop->predicted_px), px(stop->expected_px), best);
+}
+
 int simulateOperatorFolder(const SimulateOperatorOptions& o) {
   const OperatorSimulationOptions simulation = simulationOf(o);
   OutputFolder out(o.output.request("session"));
@@ -183,6 +194,8 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
   if (made.convergence) {
     say("{}", convergenceText("Cameras (0.1 px)", made.convergence->cameras));
     say("{}", convergenceText("T_SC0 (1 mm, 0.05 deg)", made.convergence->camera_imu));
+    say("{}{}", stopText("Camera stage", made.stops.cameras),
+        stopText("Camera-IMU stage", made.stops.camera_imu));
   }
   say("Run it: plumbline replay {0} --out replay; the truth is in {0}/truth\n", o.output.out);
   return kDone;

@@ -170,15 +170,6 @@ std::optional<double> expectedErrorPx(const ReplayRun& run) {
   return std::nullopt;
 }
 
-/// By how much points that the IMU predicts with a are off from those with b: sqrt(d^T M d) [px]
-/// (ImuReprojection).
-double predictedPointsPx(const ImuReprojection& use, const ImuCalibration& a,
-                         const ImuCalibration& b) {
-  Eigen::Matrix<double, 7, 1> d;
-  d << boxminus(a.T_SC0, b.T_SC0), a.timeOffset() - b.timeOffset();
-  return std::sqrt(d.dot(use.gram(b.T_SC0) * d));
-}
-
 bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {
   const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
   return difference.head<3>().norm() <= options.translation_m &&
@@ -285,8 +276,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   const double bar_px = run.guide.trajectories.stop_reprojection_px;
   const ImuCalibration& best = batches.full->imu;
   const auto isEnough = [&](const ImuCalibration& imu_at) {
-    return bar_px > 0 ? predictedPointsPx(use, imu_at, best) <= bar_px
-                      : isNear(imu_at, best, options);
+    return bar_px > 0 ? use.differencePx(imu_at, best) <= bar_px : isNear(imu_at, best, options);
   };
   std::vector<bool> holds;
   for (const int count : counts) {
@@ -299,7 +289,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   }
   audit.predicted_px = expectedErrorPx(run);
   // Of a stage that went on to the end both are calibrations of the same frames.
-  if (audit.finished) audit.measured_px = predictedPointsPx(use, batches.kept->imu, best);
+  if (audit.finished) audit.measured_px = use.differencePx(batches.kept->imu, best);
   judge(run, options,
         bar_px > 0 ? pointsWords(audit, bar_px) : armWords(batches.kept->imu, best, options),
         audit);

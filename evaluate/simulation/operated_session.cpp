@@ -12,19 +12,16 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSpacing_s = 0.1;  // of control poses: a hand's motion has little above 5 Hz
-
 /// The person, the rig in his hands and what it has recorded so far.
 class Recording {
  public:
   Recording(const SimulatedRig& rig, const OperatedOptions& options)
       : options_(options),
         sensors_(rig, options.simulation),
-        motion_(kSpacing_s),
         person_(
             options.skill, options.simulation.target,
             fillingDistance(options.simulation.target, rig.calibration.cameras.front().intrinsics),
-            kSpacing_s, options.operator_seed) {
+            kControlSpacing_s, options.operator_seed) {
     result_.session = sensors_.emptySession();
   }
 
@@ -37,12 +34,12 @@ class Recording {
   GuideFrame take(int frame) {
     const TimeNs arrival = sensors_.stampOf(frame) + toNanoseconds(options_.arrival_s);
     moveUntil(std::max(sensors_.exposureS(frame), sensors_.secondsOf(arrival)));
-    GuideFrame taken{frame, sensors_.stampOf(frame), sensors_.corners(motion_, frame),
-                     sensors_.samplesUntil(motion_, arrival)};
+    GuideFrame taken{frame, sensors_.stampOf(frame), sensors_.corners(result_.motion, frame),
+                     sensors_.samplesUntil(result_.motion, arrival)};
     for (std::size_t c = 0; c < taken.corners.size(); ++c) {
       result_.session.cameras[c].views.push_back({taken.t, taken.corners[c]});
     }
-    result_.T_FC0.push_back(motion_.at(sensors_.exposureS(frame)).T_FB);
+    result_.T_FC0.push_back(result_.motion.at(sensors_.exposureS(frame)).T_FB);
     keep(taken.imu);
     return taken;
   }
@@ -53,13 +50,14 @@ class Recording {
     const double last_s = secondsAt(frame) + options_.simulation.imu_margin_s +
                           std::max(0.0, sensors_.truth().imu->timeOffset());
     moveUntil(last_s);
-    keep(sensors_.samplesUntil(motion_, options_.simulation.start_ns + toNanoseconds(last_s)));
+    keep(sensors_.samplesUntil(result_.motion,
+                               options_.simulation.start_ns + toNanoseconds(last_s)));
     return std::move(result_);
   }
 
  private:
   void moveUntil(double t_s) {
-    while (motion_.knownUntilS() < t_s) motion_.add(person_.next());
+    while (result_.motion.knownUntilS() < t_s) result_.motion.add(person_.next());
   }
   void keep(const std::vector<ImuSample>& samples) {
     auto& all = result_.session.imu->samples;
@@ -68,7 +66,6 @@ class Recording {
 
   const OperatedOptions& options_;
   RigSensors sensors_;
-  SplineMotion motion_;
   SimulatedOperator person_;
   OperatedSession result_;
 };

@@ -5,20 +5,25 @@
 
 #include "calibrator/guidance/guide_options.h"
 #include "calibrator/simulate/operator/simulated_operator.h"
+#include "calibrator/simulate/operator/spline_motion.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 
+/// Spacing of a person's control poses [s]: a hand's motion has little above 5 Hz.
+inline constexpr double kControlSpacing_s = 0.1;
+
 /// A recording that a simulated person made.
 struct OperatedSession {
   Session session;
-  std::vector<Transform> T_FC0;         ///< where camera 0 was, frame by frame
-  std::vector<Decision> decisions;      ///< of the guide, frame by frame, without rounds' scores
-  std::vector<Suggestion> suggestions;  ///< shown, in their order; none without a guide
-  int reached = 0;                      ///< of them, by the guide's own rule
-  bool finished = true;                 ///< false: the person gave up
-  double camera_s = 0;                  ///< spent for the cameras ...
-  double camera_imu_s = 0;              ///< ... and for the IMU [s]
+  SplineMotion motion{kControlSpacing_s};  ///< of camera 0, in the IMU's time
+  std::vector<Transform> T_FC0;            ///< where camera 0 was, frame by frame
+  std::vector<Decision> decisions;         ///< of the guide, frame by frame, without rounds' scores
+  std::vector<Suggestion> suggestions;     ///< shown, in their order; none without a guide
+  int reached = 0;                         ///< of them, by the guide's own rule
+  bool finished = true;                    ///< false: the person gave up
+  double camera_s = 0;                     ///< spent for the cameras ...
+  double camera_imu_s = 0;                 ///< ... and for the IMU [s]
 };
 
 struct OperatedOptions {

@@ -8,6 +8,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/guidance/imu_reprojection.h"
 #include "evaluate/compare/projection_difference.h"
 
 namespace plumbline {
@@ -134,7 +135,7 @@ class Judge {
   }
 
   ConvergencePoint camerasAt(const Checkpoint& at) {
-    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, false};
+    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, {}, false};
     Session session = recordingOf(at.frames);
     session.imu.reset();
     const auto found = calibrateCameras(session);
@@ -151,7 +152,7 @@ class Judge {
   }
 
   ConvergencePoint imuAt(const Checkpoint& at) {
-    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, false};
+    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, {}, false};
     CameraImuOptions stage;
     stage.noise_check = stage.diagnose_faults = false;
     const auto found = calibrateCameraImu(recordingOf(at.frames), cameras_, stage);
@@ -159,6 +160,7 @@ class Judge {
     const Transform& T_SC0 = truth_.imu->T_SC0;
     point.translation_m = (found->imu.T_SC0.t - T_SC0.t).norm();
     point.rotation_rad = rotationAngle(found->imu.T_SC0.R.transpose() * T_SC0.R);
+    point.reprojection_px = ImuReprojection(truth_.cameras).differencePx(found->imu, *truth_.imu);
     point.right = *point.translation_m <= options_.translation_m &&
                   *point.rotation_rad <= options_.rotation_rad;
     return point;
@@ -183,17 +185,19 @@ void ConvergenceOptions::check() const {
   requireWithin(0, 10, "stride_s", stride_s);
 }
 
-std::vector<KeptViews> keptViews(const OperatedSession& operated) {
+std::vector<KeptViews> keptViews(const OperatedSession& operated, GuideStage stage) {
   std::vector<KeptViews> all;
   std::vector<int> kept;
+  std::optional<TimeNs> begin;
   for (const Decision& d : operated.decisions) {
-    if (d.stage != GuideStage::kCamera) break;
+    if (d.stage != stage) continue;
+    if (!begin) begin = d.t;
     for (const int gone : d.withdrawn) std::erase(kept, gone);
     if (d.accepted) kept.push_back(d.frame);
     const bool changed = d.accepted || !d.withdrawn.empty();
     if (!changed || d.mode == GuideMode::kInitialising) continue;
-    const double t_s = secondsBetween(operated.decisions.front().t, d.t);
-    all.push_back({t_s, kept, d.projection_px, d.mode == GuideMode::kFinished});
+    const auto predicted = stage == GuideStage::kCamera ? d.projection_px : d.error_px;
+    all.push_back({secondsBetween(*begin, d.t), kept, predicted, d.mode == GuideMode::kFinished});
   }
   return all;
 }

@@ -31,6 +31,9 @@ struct ConvergencePoint {
   std::optional<double> projection_px;
   /// Of T_SC0: distance of the origins, angle between the axes; empty likewise.
   std::optional<double> translation_m, rotation_rad;
+  /// By how much points that the IMU predicts are off (ImuReprojection), from T_SC0 and the time
+  /// offset; empty likewise.
+  std::optional<double> reprojection_px;
   bool right = false;  ///< within the bars
 };
 
@@ -41,6 +44,7 @@ void fields(V& v, ConvergencePoint& p) {
   v("projection_px", p.projection_px, "px", "RMS over the image against the truth, worst camera");
   v("translation_m", p.translation_m, "m", "error of T_SC0");
   v("rotation_rad", p.rotation_rad, "rad", "likewise");
+  v("reprojection_px", p.reprojection_px, "px", "error of points that the IMU predicts");
   v("right", p.right, "within the bars");
 }
 
@@ -77,14 +81,17 @@ double trueProjectionErrorPx(const Intrinsics& truth, const Intrinsics& estimate
 
 /// The views that a guide had kept after a frame.
 struct KeptViews {
-  double t_s = 0;                       ///< since the first frame
-  std::vector<int> frames;              ///< their positions
-  std::optional<double> projection_px;  ///< what the guide predicted with them (Decision)
-  bool finished = false;                ///< with them the camera stage was over
+  double t_s = 0;           ///< since the stage began
+  std::vector<int> frames;  ///< their positions
+  /// What the guide predicted with them: projection_px of its Decision, in the camera-IMU stage
+  /// error_px.
+  std::optional<double> predicted_px;
+  bool finished = false;  ///< with them the stage was over
 };
-/// After every frame, from the start of the estimate on, with which they changed or the camera
-/// stage ended. Empty of a recording without guide.
-std::vector<KeptViews> keptViews(const OperatedSession& operated);
+/// After every frame, from the start of the estimate on, with which they changed or the stage
+/// ended. Empty of a recording without guide.
+std::vector<KeptViews> keptViews(const OperatedSession& operated,
+                                 GuideStage stage = GuideStage::kCamera);
 
 /// From when on a recording calibrates its rig. The cameras: of a guided recording the frames that
 /// the guide had kept by then, of another every frame so far, `stride_s` apart; the IMU: all frames

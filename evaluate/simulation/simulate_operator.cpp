@@ -106,7 +106,7 @@ std::string truthOf(const SimulatedRig& rig, const OperatorSimulationOptions& o,
   truth["reached"] = made.reached;
   truth["suggestions"] = outcomesOf(made);
   if (summary.convergence) truth["convergence"] = toJson(*summary.convergence);
-  if (summary.stop) truth["stop"] = toJson(*summary.stop);
+  if (summary.stops.cameras || summary.stops.camera_imu) truth["stop"] = toJson(summary.stops);
   return truth.dump(2) + "\n";
 }
 
@@ -128,11 +128,18 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
   const OperatedOptions operated = operatedOptions(o);
   const bool guided = o.method == OperatorMethod::kGuided;
   const OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
-  OperatorSimulationSummary summary{
-      made.finished, made.camera_s, made.camera_imu_s, static_cast<int>(made.suggestions.size()),
-      made.reached,  std::nullopt,  std::nullopt};
+  OperatorSimulationSummary summary{made.finished,
+                                    made.camera_s,
+                                    made.camera_imu_s,
+                                    static_cast<int>(made.suggestions.size()),
+                                    made.reached,
+                                    std::nullopt,
+                                    {}};
   if (o.judge) summary.convergence = convergenceOf(made, operated, rig.calibration);
-  if (o.judge && guided) summary.stop = stopHindsight(made, operated, rig);
+  if (o.judge && guided) {
+    summary.stops.cameras = stopHindsight(made, operated, rig, GuideStage::kCamera);
+    summary.stops.camera_imu = stopHindsight(made, operated, rig, GuideStage::kCameraImu);
+  }
   writeSession(made.session, rig.camera_rate_hz, ViewFormat::kCorners, folder);
   if (guided) writeNewFile(folder, "suggestions.csv", suggestionsCsv(made.suggestions));
   const fs::path truth = "truth";

@@ -46,14 +46,14 @@ struct OperatorSimulationSummary {
   double camera_s = 0, camera_imu_s = 0;
   int suggestions = 0, reached = 0;
   std::optional<OperatedConvergence> convergence;
-  std::optional<StopHindsight> stop;  ///< of the camera stage, by stop_projection_px
+  OperatedStops stops;  ///< of the stages that ended by a bar in pixels
 };
 
 /// Writes into `folder`, which is there and empty:
 ///   mav0/, target.yaml, imu.yaml        the recording with corners, as sessionFiles() has it
 ///   suggestions.csv                     of a guided recording
 ///   truth/truth.json                    rig, skill, options, what became of every suggestion, and
-///                                       with `judge` the convergence
+///                                       with `judge` the convergence and the stops in hindsight
 ///   truth/camchain-imucam.yaml          Kalibr's format
 ///   truth/target_shape.yaml             the board's own shape, which target.yaml does not state
 ///   truth/poses.csv                     T_FC0 with every frame: t_ns, tx, ty, tz, qx, qy, qz, qw

@@ -9,6 +9,8 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/guidance/imu_reprojection.h"
 #include "calibrator/information/projection_uncertainty.h"
 #include "calibrator/simulate/operator/rig_sensors.h"
 
@@ -57,22 +59,65 @@ std::optional<double> unitMeanSquare(const CameraStageResult& found, std::size_t
   return imageFitMeanSquare(intrinsics, covariance.block(k, k, size, size));
 }
 
+/// The frames' measurements of the camera-IMU stage as they would have been under other noise.
+Session recordedAgain(const OperatedSession& operated, const OperatedOptions& made,
+                      const SimulatedRig& rig, const std::vector<int>& frames,
+                      const SimulationOptions& simulation) {
+  RigSensors sensors(rig, simulation);
+  Session session = sensors.emptySession();
+  session.target.shape = made.guide_shape;
+  for (const int k : frames) {
+    auto corners = sensors.corners(operated.motion, k);
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      session.cameras[c].views.push_back({sensors.stampOf(k), std::move(corners[c])});
+    }
+  }
+  const TimeNs margin = toNanoseconds(made.arrival_s);
+  const TimeNs begin = sensors.stampOf(frames.front()) - margin;
+  session.imu->samples =
+      sensors.samplesUntil(operated.motion, sensors.stampOf(frames.back()) + margin);
+  std::erase_if(session.imu->samples, [begin](const ImuSample& s) { return s.t < begin; });
+  return session;
+}
+
+/// As the guide's batch has it.
+CameraImuOptions imuStageOptions(const OperatedOptions& made) {
+  CameraImuOptions stage;
+  stage.model() = made.guide.trajectories.model();
+  stage.noise_check = stage.diagnose_faults = false;
+  return stage;
+}
+
+/// What the stage's predicted error is held against [px]; 0: nothing.
+template <class Options>
+auto& barOf(Options& guide, GuideStage stage) {
+  return stage == GuideStage::kCamera ? guide.views.stop_projection_px
+                                      : guide.trajectories.stop_reprojection_px;
+}
+
 /// First of the sets of views with which the expected error is at most the bar, and the errors of
 /// those that were looked at.
 class Crossing {
  public:
-  Crossing(const OperatedSession& operated, const OperatedOptions& made, const SimulatedRig& rig)
-      : operated_(operated), made_(made), rig_(rig), kept_(keptViews(operated)) {}
+  Crossing(const OperatedSession& operated, const OperatedOptions& made, const SimulatedRig& rig,
+           GuideStage stage)
+      : operated_(operated),
+        made_(made),
+        rig_(rig),
+        stage_(stage),
+        kept_(keptViews(operated, stage)) {}
 
   const std::vector<KeptViews>& kept() const { return kept_; }
   std::optional<double> expectedPx(std::size_t i) {
     const auto found = known_.find(i);
     if (found != known_.end()) return found->second;
-    return known_[i] = expectedProjectionPx(operated_, made_, rig_, kept_[i].frames);
+    const auto expected =
+        stage_ == GuideStage::kCamera ? expectedProjectionPx : expectedReprojectionPx;
+    return known_[i] = expected(operated_, made_, rig_, kept_[i].frames);
   }
   bool isWithin(std::size_t i) {
     const auto px = expectedPx(i);
-    return px && *px <= made_.guide.views.stop_projection_px;
+    return px && *px <= barOf(made_.guide, stage_);
   }
   /// Empty where not even the last is.
   std::optional<std::size_t> first() {
@@ -93,6 +138,7 @@ class Crossing {
   const OperatedSession& operated_;
   const OperatedOptions& made_;
   const SimulatedRig& rig_;
+  GuideStage stage_;
   std::vector<KeptViews> kept_;
   std::map<std::size_t, std::optional<double>> known_;
 };
@@ -103,16 +149,18 @@ void tellBest(Crossing& crossing, StopHindsight& s) {
   const KeptViews& kept = crossing.kept()[*best];
   s.best_s = kept.t_s;
   s.best_views = static_cast<int>(kept.frames.size());
-  s.predicted_at_best_px = kept.projection_px;
+  s.predicted_at_best_px = kept.predicted_px;
 }
 
 /// The same person, who is not told to stop at the bar yet.
-OperatedSession continued(const OperatedOptions& made, const SimulatedRig& rig, double stopped_s,
+OperatedSession continued(const OperatedSession& operated, const OperatedOptions& made,
+                          const SimulatedRig& rig, GuideStage stage, double stopped_s,
                           const HindsightOptions& options) {
   OperatedOptions longer = made;
-  longer.guide.views.stop_projection_px *= options.beyond;
+  const double begin_s = stage == GuideStage::kCamera ? 0 : operated.camera_s;
+  barOf(longer.guide, stage) *= options.beyond;
   longer.simulation.duration_s =
-      std::min(made.simulation.duration_s, options.beyond_times * stopped_s);
+      std::min(made.simulation.duration_s, begin_s + options.beyond_times * stopped_s);
   return recordGuided(rig, longer);
 }
 
@@ -159,24 +207,63 @@ std::optional<double> drawnProjectionPx(const OperatedSession& operated,
   return std::sqrt(*std::max_element(squares.begin(), squares.end()));
 }
 
+std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
+                                             const OperatedOptions& made, const SimulatedRig& rig,
+                                             const std::vector<int>& frames) {
+  const Calibration& truth = rig.calibration;
+  SimulationOptions exact = made.simulation;
+  exact.corner_sigma_px = 0;
+  exact.imu_noise = false;
+  const CameraImuOptions stage = imuStageOptions(made);
+  const Session session = recordedAgain(operated, made, rig, frames, exact);
+  const auto found = calibrateCameraImu(session, truth.cameras, stage);
+  if (!found) return std::nullopt;
+  const double sigma = made.simulation.corner_sigma_px / stage.pixel_sigma;
+  const auto covariance = covarianceUnder(solvedBatch(session, *found, stage), sigma * sigma);
+  if (!covariance) return std::nullopt;
+  const ImuReprojection use(truth.cameras);
+  const double bias = use.differencePx(found->imu, *truth.imu);
+  return std::sqrt(bias * bias + use.expectedErrorUnder(*covariance, truth.imu->T_SC0));
+}
+
+std::optional<double> drawnReprojectionPx(const OperatedSession& operated,
+                                          const OperatedOptions& made, const SimulatedRig& rig,
+                                          const std::vector<int>& frames, int draws) {
+  const Calibration& truth = rig.calibration;
+  const ImuReprojection use(truth.cameras);
+  double squares = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    SimulationOptions again = made.simulation;
+    again.seed += kDrawSeeds * static_cast<std::uint64_t>(draw + 1);
+    const auto found = calibrateCameraImu(recordedAgain(operated, made, rig, frames, again),
+                                          truth.cameras, imuStageOptions(made));
+    if (!found) return std::nullopt;
+    const double px = use.differencePx(found->imu, *truth.imu);
+    squares += px * px / draws;
+  }
+  return std::sqrt(squares);
+}
+
 std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
                                            const OperatedOptions& made, const SimulatedRig& rig,
-                                           const HindsightOptions& options) {
-  Crossing crossing(operated, made, rig);
+                                           GuideStage stage, const HindsightOptions& options) {
+  Crossing crossing(operated, made, rig, stage);
   const std::vector<KeptViews>& kept = crossing.kept();
-  const bool stopped = !kept.empty() && kept.back().finished && kept.back().projection_px;
-  if (!(made.guide.views.stop_projection_px > 0) || !stopped) return std::nullopt;
+  const bool stopped = !kept.empty() && kept.back().finished && kept.back().predicted_px;
+  if (!(barOf(made.guide, stage) > 0) || !stopped) return std::nullopt;
+  const auto drawn = stage == GuideStage::kCamera ? drawnProjectionPx : drawnReprojectionPx;
   StopHindsight s;
-  s.predicted_px = *kept.back().projection_px;
+  s.stopped_s = kept.back().t_s;
+  s.predicted_px = *kept.back().predicted_px;
   s.views = static_cast<int>(kept.back().frames.size());
   s.expected_px = crossing.expectedPx(kept.size() - 1);
-  s.drawn_px = drawnProjectionPx(operated, made, rig, kept.back().frames, options.draws);
+  s.drawn_px = drawn(operated, made, rig, kept.back().frames, options.draws);
   if (crossing.isWithin(kept.size() - 1)) {
     tellBest(crossing, s);
     return s;
   }
-  const OperatedSession longer = continued(made, rig, kept.back().t_s, options);
-  Crossing beyond(longer, made, rig);
+  const OperatedSession longer = continued(operated, made, rig, stage, s.stopped_s, options);
+  Crossing beyond(longer, made, rig, stage);
   tellBest(beyond, s);
   return s;
 }

@@ -276,6 +276,47 @@ std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
   return out;
 }
 
+namespace {
+
+/// Variance that the corners' noise gives the gradient by the border once the chain has followed
+/// it: with W the chain's response (chainResponses()), the sum of (W', 1) C (W', 1)'.
+Eigen::MatrixXd cornersInBorder(const BlockArrow& corners,
+                                const std::vector<ChainResponse>& responses) {
+  const int m = corners.border();
+  Eigen::MatrixXd out = corners.border_block.selfadjointView<Eigen::Upper>();
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    const Eigen::MatrixXd W = responses[i];
+    const Eigen::MatrixXd coupled = W.transpose() * corners.to_border[i].leftCols(m);
+    out += coupled + coupled.transpose();
+    out += W.transpose() * (corners.diagonal[i].selfadjointView<Eigen::Upper>() * W);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
+                                               double corner_variance) {
+  const auto& [problem, estimate] = solved;
+  const auto weights = imuWeights(problem, estimate);
+  if (!weights) return std::nullopt;
+  auto normals = informationAt(problem, estimate, *weights);
+  if (!normals) return std::nullopt;
+  const auto chain = solveChain(normals->chain, {0, problem.threads});
+  const auto responses = chainResponses(std::move(normals->chain), problem.threads);
+  if (!chain || !responses) return std::nullopt;
+  const Eigen::MatrixXd corners =
+      cornersInBorder(cameraInformationAt(problem, estimate).chain, *responses);
+  Eigen::MatrixXd noise = chain->border_information + (corner_variance - 1) * corners;
+  noise(BorderLayout::kOffset, BorderLayout::kOffset) += normals->offset_noise;
+  const Eigen::MatrixXd inverse = invert(chain->border_information);
+  const Eigen::MatrixXd full = inverse * noise * inverse;
+  const std::vector<int> rows = parameterList(estimate, false).rows;
+  Eigen::MatrixXd covariance = full(rows, rows);
+  if (!covariance.allFinite()) return std::nullopt;
+  return covariance;
+}
+
 std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& problem,
                                                     const CameraImuSolution& solution) {
   const auto normals = informationAt(problem, solution.estimate, solution.weights);

@@ -125,6 +125,24 @@ CameraImuEstimate calibrationEstimate(const CameraImuStageResult& result) {
   return estimate;
 }
 
+SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& result,
+                            const CameraImuOptions& options) {
+  SolvedCameraImu solved{makeProblem(session, options), calibrationEstimate(result)};
+  CameraImuProblem& problem = solved.problem;
+  std::vector<TimeNs> stamps;
+  for (const Frame& frame : result.frames) stamps.push_back(frame.t);
+  const auto selection =
+      selectFrames(stamps, problem.samples, imuGaps(problem.samples, options.max_gap_intervals),
+                   selectionOptions(options, solved.estimate.timeOffset()));
+  for (const int i : selection.chosen) {
+    problem.frames.push_back(result.frames[static_cast<std::size_t>(i)]);
+    solved.estimate.states.push_back(result.states[static_cast<std::size_t>(i)]);
+  }
+  problem.links = selection.links;
+  problem.weights.assign(problem.frames.size(), 1);
+  return solved;
+}
+
 FrameSelectionOptions selectionOptions(const CameraImuOptions& options, double time_offset_s) {
   FrameSelectionOptions selection;
   selection.time_offset_s = time_offset_s;

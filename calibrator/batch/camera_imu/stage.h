@@ -20,6 +20,16 @@ CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& opt
 /// The result's values as an estimate to start from, without states.
 CameraImuEstimate calibrationEstimate(const CameraImuStageResult& result);
 
+/// A result's frames with their measurements, and its values: the batch at its solution.
+struct SolvedCameraImu {
+  CameraImuProblem problem;
+  CameraImuEstimate estimate;
+};
+/// `session` and `options` are those that gave the result. Corners that a filter rejected count
+/// again.
+SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& result,
+                            const CameraImuOptions& options);
+
 /// How frames are selected under a time offset, from the stage's options.
 FrameSelectionOptions selectionOptions(const CameraImuOptions& options, double time_offset_s);
 
@@ -71,6 +81,15 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
 std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
                                                    const CameraImuSolution& solution,
                                                    double cauchy_px);
+
+/// Covariance of T_SC0 (6) and the time offset (7 x 7), cameras held, of a batch whose corners have
+/// `corner_variance` times the variance that their weights assume (pixel_sigma^2). With H the
+/// information of all unknowns and C what corners bring of it,
+///   H^-1 (H + (corner_variance - 1) C) H^-1,
+/// all else marginalised, with the sandwich's part of cameraImuCovariance(). The IMU's noise is as
+/// assumed. Empty where H is singular.
+std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
+                                               double corner_variance);
 
 /// Covariance of every state and of gravity's direction, by the same rules: the selected inverse of
 /// the information, plus the sandwich's part. Empty where the information is singular.

@@ -152,6 +152,26 @@ TEST(ImuReprojection, DoesNotDependOnTheSensorsAxes) {
   EXPECT_NEAR(expected(other, carriedOver(covariance(), rig.T_SC0, change)), E, 1e-6 * E);
 }
 
+TEST(ImuReprojection, IsTheSameFromTheCovarianceAndOfSingleErrors) {
+  const Rig rig = euroc();
+  const ImuReprojection use(rig.cameras);
+  const double E = expected(rig, covariance());
+  EXPECT_NEAR(use.expectedErrorUnder(covariance(), rig.T_SC0), E, 1e-9 * E);
+  // Along the columns of a root of the covariance the squares add up to it.
+  const Matrix7d L = covariance().llt().matrixL();
+  ImuCalibration truth;
+  truth.T_SC0 = rig.T_SC0;
+  truth.time_offsets = {TimeOffset()};
+  double sum = 0;
+  for (int i = 0; i < 7; ++i) {
+    ImuCalibration off = truth;
+    off.T_SC0 = boxplus(rig.T_SC0, Vector6d(L.col(i).head<6>()));
+    off.time_offsets.front().s += L(6, i);
+    sum += std::pow(use.differencePx(off, truth), 2);
+  }
+  EXPECT_NEAR(sum, E, 1e-6 * E);
+}
+
 TEST(ImuReprojection, SaysNothingWhereSomethingIsFree) {
   const Rig rig = euroc();
   Matrix7d information = covariance().inverse();

@@ -73,7 +73,7 @@ TEST(StopHindsight, KeptViewsAreThoseOfTheDecisions) {
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const auto frame = static_cast<std::size_t>(kept[i].frames.back());
     EXPECT_EQ(static_cast<int>(kept[i].frames.size()), s.decisions[frame].views_kept);
-    EXPECT_EQ(kept[i].projection_px, s.decisions[frame].projection_px);
+    EXPECT_EQ(kept[i].predicted_px, s.decisions[frame].projection_px);
     if (i > 0) {
       EXPECT_GT(kept[i].t_s, kept[i - 1].t_s);
     }
@@ -89,7 +89,7 @@ TEST(StopHindsight, ThePredictionAtTheStopIsTheExpectedError) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const OperatedOptions o = stoppedAt(0.1, seed);
     const OperatedSession s = recordGuided(hindsightRig(), o);
-    const auto stop = stopHindsight(s, o, hindsightRig(), few);
+    const auto stop = stopHindsight(s, o, hindsightRig(), GuideStage::kCamera, few);
     if (!stop || !stop->expected_px) continue;
     ++stops;
     EXPECT_LE(stop->predicted_px, 0.1);
@@ -102,6 +102,64 @@ TEST(StopHindsight, ThePredictionAtTheStopIsTheExpectedError) {
   EXPECT_GE(stops, 4);
 }
 
+/// Both stages end by a bar; that of the cameras early, for here the other matters.
+OperatedOptions imuStoppedAt(double px, std::uint64_t seed) {
+  OperatedOptions o = stoppedAt(0.1, seed);
+  o.simulation.duration_s = 40;
+  o.trajectories = 0;
+  o.guide.trajectories.stop_reprojection_px = px;
+  return o;
+}
+
+std::vector<int> framesAtTheImuStop(const OperatedSession& s) {
+  return keptViews(s, GuideStage::kCameraImu).back().frames;
+}
+
+TEST(StopHindsight, TheExpectedErrorOfThePointsIsThatOfDraws) {
+  OperatedOptions o = imuStoppedAt(0.5, 1);
+  const OperatedSession s = recordGuided(hindsightRig(), o);
+  const auto frames = framesAtTheImuStop(s);
+  const auto px = expectedReprojectionPx(s, o, hindsightRig(), frames);
+  const auto drawn = drawnReprojectionPx(s, o, hindsightRig(), frames, 40);
+  ASSERT_TRUE(px && drawn);
+  EXPECT_NEAR(*drawn / *px, 1, 0.25);  // 40 draws of some 3 degrees of freedom: std 0.09
+  // Corners with three times the noise that the weights assume.
+  o.guide.trajectories.pixel_sigma = 0.2;
+  o.guide.trajectories.cauchy_px = 0;
+  o.simulation.corner_sigma_px = 0.6;
+  const auto noisy = expectedReprojectionPx(s, o, hindsightRig(), frames);
+  const auto noisy_drawn = drawnReprojectionPx(s, o, hindsightRig(), frames, 40);
+  ASSERT_TRUE(noisy && noisy_drawn);
+  EXPECT_GT(*noisy, 1.02 * *px);
+  EXPECT_NEAR(*noisy_drawn / *noisy, 1, 0.25);
+}
+
+TEST(StopHindsight, AWrongBoardIsPartOfTheExpectedErrorOfThePoints) {
+  OperatedOptions o = imuStoppedAt(0.5, 1);
+  o.simulation.target.shape.terms[8] = 3e-3;  // z_xx, RMS
+  o.guide_shape = o.simulation.target.shape;
+  const OperatedSession s = recordGuided(hindsightRig(), o);
+  const auto frames = framesAtTheImuStop(s);
+  OperatedOptions flat = o;
+  flat.guide_shape = {};
+  EXPECT_GT(*expectedReprojectionPx(s, flat, hindsightRig(), frames),
+            1.5 * *expectedReprojectionPx(s, o, hindsightRig(), frames));
+}
+
+TEST(StopHindsight, KeptFramesOfTheImuStageAreThoseOfItsDecisions) {
+  const OperatedSession s = recordGuided(hindsightRig(), imuStoppedAt(0.5, 1));
+  const auto kept = keptViews(s, GuideStage::kCameraImu);
+  ASSERT_GE(kept.size(), 20u);
+  EXPECT_TRUE(kept.back().finished);
+  EXPECT_NEAR(kept.back().t_s, s.camera_imu_s, 0.06) << "since the stage began";
+  for (const KeptViews& k : kept) {
+    const Decision& d = s.decisions[static_cast<std::size_t>(k.frames.back())];
+    EXPECT_EQ(d.stage, GuideStage::kCameraImu);
+    EXPECT_EQ(static_cast<int>(k.frames.size()), d.views_kept);
+    EXPECT_EQ(k.predicted_px, d.error_px);
+  }
+}
+
 TEST(StopHindsight, TheRecordingThatGoesOnIsTheSameUpToTheStop) {
   const OperatedOptions o = stoppedAt(0.2, 3);
   OperatedOptions longer = o;
@@ -112,17 +170,23 @@ TEST(StopHindsight, TheRecordingThatGoesOnIsTheSameUpToTheStop) {
   ASSERT_LT(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].frames, second[i].frames);
-    EXPECT_EQ(first[i].projection_px, second[i].projection_px);
+    EXPECT_EQ(first[i].predicted_px, second[i].predicted_px);
   }
 }
 
 TEST(StopHindsight, NothingWithoutThatStop) {
-  OperatedOptions o = stoppedAt(0, 1);
-  o.simulation.duration_s = 6;
-  EXPECT_FALSE(stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig()));
-  o = stoppedAt(1e-3, 1);
-  o.simulation.duration_s = 6;
-  EXPECT_FALSE(stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig())) << "not reached";
+  for (const double px : {0.0, 1e-3}) {  // not asked for, not reached
+    OperatedOptions o = stoppedAt(px, 1);
+    o.simulation.duration_s = 6;
+    EXPECT_FALSE(
+        stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig(), GuideStage::kCamera))
+        << px;
+    o = imuStoppedAt(px, 1);
+    o.simulation.duration_s = 10;
+    EXPECT_FALSE(
+        stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig(), GuideStage::kCameraImu))
+        << px;
+  }
 }
 
 }  // namespace
