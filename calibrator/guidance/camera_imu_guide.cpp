@@ -82,6 +82,8 @@ struct CameraImuGuide::State {
   int without_view = 0;
   bool finished = false;
   std::optional<double> entropy_nats;
+  double squared_px_sum = 0;  // mean squared residual of a corner [px^2], frame by frame
+  int squared_px_count = 0;
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
   FrameGate gate;
@@ -204,17 +206,21 @@ void CameraImuGuide::State::report(Decision& d) {
   predictError(*known, d);
 }
 
-/// What points that the IMU predicts are expected to be off by. Where the residuals have more noise
-/// than was assumed, that counts; not where they have less, for then the IMU's noise is what is
-/// left, and it stays as it is. Trajectories are asked for on the same knowledge.
+/// What points that the IMU predicts are expected to be off by, with the weights as assumed, under
+/// the noise that the corners' residuals have had in this stage; the IMU's is as stated. What a
+/// trajectory would leave is scaled alike.
 void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision& d) {
+  squared_px_sum += *d.rmse_px * *d.rmse_px;
+  ++squared_px_count;
   // A corner has two axes, and pixel_sigma is of one.
-  const double scale = std::max(1.0, 0.5 * std::pow(*d.rmse_px / stage().pixel_sigma, 2));
-  const auto E = evaluator->squaredPx(known);
-  if (E) d.error_px = std::sqrt(scale * *E);
+  const double corner_variance =
+      0.5 * squared_px_sum / (squared_px_count * stage().pixel_sigma * stage().pixel_sigma);
+  const auto E = evaluator->squaredPx(known, corner_variance);
+  if (E) d.error_px = std::sqrt(*E);
   if (stopsByError()) d.error_bound_px = stage().stop_reprojection_px;
   if (evaluator->isDue(d.t)) {
-    evaluator->ask(d.t, known, scale);
+    const auto assumed = evaluator->squaredPx(known);
+    evaluator->ask(d.t, known, E && assumed ? *E / *assumed : 1);
     asked_error_px = d.error_px;
   }
   if (stopsByError() && d.error_px && *d.error_px <= *d.error_bound_px) finish(d);

@@ -195,10 +195,12 @@ std::optional<Eigen::MatrixXd> TrajectoryScorer::informationWith(
   return solved->border_information;
 }
 
-std::optional<double> TrajectoryScorer::squaredPx(const WindowKnowledge& now) const {
-  const auto information = calibrationInformation(now.information, true);
-  if (!information) return std::nullopt;
-  return reprojection_.expectedError(*information, now.estimate.T_SC0);
+std::optional<double> TrajectoryScorer::squaredPx(const WindowKnowledge& now,
+                                                  double corner_variance) const {
+  const auto covariance = calibrationCovariance(now, corner_variance);
+  if (!covariance) return std::nullopt;
+  const double E = reprojection_.expectedErrorUnder(*covariance, now.estimate.T_SC0);
+  return std::isfinite(E) && E > 0 ? std::optional(E) : std::nullopt;
 }
 
 TrajectoryScores TrajectoryScorer::scores(const WindowKnowledge& now, int threads) const {

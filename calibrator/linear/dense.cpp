@@ -23,17 +23,28 @@ std::vector<int> others(const std::vector<int>& keep, Eigen::Index size) {
   return drop;
 }
 
+/// (I, -K^T) noise (I, -K^T)^T of the parameters (kept, dropped).
+Eigen::MatrixXd noiseKept(const Eigen::MatrixXd& noise, const std::vector<int>& keep,
+                          const std::vector<int>& drop, const Eigen::MatrixXd& K) {
+  const Eigen::MatrixXd across = noise(keep, drop) * K;
+  const Eigen::MatrixXd dropped = noise(drop, drop);
+  return Eigen::MatrixXd(noise(keep, keep)) - across - across.transpose() +
+         K.transpose() * dropped * K;
+}
+
 }  // namespace
 
 QuadraticCost QuadraticCost::at(const Eigen::VectorXd& d) const {
   assert(d.size() == b.size());
   const Eigen::VectorXd Hd = H * d;
-  return {H, b + Hd, c + d.dot(b) + 0.5 * d.dot(Hd)};
+  return {H, b + Hd, c + d.dot(b) + 0.5 * d.dot(Hd), noise};
 }
 
 QuadraticCost QuadraticCost::through(const Eigen::MatrixXd& J) const {
   // The curvature of the change of coordinates, which b would multiply, is left out (Gauss-Newton).
-  return {J.transpose() * H * J, J.transpose() * b, c};
+  QuadraticCost out{J.transpose() * H * J, J.transpose() * b, c};
+  if (noise.size() > 0) out.noise = J.transpose() * noise * J;
+  return out;
 }
 
 std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A) {
@@ -52,7 +63,9 @@ std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A) {
 std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep) {
   assert(cost.H.rows() == cost.H.cols() && cost.H.rows() == cost.b.size());
   const std::vector<int> drop = others(keep, cost.b.size());
+  const bool noisy = cost.noise.size() > 0;
   QuadraticCost out{cost.H(keep, keep), cost.b(keep), cost.c};
+  if (noisy) out.noise = cost.noise(keep, keep);
   if (drop.empty()) return out;
   const auto factor = scaledCholesky(cost.H(drop, drop));
   if (!factor) return std::nullopt;
@@ -66,6 +79,11 @@ std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::
   out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
   out.b -= W.transpose() * y;
   out.c -= 0.5 * y.squaredNorm();
+  if (noisy) {
+    factor->llt.matrixU().solveInPlace(W);
+    const Eigen::MatrixXd K = scale.asDiagonal() * W;  // H_dd^-1 H_dk
+    out.noise = noiseKept(cost.noise, keep, drop, K);
+  }
   return out;
 }
 

@@ -15,10 +15,13 @@ struct QuadraticCost {
   Eigen::MatrixXd H;
   Eigen::VectorXd b;
   double c = 0;
+  /// Variance of b by the noise of some of the measurements (n x n); empty: not followed.
+  Eigen::MatrixXd noise{};
 
   /// The same quadratic about the point at displacement d: value f(d), gradient b + H d, H.
   QuadraticCost at(const Eigen::VectorXd& d) const;
-  /// In other coordinates x of the displacement, J = dd/dx at the point: J^T H J and J^T b.
+  /// In other coordinates x of the displacement, J = dd/dx at the point: J^T H J, J^T b and
+  /// J^T noise J.
   QuadraticCost through(const Eigen::MatrixXd& J) const;
 };
 
@@ -37,7 +40,8 @@ std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A);
 /// The cost that remains of `cost` once the parameters that are not in `keep` are at their best:
 ///   min over d_drop of f = c' + b'^T d_keep + 0.5 d_keep^T H' d_keep,
 ///   H' = H_kk - H_kd H_dd^-1 H_dk,   b' = b_k - H_kd H_dd^-1 b_d,
-///   c' = c - 0.5 b_d^T H_dd^-1 b_d                                (Schur complement).
+///   c' = c - 0.5 b_d^T H_dd^-1 b_d                                (Schur complement),
+///   noise' = T noise T^T,   T = (I, -H_kd H_dd^-1)                 (as b' follows b).
 /// For a Gaussian, H' is the information of the parameters kept, the others marginalised: H'^-1 is
 /// H^-1 without the rows and columns dropped. `keep` lists distinct indices below n, in the order
 /// that H' shall have; H' is symmetric to the last bit. Only the lower triangle of H_dd is read.

@@ -13,32 +13,37 @@ constexpr int kState = kChainBlock;
 constexpr int kSize = kState + BorderLayout::kFixed;
 
 /// One block of the chain and the border, with what other blocks say of them left out.
-QuadraticCost firstBlock(const BlockArrow& chain) {
+Eigen::MatrixXd firstBlock(const BlockArrow& chain) {
   const int m = chain.border();
-  QuadraticCost out{Eigen::MatrixXd::Zero(kState + m, kState + m), Eigen::VectorXd(kState + m), 0};
-  out.H.topLeftCorner<kState, kState>() = chain.diagonal[0].selfadjointView<Eigen::Upper>();
-  out.H.topRightCorner(kState, m) = chain.to_border[0].leftCols(m);
-  out.H.bottomLeftCorner(m, kState) = out.H.topRightCorner(kState, m).transpose();
-  out.H.bottomRightCorner(m, m) = chain.border_block.selfadjointView<Eigen::Upper>();
-  out.b << chain.to_border[0].col(m), chain.border_gradient;
-  return out;
+  Eigen::MatrixXd H(kState + m, kState + m);
+  H.topLeftCorner<kState, kState>() = chain.diagonal[0].selfadjointView<Eigen::Upper>();
+  H.topRightCorner(kState, m) = chain.to_border[0].leftCols(m);
+  H.bottomLeftCorner(m, kState) = H.topRightCorner(kState, m).transpose();
+  H.bottomRightCorner(m, m) = chain.border_block.selfadjointView<Eigen::Upper>();
+  return H;
 }
 
 /// `end` (block i, border) with block i + 1 put between them: (block i, block i + 1, border), of
 /// which the first is then eliminated. `end` holds the border's own block and all that earlier
 /// blocks say; block i + 1 brings its diagonal and its coupling to the border.
-QuadraticCost joined(const QuadraticCost& end, const BlockArrow& chain, std::size_t i) {
+Eigen::MatrixXd joined(const Eigen::MatrixXd& end, const BlockArrow& chain, std::size_t i) {
   const int m = chain.border();
   const int size = 2 * kState + m;
-  QuadraticCost out{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), end.c};
-  out.H.topLeftCorner<kState, kState>() = end.H.topLeftCorner<kState, kState>();
-  out.H.topRightCorner(kState, m) = end.H.topRightCorner(kState, m);
-  out.H.bottomRightCorner(m, m) = end.H.bottomRightCorner(m, m);
-  out.H.block<kState, kState>(0, kState) = chain.next[i];
-  out.H.block<kState, kState>(kState, kState) =
-      chain.diagonal[i + 1].selfadjointView<Eigen::Upper>();
-  out.H.block(kState, 2 * kState, kState, m) = chain.to_border[i + 1].leftCols(m);
-  out.H = Eigen::MatrixXd(out.H.selfadjointView<Eigen::Upper>());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
+  H.topLeftCorner<kState, kState>() = end.topLeftCorner<kState, kState>();
+  H.topRightCorner(kState, m) = end.topRightCorner(kState, m);
+  H.bottomRightCorner(m, m) = end.bottomRightCorner(m, m);
+  H.block<kState, kState>(0, kState) = chain.next[i];
+  H.block<kState, kState>(kState, kState) = chain.diagonal[i + 1].selfadjointView<Eigen::Upper>();
+  H.block(kState, 2 * kState, kState, m) = chain.to_border[i + 1].leftCols(m);
+  return H.selfadjointView<Eigen::Upper>();
+}
+
+QuadraticCost joined(const QuadraticCost& end, const BlockArrow& chain, const BlockArrow& corners,
+                     std::size_t i) {
+  const int m = chain.border();
+  QuadraticCost out{joined(end.H, chain, i), Eigen::VectorXd(2 * kState + m), end.c,
+                    joined(end.noise, corners, i)};
   out.b << end.b.head<kState>(), chain.to_border[i + 1].col(m), end.b.tail(m);
   return out;
 }
@@ -64,13 +69,17 @@ CameraImuProblem dropped(const CameraImuProblem& problem, int count) {
 
 }  // namespace
 
-std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, int count) {
-  assert(count >= 0 && count < chain.blocks());
-  std::optional<QuadraticCost> end = firstBlock(chain);
-  std::vector<int> keep(static_cast<std::size_t>(kState + chain.border()));
+std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const BlockArrow& corners,
+                                             int count) {
+  assert(count >= 0 && count < chain.blocks() && corners.blocks() == chain.blocks());
+  const int m = chain.border();
+  std::optional<QuadraticCost> end =
+      QuadraticCost{firstBlock(chain), Eigen::VectorXd(kState + m), 0, firstBlock(corners)};
+  end->b << chain.to_border[0].col(m), chain.border_gradient;
+  std::vector<int> keep(static_cast<std::size_t>(kState + m));
   std::iota(keep.begin(), keep.end(), kState);
   for (int i = 0; i < count && end; ++i) {
-    end = marginalised(joined(*end, chain, static_cast<std::size_t>(i)), keep);
+    end = marginalised(joined(*end, chain, corners, static_cast<std::size_t>(i)), keep);
   }
   return end;
 }
@@ -104,17 +113,30 @@ void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
   normals.cost += at.c;
 }
 
+void addNoise(const CameraImuPrior& prior, const CameraImuEstimate& estimate, BlockArrow& corners) {
+  constexpr int m = BorderLayout::kFixed;
+  const Eigen::MatrixXd noise = prior.at(estimate).noise;
+  corners.diagonal[0] += noise.topLeftCorner<kState, kState>();
+  corners.to_border[0].leftCols(m) += noise.topRightCorner(kState, m);
+  corners.border_block += noise.bottomRightCorner(m, m);
+}
+
 std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
                                                const CameraImuEstimate& estimate,
                                                const ImuWeights& weights,
                                                const std::optional<CameraImuPrior>& prior,
                                                int count) {
   assert(count > 0 && count < problem.frameCount() && !problem.free_cameras);
-  auto normals = informationAt(dropped(problem, count), estimate, weights);
+  const CameraImuProblem leaving = dropped(problem, count);
+  auto normals = informationAt(leaving, estimate, weights);
   if (!normals) return std::nullopt;
   assert(normals->chain.border() == BorderLayout::kFixed);
-  if (prior) addPrior(*prior, estimate, *normals);
-  auto cost = frontEliminated(normals->chain, count);
+  BlockArrow corners = cameraInformationAt(leaving, estimate).chain;
+  if (prior) {
+    addPrior(*prior, estimate, *normals);
+    addNoise(*prior, estimate, corners);
+  }
+  auto cost = frontEliminated(normals->chain, corners, count);
   if (!cost) return std::nullopt;
   // frontEliminated() starts at a cost of 0; the terms' own (and the prior's) comes on top.
   cost->c += normals->cost;

@@ -244,11 +244,15 @@ double CameraImuWindow::rmsePx() const {
 std::optional<WindowKnowledge> CameraImuWindow::knowledge() const {
   auto normals = informationAt(problem_, estimate_, weights_);
   if (!normals) return std::nullopt;
-  if (prior_) addPrior(*prior_, estimate_, *normals);
+  BlockArrow corners = cameraInformationAt(problem_, estimate_).chain;
+  if (prior_) {
+    addPrior(*prior_, estimate_, *normals);
+    addNoise(*prior_, estimate_, corners);
+  }
   // Of the offset as well, which system() holds: its column is in `normals` as it is.
-  auto cost = frontEliminated(normals->chain, problem_.frameCount() - 1);
+  auto cost = frontEliminated(normals->chain, corners, problem_.frameCount() - 1);
   if (!cost) return std::nullopt;
-  WindowKnowledge out{std::move(cost->H), estimate_, lastStamp()};
+  WindowKnowledge out{std::move(cost->H), estimate_, lastStamp(), std::move(cost->noise)};
   out.estimate.states = {estimate_.states.back()};
   return out;
 }
@@ -267,6 +271,25 @@ std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& inf
       marginalised({information.topLeftCorner(size, size), Eigen::VectorXd::Zero(size), 0}, keep);
   if (!cost) return std::nullopt;
   return cost->H;
+}
+
+std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& known,
+                                                     double corner_variance) {
+  const auto size = known.information.rows();
+  const int first = static_cast<int>(size) - BorderLayout::kFixed;
+  std::vector<int> keep(6);
+  std::iota(keep.begin(), keep.end(), first + BorderLayout::kExtrinsics);
+  keep.push_back(first + BorderLayout::kOffset);
+  const auto cost =
+      marginalised({known.information, Eigen::VectorXd::Zero(size), 0, known.corners}, keep);
+  const auto factor = cost ? scaledCholesky(cost->H) : std::nullopt;
+  if (!factor) return std::nullopt;
+  const Eigen::VectorXd scale = factor->D.cwiseInverse();
+  const Eigen::MatrixXd inverse =
+      scale.asDiagonal() *
+      factor->llt.solve(Eigen::MatrixXd::Identity(cost->H.rows(), cost->H.rows())) *
+      scale.asDiagonal();
+  return inverse * (cost->H + (corner_variance - 1) * cost->noise) * inverse;
 }
 
 }  // namespace plumbline

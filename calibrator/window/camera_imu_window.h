@@ -21,10 +21,14 @@ void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
               CameraImuNormals& normals);
 
 /// The chain's terms on its first blocks 0 .. count, and the border, with blocks 0 .. count - 1
-/// eliminated one after the other (marginalised()): a cost of (block `count` (15), border). What
-/// the chain holds after block `count` is left out. Empty where a block eliminated is not
-/// determined.
-std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, int count);
+/// eliminated one after the other (marginalised()): a cost of (block `count` (15), border), whose
+/// noise is that of `corners`, the corners' part of the chain. What the chain holds after block
+/// `count` is left out. Empty where a block eliminated is not determined.
+std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const BlockArrow& corners,
+                                             int count);
+
+/// Adds the prior's noise to the corners' part of a chain that begins with its state.
+void addNoise(const CameraImuPrior& prior, const CameraImuEstimate& estimate, BlockArrow& corners);
 
 /// All terms of the problem's first `count` frames (their corners, the links after them, and the
 /// prior on the first state, if there is one) as a prior on the frame after them. Weights of
@@ -71,6 +75,9 @@ struct WindowKnowledge {
   Eigen::MatrixXd information;
   CameraImuEstimate estimate;  ///< with the last state alone
   TimeNs t = 0;                ///< of the last frame
+  /// Variance of the gradient by these by the noise of corners, of pixel_sigma, alone
+  /// (QuadraticCost::noise): what corners bring of the information.
+  Eigen::MatrixXd corners{};
 };
 
 /// Fixed-lag estimator of the camera-IMU problem (paper, section V-C): poses, velocities and biases
@@ -133,5 +140,11 @@ class CameraImuWindow {
 /// known. Empty where the rest is not determined.
 std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& information,
                                                       bool offset);
+
+/// Covariance of T_SC0 (6) and the time offset (7 x 7) where the corners have `corner_variance`
+/// times the variance that their weights assume: covarianceUnder() of a window. Empty where they
+/// are not determined.
+std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& known,
+                                                     double corner_variance);
 
 }  // namespace plumbline

@@ -28,8 +28,9 @@ WindowKnowledge knowledgeAtTheTruth() {
   const test::WindowRecording& r = shortWindow();
   const auto weights = imuWeights(r.problem, r.truth);
   const auto normals = informationAt(r.problem, r.truth, *weights);
-  const auto end = frontEliminated(normals->chain, r.problem.frameCount() - 1);
-  WindowKnowledge now{end->H, r.truth, r.problem.frames.back().t};
+  const auto end = frontEliminated(normals->chain, cameraInformationAt(r.problem, r.truth).chain,
+                                   r.problem.frameCount() - 1);
+  WindowKnowledge now{end->H, r.truth, r.problem.frames.back().t, end->noise};
   now.estimate.states = {r.truth.states.back()};
   return now;
 }

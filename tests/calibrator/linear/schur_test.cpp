@@ -48,6 +48,27 @@ TEST(Schur, CovarianceIsTheFullInverseWithRowsDropped) {
   }
 }
 
+// The estimate -H^-1 b has the covariance H^-1 V H^-1 by noise of variance V in b, whether the
+// other parameters were eliminated before or not.
+TEST(Schur, NoiseOfTheGradientIsCarriedAlong) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    QuadraticCost cost = randomCost(9, seed);
+    cost.noise = randomCost(9, seed + 100).H;
+    const auto kept = marginalised(cost, kKeep);
+    ASSERT_TRUE(kept.has_value());
+    const Eigen::MatrixXd full = cost.H.inverse() * cost.noise * cost.H.inverse();
+    const Eigen::MatrixXd expected = full(kKeep, kKeep);
+    const Eigen::MatrixXd covariance = kept->H.inverse() * kept->noise * kept->H.inverse();
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        const double scale = std::sqrt(expected(i, i) * expected(j, j));
+        EXPECT_NEAR(covariance(i, j), expected(i, j), 1e-8 * scale) << seed;
+      }
+    }
+  }
+  EXPECT_EQ(marginalised(randomCost(9, 1), kKeep)->noise.size(), 0) << "where none is followed";
+}
+
 TEST(Schur, MinimumOfTheParametersKeptStaysWhereItWasAndAsDeep) {
   const QuadraticCost cost = randomCost(9, 3);
   const auto kept = marginalised(cost, kKeep);

@@ -57,7 +57,7 @@ Eigen::MatrixXd dense(const BlockArrow& chain) {
 TEST(CameraImuPrior, FrontEliminatedIsTheInverseOfTheFullInversesBlock) {
   const Solved s = solvedFrames(40);
   const BlockArrow chain = informationAt(s.problem, s.estimate, s.weights)->chain;
-  const auto end = frontEliminated(chain, 39);
+  const auto end = frontEliminated(chain, cameraInformationAt(s.problem, s.estimate).chain, 39);
   ASSERT_TRUE(end);
   const Eigen::MatrixXd H = dense(chain);
   const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
@@ -171,6 +171,27 @@ TEST(CameraImuWindow, EndsNearTheBatchInItsOwnStandardDeviations) {
     EXPECT_NEAR(*entropyNats(*own),
                 *entropyNats(test::batchInformation(recording().problem, batch, offset)), 0.05);
   }
+}
+
+// What corners of another noise than assumed make of the covariance is what they make of the
+// batch's: their share went through the prior with the information.
+TEST(CameraImuWindow, KnowsTheCornersShareAsTheBatchDoes) {
+  const auto window = test::windowOver(recording(), 25);
+  ASSERT_TRUE(window);
+  const auto known = window->knowledge();
+  ASSERT_TRUE(known);
+  const SolvedCameraImu batch{recording().problem,
+                              test::solvedWithOffsetHeld(recording().problem, recording().truth)};
+  for (const double variance : {0.04, 1.0, 25.0}) {
+    const auto own = calibrationCovariance(*known, variance);
+    const auto expected = covarianceUnder(batch, variance);
+    ASSERT_TRUE(own && expected);
+    for (int i = 0; i < 7; ++i) {
+      EXPECT_NEAR(std::sqrt((*own)(i, i) / (*expected)(i, i)), 1, 0.05) << variance << ' ' << i;
+    }
+  }
+  EXPECT_LT((*calibrationCovariance(*known, 0.04))(5, 5),
+            0.95 * (*calibrationCovariance(*known, 1))(5, 5));
 }
 
 TEST(CameraImuWindow, HoldsItsSizeAndTheTimeOffset) {

@@ -160,6 +160,38 @@ TEST(StopHindsight, KeptFramesOfTheImuStageAreThoseOfItsDecisions) {
   }
 }
 
+// Corners of 0.2 px under weights for 1 px: the rule goes by what is expected all the same.
+TEST(StopHindsight, TheImuStageStopsWhereTheExpectedErrorIsWithinTheBar) {
+  HindsightOptions few;
+  few.draws = 1;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const OperatedOptions o = imuStoppedAt(0.3, seed);
+    const OperatedSession s = recordGuided(hindsightRig(), o);
+    const auto stop = stopHindsight(s, o, hindsightRig(), GuideStage::kCameraImu, few);
+    ASSERT_TRUE(stop && stop->expected_px && stop->best_s) << seed;
+    EXPECT_LE(stop->predicted_px, 0.3);
+    EXPECT_NEAR(stop->predicted_px / *stop->expected_px, 1, 0.05) << seed;
+    EXPECT_EQ(*stop->best_s <= stop->stopped_s, *stop->expected_px <= 0.3);
+    EXPECT_NEAR(stop->stopped_s / *stop->best_s, 1, 0.05) << seed;
+  }
+}
+
+// Judged by another bar than the guide was told, its stop is too early: the recording goes on.
+TEST(StopHindsight, AnEarlyStopOfTheImuStageIsContinued) {
+  const OperatedOptions o = imuStoppedAt(0.5, 2);
+  OperatedOptions stricter = o;
+  stricter.guide.trajectories.stop_reprojection_px = 0.4;
+  HindsightOptions few;
+  few.draws = 1;
+  const auto stop = stopHindsight(recordGuided(hindsightRig(), o), stricter, hindsightRig(),
+                                  GuideStage::kCameraImu, few);
+  ASSERT_TRUE(stop && stop->best_s);
+  EXPECT_GT(*stop->expected_px, 0.4);
+  EXPECT_GT(*stop->best_s, stop->stopped_s);
+  EXPECT_GT(*stop->best_views, stop->views);
+  EXPECT_NEAR(*stop->predicted_at_best_px, 0.4, 0.04);
+}
+
 TEST(StopHindsight, TheRecordingThatGoesOnIsTheSameUpToTheStop) {
   const OperatedOptions o = stoppedAt(0.2, 3);
   OperatedOptions longer = o;
