@@ -50,6 +50,30 @@ TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   for (const auto& folder : {one, two, out, scored}) fs::remove_all(folder);
 }
 
+TEST(CommandSimulateOperator, JudgesTheStopsOfBothStages) {
+  const fs::path out = emptyFolder("operator_stops");
+  const Outcome made = plumbline(
+      "simulate operator --rig euroc --duration 40 --stop-projection-px 0.1 "
+      "--stop-reprojection-px 0.5 --judge --out " +
+      out.string());
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  EXPECT_THAT(made.text, HasSubstr("Camera stage: stopped after "));
+  EXPECT_THAT(made.text, HasSubstr("Camera-IMU stage: stopped after "));
+  const auto truth = nlohmann::json::parse(read(out / "truth/truth.json"));
+  for (const auto& [stage, bar_px] : {std::pair("cameras", 0.1), std::pair("camera_imu", 0.5)}) {
+    const auto& stop = truth.at("stop").at(stage);
+    EXPECT_NEAR(stop.at("stopped_s").get<double>(),
+                truth.at("convergence").at(stage).at("stopped_s").get<double>(), 1e-9)
+        << stage;
+    EXPECT_LE(stop.at("predicted_px").get<double>(), bar_px);
+    EXPECT_NEAR(stop.at("expected_px").get<double>(), bar_px, 0.2 * bar_px) << stage;
+    EXPECT_TRUE(stop.at("best_s").is_number()) << stage;
+  }
+  const auto& end = truth.at("convergence").at("camera_imu").at("at_end");
+  EXPECT_TRUE(end.at("reprojection_px").is_number());
+  fs::remove_all(out);
+}
+
 TEST(CommandSimulateOperator, RecordsWithoutAGuideToo) {
   const fs::path out = emptyFolder("operator_dance");
   const Outcome made =
