@@ -130,11 +130,16 @@ def judged_stops(documents, stage):
     """What was found of the stops by pixels, and stop over best time of all persons."""
     judged = [(d.get("stop") or {}).get(stage) for d in documents]
     ratios = [j["stopped_s"] / j["best_s"] if j and j["best_s"] else math.inf for j in judged]
-    judged = [j for j in judged if j]
-    if judged:
-        squares = [(j["drawn_px"] / j["expected_px"]) ** 2 for j in judged]
-        print(f"<!-- {stage}: drawn^2 over expected^2, mean of {len(squares)}: {sum(squares) / len(squares):.3f} -->")
-    return judged, ratios
+    return [j for j in judged if j], ratios
+
+
+def print_draws(found, persons, stage):
+    """Below a table: whether draws of the noise agree with the first order."""
+    for name, documents in found.items():
+        squares = [(j["drawn_px"] / j["expected_px"]) ** 2
+                   for j in judged_stops([documents[p] for p in persons], stage)[0]]
+        if squares:
+            print(f"<!-- {name}: drawn^2 over expected^2, mean of {len(squares)}: {sum(squares) / len(squares):.3f} -->")
 
 
 def predicted_over_expected(judged):
@@ -162,6 +167,7 @@ def stop_table(found, persons):
         print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {within(ratios)} "
               f"| {quartiles(errors, 3)} | {sum(e > 0.1 for e in errors)} | {expected[0]} | {expected[1]} "
               f"| {predicted} | {imu} of {len(chosen)} |")
+    print_draws(found, persons, "cameras")
 
 
 def imu_stop_table(found, persons):
@@ -178,6 +184,7 @@ def imu_stop_table(found, persons):
         errors = [math.inf if e is None else e for e in errors]
         print(f"| {name} | {quartiles(stops)} | {quartiles(ratios, 2)} | {within(ratios)} "
               f"| {predicted_over_expected(judged)} | {quartiles(errors, 3)} |")
+    print_draws(found, persons, "camera_imu")
 
 
 def main():
