@@ -82,6 +82,20 @@ Eigen::Matrix3d inverseRightJacobianSO3(const Eigen::Vector3d& w) {
   return inverseLeftJacobianSO3(-w);
 }
 
+// Not Eigen's FromTwoVectors(): its decomposition for opposite vectors takes seconds to compile.
+Eigen::Matrix3d shortestTurn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized();
+  const Eigen::Vector3d b = to.normalized();
+  Eigen::Vector3d v = a.cross(b);
+  double w = 1 + a.dot(b);
+  if (w < 1 && v.norm() < 1e-8) {  // rounding decides where v points: any axis at a right angle
+    w = 0;
+    v = a.unitOrthogonal();
+  }
+  // (1 + cos, sin n) is 2 cos(angle / 2) times the quaternion (cos(angle / 2), sin(angle / 2) n).
+  return Eigen::Quaterniond(w, v.x(), v.y(), v.z()).normalized().toRotationMatrix();
+}
+
 // The rotation that maximises trace(R' X) (Kabsch 1976): where the nearest orthogonal matrix is a
 // reflection, the axis of the least singular value is turned round, which costs least.
 Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& R) {

@@ -30,6 +30,10 @@ Eigen::Matrix3d inverseRightJacobianSO3(const Eigen::Vector3d& w);
 /// Inverse of the left Jacobian: Log(Exp(d) Exp(w)) = w + Jl^-1(w) d. Norm of w below 2 pi.
 Eigen::Matrix3d inverseLeftJacobianSO3(const Eigen::Vector3d& w);
 
+/// The rotation by the least angle that turns the direction of `from` into that of `to` (neither
+/// zero): about from x to. For opposite directions one of those by pi.
+Eigen::Matrix3d shortestTurn(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 /// The rotation nearest to R in the Frobenius norm (R = U S V^T, gives U diag(1,1,+-1) V^T).
 Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& R);
 

@@ -2,7 +2,6 @@
 #include "calibrator/batch/board_system.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {
@@ -65,14 +65,14 @@ Eigen::VectorXd stretchOf(const CameraStageResult& stage, double ratio) {
 /// solution of S (x - at) = -s keeps its place when the columns are stretched about it.
 BoardSystem whitened(const BoardNormals& normals, double ratio, const Eigen::VectorXd& stretch) {
   constexpr double kRounding = 1e-12;  // of the largest eigenvalue
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normals.S);
-  const double least = kRounding * eigen.eigenvalues()[kBoardUnknowns - 1];
+  const SymmetricEigen eigen = symmetricEigen(normals.S);
+  const double least = kRounding * eigen.values[kBoardUnknowns - 1];
   BoardSystem out{Eigen::MatrixXd::Zero(kBoardUnknowns, kBoardUnknowns), {}};
   Eigen::VectorXd best = normals.at;
   for (Eigen::Index i = 0; i < kBoardUnknowns; ++i) {
-    const double value = eigen.eigenvalues()[i];
+    const double value = eigen.values[i];
     if (value <= least) continue;
-    const Eigen::VectorXd mode = eigen.eigenvectors().col(i);
+    const Eigen::VectorXd mode = eigen.vectors.col(i);
     best -= mode * (mode.dot(normals.s) / value);
     out.A.row(i) = std::sqrt(value / ratio) * mode.cwiseQuotient(stretch).transpose();
   }

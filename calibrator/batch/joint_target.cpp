@@ -2,7 +2,6 @@
 #include "calibrator/batch/joint_target.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SPQRSupport>
 #include <Eigen/SparseCore>
@@ -16,6 +15,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/halves.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {
@@ -131,12 +131,12 @@ TargetMember compared(const JointSolution& own, const JointSolution& joint) {
   const Eigen::LLT<Eigen::MatrixXd> L(own.C);
   const Eigen::MatrixXd half = L.matrixL().solve(C_d);
   const Eigen::MatrixXd share = L.matrixL().solve(half.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (share + share.transpose()));
-  const Eigen::VectorXd z = modes.eigenvectors().transpose() * L.matrixL().solve(d);
+  const SymmetricEigen modes = symmetricEigen(0.5 * (share + share.transpose()));
+  const Eigen::VectorXd z = modes.vectors.transpose() * L.matrixL().solve(d);
   TargetMember out;
   out.rms = d.norm();
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double variance = modes.eigenvalues()[i];
+    const double variance = modes.values[i];
     if (variance < kLeastShare) continue;
     out.chi2 += z[i] * z[i] / variance;
     ++out.terms;

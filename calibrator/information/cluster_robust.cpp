@@ -2,10 +2,11 @@
 #include "calibrator/information/cluster_robust.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {
@@ -22,11 +23,10 @@ constexpr double kLeastRedundancy = 1e-3;
 
 /// (I - G)^(-1/2) of a block's leverage G, eigenvalues from 0 to 1.
 MatrixXd adjustment(const MatrixXd& leverage) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(leverage);
-  const VectorXd redundancy =
-      (1 - eigen.eigenvalues().array()).cwiseMax(kLeastRedundancy).cwiseMin(1);
-  return eigen.eigenvectors() * redundancy.cwiseSqrt().cwiseInverse().asDiagonal() *
-         eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetricEigen(leverage);
+  const VectorXd redundancy = (1 - eigen.values.array()).cwiseMax(kLeastRedundancy).cwiseMin(1);
+  return eigen.vectors * redundancy.cwiseSqrt().cwiseInverse().asDiagonal() *
+         eigen.vectors.transpose();
 }
 
 }  // namespace

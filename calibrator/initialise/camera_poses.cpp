@@ -130,15 +130,6 @@ Transform twisted(const Transform& T, const Vector6d& x) {
   return {Eigen::Quaterniond(turn * T.R), turn * T.t + x.head<3>()};
 }
 
-/// The rotation about a x b that turns the direction of a into that of b; not for opposite ones.
-Eigen::Matrix3d shortestTurn(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d from = a.normalized();
-  const Eigen::Vector3d to = b.normalized();
-  const Eigen::Vector3d v = from.cross(to);
-  // (1 + cos, sin n) is 2 cos(angle / 2) times the quaternion (cos(angle / 2), sin(angle / 2) n).
-  return Eigen::Quaterniond(1 + from.dot(to), v.x(), v.y(), v.z()).normalized().toRotationMatrix();
-}
-
 Eigen::Vector2d centreOf(const PackedView& view) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (int i = 0; i < view.count; ++i) centre += Eigen::Vector2d(view.x[i], view.y[i]);

@@ -2,7 +2,6 @@
 #include "calibrator/odometry/start.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -195,9 +194,7 @@ class StartProblem {
                             out.tilt_std < options_.max_tilt_std;
     if (!determined) return std::nullopt;  // also for NaN
     // The yaw is free: the shortest turn that levels gravity.
-    const Eigen::Matrix3d R_WS =
-        Eigen::Quaterniond::FromTwoVectors(globals_.g, -Eigen::Vector3d::UnitZ())
-            .toRotationMatrix();
+    const Eigen::Matrix3d R_WS = shortestTurn(globals_.g, -Eigen::Vector3d::UnitZ());
     for (std::size_t k = 0; k < frames_.size(); ++k) {
       ImuState state;
       state.T_FS = {Eigen::Matrix3d(R_WS * motions_[k].R), R_WS * positionOf(k)};

@@ -95,6 +95,29 @@ TEST(Lie, InverseJacobiansInvert) {
   }
 }
 
+TEST(Lie, ShortestTurnLevelsByTheLeastAngle) {
+  const Eigen::Vector3d from(0.3, -2, 9);
+  const Eigen::Vector3d across = from.unitOrthogonal();
+  for (double angle : {0.0, 1e-12, 1e-3, 1.0, 3.0, kPi - 1e-3, kPi - 1e-7}) {
+    const Eigen::Vector3d to =
+        0.1 * (std::cos(angle) * from + std::sin(angle) * from.norm() * across);
+    const Eigen::Matrix3d R = shortestTurn(from, to);
+    EXPECT_TRUE((R * from.normalized()).isApprox(to.normalized(), 1e-8)) << angle;
+    EXPECT_NEAR(logSO3(R).norm(), angle, 1e-8);
+    EXPECT_TRUE((R * R.transpose()).isIdentity(1e-14));
+  }
+}
+
+TEST(Lie, ShortestTurnOfOppositeDirections) {
+  const Eigen::Vector3d from(0.3, -2, 9);
+  for (double off : {0.0, 1e-12, 1e-9}) {
+    const Eigen::Vector3d to = -from + off * from.unitOrthogonal();
+    const Eigen::Matrix3d R = shortestTurn(from, to);
+    EXPECT_TRUE((R * from).isApprox(to, 1e-7)) << off;
+    EXPECT_NEAR(R.determinant(), 1, 1e-14);
+  }
+}
+
 TEST(Lie, NearestRotationUndoesStretchAndReflection) {
   const Eigen::Matrix3d R = expSO3({0.3, -0.7, 1.1});
   EXPECT_TRUE(nearestRotation(R).isApprox(R, 1e-14));
