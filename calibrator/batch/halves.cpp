@@ -13,10 +13,10 @@
 #include <boost/math/distributions/chi_squared.hpp>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
+#include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
+#include "calibrator/batch/board/joint_target.h"
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/joint_target.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
 
 namespace plumbline {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "calibrator/base/parallel.h"
+#include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/held_out.h"
-#include "calibrator/batch/camera/target.h"
 #include "calibrator/initialise/lens_fit.h"
 
 namespace plumbline {

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/camera/target.h"
 #include "calibrator/batch/corners.h"
 
 namespace plumbline {

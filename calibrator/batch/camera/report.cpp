@@ -5,7 +5,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/batch/bias_ratio.h"
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "calibrator/base/statistics/robust_covariance.h"
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/simulate/simulate_session.h"

@@ -12,8 +12,8 @@
 #include <ceres/solver.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/board/joint_target.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/joint_target.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/residuals/packed_corners.h"
 #include "calibrator/simulate/simulate_session.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One board from several recordings.
-#include "calibrator/batch/joint_target.h"
+#include "calibrator/batch/board/joint_target.h"
 
 #include <cmath>
 

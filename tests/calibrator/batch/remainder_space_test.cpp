@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What single corners do beside a similarity and the board's terms.
-#include "calibrator/batch/camera/remainder_space.h"
+#include "calibrator/batch/board/remainder_space.h"
 
 #include <gtest/gtest.h>
 

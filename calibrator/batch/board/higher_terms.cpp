@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 #include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
-#include "calibrator/batch/camera/remainder_space.h"
-#include "calibrator/batch/camera/target.h"
+#include "calibrator/batch/board/remainder_space.h"
+#include "calibrator/batch/board/target.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/residuals/tangent.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/joint_target.h"
+#include "calibrator/batch/board/joint_target.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/halves.h"
 #include "calibrator/linear/dense.h"
 

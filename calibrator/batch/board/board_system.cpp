@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/board_system.h"
+#include "calibrator/batch/board/board_system.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <memory>
 #include <vector>
 
-#include "calibrator/batch/camera/higher_terms.h"
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/linear/dense.h"

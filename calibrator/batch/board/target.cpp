@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/target.h"
+#include "calibrator/batch/board/target.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/held_out.h"
-#include "calibrator/batch/camera/higher_terms.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/information/covariance.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/batch/board_system.h"
+#include "calibrator/batch/board/board_system.h"
 
 namespace plumbline {
 
