@@ -309,7 +309,8 @@ std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
       cornersInBorder(cameraInformationAt(problem, estimate).chain, *responses);
   Eigen::MatrixXd noise = chain->border_information + (corner_variance - 1) * corners;
   noise(BorderLayout::kOffset, BorderLayout::kOffset) += normals->offset_noise;
-  const Eigen::MatrixXd inverse = invert(chain->border_information);
+  const Eigen::MatrixXd inverse =
+      finiteInverse(chain->border_information, kNoInformation, kWeakPrior);
   const Eigen::MatrixXd full = inverse * noise * inverse;
   const std::vector<int> rows = parameterList(estimate, false).rows;
   Eigen::MatrixXd covariance = full(rows, rows);
