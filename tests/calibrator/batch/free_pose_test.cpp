@@ -71,8 +71,8 @@ TEST_P(FreePose, AddsNothingToTheInformation) {
 }
 
 TEST_P(FreePose, AddsNothingToTheSystemOfCamerasAndBoard) {
-  const JointSystem with = jointSystem(problem_, estimate_, BoardDetail::kHigherTerms);
-  const JointSystem without = jointSystem(without_, estimate_, BoardDetail::kHigherTerms);
+  const JointSystem with = jointSystem(problem_, estimate_, BoardDetail::kHigher);
+  const JointSystem without = jointSystem(without_, estimate_, BoardDetail::kHigher);
   const Eigen::VectorXd g = without.S_gg.diagonal(), h = without.S_hh.diagonal();
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
   EXPECT_LT(difference(with.S_gg, without.S_gg, g, g), 1e-9);
