@@ -33,12 +33,19 @@ void addErrors(Text& text, const char* name, const StageSummary& s) {
       s.corners_used, s.corners_offered, s.views_used, s.views_offered);
 }
 
-void addCameras(Text& text, const std::vector<CameraCalibration>& cameras) {
-  for (const CameraCalibration& camera : cameras) {
+// Deviations robust where they are known, the formal ones beside them.
+void addCameras(Text& text, const CalibrationRecord& record) {
+  const auto robust = record.camera ? record.camera->summary.robust_std : std::nullopt;
+  Eigen::Index first = 0;  // of the camera in the stage's parameters, which begin with the lenses
+  for (const CameraCalibration& camera : record.cameras()) {
     const Intrinsics& k = camera.intrinsics;
     add(text, "  {} {}-{}  [{}]  [{}]\n", camera.name, toString(k.projection_model),
         toString(k.distortion_model), numbers(k.projection), numbers(k.distortion));
-    if (camera.intrinsics_std) add(text, "       std [{}]\n", numbers(*camera.intrinsics_std));
+    if (!camera.intrinsics_std) continue;
+    const Eigen::Index size = camera.intrinsics_std->size();
+    if (robust) add(text, "       std [{}] (robust)\n", numbers(robust->segment(first, size)));
+    add(text, "       formal std [{}]\n", numbers(*camera.intrinsics_std));
+    first += size;
   }
 }
 
@@ -176,7 +183,7 @@ std::string calibrationSummary(const CalibrationRecord& record) {
     const TargetFit& fit = *record.camera->target_fit;
     addTarget(text, fit, record.camera->target.terms == fit.shape.terms);
   }
-  addCameras(text, record.cameras());
+  addCameras(text, record);
   addUncertainty(text, record.projection_uncertainty);
   if (record.camera_imu) {
     addErrors(text, "Camera-IMU", record.camera_imu->summary);

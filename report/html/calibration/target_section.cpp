@@ -33,10 +33,10 @@ std::string higherText(const TargetFit& fit) {
   }
   return fmt::format(
       " Displacements of degrees 3 and 4 are estimated besides, with a prior of estimated "
-      "variance: "
-      "{:.3f} mm RMS, of which {:.3f} mm in height. RMSE of held-out frames with them: {:.4f} px.",
+      "variance: {:.3f} mm RMS, of which {:.3f} mm in height. RMSE of held-out frames with them: "
+      "{:.4f} px, without {:.4f} px.",
       kMm * fit.shape.higher->norm(), kMm * fit.shape.higher->tail<kHigherFunctions>().norm(),
-      held_out_px);
+      held_out_px, fit.held_out_px);
 }
 
 /// What the remainders of single corners add, where they were tried.
@@ -60,7 +60,7 @@ std::string foundText(const TargetFit& fit, bool kept) {
       return fmt::format(
           "The board is not as target.yaml states. RMSE of held-out frames: {:.4f} px with the "
           "estimated shape, {:.4f} px with the stated one. {}",
-          fit.held_out_px, fit.flat_held_out_px,
+          fit.shapeHeldOutPx(), fit.flat_held_out_px,
           kept ? "The calibration uses the estimated shape."
                : "The calibration uses the stated one, as requested.");
     case TargetFinding::kKnown:

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a person reads of scores: the number below a camera's name is that camera's.
+// What a person reads of scores and results: each number stands with the camera, and the name, that
+// it belongs to.
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "evaluate/calibration/calibration_files.h"
 #include "evaluate/calibration/evaluate_calibration.h"
 #include "tests/report/calibration_scores.h"
 
@@ -34,6 +36,36 @@ TEST(EvaluationSummary, LooksCamerasUpByName) {
   EXPECT_THAT(lines[2], ElementsAre("a", "9.0000", "1.0000", "2.0000", "-", "10", "0"));
   EXPECT_THAT(lines[3], ElementsAre("b", "9.0000", "3.0000", "4.0000", "-", "10", "0"));
   EXPECT_THAT(lines[4], ElementsAre("c", "9.0000", "-", "5.0000", "-", "10", "0"));
+}
+
+/// Two pinholes without distortion: four parameters each.
+CameraStageResult twoCameras() {
+  CameraStageResult stage;
+  for (int c = 0; c < 2; ++c) {
+    CameraCalibration camera;
+    camera.name = "cam" + std::to_string(c);
+    camera.intrinsics.projection = Eigen::Vector4d(400 + c, 401 + c, 320, 240);
+    camera.intrinsics_std = Eigen::Vector4d::Constant(0.5 + c);
+    stage.cameras.push_back(camera);
+  }
+  return stage;
+}
+
+TEST(CalibrationSummary, ACamerasDeviationsAreRobustWithTheFormalOnesBesideThem) {
+  CalibrationRecord record;
+  record.camera = twoCameras();
+  record.camera->summary.robust_std = Eigen::VectorXd::LinSpaced(14, 1, 14);
+  const std::string text = calibrationSummary(record);
+  EXPECT_THAT(text, ::testing::HasSubstr("std [1, 2, 3, 4] (robust)\n       formal std [0.5, "));
+  EXPECT_THAT(text, ::testing::HasSubstr("std [5, 6, 7, 8] (robust)\n       formal std [1.5, "));
+}
+
+TEST(CalibrationSummary, WithoutRobustDeviationsTheFormalOnesAreNamedSo) {
+  CalibrationRecord record;
+  record.camera = twoCameras();
+  const std::string text = calibrationSummary(record);
+  EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("robust")));
+  EXPECT_THAT(text, ::testing::HasSubstr("       formal std [0.5, 0.5, 0.5, 0.5]\n"));
 }
 
 }  // namespace
