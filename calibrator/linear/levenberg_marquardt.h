@@ -27,9 +27,8 @@ struct MinimiserOptions {
   /// Converged with the step that is shorter than this, in standard deviations of all parameters
   /// together; that step is still taken.
   double tolerance = 1e-6;
-  /// Or with the step after which the next promises less than this share of the cost: further down,
-  /// rounding of the cost decides. Steps near a minimum shrink by the same ratio each time, so that
-  /// the next is foreseen from the last two.
+  /// Or with the step that promises less than this share of the cost: further down, rounding of the
+  /// cost decides.
   double cost_tolerance = 1e-15;
   double first_damping = 1e-6;  ///< less for starts next to the minimum
 };
@@ -121,7 +120,6 @@ MinimiserSummary minimise(Problem& problem, const MinimiserOptions& options) {
   constexpr double kRoundingOfCost = 1e-12;  // sums of many corners differ by so much, relative
   Damping damping(options.first_damping);
   MinimiserSummary out;
-  double previous = 0;  // length of the step before, where that was taken under little damping
   while (out.iterations < options.max_iterations) {
     if (damping.isExhausted()) {
       out.end = MinimiserEnd::kNoStep;
@@ -140,12 +138,10 @@ MinimiserSummary minimise(Problem& problem, const MinimiserOptions& options) {
       out.end = MinimiserEnd::kLeftDomain;
       return out;
     }
-    const double ratio = previous > 0 ? std::min(1.0, out.last_step / previous) : 1;
-    const bool faithful = damping.isFaithful() && !trial.renewed;
-    const bool last = faithful && (out.last_step < options.tolerance ||
-                                   *decrement * ratio * ratio <= options.cost_tolerance * cost);
+    const bool last =
+        damping.isFaithful() && !trial.renewed &&
+        (out.last_step < options.tolerance || *decrement <= options.cost_tolerance * cost);
     const bool better = trial.cost <= cost * (1 + kRoundingOfCost);  // false for NaN
-    previous = faithful && better ? out.last_step : 0;
     if (better) {
       damping.ease(*decrement, cost, trial.cost);
       problem.accept();

@@ -158,8 +158,10 @@ CameraStageResult resultFrom(const Session& session, const CameraProblem& proble
   result.frames = problem.frames;
   result.target = session.target.shape;
   if (estimate.target) {
-    const TargetShape& held = problem.target->grid.shape;
-    result.target = {.terms = *estimate.target, .higher = held.higher, .corners = held.corners};
+    result.target = problem.target->grid.shape;
+    result.target.terms = *estimate.target;
+    result.target.covariance.reset();  // stageResult() adds those of this estimate
+    result.target.higher_std.reset();
   }
   for (const Transform& T_C0F : estimate.T_C0F) result.T_FC0.push_back(T_C0F.inverse());
   return result;

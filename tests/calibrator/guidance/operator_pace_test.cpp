@@ -43,8 +43,9 @@ struct Asked {
   double way_m = 0;
 };
 
-Asked playedAtPace(double speed_m_s, const std::function<void(const Decision&)>& look = nullptr) {
-  const LiveRig rig("euroc", 3, 0.2);
+Asked playedAtPace(double speed_m_s, const std::function<void(const Decision&)>& look = nullptr,
+                   unsigned seed = 3) {
+  const LiveRig rig("euroc", seed, 0.2);
   GuideOptions options;
   options.pace.speed_m_s = speed_m_s;
   CameraGuide guide(rig.guideRig(), options);
@@ -59,9 +60,17 @@ Asked playedAtPace(double speed_m_s, const std::function<void(const Decision&)>&
 }
 
 TEST(CameraGuide, AsksForNearerViewsOfASlowOperator) {
-  const Asked any = playedAtPace(0), slow = playedAtPace(0.05);
-  ASSERT_GT(any.count, 2);
-  ASSERT_GT(slow.count, 2);
+  // Which views are asked for hangs on rounding, so that one person's few say little.
+  Asked any, slow;
+  for (const unsigned seed : {3U, 4U, 5U}) {
+    for (Asked* sum : {&any, &slow}) {
+      const Asked one = playedAtPace(sum == &slow ? 0.05 : 0, nullptr, seed);
+      sum->count += one.count;
+      sum->way_m += one.way_m;
+    }
+  }
+  ASSERT_GT(any.count, 5);
+  ASSERT_GT(slow.count, 5);
   EXPECT_LT(slow.way_m / slow.count, 0.8 * any.way_m / any.count);
 }
 
