@@ -35,7 +35,9 @@ void addErrors(Text& text, const char* name, const StageSummary& s) {
 
 // Deviations robust where they are known, the formal ones beside them.
 void addCameras(Text& text, const CalibrationRecord& record) {
-  const auto robust = record.camera ? record.camera->summary.robust_std : std::nullopt;
+  const Eigen::VectorXd* robust = record.camera && record.camera->summary.robust_std
+                                      ? &*record.camera->summary.robust_std
+                                      : nullptr;
   Eigen::Index first = 0;  // of the camera in the stage's parameters, which begin with the lenses
   for (const CameraCalibration& camera : record.cameras()) {
     const Intrinsics& k = camera.intrinsics;
