@@ -6,7 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/april_grid.h"
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
 
 namespace plumbline {
 namespace {
@@ -202,7 +204,10 @@ std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board) {
     }
   }
   if (board.shape.corners) {
-    assert(board.shape.corners->size() == 3 * board.cornerCount());
+    if (board.shape.corners->size() != 3 * board.cornerCount()) {  // of a record that was edited
+      throw InputError(fmt::format("the target's shape has {} remainders of corners, expected {}",
+                                   board.shape.corners->size(), 3 * board.cornerCount()));
+    }
     for (std::size_t id = 0; id < points.size(); ++id) {
       points[id] += board.shape.corners->segment<3>(3 * static_cast<Eigen::Index>(id));
     }

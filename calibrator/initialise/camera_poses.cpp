@@ -91,10 +91,11 @@ std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
     b.tail<2>() -= across * q;
   }
   const Eigen::LDLT<Matrix8d> ldlt(A);
-  // D is in descending order: its ends bound the condition from below, which is enough to tell
-  // rank.
+  // A bound of the condition from below, which is enough to tell corners that give no homography.
   const Vector8d D = ldlt.vectorD();
-  if (ldlt.info() != Eigen::Success || !(D[7] > kLeastRcond * D[0])) return std::nullopt;
+  if (ldlt.info() != Eigen::Success || !(D.minCoeff() > kLeastRcond * D.maxCoeff())) {
+    return std::nullopt;
+  }
   const Vector8d h = ldlt.solve(b);
   if (!h.allFinite()) return std::nullopt;
   out.H << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), 1;

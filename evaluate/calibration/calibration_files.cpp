@@ -33,11 +33,12 @@ void addErrors(Text& text, const char* name, const StageSummary& s) {
       s.corners_used, s.corners_offered, s.views_used, s.views_offered);
 }
 
-// Deviations robust where they are known, the formal ones beside them.
+// Deviations robust where they are known, the formal ones beside them. Of a joint stage, which has
+// estimated the cameras again, they are not known.
 void addCameras(Text& text, const CalibrationRecord& record) {
-  const Eigen::VectorXd* robust = record.camera && record.camera->summary.robust_std
-                                      ? &*record.camera->summary.robust_std
-                                      : nullptr;
+  const bool joint = record.camera_imu && record.camera_imu->summary.covariance.matrix.rows() > 7;
+  const bool known = !joint && record.camera && record.camera->summary.robust_std;
+  const Eigen::VectorXd* robust = known ? &*record.camera->summary.robust_std : nullptr;
   Eigen::Index first = 0;  // of the camera in the stage's parameters, which begin with the lenses
   for (const CameraCalibration& camera : record.cameras()) {
     const Intrinsics& k = camera.intrinsics;

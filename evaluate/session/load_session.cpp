@@ -124,6 +124,8 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   if (request.target_shape) {
     recording.session.target.shape =
         readTargetShape(*request.target_shape, recording.session.target);
+    // Of another recording and its detector: a calibration has none of them.
+    if (request.target == TargetMode::kKnown) recording.session.target.shape.corners.reset();
     others.push_back(*request.target_shape);
   }
   loaded.input_hash = inputHash(request.session, request.read, others);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/guidance/imu_reprojection.h"
@@ -143,9 +144,8 @@ class Judge {
     cameras_ = found->cameras;
     point.projection_px = 0;
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
-      point.projection_px =
-          std::max(*point.projection_px,
-                   trueProjectionErrorPx(truth_.cameras[c].intrinsics, cameras_[c].intrinsics));
+      const double px = trueProjectionErrorPx(truth_.cameras[c].intrinsics, cameras_[c].intrinsics);
+      if (isLarger(px, *point.projection_px)) point.projection_px = px;
     }
     point.right = *point.projection_px <= options_.projection_px;
     return point;

@@ -204,7 +204,11 @@ std::optional<double> drawnProjectionPx(const OperatedSession& operated,
       squares[c] += px * px / draws;
     }
   }
-  return std::sqrt(*std::max_element(squares.begin(), squares.end()));
+  double worst = 0;
+  for (const double square : squares) {
+    if (isLarger(square, worst)) worst = square;
+  }
+  return std::sqrt(worst);
 }
 
 std::optional<double> expectedReprojectionPx(const OperatedSession& operated,

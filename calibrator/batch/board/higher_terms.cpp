@@ -376,6 +376,7 @@ HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const Eigen::VectorXd&
   }
   // Of the gradient P h, h having the prior's variance noise / P: P (noise / P) P.
   out.prior.scatter = noise * out.prior.information;
+  if (given > 0) out.prior.scatter.head(given) = known.prior->scatter.head(given);
   return out;
 }
 

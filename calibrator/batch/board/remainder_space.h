@@ -15,11 +15,16 @@ namespace plumbline {
 /// their meaning beside it, and scale and place of the board their own.
 class RemainderSpace {
  public:
+  static constexpr int kMostCoordinates = 800;  // a board of 8 x 8 tags has 722
   explicit RemainderSpace(const AprilGrid& board);
 
   int plane() const { return static_cast<int>(plane_.rows() - plane_.rank()); }
   int height() const { return static_cast<int>(height_.rows() - height_.rank()); }
   int size() const { return plane() + height(); }
+  /// Whether there are remainders in the plane and in height, and not so many that the dense
+  /// systems of their estimation, of size() unknowns, take longer than all else (12 x 12 tags: 70
+  /// times as long as 6 x 6).
+  bool isUsable() const { return plane() > 0 && height() > 0 && size() <= kMostCoordinates; }
 
   /// Products with x, y of corner 0, of corner 1, ..., then with all heights (3 n rows) become
   /// those with the coordinates (size() rows).

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "calibrator/batch/board/higher_terms.h"
+#include "calibrator/batch/board/remainder_space.h"
 #include "calibrator/batch/camera/held_out.h"
 #include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/batch/camera/stage.h"
@@ -136,10 +137,12 @@ struct BentBoard {
 
 /// Adds a detail to a bent board where it predicts unseen frames better; whether it does.
 bool addDetail(BoardDetail detail, const MinimiserOptions& solver, BentBoard& board) {
+  const bool corners = detail == BoardDetail::kCorners;
+  // From where the finer board starts, too, so that the remainders alone are what differs.
+  if (corners) board.with = heldOut(board.problem, board.solution.estimate, BoardDetail::kHigher);
   HeldOut finer = heldOut(board.problem, board.solution.estimate, detail);
   const MeanGain gain = meanGain(board.with.cost, finer.cost);
   TargetFit& fit = board.fit;
-  const bool corners = detail == BoardDetail::kCorners;
   (corners ? fit.corners_held_out_px : fit.higher_held_out_px) = finer.rms();
   (corners ? fit.corners_gain_px2 : fit.higher_gain_px2) = gain.mean;
   (corners ? fit.corners_gain_std_px2 : fit.higher_gain_std_px2) = gain.std;
@@ -294,7 +297,8 @@ TargetSolution estimateTarget(AprilGrid board, CameraProblem& problem, CameraSol
   if (keep && options.target == TargetMode::kAuto && options.target_degree > 2) {
     const MinimiserOptions solver = solverOptions(options);
     BentBoard board_so_far{problem, bent, fit, std::move(with)};
-    if (addDetail(BoardDetail::kHigher, solver, board_so_far) && options.target_corners) {
+    if (addDetail(BoardDetail::kHigher, solver, board_so_far) && options.target_corners &&
+        RemainderSpace(board).isUsable()) {
       addDetail(BoardDetail::kCorners, solver, board_so_far);
     }
   }

@@ -27,7 +27,7 @@ inline constexpr int kFramesOfTest = 400;
 MinimiserOptions roughSolver();
 
 /// `from` starts both solutions and has the poses; they have a board of their own to that detail
-/// (higher_terms.h).
+/// (higher_terms.h). With kTwelve what the problem's board has besides stays.
 HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from,
                 BoardDetail detail = BoardDetail::kTwelve, int most_frames = kFramesOfTest,
                 const MinimiserOptions& solver = roughSolver());

@@ -42,7 +42,7 @@ std::string higherText(const TargetFit& fit) {
 /// What the remainders of single corners add, where they were tried.
 std::string cornersText(const TargetFit& fit) {
   if (!fit.corners_held_out_px) return "";
-  if (!fit.shape.corners) {
+  if (!fit.shape.corners || !fit.corners_plane_std || !fit.corners_height_std) {
     return fmt::format(
         " Remainders of single corners besides predict them no better ({:.4f} px): there are none.",
         *fit.corners_held_out_px);
