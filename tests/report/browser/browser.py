@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 COLLECTOR = """<script>
 window.pageErrors = [];
@@ -113,8 +114,10 @@ def is_blank(statistics):
 
 def look_until_painted(url, tool, folder, places_of):
     """What the probe tells, and the statistics of the places whole in sight. On a busy machine the
-    window is sometimes taken before the last of it is painted: what is blank is looked at thrice."""
-    for _ in range(3):
+    window is sometimes taken before the last of it is painted: what is blank is looked at again, after
+    ever longer waits."""
+    for attempt in range(6):
+        time.sleep(attempt)
         result, painted = look(url, tool, folder, SLICE, FLAT)
         seen = {i: p for i, p in enumerate(places_of(result)) if p[1] >= 0 and p[1] + p[3] <= SLICE}
         found = dict(zip(seen, painted(seen.values())))
