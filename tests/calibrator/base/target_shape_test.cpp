@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/base/error.h"
 
 namespace plumbline {
 namespace {
@@ -96,6 +97,27 @@ TEST(TargetBasis, TheTagsEdgeGrowsByItsTermAtUnchangedPitch) {
   const auto points = cornerPoints(board);
   EXPECT_NEAR((points[1] - points[0]).norm(), board.tag_size + 1e-3, 1e-15);
   EXPECT_NEAR((points[4] - points[0]).norm(), board.pitch(), 1e-15);
+}
+
+TEST(TargetShape, RemaindersMoveTheirOwnCorners) {
+  AprilGrid board;
+  board.shape.corners = Eigen::VectorXd::Zero(3 * board.cornerCount());
+  board.shape.corners->segment<3>(3 * 5) << 1e-3, -2e-3, 3e-3;
+  EXPECT_FALSE(board.shape.isFlat());
+  EXPECT_EQ(board.shape.rms(), 0);  // they are not the board's
+  const auto moved = cornerPoints(board), flat = cornerPoints(AprilGrid());
+  for (std::size_t id = 0; id < moved.size(); ++id) {
+    const Eigen::Vector3d by =
+        id == 5 ? Eigen::Vector3d(1e-3, -2e-3, 3e-3) : Eigen::Vector3d::Zero();
+    EXPECT_LT((moved[id] - flat[id] - by).norm(), 1e-15);
+  }
+}
+
+// A record that was edited: no vector is read past its end.
+TEST(TargetShape, RemaindersOfAnotherGridAreRefused) {
+  AprilGrid board;
+  board.shape.corners = Eigen::VectorXd::Zero(3 * board.cornerCount() - 3);
+  EXPECT_THROW((void)cornerPoints(board), InputError);
 }
 
 TEST(TargetBasis, AFlatBoardIsTheGrid) {
