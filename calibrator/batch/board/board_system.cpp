@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "calibrator/batch/board/higher_terms.h"
+#include "calibrator/batch/board/joint_system.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/linear/dense.h"

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "calibrator/batch/board/joint_system.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
@@ -26,18 +27,6 @@ struct HigherSteps {
 };
 CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
                                const MinimiserOptions& solver, const HigherSteps& steps);
-
-/// Normal equations of all parameters together about an estimate, the poses eliminated, in units of
-/// pixel_sigma: g the cameras and the twelve terms in the layout's order with what is known of them
-/// beforehand, h the higher terms without their prior. S is the information, s the gradient.
-struct JointSystem {
-  Eigen::MatrixXd S_gg, S_gh, S_hh;
-  Eigen::VectorXd s_g;
-  Eigen::MatrixXd scores;  ///< s_h of every frame
-};
-/// Of a problem whose estimate has the board's terms.
-JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate,
-                        BoardDetail detail);
 
 /// The higher terms h where evidence is largest, of a cost 0.5 h^T H h - linear^T h (their prior
 /// left out) in units in which the measurements' variance is `noise`; polynomials under the prior

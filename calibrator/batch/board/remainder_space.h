@@ -21,9 +21,8 @@ class RemainderSpace {
   int plane() const { return static_cast<int>(plane_.rows() - plane_.rank()); }
   int height() const { return static_cast<int>(height_.rows() - height_.rank()); }
   int size() const { return plane() + height(); }
-  /// Whether there are remainders in the plane and in height, and not so many that the dense
-  /// systems of their estimation, of size() unknowns, take longer than all else (12 x 12 tags: 70
-  /// times as long as 6 x 6).
+  /// Whether there are remainders in the plane and in height, and not more than the dense systems
+  /// of their estimation are meant for, which cost the cube of size().
   bool isUsable() const { return plane() > 0 && height() > 0 && size() <= kMostCoordinates; }
 
   /// Products with x, y of corner 0, of corner 1, ..., then with all heights (3 n rows) become

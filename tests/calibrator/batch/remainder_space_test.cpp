@@ -48,5 +48,14 @@ TEST(RemainderSpace, ASingleTagHasNone) {
   EXPECT_EQ(RemainderSpace(AprilGrid{1, 1, 0.1, 0.3, {}}).size(), 0);
 }
 
+TEST(RemainderSpace, IsForBoardsNeitherTooSmallNorTooLarge) {
+  const auto usable = [](int rows, int cols) {
+    return RemainderSpace(AprilGrid{rows, cols, 0.05, 0.3, {}}).isUsable();
+  };
+  EXPECT_FALSE(usable(1, 1) || usable(1, 2));
+  EXPECT_TRUE(usable(3, 3) && usable(6, 6) && usable(8, 8));
+  EXPECT_FALSE(usable(9, 9));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -60,6 +60,20 @@ TEST(CalibrationSummary, ACamerasDeviationsAreRobustWithTheFormalOnesBesideThem)
   EXPECT_THAT(text, ::testing::HasSubstr("std [5, 6, 7, 8] (robust)\n       formal std [1.5, "));
 }
 
+// A joint camera-IMU stage has estimated the cameras again: robust deviations are of another
+// result.
+TEST(CalibrationSummary, CamerasOfAJointStageHaveTheirOwnDeviationsAlone) {
+  CalibrationRecord record;
+  record.camera = twoCameras();
+  record.camera->summary.robust_std = Eigen::VectorXd::LinSpaced(14, 1, 14);
+  record.camera_imu = CameraImuStageResult();
+  record.camera_imu->cameras = record.camera->cameras;
+  record.camera_imu->summary.covariance.matrix = Eigen::MatrixXd::Identity(21, 21);
+  EXPECT_THAT(calibrationSummary(record), ::testing::Not(::testing::HasSubstr("std [1, 2")));
+  record.camera_imu->summary.covariance.matrix = Eigen::MatrixXd::Identity(7, 7);  // cameras held
+  EXPECT_THAT(calibrationSummary(record), ::testing::HasSubstr("std [1, 2, 3, 4] (robust)"));
+}
+
 TEST(CalibrationSummary, WithoutRobustDeviationsTheFormalOnesAreNamedSo) {
   CalibrationRecord record;
   record.camera = twoCameras();
