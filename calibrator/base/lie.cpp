@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/lie.h"
-
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <cmath>
+
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

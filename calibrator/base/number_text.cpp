@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/number_text.h"
-
 #include <cctype>
+
+#include "calibrator/base/option_check.h"
 
 namespace plumbline {
 namespace {

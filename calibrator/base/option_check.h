@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
 
 namespace plumbline {
+
+/// The text without the sign of numbers that are all zeros: "-0.000" becomes "0.000", also with the
+/// minus sign U+2212. Words, ranges and numbers with an exponent or any other digit stay: "cam-0",
+/// "1-0", "-0.5", "-0e3".
+std::string withoutNegativeZeros(std::string_view text);
 
 /// For the check() of options: throws InputError "FIELD is VALUE; expected RULE" unless `holds`.
 /// Write the condition so that NaN does not fulfil it: value > 0, not !(value <= 0).

@@ -11,7 +11,6 @@
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
-#include "calibrator/base/statistics/robust_covariance.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
@@ -184,7 +183,7 @@ struct StageSummary {
   /// factor.
   ParameterCovariance covariance;
   /// Cluster-robust standard deviations in the order of `covariance`, which hold where corners err
-  /// together or the model misfits (calibrator/batch/camera/robust_covariance.h); empty where too
+  /// together or the model misfits (calibrator/batch/camera/information.h); empty where too
   /// few blocks of time tell. Of the camera-IMU stage T_SC0 and the time offset through both stages
   /// (batch/two_stages.h).
   std::optional<Eigen::VectorXd> robust_std;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/base/transform.h"
 
-#include "calibrator/base/lie.h"
-
 namespace plumbline {
 
 Transform Transform::fromMatrix(const Eigen::Matrix4d& T) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/bias_ratio.h"
-
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "calibrator/batch/halves.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/statistics/rayleigh.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"

@@ -15,7 +15,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/board/target.h"
-#include "calibrator/batch/camera/robust_covariance.h"
+#include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"

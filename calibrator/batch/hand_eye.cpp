@@ -11,8 +11,8 @@
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

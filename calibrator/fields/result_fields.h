@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calibrator/base/results.h"
-#include "calibrator/base/statistics/estimated_variance.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
 
 namespace plumbline {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/camera_frames.h"
-
 #include <algorithm>
 
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/initialise/camera_poses.h"
 

@@ -6,11 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/guidance/camera_frames.h"
 #include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/open_suggestion.h"
-#include "calibrator/guidance/start_check.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_judge.h"
 #include "calibrator/information/covariance.h"

@@ -13,7 +13,7 @@
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/guidance/trajectory_gain.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

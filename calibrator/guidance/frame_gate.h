@@ -3,12 +3,55 @@
 
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/error.h"
 #include "calibrator/base/guide_decision.h"
+#include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/guidance/guide_options.h"
 #include "calibrator/guidance/open_suggestion.h"
 
 namespace plumbline {
+
+/// Corners of one frame, per camera; ids ascending; empty where a camera has no view.
+using FrameCorners = std::vector<std::vector<Corner>>;
+
+/// The views of a frame that hold at least so many corners; the others are empty.
+FrameCorners usableViews(const GuideFrame& frame, std::size_t cameras, int min_corners);
+
+/// No camera has a view.
+bool seesNothing(const FrameCorners& corners);
+
+/// Whether some camera's view moved by more than `least_px` (mean corner distance), or shows other
+/// parts of the target, or is there when it was not before.
+bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_px);
+
+/// T_FC0 from one frame's corners at known cameras, from nothing; empty where what remains is more
+/// than 1.5 % of the image's width.
+std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& cameras,
+                                const FrameCorners& corners, double cauchy_px);
+
+/// A frame that the camera stage has accepted.
+struct KeptFrame {
+  int index = 0;  ///< position in the recording
+  TimeNs t = 0;
+  FrameCorners corners;
+};
+
+/// Batch over frames of the guide: calibrateCameras() as the guide's options have it, from `start`
+/// or, where that is empty, from the views alone.
+Result<CameraStageResult> calibrateFrames(const GuideRig& rig, const std::vector<KeptFrame>& frames,
+                                          const GuideOptions& options,
+                                          const std::vector<CameraCalibration>& start = {});
+
+/// Only the frames' poses move; the cameras are given.
+Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<KeptFrame>& frames,
+                                      const GuideOptions& options,
+                                      const std::vector<CameraCalibration>& cameras);
 
 /// Which frames a stage of the guide looks at: those whose stamp is after all before, that come
 /// when it is not busy, and that show the target. What holds a frame back, a pause before it, and a
@@ -41,6 +84,27 @@ class FrameGate {
   std::optional<TimeNs> last_target_;  // before it was seen: the first frame looked at
   double pause_s_ = 0;
   bool lost_said_ = false;
+};
+
+/// Whether the camera stage started at a wrong minimum, under which every frame may yet have a
+/// plausible pose: frames after the start that moved against each other are calibrated by
+/// themselves, from nothing, once there are 10, 20 and 40 of them. The estimate was wrong where it
+/// leaves 1.25 times the RMSE on them, only poses moved.
+class StartCheck {
+ public:
+  StartCheck(const GuideRig& rig, const GuideOptions& options) : rig_(rig), options_(options) {}
+
+  /// A frame with a plausible pose; whether the frames so far are now to be compared.
+  bool isDue(const GuideFrame& frame, const FrameCorners& corners);
+  /// What speaks against the cameras; empty: nothing.
+  std::optional<std::string> against(const std::vector<CameraCalibration>& cameras) const;
+  /// The stage restarts.
+  void forget() { frames_.clear(); }
+
+ private:
+  GuideRig rig_;
+  GuideOptions options_;
+  std::vector<KeptFrame> frames_;
 };
 
 }  // namespace plumbline

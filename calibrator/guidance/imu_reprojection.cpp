@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/imu_reprojection.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/residuals/tangent.h"
 
 namespace plumbline {

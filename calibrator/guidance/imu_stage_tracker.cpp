@@ -11,7 +11,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/initialise/imu_rates.h"
+#include "calibrator/initialise/imu_alignment.h"
 
 namespace plumbline {
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/operator_pace.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/guidance/guide_options.h"
 
 namespace plumbline {
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/start_check.h"
-
 #include <fmt/format.h>
 
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/guidance/frame_gate.h"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/residuals/tangent.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

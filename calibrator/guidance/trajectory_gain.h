@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
-#include "calibrator/guidance/imu_reprojection.h"
+#include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/guidance/lissajous.h"
 #include "calibrator/information/predicted_error.h"
 #include "calibrator/window/camera_imu_window.h"

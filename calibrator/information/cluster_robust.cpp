@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/information/cluster_robust.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
+#include "calibrator/information/covariance.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

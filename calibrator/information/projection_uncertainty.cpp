@@ -6,8 +6,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/dense.h"
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/residuals/tangent.h"

@@ -7,10 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/imu_rates.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

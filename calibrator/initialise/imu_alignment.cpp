@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

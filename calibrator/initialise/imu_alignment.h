@@ -4,11 +4,109 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "calibrator/base/error.h"
-#include "calibrator/initialise/imu_rates.h"
+#include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
+
+/// Pose of camera 0 at a frame's stamp (camera clock).
+struct CameraPose {
+  TimeNs t = 0;
+  Transform T_FC0;
+  double position_variance = 0;  ///< by the corners' noise, per axis [m^2]; 0: not known
+  double rotation_variance = 0;  ///< likewise [rad^2]
+};
+
+/// A pause between samples longer than this many times their median interval is a gap.
+constexpr double kGapIntervals = 5;
+
+/// Median interval between samples [s]; 0 for fewer than two.
+double medianSampleInterval(std::span<const ImuSample> samples);
+
+/// Mean angular rate of camera 0 between two neighbouring frames, in its own frame:
+/// Log(R_FC0(from)^T R_FC0(to)) / (to - from) [rad/s].
+struct CameraRate {
+  TimeNs from = 0;
+  TimeNs to = 0;
+  Eigen::Vector3d rate_C = Eigen::Vector3d::Zero();
+};
+
+/// Rates of all neighbours at most `max_gap_s` apart; `poses` ascend in time.
+std::vector<CameraRate> cameraRates(std::span<const CameraPose> poses, double max_gap_s);
+
+/// Integral of the measured gyro rate (trapezoids), with which mean rates over any window cost two
+/// look-ups. Keeps a view of `samples`, which must outlive it.
+class GyroIntegral {
+ public:
+  explicit GyroIntegral(std::span<const ImuSample> samples);
+
+  /// Mean measured rate [rad/s] over [from + offset_s, to + offset_s]; empty where not covered, or
+  /// where a gap between samples lies within.
+  std::optional<Eigen::Vector3d> meanRate(TimeNs from, TimeNs to, double offset_s) const;
+
+  std::span<const ImuSample> samples() const { return samples_; }
+
+ private:
+  /// Index of the sample before `t` + offset_s (or of the first, or the last but one).
+  std::size_t before(TimeNs t, double offset_s) const;
+  /// Integral from the first sample to `t` + offset_s, with k = before(t, offset_s).
+  Eigen::Vector3d at(std::size_t k, TimeNs t, double offset_s) const;
+
+  std::span<const ImuSample> samples_;
+  std::vector<int> gaps_;  ///< of each sample: gaps before the one that follows it
+  std::vector<Eigen::Vector3d> integral_;
+  double mean_interval_s_ = 0;
+};
+
+/// A pair of rates over the same span of time.
+struct RatePair {
+  Eigen::Vector3d gyro_S = Eigen::Vector3d::Zero();
+  Eigen::Vector3d camera_C = Eigen::Vector3d::Zero();
+};
+
+/// Pairs camera rates with the gyro's mean rate under a time offset; uncovered ones are left out.
+std::vector<RatePair> pairRates(std::span<const CameraRate> camera, const GyroIntegral& gyro,
+                                double offset_s);
+
+/// What the accelerometer and the camera's motion say together, by linear least squares.
+struct InertialAlignment {
+  double scale = 1;      ///< metres per metre of the stated target; 0.5: tags stated 2 x too large
+  double scale_std = 0;  ///< from the residuals
+  Eigen::Vector3d t_SC0 = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d gravity_F = Eigen::Vector3d::Zero();  ///< [m/s^2], pointing down
+  double gravity_std = 0;  ///< of its magnitude, from the residuals [m/s^2]
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+  double residual_rms = 0;  ///< per component [m/s^2], over windows of about 2 span_s
+  double fixed_rms = 0;     ///< the same with the scale held at 1
+  double noise_rms = 0;     ///< the same as noise of poses and IMU explains it; 0: not known
+  int equations = 0;        ///< vector equations used
+};
+
+struct InertialAlignmentOptions {
+  double span_s = 0.2;            ///< time between the frames of a triple [s]
+  int max_triples = 300;          ///< spread evenly over the recording
+  ImuNoise noise;                 ///< for noise_rms
+  double t_SC0_prior_m = 1.0;     ///< standard deviations of zero-mean priors, so that motion that
+  double accel_bias_prior = 0.3;  ///< says nothing of them leaves them at zero
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
+};
+
+/// Solves for scale s, t_SC0, gravity and accelerometer bias from triples of frames a, b, c: the
+/// second difference of the IMU's position, p_S = s p_C0 - R_FS t_SC0, equals gravity plus the
+/// pre-integrated force (velocities eliminated). Needs the rotation, gyro bias and time offset of
+/// the rates' alignment. Triples that leave more than 6 robust standard deviations are left out (a
+/// pose that is wrong spoils a few). Empty for fewer than 10 usable triples.
+std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
+                                                 std::span<const ImuSample> samples,
+                                                 const Eigen::Matrix3d& R_SC0,
+                                                 const Eigen::Vector3d& gyro_bias,
+                                                 double time_offset_s,
+                                                 const InertialAlignmentOptions& options = {});
 
 /// Rotation between gyro and camera from their rates: minimises
 /// sum |gyro_S - (R_SC0 camera_C + gyro_bias)|^2 (Wahba's problem on centred rates, by SVD).

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/initialise/imu_gravity.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -8,7 +6,8 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
-#include "calibrator/residuals/preintegration.h"
+#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/initialise/imu_rates.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/initialise/imu_alignment.h"
 
 namespace plumbline {
 

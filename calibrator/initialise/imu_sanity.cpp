@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/measurement_model.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/imu_gravity.h"
 
 namespace plumbline {
 

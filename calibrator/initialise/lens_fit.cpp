@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/initialise/lens_fit.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>

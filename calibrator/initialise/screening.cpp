@@ -6,10 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "calibrator/base/statistics/rayleigh.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/imu_rates.h"
+#include "calibrator/initialise/imu_alignment.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/linear/row_kernels.h"
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/linear/row_kernels.h"
-
 #include <cassert>
 #include <cmath>
 #include <cstring>
+
+#include "calibrator/linear/dense.h"
 
 // Haswell is the first x86-64 with AVX2 and fused multiply-add; the loader chooses the clone.
 #if defined(__x86_64__)

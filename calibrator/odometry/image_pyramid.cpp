@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/odometry/image_pyramid.h"
-
 #include <algorithm>
 #include <cstring>
+
+#include "calibrator/odometry/feature_tracker.h"
 
 namespace plumbline {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {

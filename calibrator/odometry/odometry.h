@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "calibrator/base/enum_words.h"
+#include "calibrator/odometry/rig_model.h"
 #include "calibrator/odometry/start.h"
-#include "calibrator/odometry/tracks.h"
 #include "calibrator/odometry/window_problem.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 

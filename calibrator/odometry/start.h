@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "calibrator/odometry/rig_model.h"
-#include "calibrator/odometry/tracks.h"
 #include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <variant>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/field_kernel.h"
 #include "calibrator/residuals/instruction_set.h"

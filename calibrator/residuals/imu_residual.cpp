@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/plain_gram.h"
-
 #include <algorithm>
 #include <cmath>
 #include <variant>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/residuals/field_gram.h"
 #include "calibrator/residuals/gram_columns.h"
 
 namespace plumbline::plain {

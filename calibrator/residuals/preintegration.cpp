@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/preintegration.h"
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,8 +6,9 @@
 #include <cstddef>
 #include <span>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
 namespace {

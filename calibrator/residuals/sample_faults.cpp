@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/sample_faults.h"
-
 #include <algorithm>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
 namespace {

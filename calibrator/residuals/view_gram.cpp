@@ -5,9 +5,9 @@
 #include <variant>
 
 #include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/residuals/field_gram.h"
 #include "calibrator/residuals/gram_kernel.h"
 #include "calibrator/residuals/instruction_set.h"
-#include "calibrator/residuals/plain_gram.h"
 
 #if defined(__x86_64__)
 #define PLUMBLINE_AVX2 [[gnu::target("avx2,fma")]]

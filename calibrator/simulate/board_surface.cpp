@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/board_surface.h"
-
 #include <Eigen/QR>
 #include <vector>
+
+#include "calibrator/simulate/render.h"
 
 namespace plumbline {
 

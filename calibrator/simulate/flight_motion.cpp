@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/flight_motion.h"
-
 #include <algorithm>
 #include <numbers>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/simulate/motion.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {

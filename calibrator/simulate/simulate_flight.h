@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calibrator/simulate/flight_motion.h"
+#include "calibrator/simulate/motion.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

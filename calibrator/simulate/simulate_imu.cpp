@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/simulate_imu.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "calibrator/simulate/random_stream.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

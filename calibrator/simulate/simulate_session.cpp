@@ -9,8 +9,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/simulate/faults/view_faults.h"
-#include "calibrator/simulate/simulate_imu.h"
-#include "calibrator/simulate/simulate_views.h"
 
 namespace plumbline {
 namespace {

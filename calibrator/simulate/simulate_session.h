@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -12,10 +13,12 @@
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 #include "calibrator/simulate/faults/fault.h"
+#include "calibrator/simulate/faults/imu_faults.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/simulate/trajectory.h"
 
 namespace plumbline {
+
 /// What is recorded and how it is disturbed. The defaults are a plausible noisy recording.
 struct SimulationOptions {
   std::uint64_t seed = 1;        ///< of all noise; the motion has its own, trajectory.seed
@@ -96,5 +99,41 @@ SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOption
 /// without a view. `options.target` and `options.trajectory` are not looked at.
 SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory trajectory,
                                 const Eigen::Vector3d& gravity_F, const SimulationOptions& options);
+
+/// IMU samples with the biases that are in them.
+struct SimulatedImu : ImuRecording {
+  std::vector<std::vector<TimeNs>> fault_stamps;  ///< see disturbSamples()
+};
+
+/// Samples of an IMU on `trajectory`, see simulateSession(). `imu` states the true offset and
+/// densities, with noise.rate_hz the rate; `gravity_F` points down [m/s^2].
+SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibration& imu,
+                         const Eigen::Vector3d& gravity_F, const SimulationOptions& options);
+
+/// Corners of the tags that a camera at T_FC sees, exact, ids ascending; which tags those are says
+/// simulateSession(). Empty where the camera is behind the target.
+std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+                                   const SimulationOptions& options);
+
+/// Where a camera sees a corner of the target [px]; empty where it cannot.
+using CornerProjection = std::function<std::optional<Eigen::Vector2d>(int corner_id)>;
+
+/// The same for any way of seeing corners.
+std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerProjection& project,
+                                   const SimulationOptions& options);
+
+/// Stamps that camera `index` gives its frames: the nominal ones with jitter, less those dropped.
+/// Each stamp comes with the frame's number, which selects its random numbers.
+struct FrameStamp {
+  std::uint64_t frame = 0;
+  TimeNs t = 0;
+};
+std::vector<FrameStamp> simulateStamps(const std::vector<TimeNs>& nominal, int index,
+                                       const SimulationOptions& options);
+
+/// Adds noise and outliers to the corners of one camera's frame. Outliers are kept in the image;
+/// corners that noise takes out of it are lost.
+void disturbCorners(std::vector<Corner>& corners, const Resolution& resolution, int camera,
+                    std::uint64_t frame, const SimulationOptions& options);
 
 }  // namespace plumbline

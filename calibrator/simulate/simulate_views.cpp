@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/simulate_views.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/random_stream.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/target/corner_refiner.h"
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "calibrator/target/payload.h"
+#include "calibrator/target/quad_finder.h"
 
 namespace plumbline {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/target/grid_tags.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/target/grid_search.h"
 #include "calibrator/target/payload.h"
 
 namespace plumbline {

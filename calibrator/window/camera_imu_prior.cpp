@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/window/camera_imu_window.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {

@@ -13,7 +13,6 @@
 #include "calibrator/fields/calibration_fields.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/kalibr/camchain.h"
-#include "datasets/calibration/other_tools.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {

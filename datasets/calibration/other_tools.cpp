@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/calibration/other_tools.h"
-
 #include <cmath>
 #include <initializer_list>
 #include <utility>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "datasets/calibration/calibration_fields.h"
+#include "datasets/calibration/calibration_reader.h"
 
 namespace plumbline {
 namespace {

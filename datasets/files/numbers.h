@@ -10,6 +10,15 @@
 
 namespace plumbline {
 
+/// A text as a terminal may show it, line ends kept: control characters, those that turn the
+/// direction of writing, and bytes that are no UTF-8 appear as \n, \t, \xHH or \uHHHH.
+std::string shownText(std::string_view text);
+
+/// One line of it: line ends are shown too.
+std::string shownLine(std::string_view text);
+
+bool isUtf8(std::string_view text);
+
 /// 0 to 9, whatever the locale.
 inline bool isDigit(char c) { return c >= '0' && c <= '9'; }
 

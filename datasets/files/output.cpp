@@ -15,7 +15,6 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/manifest.h"
-#include "datasets/files/surroundings.h"
 #include "datasets/files/workplace.h"
 
 namespace plumbline {

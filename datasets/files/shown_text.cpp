@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/files/shown_text.h"
-
 #include <cstdint>
 #include <iterator>
 
 #include <fmt/format.h>
+
+#include "datasets/files/numbers.h"
 
 namespace plumbline {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/files/surroundings.h"
-
 #include <algorithm>
 
 #include <unistd.h>
+
+#include "datasets/files/workplace.h"
 
 namespace plumbline {
 

@@ -21,7 +21,6 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/manifest.h"
-#include "datasets/files/surroundings.h"
 
 namespace plumbline {
 namespace {

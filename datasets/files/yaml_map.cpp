@@ -12,7 +12,7 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include "datasets/files/file_io.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/images/jpeg.h"
 
 namespace plumbline {
 namespace {

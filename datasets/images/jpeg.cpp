@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/images/jpeg.h"
-
 #include <cassert>
 #include <csetjmp>
 #include <cstddef>
@@ -11,6 +9,7 @@
 #include <jpeglib.h>
 
 #include "datasets/files/bad_input.h"
+#include "datasets/images/image_io.h"
 
 namespace plumbline {
 namespace {

@@ -10,10 +10,10 @@
 #include "calibrator/base/calibration.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/files/file_io.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/stamps.h"
+#include "datasets/session/imu.h"
 
 namespace plumbline {
 namespace {

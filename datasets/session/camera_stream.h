@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/april_grid.h"
 #include "calibrator/base/session.h"
+#include "calibrator/target/detector.h"
 
 namespace plumbline {
 
@@ -49,5 +51,31 @@ std::vector<ImageFile> readFrameList(const std::string& folder);
 /// The images of camN: as data.csv lists them (each must exist), or without it all of camN/data
 /// named <ns>.png, .jpg or .jpeg. Ascending in time.
 std::vector<ImageFile> listImages(const std::string& folder);
+
+/// Corners found before, so that a second run skips detection. One small file for each image, in a
+/// folder of its own (never inside the recording), named by a hash of the image's bytes, the target
+/// and the detector's options: a changed image or option is another name, never a wrong answer.
+/// Files that are damaged are ignored and written again. Safe from several threads and processes.
+class CornerCache {
+ public:
+  /// Makes the folder if it is missing; throws InputError where it cannot be made.
+  CornerCache(std::string folder, const AprilGrid& target, const DetectorOptions& options);
+
+  /// The key of an image file: 32 hexadecimal digits. Throws InputError where it cannot be read.
+  std::string keyOf(const std::string& image_path) const;
+
+  /// The corners stored under the key (which may be none); empty if unknown or damaged.
+  std::optional<std::vector<Corner>> find(const std::string& key) const;
+
+  /// Stores what was found. A cache that cannot be written (disk full) is no fault of the work: the
+  /// next run detects again.
+  void store(const std::string& key, const std::vector<Corner>& corners) const;
+
+ private:
+  std::string fileOf(const std::string& key) const;
+
+  std::string folder_;
+  std::string settings_;  // target and options as text, part of every key
+};
 
 }  // namespace plumbline

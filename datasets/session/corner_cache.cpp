@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/corner_cache.h"
-
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -11,6 +9,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/session/camera_stream.h"
 
 namespace plumbline {
 namespace {

@@ -6,7 +6,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/session/camera_stream.h"
-#include "datasets/session/stamps.h"
+#include "datasets/session/imu.h"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,6 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/stamps.h"
 
 namespace plumbline {
 namespace {

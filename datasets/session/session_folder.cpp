@@ -11,7 +11,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 
 namespace plumbline {
 namespace {

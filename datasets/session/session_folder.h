@@ -3,8 +3,11 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/guide_decision.h"
 #include "datasets/session/session_reader.h"
 
 namespace plumbline {
@@ -33,5 +36,37 @@ std::optional<std::string> findBeside(const std::vector<std::string>& folders,
 /// files beside the session (a calibration that is given), in their order and without their names.
 std::string inputHash(const std::string& session, const SessionReadOptions& options = {},
                       const std::vector<std::string>& others = {});
+
+/// A study's definition: a YAML mapping from names to a value or a list of values, as text; a list
+/// becomes "100,10,1". In the order of the file.
+///   offsets-ms: [100, 10, 1]
+///   corner-noise-px: 0.1:0.1:0.5
+/// Throws InputError for a file that cannot be read, and, with its line, for a name that is not
+/// among `known` or a value that is a mapping.
+std::vector<std::pair<std::string, std::string>> readStudyDefinition(
+    const std::string& path, const std::vector<std::string>& known);
+
+/// Reads suggestions.csv of a guided recording: what its operator was asked for, and when. A row is
+///   t_ns, stage, id, T_FC0
+/// with stage "camera" or "camera-imu", id an integer, and T_FC0 either as seven numbers (tx ty tz
+/// [m], Hamilton quaternion qx qy qz qw) or as a 4x4 matrix row by row (16 numbers, or the first
+/// 12). Ascending in time. Throws InputError, naming file and line, for anything else: stamps out
+/// of order, an id given twice, a quaternion whose norm is off 1 by more than 1e-3, a rotation that
+/// is none.
+std::vector<Suggestion> readSuggestions(const std::string& path);
+
+/// suggestions.csv of a recording: in the session's folder or its mav0/; empty where there is none.
+std::optional<std::string> findSuggestions(const std::string& session);
+
+constexpr const char* kTargetShapeFile = "target_shape.yaml";
+
+/// kTargetShapeFile: the shape of a board, as `plumbline calibrate` leaves it and --target-shape
+/// takes it. It names the grid that it belongs to (tagRows, tagCols, tagSize, tagSpacing), every
+/// term in millimetres (kTargetTermNames), and their covariance where it is known.
+std::string targetShapeText(const AprilGrid& board);
+
+/// Reads it for a board. Throws InputError for a malformed file, terms that are missing, unknown or
+/// above 50 mm, a covariance that is not positive semi-definite, or another grid than `grid`.
+TargetShape readTargetShape(const std::string& path, const AprilGrid& grid);
 
 }  // namespace plumbline

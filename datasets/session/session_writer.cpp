@@ -18,7 +18,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/target_shape.h"
+#include "datasets/session/session_folder.h"
 
 namespace plumbline {
 

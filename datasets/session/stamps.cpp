@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/stamps.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/bad_input.h"
+#include "datasets/session/imu.h"
 
 namespace plumbline {
 namespace {

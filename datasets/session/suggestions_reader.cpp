@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/suggestions_reader.h"
-
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -9,6 +7,7 @@
 
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
+#include "datasets/session/session_folder.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/target_shape.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "datasets/files/numbers.h"
 #include "datasets/files/yaml_map.h"
+#include "datasets/session/session_folder.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"

@@ -12,14 +12,11 @@
 #include "calibrator/batch/resample.h"
 #include "calibrator/batch/two_stages.h"
 #include "datasets/calibration/calibration_reader.h"
-#include "evaluate/calibration/view_images.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"
+#include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
-#include "evaluate/metrics/sample_intervals.h"
-#include "evaluate/session/check_session.h"
 #include "evaluate/session/load_session.h"
-#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {

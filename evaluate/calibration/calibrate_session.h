@@ -11,6 +11,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "evaluate/metrics/verdict.h"
 #include "evaluate/results/progress.h"
+#include "evaluate/results/result_folder.h"
 #include "evaluate/session/load_session.h"
 #include "report/records/calibration_record.h"
 
@@ -40,5 +41,19 @@ struct CalibrateRequest {
 /// Throws InputError for bad input; a Failure says what the data cannot give.
 Result<CalibrationRecord> calibrateSession(const CalibrateRequest& request,
                                            const ProgressSink& progress);
+
+/// The documents of a calibration: calibration.json, camchain-imucam.yaml (camchain.yaml without
+/// IMU), imu.yaml, and residuals.csv if `residuals`.
+std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals);
+
+/// What a person wants to see on the terminal after a calibration: the parameters with their
+/// standard deviations, the errors, and the verdict with every finding that is not good.
+std::string calibrationSummary(const CalibrationRecord& record);
+
+/// Keeps the images of the views with the largest errors (kWorstViews, of the camera stage, or of
+/// the camera-IMU stage where the cameras were given) in the record: grey, made smaller by a whole
+/// factor to at most 800 pixels of width, of JPEG quality 60. Views of a camera that comes as
+/// corners have none, nor those whose image cannot be read any more: the result stands without.
+void addViewImages(const LoadedSession& loaded, CalibrationRecord& record);
 
 }  // namespace plumbline

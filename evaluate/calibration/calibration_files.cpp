@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/calibration/calibration_files.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -8,10 +6,11 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/session/target_shape.h"
+#include "datasets/session/session_folder.h"
+#include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 #include "report/records/documents.h"

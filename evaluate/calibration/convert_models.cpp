@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/calibration/convert_models.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +6,8 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/lens_fit.h"
+#include "calibrator/initialise/camera_start.h"
+#include "evaluate/calibration/export_calibration.h"
 
 namespace plumbline {
 namespace {

@@ -10,13 +10,11 @@
 #include <fmt/format.h>
 
 #include "datasets/calibration/calibration_reader.h"
-#include "datasets/session/target_shape.h"
-#include "evaluate/calibration/view_images.h"
-#include "evaluate/metrics/calibration/score_verdict.h"
-#include "evaluate/metrics/sample_intervals.h"
-#include "evaluate/session/check_session.h"
+#include "datasets/session/session_folder.h"
+#include "evaluate/calibration/calibrate_session.h"
+#include "evaluate/metrics/calibration/score.h"
+#include "evaluate/metrics/coverage.h"
 #include "evaluate/session/load_session.h"
-#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 

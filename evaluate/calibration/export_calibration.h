@@ -5,10 +5,32 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/image.h"
+#include "calibrator/batch/camera/batch.h"
 #include "datasets/calibration/export/calibration_export.h"
-#include "evaluate/calibration/convert_models.h"
 
 namespace plumbline {
+
+/// What a camera's lens lost by being given in another model: |projection in the new model - pixel|
+/// over a grid of the image's pixels, along the rays of the old one.
+struct ModelConversion {
+  std::string camera;
+  std::string from, to;  ///< "pinhole-radtan"
+  double rms_px = 0;
+  double most_px = 0;
+  ImageCells cells;
+  /// RMS per cell [px]; empty where the old model has no ray, or the new one no pixel for it.
+  std::vector<std::optional<double>> region_px;
+};
+
+/// Gives every camera of the calibration in another model, with the least projection error over its
+/// image (convertedLens()); poses stay, standard deviations of the intrinsics go. Cameras that have
+/// the model already stay as they are. Throws InputError where a lens cannot be given in it.
+std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model);
+
+/// A conversion as lines of text: the error over all, and by region from the top left.
+std::string conversionText(const ModelConversion& conversion);
 
 struct ExportRequest {
   std::string calibration;  ///< file that readCalibration() knows

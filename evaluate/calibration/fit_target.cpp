@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/batch/camera/problem.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {

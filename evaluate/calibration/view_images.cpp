@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/calibration/view_images.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -9,7 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg.h"
+#include "evaluate/calibration/calibrate_session.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/calibrate_session.h"
-#include "evaluate/calibration/calibration_files.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"

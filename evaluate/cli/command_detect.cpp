@@ -12,8 +12,6 @@
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
-#include "evaluate/session/check_session.h"
-#include "evaluate/session/detect_corners.h"
 #include "evaluate/session/load_session.h"
 #include "generated/version.h"
 

@@ -18,12 +18,10 @@
 #include "evaluate/cli/terminal.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/trajectory/verdict.h"
-#include "evaluate/results/input_hash.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
-#include "evaluate/trajectory/summary.h"
 #include "report/html/trajectory/page.h"
 #include "report/records/documents.h"
 

@@ -19,9 +19,8 @@
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/run_odometry.h"
-#include "evaluate/results/input_hash.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/trajectory/summary.h"
+#include "evaluate/trajectory/evaluate_runs.h"
 #include "report/html/trajectory/page.h"
 #include "report/records/documents.h"
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/study_reader.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
@@ -18,7 +18,6 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/studies/perturbation_study.h"
-#include "evaluate/studies/summary.h"
 #include "report/html/perturbation/page.h"
 #include "report/records/documents.h"
 

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
@@ -22,7 +22,6 @@
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/replay/replay_session.h"
-#include "evaluate/replay/summary.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/replay/page.h"

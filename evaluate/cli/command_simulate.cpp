@@ -14,10 +14,9 @@
 #include "calibrator/simulate/simulate_session.h"
 #include "datasets/session/session_writer.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/fault_words.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
-#include "evaluate/cli/options/target_shape_words.h"
+#include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {

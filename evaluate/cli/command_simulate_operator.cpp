@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"

@@ -11,14 +11,14 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/target_shape.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/sheet/target_sheet.h"
 #include "evaluate/calibration/fit_target.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {

@@ -20,7 +20,6 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/suggestion.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/suggestion.h"
-
 #include <algorithm>
 #include <cstddef>
 
 #include <CLI/CLI.hpp>
+
+#include "evaluate/cli/terminal.h"
 
 namespace plumbline {
 namespace {

@@ -13,7 +13,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include "calibrator/base/number_text.h"
+#include "calibrator/base/option_check.h"
 
 namespace plumbline {
 

@@ -5,10 +5,12 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 #include "evaluate/results/progress.h"
 
 namespace plumbline {
@@ -65,5 +67,17 @@ class ProgressBar {
   Clock::time_point begun_ = Clock::now();  ///< of the step
   Clock::time_point told_ = Clock::now();   ///< the last line in a pipe
 };
+
+/// Least number of insertions, deletions, replacements and swaps of neighbours that make one word
+/// of the other (optimal string alignment: no part is edited twice).
+int editDistance(std::string_view a, std::string_view b);
+
+/// The candidate nearest to a word that was mistyped, at most a third of its letters away (one at
+/// least); "" where none is. The first of equals.
+std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates);
+
+/// "; did you mean --out?" where an argument that the chosen command does not know resembles one
+/// that it does; "" otherwise. `app` after a parse that failed.
+std::string didYouMean(const CLI::App& app);
 
 }  // namespace plumbline

@@ -16,9 +16,7 @@
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/lint.h"
 #include "evaluate/compare/parameters.h"
-#include "evaluate/compare/session_estimate.h"
 #include "evaluate/session/load_session.h"
-#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 

@@ -5,16 +5,39 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/information/projection_uncertainty.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/compare/findings.h"
-#include "evaluate/compare/maps.h"
+#include "evaluate/compare/projection_difference.h"
 #include "evaluate/metrics/calibration/score.h"
+#include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {
+
+/// Weights of the fit of a projection difference, mrcal's choice: (1 / (s_A s_B))^2 at each pixel,
+/// s the two calibrations' standard deviations.
+std::vector<double> differenceWeights(const std::vector<double>& std_A,
+                                      const std::vector<double>& std_B);
+
+struct MapOptions {
+  std::vector<double> ranges_m{std::numeric_limits<double>::infinity(), 1.0};
+  ImageGrid grid;
+  double focus_radius_px = 0;  ///< see DifferenceOptions; above 0 fits are not weighted
+  DifferenceFit fit = DifferenceFit::kSquares;
+
+  /// Throws InputError for values out of range.
+  void check() const;
+};
+
+/// Difference maps "b - a" of every camera and range that both have with images of one size. The
+/// fit is weighted by `uncertainties` where both calibrations have a map there.
+std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const ComparedCalibration& b,
+                                     const std::vector<ImageMap>& uncertainties,
+                                     const MapOptions& options);
 
 /// A calibration's file with all that belongs to it.
 struct ComparedFile {
@@ -61,5 +84,14 @@ struct CompareRequest {
 /// calibrations, labels that are not unique, files that cannot be read, a recording whose cameras a
 /// calibration has not.
 ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress);
+
+/// comparison.csv: one row per parameter, and per sequence of the trajectories their median ATE;
+/// value, std, difference and significance of each calibration in columns, empty where unknown.
+/// The difference of ATEs is the mean over pairs of runs, in the row of all sequences
+/// ("ate.all", or the only one).
+std::string comparisonTable(const ComparisonRecord& record);
+
+/// What a person reads on the terminal: parameters side by side, scores, maps in brief, verdict.
+std::string comparisonSummary(const ComparisonRecord& record);
 
 }  // namespace plumbline

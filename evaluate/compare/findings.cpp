@@ -9,8 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrator/base/lie.h"
-#include "evaluate/compare/lone.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/compare/findings.h"
-#include "evaluate/compare/lone.h"
 #include "evaluate/compare/parameters.h"
 
 namespace plumbline {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/maps.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
+#include "evaluate/compare/compare_calibrations.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/session_estimate.h"
-
 #include <algorithm>
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {

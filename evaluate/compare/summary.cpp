@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/summary.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/failure_rows.h"
-
 #include <algorithm>
 #include <iterator>
+
+#include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 namespace {

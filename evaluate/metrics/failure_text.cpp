@@ -9,8 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "evaluate/metrics/failure_rows.h"
-
 namespace plumbline {
 namespace {
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/target_layout.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <utility>
 
 #include "calibrator/camera/camera.h"
+#include "evaluate/metrics/coverage.h"
 
 namespace plumbline {
 namespace {

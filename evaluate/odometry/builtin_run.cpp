@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/builtin_run.h"
-
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
 #include "datasets/images/image_io.h"
+#include "evaluate/odometry/run_odometry.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {

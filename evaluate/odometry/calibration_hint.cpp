@@ -6,9 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/transform.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {

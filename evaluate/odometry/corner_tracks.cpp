@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/corner_tracks.h"
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +7,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/session/camera_stream.h"
 #include "datasets/session/session_reader.h"
+#include "evaluate/odometry/sequence.h"
 
 namespace plumbline {
 namespace {

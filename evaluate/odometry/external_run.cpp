@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/external_run.h"
-
 #include <algorithm>
 #include <cstdlib>
 #include <deque>
@@ -11,8 +9,9 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/files/file_io.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 #include "datasets/trajectory/trajectory_reader.h"
+#include "evaluate/odometry/run_odometry.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/text.h"
 #include "generated/version.h"

@@ -18,11 +18,10 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/imu.h"
-#include "evaluate/metrics/trajectory/run_comparison.h"
-#include "evaluate/odometry/external_run.h"
+#include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/judged_run.h"
 #include "evaluate/odometry/sensitivity.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {

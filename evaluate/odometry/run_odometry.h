@@ -6,14 +6,51 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/odometry/builtin_run.h"
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/odometry/feature_tracker.h"
+#include "calibrator/odometry/odometry.h"
 #include "evaluate/odometry/calibration_hint.h"
 #include "evaluate/odometry/runner.h"
+#include "evaluate/odometry/sequence.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
+
+struct BuiltinOptions {
+  OdometryOptions odometry;
+  FeatureTrackerOptions tracker;
+  int cameras = 0;               ///< of the calibration, the first of them; 0: all
+  double corner_sigma_px = 0.3;  ///< standard deviation of a coordinate where the tracks are a
+                                 ///< board's corners, which are found better than others [px]
+  double most_skipped = 0.02;    ///< share of the frames that may be missing or undecodable
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
+};
+
+/// What the built-in odometry made of a sequence.
+struct BuiltinRun {
+  OdometryResult result;
+  std::size_t frames = 0;   ///< of camera 0, offered
+  std::size_t skipped = 0;  ///< images of any camera that are missing or cannot be decoded
+  double seconds = 0;
+  std::vector<double> frame_s;  ///< wall time of each frame, images read included
+};
+
+/// Runs the built-in odometry on the images, or on the tracks where the sequence has these in their
+/// place. Deterministic. A frame whose first image is missing or
+/// damaged is skipped; where it is another camera's, that camera is left out of the frame. Throws
+/// InputError for more than most_skipped of them, with the first one's fault, and for a calibration
+/// of another rig: more cameras than the sequence has, or images of another size.
+BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calibration,
+                      const BuiltinOptions& options);
+
+/// TUM's format: t [s, 9 decimals] x y z qx qy qz qw, body = IMU, camera clock.
+std::string tumText(const std::vector<StampedPose>& poses);
+std::vector<StampedPose> posesOf(const OdometryResult& result);
 
 /// Every calibration on every sequence, `runs` times.
 struct OdometryRequest {
@@ -53,5 +90,35 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const std::filesyst
 /// What `odometry` prints for a person, besides runsSummary(): how long the runs took, and what of
 /// them was lost or skipped.
 std::string odometrySummary(const TrajectoryRecord& record);
+
+/// One run of another odometry.
+struct ExternalRequest {
+  Runner runner;
+  std::string executable;             ///< in place of the runner's; empty: that one, by PATH
+  std::filesystem::path calibration;  ///< its file
+  bool noise_known = true;            ///< whether the calibration states the IMU's noise
+  int run = 1;
+  bool refine = false;           ///< with its online calibration (Runner::online)
+  double seconds = 3600;         ///< limit of wall time
+  std::size_t memory_bytes = 0;  ///< limit of address space; 0: none
+};
+
+/// What it left. Empty `problem`: a trajectory.
+struct ExternalRun {
+  std::vector<StampedPose> poses;  ///< body = IMU, camera clock
+  double seconds = 0;
+  std::string problem;           ///< how it failed, "" if not
+  std::vector<std::string> log;  ///< last lines of what it printed, of a run that failed
+  /// What its online calibration printed, in order; empty unless asked for.
+  std::vector<double> offsets_s;
+  std::vector<Transform> T_SC0;
+};
+
+/// Runs another odometry on a sequence in `folder`, which is there and empty: writes its settings,
+/// links to the sequence's images with an IMU that is shifted where it knows no time offset, and
+/// reads what it wrote. Every end but a readable trajectory is a problem, not an exception; throws
+/// InputError where its settings cannot be exported.
+ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& sequence,
+                        const Calibration& calibration, const std::filesystem::path& folder);
 
 }  // namespace plumbline

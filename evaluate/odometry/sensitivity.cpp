@@ -15,7 +15,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/file_io.h"
 #include "evaluate/metrics/calibration/parameters.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {

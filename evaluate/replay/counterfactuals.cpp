@@ -6,7 +6,6 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/metrics/failure_text.h"
-#include "evaluate/replay/curves.h"
 #include "evaluate/replay/view_pool.h"
 
 namespace plumbline {

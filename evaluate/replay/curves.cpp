@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/curves.h"
-
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -8,7 +6,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/replay/online_orders.h"
+#include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/view_orders.h"
 
 namespace plumbline {

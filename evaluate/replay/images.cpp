@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/images.h"
-
 #include <algorithm>
 #include <cassert>
 #include <mutex>
 
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/replay/replay_session.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {

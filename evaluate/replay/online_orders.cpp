@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/online_orders.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/replay/view_orders.h"
 
 namespace plumbline {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "evaluate/replay/curves.h"
+#include "evaluate/replay/counterfactuals.h"
 
 namespace plumbline {
 namespace {

@@ -12,16 +12,14 @@
 #include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
 #include "datasets/calibration/calibration_reader.h"
-#include "datasets/session/suggestions_reader.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/images.h"
 #include "evaluate/replay/stage_summary.h"
-#include "evaluate/replay/suggestion_outcomes.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
-#include "evaluate/session/match_cameras.h"
 
 namespace plumbline {
 namespace {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/frames.h"
+#include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/stopping_rule.h"
@@ -13,6 +15,12 @@
 #include "report/records/replay_record.h"
 
 namespace plumbline {
+
+/// Fills ReplayFrame::jpeg where the recording has images: grey, made smaller by a whole factor to
+/// at most 400 pixels of width (mean over blocks), of JPEG quality 60. A frame's images are those
+/// of the views that `paired`, one for each of `frames`, puts together.
+void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
+               std::vector<ReplayFrame>& frames, const ProgressSink& progress);
 
 /// What `plumbline replay` is asked to do.
 struct ReplayRequest {
@@ -38,5 +46,16 @@ struct ReplayRequest {
 /// recording does not allow (too short to start, no IMU, ...) is said in the record: there is no
 /// failure beside bad input, which throws InputError.
 ReplayRecord replaySession(const ReplayRequest& request, const ProgressSink& progress);
+
+/// One decision as one line of decisions.jsonl, with its line end: its fields (guide_fields.h),
+/// null where there is no value. Suggestions and rounds of candidates appear on the line of the
+/// frame that brought them.
+std::string decisionLine(const Decision& decision);
+
+/// All of them.
+std::string decisionLog(const std::vector<Decision>& decisions);
+
+/// The same for a terminal, in short.
+std::string replaySummary(const ReplayRecord& record);
 
 }  // namespace plumbline

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
-#include "calibrator/guidance/imu_reprojection.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/stage_summary.h"
 

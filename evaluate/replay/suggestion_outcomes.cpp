@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/suggestion_outcomes.h"
-
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -8,7 +6,8 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/open_suggestion.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/replay/stopping_rule.h"
 
 namespace plumbline {
 namespace {

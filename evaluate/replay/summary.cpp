@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/summary.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,6 +7,7 @@
 #include "calibrator/fields/json_fields.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/replay/replay_session.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {

@@ -8,6 +8,9 @@
 #include "calibrator/base/frames.h"
 #include "calibrator/base/image.h"
 #include "calibrator/base/session.h"
+#include "calibrator/batch/camera/view_terms.h"
+#include "calibrator/information/predicted_error.h"
+#include "evaluate/replay/view_pool.h"
 
 namespace plumbline {
 
@@ -34,5 +37,38 @@ std::vector<std::vector<int>> cellsSeen(const Session& session, const std::vecto
 /// Each next view holds the most cells that are not yet covered, the earlier one in a tie. Once
 /// none adds a cell, covering begins again with the views that are left.
 std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells);
+
+struct OnlineOrderOptions {
+  ViewCriterion criterion = ViewCriterion::kPredictedError;
+  LaterUseKind later_use = LaterUseKind::kSeen;  ///< of the frames to choose from
+  int most_views = 40;
+  /// The estimate is made anew with every view up to 8, then with every 2nd, 4th, 6th, 10th (from
+  /// 12, 20, 32 on); views in between are chosen at the estimate before.
+  bool at_every_view = false;
+
+  /// Throws InputError for values out of range.
+  void check() const;
+};
+
+/// What was known when the order had so many views.
+struct OnlineStep {
+  int views = 0;
+  ErrorComponents components;  ///< as they entered the score
+  double predicted_px2 = 0;    ///< E of the views so far
+  double excess = 0;           ///< relativeExcess()
+};
+
+struct OnlineOrder {
+  std::vector<int> order;         ///< frames of the recording
+  std::vector<OnlineStep> steps;  ///< one per estimate
+};
+
+/// Frames of a pool in the order in which a criterion takes them, each decision at the estimate of
+/// its time: the batch over the views so far. `first`, of `candidates`, are its beginning. A view
+/// whose RMSE at that estimate exceeds three times the candidates' median is not taken: one
+/// photograph of several px error would inflate all components. While the views so far do not
+/// determine the cameras the next ones come as `candidates` lists them.
+OnlineOrder onlineOrder(const ViewPool& pool, const std::vector<int>& candidates,
+                        const std::vector<int>& first, const OnlineOrderOptions& options = {});
 
 }  // namespace plumbline

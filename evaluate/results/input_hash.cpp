@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/results/input_hash.h"
-
 #include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "datasets/files/file_io.h"
+#include "evaluate/results/provenance.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/results/parallel_for.h"
-
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -9,6 +7,8 @@
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "datasets/files/surroundings.h"
+#include "datasets/files/workplace.h"
 #include "generated/commit.h"
 #include "generated/version.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/session/check_session.h"
-
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -10,7 +8,8 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/metrics/target_layout.h"
+#include "evaluate/metrics/coverage.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 namespace {

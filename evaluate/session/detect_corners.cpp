@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/session/detect_corners.h"
-
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -13,9 +11,10 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/corner_cache.h"
+#include "datasets/session/camera_stream.h"
 #include "datasets/session/session_writer.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 namespace {

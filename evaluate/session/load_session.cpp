@@ -14,11 +14,9 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/time.h"
 #include "datasets/files/bad_input.h"
-#include "datasets/files/surroundings.h"
-#include "datasets/session/corner_cache.h"
+#include "datasets/files/workplace.h"
+#include "datasets/session/camera_stream.h"
 #include "datasets/session/session_folder.h"
-#include "datasets/session/target_shape.h"
-#include "evaluate/session/detect_corners.h"
 
 namespace plumbline {
 namespace {

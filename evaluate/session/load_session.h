@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "calibrator/base/calibration.h"
+#include "calibrator/base/error.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
@@ -16,6 +19,41 @@
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
+
+struct DetectRequest {
+  DetectorOptions detector;
+  std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
+  int threads = 0;                   ///< 0: all cores
+};
+
+/// Finds the corners of every image of the recording and fills them into its views; a camera
+/// without stated resolution takes that of its first image. The result does not depend on the
+/// threads. Throws InputError for an unreadable image or one of another size than the camera's.
+///
+/// Returns the target's spacing (gap over tag size) as the images show it: the median over those
+/// that were searched now, not taken from the cache; empty where fewer than 3 tell. Images that
+/// contradict the stated spacing, and then have few corners or none, never enter the cache.
+std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
+                                    const ProgressSink& progress);
+
+/// Writes a session with its corners as a EuRoC folder that `plumbline calibrate` reads. Throws
+/// InputError where it cannot be written.
+void writeCornerSession(const Session& session, const std::filesystem::path& folder);
+
+/// The calibration's cameras in the order of the session's, matched by name, with the session's
+/// first camera as camera 0. Throws InputError in the name of `path`, which they were read from,
+/// where a camera is missing, has another resolution, or states another camera's topic.
+std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
+                                            const Session& session);
+
+/// The same with the IMU's part, if there is one: T_SC0 of the session's first camera, and the time
+/// offsets in the session's order.
+Calibration matchCalibration(const Calibration& given, const std::string& path,
+                             const Session& session);
+
+/// Throws InputError where one of them has a model that cannot be calibrated.
+void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
+                             const std::string& path);
 
 /// Which recording, and how its images become corners.
 struct LoadRequest {
@@ -79,5 +117,18 @@ Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptio
 /// The same with the noise densities of the session's IMU, if it has one.
 Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu,
                           const Session& session);
+
+/// The failure with the file that it points at, "FILE:LINE" or "FILE": the line of tagSize in the
+/// target's file, no line for the others. `session` is the folder that `loaded` was read from.
+Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session);
+
+/// Fills in at which lines of the IMU's table the screened samples stand, where it is a table.
+void locateSamples(const LoadedSession& loaded, Screening& screening);
+
+/// Throws InputError at the line of target.yaml that the corners contradict: tagCols where the tags
+/// that it puts above each other do not stand in line, tagSpacing where the gaps are further from
+/// it than the lens and real corners were seen to feign (15 % with `cameras` empty; 10 % with the
+/// cameras of the session, whose distortion is then taken out).
+void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras);
 
 }  // namespace plumbline

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/session/match_cameras.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
 #include "datasets/files/bad_input.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/simulation/motion_capture.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -11,6 +9,7 @@
 #include "calibrator/fields/calibration_fields.h"
 #include "calibrator/simulate/random_stream.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/simulation/simulate_sequence.h"
 
 namespace plumbline {
 namespace {

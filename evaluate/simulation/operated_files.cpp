@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/simulation/operated_files.h"
-
 #include <algorithm>
 #include <iterator>
 
 #include <fmt/format.h>
+
+#include "evaluate/simulation/operated_session.h"
 
 namespace plumbline {
 

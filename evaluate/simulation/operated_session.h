@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "calibrator/base/april_grid.h"
+#include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/guide_options.h"
+#include "calibrator/simulate/operator/rig_sensors.h"
 #include "calibrator/simulate/operator/simulated_operator.h"
-#include "calibrator/simulate/operator/spline_motion.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
@@ -50,5 +53,12 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
 /// trajectories that were agreed on are, when patience ends, or at simulation.duration_s
 /// (unfinished, too).
 OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options);
+
+/// A board bent across by so much (RMS), half as much the other way along, and a little stretched
+/// by its printer (0.1 mm).
+TargetShape bentBoard(double bend_mm);
+
+/// suggestions.csv as readSuggestions() reads it.
+std::string suggestionsCsv(const std::vector<Suggestion>& suggestions);
 
 }  // namespace plumbline

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/simulation/operated_session.h"
 
 namespace plumbline {

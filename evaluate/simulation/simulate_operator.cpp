@@ -12,9 +12,9 @@
 #include "calibrator/simulate/rig.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/file_io.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/session/target_shape.h"
-#include "evaluate/simulation/operated_files.h"
+#include "evaluate/simulation/operated_session.h"
 
 namespace plumbline {
 namespace {

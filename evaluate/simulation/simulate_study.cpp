@@ -14,10 +14,9 @@
 #include "calibrator/simulate/rig.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_writer.h"
-#include "evaluate/results/parallel_for.h"
-#include "evaluate/simulation/motion_capture.h"
-#include "evaluate/simulation/operated_files.h"
+#include "evaluate/results/progress.h"
 #include "evaluate/simulation/operated_session.h"
+#include "evaluate/simulation/simulate_sequence.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/simulation/study_participants.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/option_check.h"
+#include "evaluate/simulation/simulate_study.h"
 
 namespace plumbline {
 namespace {

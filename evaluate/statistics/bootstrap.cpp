@@ -8,7 +8,6 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/statistics/random_index.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "evaluate/statistics/bootstrap.h"
-#include "evaluate/statistics/permutation.h"
-#include "evaluate/statistics/signed_rank.h"
+#include "evaluate/statistics/several_tests.h"
 #include "report/records/study_statistics.h"
 
 namespace plumbline {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/statistics/permutation.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
 #include "calibrator/base/option_check.h"
-#include "evaluate/statistics/random_index.h"
+#include "evaluate/statistics/bootstrap.h"
 
 namespace plumbline {
 namespace {

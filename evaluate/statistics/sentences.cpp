@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/statistics/sentences.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "evaluate/statistics/study_statistics.h"
 
 namespace plumbline {
 namespace {

@@ -9,8 +9,6 @@
 
 #include <boost/math/distributions/fisher_f.hpp>
 
-#include "evaluate/statistics/signed_rank.h"
-
 namespace plumbline {
 
 std::vector<double> holm(const std::vector<double>& p) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/statistics/signed_rank.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/statistics/several_tests.h"
 
 namespace plumbline {
 namespace {

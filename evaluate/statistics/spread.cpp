@@ -4,8 +4,8 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/statistics/study_statistics.h"
 
 namespace plumbline {

@@ -8,9 +8,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/statistics/endpoints.h"
-#include "evaluate/statistics/sentences.h"
 #include "evaluate/statistics/several_tests.h"
-#include "evaluate/statistics/survival.h"
 
 namespace plumbline {
 namespace {

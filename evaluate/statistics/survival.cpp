@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/statistics/survival.h"
-
 #include <algorithm>
+
+#include "evaluate/statistics/several_tests.h"
 
 namespace plumbline {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/studies/perturbation_findings.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
+
+#include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {
 namespace {

@@ -15,10 +15,8 @@
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
-#include "evaluate/session/match_cameras.h"
-#include "evaluate/studies/perturbation_findings.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/studies/summary.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,7 @@
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 #include "evaluate/studies/perturbation.h"
+#include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/history.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/study/night_folder.h"
 
 namespace plumbline {
 namespace {

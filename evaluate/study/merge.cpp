@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/merge.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +9,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/study/night_folder.h"
 
 namespace plumbline {
 namespace {

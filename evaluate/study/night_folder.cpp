@@ -14,7 +14,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/files/surroundings.h"
+#include "datasets/files/workplace.h"
 #include "evaluate/results/provenance.h"
 
 namespace plumbline {

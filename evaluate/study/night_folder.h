@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "evaluate/study/definition.h"
+#include "evaluate/study/engine/local_engine.h"
 #include "evaluate/study/step.h"
+#include "report/records/study_record.h"
+#include "report/store/study_store.h"
 
 namespace plumbline {
 
@@ -42,5 +45,40 @@ void removeLeftovers(const std::filesystem::path& folder, const std::vector<Step
 
 /// Throws InputError unless a study's results lie in the folder.
 void requireNightFolder(const std::filesystem::path& folder);
+
+/// What is wrong with the last night's figures against the nights before.
+///
+/// Same inputs and same version: another value is an alarm ("deterministic"), for every figure that
+/// is not a duration.
+///
+/// Otherwise a session's figure x of night n is compared with its own past under the same inputs
+/// ("median"): bad where
+///   w (x_n - median) > sigma max(1.4826 MAD, floor |median|, least)
+/// over the last `window` nights that were not bad themselves, w = +1 where more is worse; both
+/// ways where neither is better. The alarm names the first night of the unbroken run of bad ones.
+///
+/// And a study's ("cusum"): d_n is the median over sessions of (x_n - x_r) / max(|x_r|, least /
+/// floor), r the session's first night under the same inputs, so that only sessions that both
+/// nights have are compared; S_n = max(0, S_{n-1} + d_n / s - slack) with s = max(1.4826 MAD of d,
+/// floor), an alarm above `cusum`, its first night the one after S was last 0.
+///
+/// A figure that was accepted on a night starts anew there.
+std::vector<StudyAlarm> judgeNight(int night, const std::vector<FigureSpan>& figures,
+                                   const std::vector<StudyAcceptance>& accepted,
+                                   const RegressionThresholds& thresholds);
+
+/// What a night's steps say together.
+struct MergedNight {
+  StudyRecord record;  ///< without statistics, alarms and nights
+  std::vector<StudyFigure> figures;
+  int steps_failed = 0;   ///< with a result that is a failure
+  int steps_missing = 0;  ///< without a result, though what they need is done
+};
+
+/// Puts the steps' rows beside what the definition says of their sessions, in its order. A session
+/// without a calibration is failed, with its step and message; other failures stand in the rows
+/// that they leave without a figure. Reads the rows from the night's folder.
+MergedNight mergeNight(const StudyDefinition& study, const std::filesystem::path& night,
+                       const std::vector<Step>& steps, const StepResults& results);
 
 }  // namespace plumbline

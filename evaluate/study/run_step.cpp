@@ -10,15 +10,14 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/workplace.h"
-#include "datasets/session/target_shape.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/input_hashes.h"
-#include "evaluate/study/step_rows.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,16 @@
 #include <string>
 
 #include "evaluate/study/step.h"
+#include "report/records/study_record.h"
 
 namespace plumbline {
+
+/// The rows that a finished step gives the study, from the records that its command left in
+/// `folder`: of kCalibrate one session, of kEvaluate one held-out score, of kPerturb a row an
+/// offset, of kCompare another tool's differences, of kTrajectory one trajectory, of kOdometry one
+/// a run; of kReplay the session's compliance; none of the others. Throws InputError where the
+/// records cannot be read.
+StudyRecord rowsOf(const Step& step, const std::filesystem::path& folder);
 
 /// Name of the plan in a study's folder.
 inline constexpr const char* kPlanFile = "plan.jsonl";

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/step_rows.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,11 +7,12 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/session/suggestions_reader.h"
 #include "evaluate/metrics/headline.h"
-#include "evaluate/replay/suggestion_outcomes.h"
+#include "evaluate/replay/stopping_rule.h"
 #include "evaluate/results/result_folder.h"
+#include "evaluate/study/run_step.h"
 #include "report/store/store.h"
 
 namespace plumbline {

@@ -14,10 +14,10 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 #include "evaluate/metrics/failure_text.h"
-#include "evaluate/metrics/trajectory/run_comparison.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/metrics/trajectory/verdict.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 

@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "calibrator/base/error.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/metrics/trajectory/alignment.h"
+#include "evaluate/metrics/trajectory/association.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
 #include "report/records/trajectory_record.h"
 
@@ -68,5 +72,44 @@ TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::pa
 /// never failed. `run` and `sequence` are named after the files of estimate and truth, or after the
 /// folder of the recording where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").
 TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage);
+
+/// Why nothing, or too little, was paired: both spans in seconds and what most likely differs (the
+/// unit, the epoch, the clock), or how far the nearest stamps are apart. Neither trajectory is
+/// empty.
+Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
+                           const Association& association, const AssociationOptions& options);
+
+/// One sentence for each odd thing about the pairs: a clock offset, poses without a partner or in
+/// gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
+std::vector<std::string> remarksOn(const Association& association);
+
+/// What is odd about the rotations of aligned poses.
+struct RotationRemark {
+  std::string text;  ///< "" where they agree within 15 degrees in the median
+  /// The option that makes their differences errors: there is another body frame, or one file maps
+  /// the world into the body. Empty where neither explains them.
+  std::string cure;
+};
+
+/// Why the rotations of poses that were aligned by their positions (least squares) disagree widely:
+/// another body frame (a camera against an IMU), or quaternions that one file has inverted. The
+/// cure is one that the evaluation accepts under `kind`, the alignment that was asked for.
+RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
+                                 const AlignmentRecord& alignment, AlignmentKind kind);
+
+/// kImplausible with the cure where quaternions were read in the wrong order, see
+/// quaternionOrderFault.
+std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs);
+
+/// What `evaluate trajectory` prints for a person: a table of errors, rmse first, the pairs and the
+/// alignment they stand on, and the remarks.
+std::string trajectorySummary(const TrajectoryEvaluation& evaluation);
+
+/// What `evaluate trajectories` prints for a person: completion and median ATE by sequence and
+/// calibration, paired differences, and why each run that is not complete is so.
+std::string runsSummary(const TrajectoryStudy& study);
+
+/// trajectory.csv: one row for each run.
+std::string runsTable(const TrajectoryRecord& record);
 
 }  // namespace plumbline

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/trajectory/frames.h"
-
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/hand_eye.h"
-#include "evaluate/trajectory/remarks.h"
+#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
 
 namespace plumbline {
 namespace {

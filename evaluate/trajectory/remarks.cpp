@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/trajectory/remarks.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
+#include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {
 namespace {

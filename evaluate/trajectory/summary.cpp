@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/trajectory/summary.h"
-
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/results/text.h"
+#include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/compared_plots.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "report/html/figure.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -6,9 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/number_text.h"
+#include "calibrator/base/option_check.h"
 #include "generated/report/embedded.h"
-#include "report/html/page_data.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -1,15 +1,105 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "report/html/page_parts.h"
+#include <kainjow/mustache.hpp>
+
 #include "report/html/section.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline::html_internal {
+
+/// A number at the top of the page; a wide one has room for a long note.
+struct Card {
+  std::string label, value, unit, note;
+  bool wide = false;
+};
+std::vector<Card> keyFigures(const CalibrationRecord& record);
+
+/// "cam0: fu, fv [px], k1 [-]; T_C0C1: tx [m]": the parameters of a covariance by owner, a unit
+/// after the last of its run.
+std::string parameterList(const ParameterCovariance& covariance);
+
+struct ParameterRow {
+  std::string name, value, std, unit, spread, ratio;
+  std::string interval;  ///< half width of the 90 % interval
+  std::string formal;    ///< beside a cluster-robust std
+};
+struct ParameterGroup {
+  std::string heading;
+  bool has_spread = false;
+  bool has_interval = false;
+  bool has_formal = false;
+  std::vector<ParameterRow> rows;
+};
+/// One group per camera, per extrinsic transform, and for the IMU.
+std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record);
+
+/// The time offset as each tool writes it: `number` is what stands in its field, `value` the same
+/// in a unit that people read.
+struct OffsetRow {
+  std::string tool, field, number, value, note;
+};
+std::vector<OffsetRow> offsetRows(double time_offset_s, std::optional<double> std_s);
+
+struct Pair {
+  std::string label, value;
+};
+/// Target, what was detected, and the file that was scored.
+std::vector<Pair> calibrationRows(const CalibrationRecord& record);
+/// Version, command, input, date, options; rows without a value are left out.
+std::vector<Pair> provenanceRows(const Provenance& provenance);
+/// Corner noise, loss, and with an IMU gravity and noise densities.
+std::vector<Pair> assumptionRows(const Assumptions& assumptions);
+
+// Values for the templates; what all pages have in common.
+
+using kainjow::mustache::data;
+
+/// A list, one element per item.
+template <class Items, class Make>
+data listOf(const Items& items, const Make& make) {
+  data list{data::type::list};
+  for (const auto& item : items) list.push_back(make(item));
+  return list;
+}
+
+data object(std::initializer_list<std::pair<std::string, std::string>> fields);
+data flag(bool value);
+/// The text, or false where it is empty, so that a section of the template is left out.
+data textOrNothing(const std::string& text);
+
+data figuresData(const std::vector<Figure>& figures);
+data cardsData(const std::vector<Card>& cards);
+data pairsData(const std::vector<Pair>& pairs);
+data blocksData(const std::vector<Block>& blocks);
+data sectionsData(const std::vector<Section>& sections);
+/// Rows of `cells` with the 4 x 4 matrix, its heading and its note.
+data matrixData(const std::string& heading, const Transform& T, const std::string& note);
+
+/// What stands above the verdict.
+struct PageHead {
+  std::string kicker;  ///< kind of the page, "Calibration report"
+  std::string name;
+  const Provenance& provenance;
+};
+
+/// Head, style and scripts; an empty table of contents.
+data startPage(const PageHead& head);
+/// Badge (of a good verdict with this word), sentence, findings that are not good, and those that
+/// are.
+void setVerdict(data& page, const Verdict& verdict, const std::string& sentence,
+                const std::string& good_word);
+/// Entries of the table of contents: id and title.
+void setContents(data& page, const std::vector<Pair>& entries);
+
+/// The page of a template, which may name the partials of report/html/templates/page_*.mustache.
+std::string renderTemplate(const std::string& text, data& page);
 
 /// What a page may have above its verdict: a part that its own script brings to life.
 struct PagePlayer {

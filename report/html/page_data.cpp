@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/page_data.h"
-
 #include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "generated/report/embedded.h"
+#include "report/html/page.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

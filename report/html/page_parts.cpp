@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/page_parts.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "report/html/text.h"
+#include "report/html/page.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

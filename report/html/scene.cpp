@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "report/html/stage_view.h"
-#include "report/plots/colour_maps.h"
+#include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
 namespace {

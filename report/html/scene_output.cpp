@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "report/html/scene.h"
 
 namespace plumbline::html_internal {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/stage_view.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "report/html/scene.h"
 
 namespace plumbline::html_internal {
 

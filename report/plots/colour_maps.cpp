@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/plots/colour_maps.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "report/plots/svg.h"
 
 namespace plumbline {
 

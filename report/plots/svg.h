@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "report/plots/plot_data.h"
 
@@ -29,3 +30,27 @@ std::string toSvg(const BoxPlot& plot, const std::string& id);
 const std::string& plotScripts();
 
 }  // namespace plumbline
+
+namespace plumbline {
+
+/// About `target` ticks (0.6 to 1.5 times as many) at round numbers (1, 2 or 5 times a power of
+/// ten) inside [range.min, range.max], ascending, labelled with just the digits that tell them
+/// apart. range.min < range.max; target >= 2.
+std::vector<AxisTick> roundTicks(const Range& range, int target);
+
+/// Smallest range over the finite values with `margin` (a share of the span) on either side; never
+/// empty: a single value gets a span of its own, no value gives [0, 1].
+Range rangeOf(const std::vector<const std::vector<double>*>& columns, double margin);
+
+}  // namespace plumbline
+
+namespace plumbline::internal {
+
+/// Deep blue to yellow, lightness rising steadily; 0 <= u <= 1 (clamped).
+Colour sequentialColour(double u);
+
+/// Blue over white (u = 0.5) to red; clamped.
+Colour divergingColour(double u);
+Colour errorColour(double u);  ///< green to dark violet: lines on white
+
+}  // namespace plumbline::internal

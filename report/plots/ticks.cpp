@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/plots/ticks.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
+
+#include "report/plots/svg.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
-#include "calibrator/base/statistics/estimated_variance.h"
+#include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

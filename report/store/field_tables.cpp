@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/store/field_tables.h"
-
 #include <map>
 #include <typeindex>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "report/records/study_record.h"
 #include "report/records/trajectory_record.h"
 #include "report/store/packed_fields.h"
+#include "report/store/run_rows.h"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/store/record_checks.h"
-
 #include <stdexcept>
+
+#include "report/store/run_rows.h"
 
 namespace plumbline::store_internal {
 namespace {

@@ -8,7 +8,6 @@
 #include "report/records/field_walker.h"
 #include "report/store/database.h"
 #include "report/store/packed_fields.h"
-#include "report/store/record_checks.h"
 #include "report/store/run_rows.h"
 
 namespace plumbline {

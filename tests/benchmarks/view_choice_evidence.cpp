@@ -22,11 +22,10 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/session/target_shape.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/online_orders.h"
 #include "evaluate/replay/view_orders.h"
 #include "evaluate/replay/view_pool.h"
 

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/target/tag_family.h"

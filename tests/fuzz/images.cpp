@@ -2,7 +2,6 @@
 // Decoders of images.
 #include "calibrator/base/image.h"
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg.h"
 #include "tests/fuzz/parser.h"
 
 namespace plumbline::fuzz {

@@ -9,12 +9,10 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/camera_stream.h"
-#include "datasets/session/corner_cache.h"
 #include "datasets/session/imu.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/session/study_reader.h"
-#include "datasets/session/suggestions_reader.h"
 #include "tests/fuzz/parser.h"
 
 namespace plumbline::fuzz {

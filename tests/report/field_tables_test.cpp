@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // docs/records.md is what the field lists say.
-#include "report/store/field_tables.h"
-
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 
 #include <gtest/gtest.h>
+
+#include "report/store/run_rows.h"
 
 namespace plumbline {
 namespace {

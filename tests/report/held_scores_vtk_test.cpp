@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "report/html/calibration/held_scores.h"
+#include "report/html/calibration/sections.h"
 #include "tests/report/calibration_scores.h"
 
 namespace plumbline::html_internal {

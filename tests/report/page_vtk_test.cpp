@@ -8,13 +8,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "report/html/calibration/imu_figures.h"
 #include "report/html/calibration/page.h"
-#include "report/html/page_parts.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/page.h"
 #include "report/html/scene.h"
-#include "report/html/stage_view.h"
-#include "report/html/text.h"
-#include "report/plots/colour_maps.h"
+#include "report/html/section.h"
+#include "report/plots/svg.h"
 #include "report/store/store.h"
 #include "tests/report/markup.h"
 #include "tests/report/synthetic_record.h"

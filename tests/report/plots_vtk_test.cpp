@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "report/plots/svg.h"
-#include "report/plots/ticks.h"
 #include "tests/report/markup.h"
 
 namespace plumbline {

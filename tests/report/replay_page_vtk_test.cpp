@@ -11,10 +11,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/html/replay/data.h"
-#include "report/html/replay/events.h"
 #include "report/html/replay/page.h"
-#include "report/html/text.h"
+#include "report/html/replay/sections.h"
+#include "report/html/section.h"
 #include "tests/report/synthetic_replay.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "calibrator/base/image.h"
-#include "calibrator/base/lie.h"
-#include "datasets/images/jpeg.h"
+#include "calibrator/base/transform.h"
+#include "datasets/images/image_io.h"
 
 namespace plumbline::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "calibrator/base/image.h"
-#include "datasets/images/jpeg.h"
+#include "datasets/images/image_io.h"
 #include "tests/report/synthetic_replay_parts.h"
 
 namespace plumbline::test {

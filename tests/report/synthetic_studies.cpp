@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "calibrator/base/lie.h"
-#include "evaluate/metrics/trajectory/run_comparison.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/metrics/trajectory/verdict.h"
 #include "tests/report/synthetic_record.h"
 
 namespace plumbline::test {

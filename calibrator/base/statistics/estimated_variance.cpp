@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/statistics/estimated_variance.h"
-
 #include <cmath>
 
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
+
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/statistics/robust_covariance.h"
-
 #include <cmath>
 #include <cstddef>
+
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 

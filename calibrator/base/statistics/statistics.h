@@ -6,6 +6,8 @@
 #include <array>
 #include <cassert>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace plumbline {
@@ -67,5 +69,63 @@ struct SampleStatistics {
 /// Statistics of `values`; all zero for none. `ddof` 0 divides the variance by n (evo, rpg), 1 by
 /// n - 1 (ov_eval; 0 there for a single value).
 SampleStatistics sampleStatistics(std::vector<double> values, int ddof = 0);
+
+/// Median of |e| over sigma where both axes of e have white noise of standard deviation sigma: that
+/// of the Rayleigh distribution, sqrt(2 ln 2).
+inline constexpr double kRayleighMedian = 1.1774100225154747;
+
+/// A variance that was estimated from data: dof value / truth is a chi-square deviate with `dof`
+/// degrees of freedom.
+struct EstimatedVariance {
+  double value = 0;
+  double dof = std::numeric_limits<double>::infinity();  ///< infinite: the variance is known
+};
+
+/// Of the sum of two independent quantities (Welch 1947; Satterthwaite 1946):
+///   v = v_1 + v_2,   dof = v^2 / (v_1^2 / dof_1 + v_2^2 / dof_2).
+EstimatedVariance sumOf(const EstimatedVariance& a, const EstimatedVariance& b);
+
+/// Standard deviations beside the degrees of freedom of the variances that they are roots of.
+struct RobustDeviations {
+  Eigen::VectorXd std, dof;
+};
+
+/// Half width of the 90 % interval about an estimate, in the unit of its deviation:
+///   std t,   t the quantile 0.95 of Student's t with `dof` degrees of freedom,
+/// of the normal distribution (1.645) where dof is infinite. NaN where either is, or dof is not
+/// above 0.
+double halfWidth90(double std, double dof);
+
+/// Of every deviation; empty where there are none or their degrees of freedom are not known.
+std::optional<Eigen::VectorXd> halfWidths90(const std::optional<Eigen::VectorXd>& std,
+                                            const std::optional<Eigen::VectorXd>& dof);
+
+/// Degrees of freedom of cluster-robust variances (calibrator/information/covariance.h). That
+/// of a combination l' p of the parameters is a sum over blocks,
+///   v = sum_b (a_b' s_b)^2,   a_b = A_b l,
+/// of scores s_b that have under white noise the covariance G_b where b = c less G_b G_c, G_b the
+/// blocks' leverage in whitened parameters: that of a_b' s_b is W, and (Satterthwaite 1946)
+///   dof = tr(W)^2 / tr(W^2).
+struct ClusterDegrees {
+  std::vector<Eigen::MatrixXd> adjustment;  ///< A_b
+  std::vector<Eigen::MatrixXd> leverage;    ///< G_b
+
+  double of(const Eigen::VectorXd& combination) const;
+};
+
+/// Cluster-robust ("sandwich") covariance of the cameras' parameters and the board's terms
+/// (calibrator/batch/camera/information.h).
+struct RobustCovariance {
+  Eigen::MatrixXd matrix;         ///< in the order of CameraLayout
+  Eigen::MatrixXd known;          ///< what of it no block tells: a known board's; empty: nothing
+  ClusterDegrees degrees;         ///< of the rest
+  int blocks = 0;                 ///< M: the rest has rank M - 1 at most
+  double correlation_frames = 1;  ///< correlation length of the scores [frames]
+
+  /// Of a combination l' p of the parameters.
+  EstimatedVariance variance(const Eigen::VectorXd& combination) const;
+  /// Of the first `count` parameters.
+  RobustDeviations deviations(Eigen::Index count) const;
+};
 
 }  // namespace plumbline

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/board/board_system.h"
-
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <memory>
 #include <vector>
 
-#include "calibrator/batch/board/joint_system.h"
+#include "calibrator/batch/board/higher_terms.h"
+#include "calibrator/batch/board/joint_target.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/linear/dense.h"

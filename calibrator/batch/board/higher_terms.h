@@ -2,12 +2,57 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/QR>
 #include <optional>
 
-#include "calibrator/batch/board/joint_system.h"
+#include "calibrator/base/april_grid.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
+
+/// Displacements of a board's single corners, 3 n numbers, that are no similarity and none of its
+/// terms (TargetBasis, HigherBasis): the orthogonal complement of those over the corners, in the
+/// plane and in height. Its basis are the last columns of the Q of their QR decompositions; a
+/// remainder is given by its coordinates there [m], those in the plane first. So the terms keep
+/// their meaning beside it, and scale and place of the board their own.
+class RemainderSpace {
+ public:
+  static constexpr int kMostCoordinates = 800;  // a board of 8 x 8 tags has 722
+  explicit RemainderSpace(const AprilGrid& board);
+
+  int plane() const { return static_cast<int>(plane_.rows() - plane_.rank()); }
+  int height() const { return static_cast<int>(height_.rows() - height_.rank()); }
+  int size() const { return plane() + height(); }
+  /// Whether there are remainders in the plane and in height, and not more than the dense systems
+  /// of their estimation are meant for, which cost the cube of size().
+  bool isUsable() const { return plane() > 0 && height() > 0 && size() <= kMostCoordinates; }
+
+  /// Products with x, y of corner 0, of corner 1, ..., then with all heights (3 n rows) become
+  /// those with the coordinates (size() rows).
+  Eigen::MatrixXd reduced(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
+
+  /// x, y, height of corner 0, of corner 1, ... from coordinates, and back.
+  Eigen::VectorXd corners(const Eigen::VectorXd& coordinates) const;
+  Eigen::VectorXd coordinates(const Eigen::VectorXd& corners) const;
+
+ private:
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> plane_, height_;
+};
+
+/// Normal equations of all parameters together about an estimate, the poses eliminated, in units of
+/// pixel_sigma: g the cameras and the twelve terms in the layout's order with what is known of them
+/// beforehand, h the higher terms without their prior. S is the information, s the gradient.
+struct JointSystem {
+  Eigen::MatrixXd S_gg, S_gh, S_hh;
+  Eigen::VectorXd s_g;
+  Eigen::MatrixXd scores;  ///< s_h of every frame
+};
+/// Of a problem whose estimate has the board's terms.
+JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& estimate,
+                        BoardDetail detail);
+
+/// Of a board under estimation to that detail; none where it has no remainders.
+std::optional<RemainderSpace> remainderSpaceOf(const AprilGrid& board, BoardDetail detail);
 
 /// What the board's shape has beside the twelve terms of TargetBasis: terms of degrees 3 and 4
 /// (HigherBasis), and with BoardDetail::kCorners the remainders of single corners behind them, as

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/board/joint_system.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/residuals/tangent.h"
 

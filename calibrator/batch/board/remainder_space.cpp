@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/board/remainder_space.h"
+#include "calibrator/batch/board/higher_terms.h"
 
 namespace plumbline {
 

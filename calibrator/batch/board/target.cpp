@@ -8,12 +8,11 @@
 #include <utility>
 
 #include "calibrator/batch/board/higher_terms.h"
-#include "calibrator/batch/board/remainder_space.h"
-#include "calibrator/batch/camera/held_out.h"
-#include "calibrator/batch/camera/robust_covariance.h"
+#include "calibrator/batch/camera/information.h"
+#include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/initialise/lens_fit.h"
+#include "calibrator/initialise/camera_start.h"
 
 namespace plumbline {
 namespace {

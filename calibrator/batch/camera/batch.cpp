@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/problem.h"

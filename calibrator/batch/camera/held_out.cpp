@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/held_out.h"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
 #include "calibrator/batch/board/higher_terms.h"
+#include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
 
 namespace plumbline {

@@ -10,8 +10,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/board/target.h"
-#include "calibrator/batch/camera/held_out.h"
-#include "calibrator/initialise/lens_fit.h"
+#include "calibrator/initialise/camera_start.h"
 
 namespace plumbline {
 namespace {

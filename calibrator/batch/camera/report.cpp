@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/batch/bias_ratio.h"
 #include "calibrator/batch/board/higher_terms.h"
-#include "calibrator/batch/camera/robust_covariance.h"
+#include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
+#include "calibrator/batch/halves.h"
 #include "calibrator/information/covariance.h"
 
 namespace plumbline {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera/robust_covariance.h"
-
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/information/cluster_robust.h"
+#include "calibrator/batch/camera/information.h"
 #include "calibrator/information/covariance.h"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {

@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/batch/camera_imu/effective_scores.h"
-#include "calibrator/batch/camera_imu/fault_candidates.h"
+#include "calibrator/batch/camera_imu/effective_terms.h"
 #include "calibrator/batch/camera_imu/score_tests.h"
 
 namespace plumbline {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/effective_scores.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "calibrator/batch/camera_imu/effective_terms.h"
 #include "calibrator/linear/block_arrow.h"
 
 namespace plumbline {

@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/residuals/tangent.h"
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Internal to the score tests: whitened rows of views and links by the columns of the batch and of
-// every fault.
-
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/batch/camera_imu/problem.h"
-#include "calibrator/residuals/sample_faults.h"
+#include "calibrator/linear/block_arrow.h"
+#include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
+
+// Internal to the score tests: whitened rows of views and links by the columns of the batch and of
+// every fault.
 
 /// Columns of faults that the batch does not estimate, behind those of its border.
 struct FaultColumns {
@@ -69,5 +70,47 @@ std::vector<FaultViewTerms> viewTerms(const CameraImuProblem& problem,
 std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const FaultColumns& columns, double sway_hz);
+
+// Internal to the score tests: where the faults are that happen at some instant or frequency.
+
+/// The frequency [Hz] of the largest periodogram of the forces left over, in F. It is looked for in
+/// the residuals as they are: what the states absorb of a sine changes its size, not its frequency.
+double swayFrequency(const CameraImuProblem& problem, const CameraImuSolution& solution);
+
+/// Instants of the links where a jump explains most, camera clock.
+struct JumpPlaces {
+  TimeNs gyro_at = 0, accel_at = 0, target_at = 0;
+  /// What a displacement of the target explains in one link of twenty, over what it would by
+  /// chance: large where every link has residuals of its own.
+  double target_dispersion = 1;
+};
+
+/// Puts the jumps' columns into the links that they explain best: the largest
+///   s' A^-1 s,   s = C' r,   A = C' (1 - J S J') C,
+/// C what the jump adds to the link's whitened residual r, J its Jacobian and S the covariance of
+/// states and border.
+JumpPlaces placeJumps(const CameraImuProblem& problem, const FaultColumns& columns,
+                      const ChainCovariance& S, std::vector<LinkTerms>& links);
+
+/// Score and information of a piece of the recording about the border's and the faults' columns,
+/// with all states adapting: with J the whitened Jacobian, r the residual, W = dx/dB the response
+/// of the states, J~ = J_B + J_x W:   gradient = sum J~' r,   information = sum J~' J~.
+struct ScoreBlock {
+  TimeNs begin = 0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd information;
+};
+
+struct EffectiveScores {
+  std::vector<ScoreBlock> blocks;
+  double sway_hz = 0;  ///< frequency at which the forces left over in F are largest
+  JumpPlaces jumps;
+};
+
+/// In blocks of about `block_s` seconds. Empty where the system has no inverse or samples do not
+/// cover a window.
+std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
+                                               const CameraImuSolution& solution,
+                                               const FaultColumns& columns, double block_s);
 
 }  // namespace plumbline

@@ -2,7 +2,7 @@
 // The unknowns of the camera-IMU batch: where they stand, and how a step moves them.
 #include <algorithm>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "calibrator/residuals/tangent.h"

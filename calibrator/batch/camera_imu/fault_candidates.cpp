@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/fault_candidates.h"
+#include "calibrator/batch/camera_imu/diagnosis.h"
 
 namespace plumbline {
 namespace {

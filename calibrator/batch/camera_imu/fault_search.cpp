@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/fault_search.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <numbers>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/batch/camera_imu/effective_terms.h"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include <atomic>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/linear/row_kernels.h"
+#include "calibrator/linear/dense.h"
 #include "calibrator/residuals/tangent.h"
 
 namespace plumbline {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/covariance.h"

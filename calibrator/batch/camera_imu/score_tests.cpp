@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/information/cluster_robust.h"
+#include "calibrator/information/covariance.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

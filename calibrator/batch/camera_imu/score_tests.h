@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "calibrator/base/results.h"
-#include "calibrator/base/statistics/estimated_variance.h"
-#include "calibrator/batch/camera_imu/effective_scores.h"
+#include "calibrator/base/statistics/statistics.h"
+#include "calibrator/batch/camera_imu/effective_terms.h"
 
 namespace plumbline {
 
@@ -57,7 +57,7 @@ class ScoreTests {
   Eigen::Matrix<double, 7, 1> robustStd() const;
   Eigen::Matrix<double, 7, 1> formalStd() const;
   /// Those of the calibration: adjusted for the leverage of every block, blocks joined where
-  /// neighbours correlate (calibrator/information/cluster_robust.h). Degrees of freedom are those
+  /// neighbours correlate (calibrator/information/covariance.h). Degrees of freedom are those
   /// of the joined blocks.
   RobustDeviations clusterRobustDeviations() const;
 

@@ -7,10 +7,9 @@
 #include <cstdlib>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/base/statistics/rayleigh.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/initialise/imu_gravity.h"
+#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {

@@ -14,7 +14,6 @@
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/imu_rates.h"
 
 namespace plumbline {
 

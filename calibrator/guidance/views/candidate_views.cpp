@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include "calibrator/base/measurement_model.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/view_terms.h"
-#include "calibrator/guidance/camera_frames.h"
+#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/information/predicted_error.h"
 

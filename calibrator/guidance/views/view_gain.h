@@ -21,8 +21,8 @@ inline constexpr int kViewChunk = 8;
 
 /// Which tags of a target a camera sees: those with all four corners inside the image by a border
 /// and inside the camera model's domain, and no side shorter than a limit; the same as simulated
-/// recordings have (calibrator/simulate/simulate_views.h), made for many views of one camera. What
-/// depends on the intrinsics alone (the radius at which the distortion folds) is found once.
+/// recordings have (calibrator/simulate/simulate_session.h), made for many views of one camera.
+/// What depends on the intrinsics alone (the radius at which the distortion folds) is found once.
 class VisibleTags {
  public:
   struct Limits {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

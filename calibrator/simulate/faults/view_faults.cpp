@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/operator/operator_skill.h"
-
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/simulate/operator/simulated_operator.h"
 
 namespace plumbline {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/operator/own_views.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/simulate/operator/simulated_operator.h"
 
 namespace plumbline {
 namespace {

@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "calibrator/camera/camera_dispatch.h"
-#include "calibrator/simulate/simulate_imu.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 

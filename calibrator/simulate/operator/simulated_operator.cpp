@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

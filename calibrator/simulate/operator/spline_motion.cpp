@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/operator/spline_motion.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/simulate/operator/rig_sensors.h"
 
 namespace plumbline {
 namespace {

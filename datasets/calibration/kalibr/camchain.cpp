@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/files/yaml_map.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/options/fault_words.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,7 +9,8 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/cli/options/simulation_options.h"
 
 namespace plumbline {
 namespace {

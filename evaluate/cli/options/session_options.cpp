@@ -17,7 +17,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/terminal.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "generated/version.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/options/target_shape_words.h"
-
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/options/simulation_options.h"
 
 namespace plumbline {
 namespace {

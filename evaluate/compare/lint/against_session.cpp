@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/imu_gravity.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "evaluate/compare/lint/rules.h"
 #include "evaluate/metrics/failure_text.h"

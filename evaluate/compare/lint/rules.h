@@ -8,7 +8,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
-#include "calibrator/initialise/imu_rates.h"
+#include "calibrator/initialise/imu_alignment.h"
 #include "evaluate/compare/lint.h"
 
 namespace plumbline::lint {

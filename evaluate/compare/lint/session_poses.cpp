@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/start.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/compare/lint/rules.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,9 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/metrics/verdict.h"
 #include "evaluate/results/progress.h"
+#include "report/records/calibration_record.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline {
@@ -65,5 +67,13 @@ SessionScores scoreSession(const ScoredCalibration& scored, const Session& sessi
 /// The score of a session that the calibration has not seen: part "all", held out.
 CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,
                               const ScoreOptions& options);
+
+/// What the scores of a calibration that was held fixed say: its errors over the image on the
+/// recording, with the thresholds of a calibration's own verdict, and the scores that could not be
+/// had. The headline leads with its RMSE on every session, held out where it is known to be.
+/// For a record with `held`. `unused_shape` is the file of the board's shape that the calibration
+/// came with, where the board was taken as stated all the same ("": none).
+Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape = "",
+                     const VerdictThresholds& thresholds = {});
 
 }  // namespace plumbline

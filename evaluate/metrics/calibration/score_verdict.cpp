@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/calibration/score_verdict.h"
-
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
 

@@ -7,7 +7,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
-#include "evaluate/metrics/target_layout.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/metrics/verdict.h"
 #include "report/records/calibration_record.h"
 

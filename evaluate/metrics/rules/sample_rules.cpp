@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/initialise/screening.h"
 #include "evaluate/metrics/rules/rules.h"
 

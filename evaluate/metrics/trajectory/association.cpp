@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "evaluate/metrics/trajectory/stamp_matching.h"
-
 namespace plumbline {
 namespace {
 

@@ -7,9 +7,9 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/metrics/trajectory/association.h"
 #include "evaluate/metrics/trajectory/quaternion_use.h"
-#include "evaluate/metrics/trajectory/stamp_matching.h"
 
 namespace plumbline {
 

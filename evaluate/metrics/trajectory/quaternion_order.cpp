@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 
 namespace plumbline {

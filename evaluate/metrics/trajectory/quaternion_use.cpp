@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/trajectory/run_comparison.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +11,7 @@
 #include <boost/math/distributions/binomial.hpp>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/metrics/trajectory/verdict.h"
 
 namespace plumbline {
 namespace {

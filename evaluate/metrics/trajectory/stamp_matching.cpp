@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/trajectory/stamp_matching.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <queue>
 #include <tuple>
+
+#include "evaluate/metrics/trajectory/association.h"
 
 namespace plumbline {
 namespace {

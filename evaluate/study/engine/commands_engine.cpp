@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/engine/commands_engine.h"
-
 #include <algorithm>
 #include <map>
 
@@ -10,6 +8,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/engine/local_engine.h"
+#include "evaluate/study/engine/slurm_engine.h"
 
 namespace plumbline {
 

@@ -11,7 +11,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/process/process.h"
-#include "evaluate/results/parallel_for.h"
+#include "evaluate/results/progress.h"
 #include "evaluate/study/run_step.h"
 
 namespace plumbline {

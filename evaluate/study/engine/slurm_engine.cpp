@@ -19,7 +19,6 @@
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/engine/commands_engine.h"
 
 namespace plumbline {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/held_scores.h"
-
 #include <algorithm>
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "report/html/text.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/section.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/imu_figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "report/html/calibration/sections.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

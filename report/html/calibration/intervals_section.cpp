@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/intervals_section.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "report/html/stage_view.h"
-#include "report/html/text.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/scene.h"
+#include "report/html/section.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

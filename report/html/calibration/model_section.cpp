@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/model_section.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "report/html/text.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -4,20 +4,11 @@
 #include <fmt/format.h>
 
 #include "generated/report/embedded.h"
-#include "report/html/calibration/held_scores.h"
-#include "report/html/calibration/imu_figures.h"
-#include "report/html/calibration/intervals_section.h"
-#include "report/html/calibration/model_section.h"
-#include "report/html/calibration/reprojection_figures.h"
-#include "report/html/calibration/target_section.h"
-#include "report/html/calibration/views_section.h"
-#include "report/html/compared_plots.h"
-#include "report/html/image_maps.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/figure.h"
 #include "report/html/page.h"
-#include "report/html/page_data.h"
-#include "report/html/page_parts.h"
 #include "report/html/scene.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
 
 namespace plumbline {
 namespace {

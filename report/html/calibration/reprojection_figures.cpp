@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/reprojection_figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
-#include "report/html/compared_plots.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/figure.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

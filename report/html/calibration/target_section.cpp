@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/target_section.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "report/html/calibration/sections.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

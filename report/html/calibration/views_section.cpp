@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/views_section.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,8 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "generated/report/embedded.h"
-#include "report/html/page_data.h"
-#include "report/html/text.h"
+#include "report/html/calibration/sections.h"
+#include "report/html/page.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

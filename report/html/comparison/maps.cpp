@@ -7,10 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "report/html/compared_plots.h"
 #include "report/html/comparison/sections.h"
-#include "report/html/image_maps.h"
-#include "report/html/text.h"
+#include "report/html/figure.h"
+#include "report/html/section.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

@@ -7,7 +7,7 @@
 
 #include "report/html/comparison/sections.h"
 #include "report/html/page.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 
 namespace plumbline {

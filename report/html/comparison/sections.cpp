@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "report/html/page_parts.h"
-#include "report/html/text.h"
+#include "report/html/page.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

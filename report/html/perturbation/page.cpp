@@ -8,7 +8,7 @@
 
 #include "report/html/page.h"
 #include "report/html/perturbation/figures.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
 
 namespace plumbline {
 namespace {

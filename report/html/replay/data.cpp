@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/replay/data.h"
-
 #include <algorithm>
 #include <functional>
 #include <limits>
 
 #include <nlohmann/json.hpp>
 
-#include "report/html/replay/events.h"
-#include "report/html/replay/quarter_pixels.h"
-#include "report/html/replay/rounds.h"
+#include "report/html/replay/sections.h"
 #include "report/html/scene.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/replay/events.h"
-
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include <fmt/format.h>
+
+#include "report/html/replay/sections.h"
 
 namespace plumbline::html_internal {
 namespace {

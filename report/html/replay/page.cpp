@@ -7,10 +7,8 @@
 
 #include "generated/report/embedded.h"
 #include "report/html/page.h"
-#include "report/html/page_data.h"
-#include "report/html/replay/data.h"
 #include "report/html/replay/sections.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/replay/rounds.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/html/replay/quarter_pixels.h"
-#include "report/html/text.h"
+#include "report/html/replay/sections.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -5,9 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
-#include "report/html/replay/events.h"
-#include "report/html/text.h"
+#include "calibrator/base/transform.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

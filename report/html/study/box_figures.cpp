@@ -7,9 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/study/figure_parts.h"
-#include "report/html/study/figures.h"
-#include "report/html/study/tables.h"
+#include "report/html/study/sections.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

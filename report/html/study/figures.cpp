@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/study/figures.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/study/figure_parts.h"
-#include "report/html/study/tables.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
+#include "report/html/study/sections.h"
 #include "report/plots/svg.h"
-#include "report/plots/ticks.h"
 
 namespace plumbline::html_internal {
 namespace {

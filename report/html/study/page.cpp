@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 
 #include "report/html/page.h"
-#include "report/html/study/figures.h"
-#include "report/html/study/results.h"
-#include "report/html/study/tables.h"
+#include "report/html/study/sections.h"
 
 namespace plumbline {
 namespace {

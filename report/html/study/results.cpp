@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/study/results.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/study/tables.h"
+#include "report/html/study/sections.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/study/tables.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "report/html/study/figure_parts.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
+#include "report/html/study/sections.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/trajectory/figures.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,10 +9,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/text.h"
+#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/svg.h"
-#include "report/plots/ticks.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/text.h"
-#include "report/html/trajectory/figures.h"
+#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/svg.h"
 

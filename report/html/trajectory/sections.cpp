@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "report/html/text.h"
-#include "report/html/trajectory/figures.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "report/plots/svg.h"
-#include "report/plots/ticks.h"
 #include "report/plots/vtk/chart_page.h"
 
 namespace plumbline {

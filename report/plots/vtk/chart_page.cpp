@@ -17,8 +17,8 @@
 #include <vtkTable.h>
 #include <vtkTextProperty.h>
 
-#include "report/plots/ticks.h"
-#include "report/plots/vtk/svg_text.h"
+#include "report/plots/svg.h"
+#include "report/plots/vtk/svg_device.h"
 
 namespace plumbline::internal {
 namespace {

@@ -8,7 +8,7 @@
 #include <vtkNew.h>
 
 #include "report/plots/plot_data.h"
-#include "report/plots/vtk/drawn.h"
+#include "report/plots/vtk/svg_device.h"
 
 namespace plumbline::internal {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/plots/vtk/drawn.h"
-
 #include <vtkObjectFactory.h>
+
+#include "report/plots/vtk/svg_device.h"
 
 namespace plumbline::internal {
 namespace {

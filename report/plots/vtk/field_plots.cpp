@@ -9,9 +9,7 @@
 #include <vtkPlotHistogram2D.h>
 #include <vtkPolyData.h>
 
-#include "report/plots/colour_maps.h"
 #include "report/plots/svg.h"
-#include "report/plots/ticks.h"
 #include "report/plots/vtk/chart_page.h"
 
 namespace plumbline {

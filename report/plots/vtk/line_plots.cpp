@@ -2,9 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/plots/colour_maps.h"
 #include "report/plots/svg.h"
-#include "report/plots/ticks.h"
 #include "report/plots/vtk/chart_page.h"
 
 namespace plumbline {

@@ -18,9 +18,8 @@
 #include <vtkUnicodeString.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "report/plots/base64.h"
-#include "report/plots/vtk/svg_text.h"
 
 namespace plumbline::internal {
 namespace {

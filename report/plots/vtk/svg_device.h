@@ -2,12 +2,33 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include <vtkContext2D.h>
 #include <vtkContextDevice2D.h>
+#include <vtkContextItem.h>
+#include <vtkPlot.h>
 
 namespace plumbline::internal {
+
+/// Escapes &, <, > and quotes for XML text and attributes.
+std::string escapeXml(const std::string& text);
+
+/// A coordinate to a tenth of a pixel, without trailing zeros ("12", "12.5", "-0.1").
+std::string pixel(double value);
+
+/// The same to a hundredth: of data that are zoomed.
+std::string finePixel(double value);
+
+/// "x,y x,y ..." of page points x y x y, each as `write` has it.
+std::string pointList(const std::vector<double>& points, std::string (*write)(double) = pixel);
+
+/// A line's points (page pixels, x y x y) thinned to what can be seen. Where x never falls: of each
+/// half pixel the first, the lowest, the highest and the last. Otherwise: equal neighbours (to a
+/// tenth of a pixel) are merged. Short lines stay as they are.
+std::vector<double> thinLine(const std::vector<double>& points);
 
 /// A device for VTK's 2D painter that writes SVG text. It stands in for vtkSVGContextDevice2D,
 /// whose faults (VTK 9.1) spoil charts: clips in data units and unflipped, six digits, anisotropic
@@ -94,6 +115,33 @@ class SvgDevice : public vtkContextDevice2D {
   int clip_count_ = 0;
   bool clip_open_ = false;
   bool in_data_ = false;
+};
+
+/// Paints with VTK's 2D painter; coordinates are those of the item that calls it.
+using Drawing = std::function<void(vtkContext2D& painter, SvgDevice& device)>;
+
+/// What VTK has no plot for (bars with titles, boxes, arrows, cell labels), inside the axes and
+/// clipped by them. Coordinates run from 0 to 1 along both axes.
+class DrawnPlot : public vtkPlot {
+ public:
+  Drawing drawing;  ///< nothing is painted while it is empty
+  static DrawnPlot* New();
+  bool Paint(vtkContext2D* painter) override;
+  void GetBounds(double bounds[4]) override;
+
+ protected:
+  DrawnPlot() = default;
+};
+
+/// What stands beside the axes (title, legend, colour bar). Coordinates are pixels, y up.
+class DrawnItem : public vtkContextItem {
+ public:
+  Drawing drawing;  ///< nothing is painted while it is empty
+  static DrawnItem* New();
+  bool Paint(vtkContext2D* painter) override;
+
+ protected:
+  DrawnItem() = default;
 };
 
 }  // namespace plumbline::internal

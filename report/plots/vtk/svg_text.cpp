@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/plots/vtk/svg_text.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "report/plots/vtk/svg_device.h"
 
 namespace plumbline::internal {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/lie.h"
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

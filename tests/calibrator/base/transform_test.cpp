@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
-
 namespace plumbline {
 namespace {
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The systematic share of residuals: none for white noise, known for an error that is put in, most
 // of it for a lens model that misfits.
-#include "calibrator/batch/bias_ratio.h"
-
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/halves.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/results.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/faults/fault.h"

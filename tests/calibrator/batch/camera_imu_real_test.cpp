@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/batch/euroc_recording.h"

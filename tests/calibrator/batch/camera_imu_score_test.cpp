@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 

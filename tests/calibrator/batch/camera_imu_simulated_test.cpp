@@ -4,7 +4,7 @@
 // camera_imu_statistics_test.
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {

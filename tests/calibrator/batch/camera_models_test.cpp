@@ -8,7 +8,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/lens_fit.h"
+#include "calibrator/initialise/camera_start.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/simulate_session.h"

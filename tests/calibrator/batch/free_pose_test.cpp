@@ -8,8 +8,8 @@
 
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/camera/robust_covariance.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

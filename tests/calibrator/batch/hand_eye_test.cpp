@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/trajectory.h"
 

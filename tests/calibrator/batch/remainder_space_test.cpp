@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What single corners do beside a similarity and the board's terms.
-#include "calibrator/batch/board/remainder_space.h"
-
 #include <gtest/gtest.h>
+
+#include "calibrator/batch/board/higher_terms.h"
 
 namespace plumbline {
 namespace {

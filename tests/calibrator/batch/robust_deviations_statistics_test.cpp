@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/statistics/estimated_variance.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/two_stages.h"

@@ -10,10 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "calibrator/simulate/simulate_views.h"
 
 namespace plumbline::test {
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

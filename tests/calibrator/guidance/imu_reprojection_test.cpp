@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The expected error of points that the IMU predicts, against drawn errors and motions, and under
 // other frames for the same rig.
-#include "calibrator/guidance/imu_reprojection.h"
-
 #include <Eigen/Cholesky>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/rig.h"
 

@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/simulate/rig.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

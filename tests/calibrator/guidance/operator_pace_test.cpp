@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Suggestions by gain per second: the way to a view costs what distance and turn take, nearer views
 // are asked for first, and on no way is the target lost.
-#include "calibrator/guidance/operator_pace.h"
-
 #include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/guidance/guide_options.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {

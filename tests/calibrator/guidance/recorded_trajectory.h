@@ -6,7 +6,7 @@
 
 #include "calibrator/guidance/trajectory_gain.h"
 #include "calibrator/simulate/random_stream.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/window/imu_window_recording.h"
 
 namespace plumbline::test {

@@ -13,7 +13,7 @@
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/window/stereo_frames.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/window/stereo_frames.h"
 
 namespace plumbline {

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/simulate/random_stream.h"
-#include "calibrator/simulate/simulate_views.h"
+#include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The cluster-robust covariance of a linear model by blocks that are few and unlike.
-#include "calibrator/information/cluster_robust.h"
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
@@ -9,6 +7,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "calibrator/information/covariance.h"
 
 namespace plumbline {
 namespace {

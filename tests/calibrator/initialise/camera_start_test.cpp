@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/simulate/simulate_session.h"
 

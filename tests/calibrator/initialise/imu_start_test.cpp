@@ -2,9 +2,8 @@
 // First guesses of the camera-IMU stage from exact poses and samples of an analytic trajectory.
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/imu_gravity.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

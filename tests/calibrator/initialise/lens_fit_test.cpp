@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A lens in another model.
-#include "calibrator/initialise/lens_fit.h"
-
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera.h"
+#include "calibrator/initialise/camera_start.h"
 #include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {

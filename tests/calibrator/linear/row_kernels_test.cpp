@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kernels against Eigen's own products and factors. Only the version that this machine runs is
 // tested.
-#include "calibrator/linear/row_kernels.h"
-
 #include <Eigen/Cholesky>
 #include <cstdlib>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/odometry/odometry.h"
 #include "tests/calibrator/odometry/room_flight.h"
 

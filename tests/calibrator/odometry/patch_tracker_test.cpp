@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/odometry/patch_tracker.h"
-
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/odometry/corner_picker.h"
+#include "calibrator/odometry/feature_tracker.h"
 
 namespace plumbline {
 namespace {

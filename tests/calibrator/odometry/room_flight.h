@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/session.h"
-#include "calibrator/odometry/tracks.h"
+#include "calibrator/odometry/rig_model.h"
 #include "calibrator/simulate/simulate_flight.h"
 
 namespace plumbline {

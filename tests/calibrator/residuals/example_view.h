@@ -3,7 +3,6 @@
 
 #include <random>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"

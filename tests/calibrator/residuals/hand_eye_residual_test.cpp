@@ -3,7 +3,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/hand_eye.h"
 #include "tests/calibrator/residuals/imu_oracle.h"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "tests/calibrator/residuals/imu_test_data.h"
 
 namespace plumbline {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline::test {

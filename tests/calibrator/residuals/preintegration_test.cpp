@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pre-integration: hand values, second order of accuracy, Jacobians three ways, covariance by
 // sampling, range edges. Not proven here: anything about gravity or frames (imu_residual_test).
-#include "calibrator/residuals/preintegration.h"
-
 #include <Eigen/LU>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/residuals/imu_test_data.h"
 
 namespace plumbline {

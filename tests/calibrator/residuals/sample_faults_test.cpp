@@ -2,13 +2,12 @@
 // Derivatives of the pre-integrated motion by faults of the samples, against pre-integrating
 // samples from which the fault was removed. Not proven here: that estimates built on them are right
 // (camera_imu_diagnosis_test).
-#include "calibrator/residuals/sample_faults.h"
-
 #include <functional>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/residuals/imu_residual.h"
 #include "tests/calibrator/residuals/imu_test_data.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/residuals/instruction_set.h"
 #include "calibrator/residuals/view_gram.h"

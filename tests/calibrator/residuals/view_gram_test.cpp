@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/residuals/field_gram.h"
 #include "calibrator/residuals/instruction_set.h"
-#include "calibrator/residuals/plain_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
 #include "tests/calibrator/residuals/example_view.h"
 #include "tests/calibrator/residuals/naive_gram.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The surface between a board's corners passes through them.
-#include "calibrator/simulate/board_surface.h"
-
 #include <gtest/gtest.h>
+
+#include "calibrator/simulate/render.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "tests/calibrator/simulate/fault_recordings.h"
 
 namespace plumbline {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "calibrator/base/lie.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/trajectory.h"

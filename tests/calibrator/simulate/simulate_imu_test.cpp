@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/simulate_imu.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/simulate_views.h"
-
 #include <cmath>
 #include <map>
 #include <string>
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Velocities and accelerations of a spline are the derivatives of its poses, across segments too;
 // a constant speed stays one; what is added later does not move what was.
-#include "calibrator/simulate/operator/spline_motion.h"
-
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "calibrator/simulate/operator/rig_sensors.h"
 
 namespace plumbline {
 namespace {

@@ -2,8 +2,7 @@
 // The parts of the detector that know the grid but no pixels.
 #include <gtest/gtest.h>
 
-#include "calibrator/target/grid_tags.h"
-#include "calibrator/target/local_map.h"
+#include "calibrator/target/grid_search.h"
 #include "calibrator/target/quad_finder.h"
 #include "tests/calibrator/target/rendered_grid.h"
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "tests/datasets/calibration/kalibr_texts.h"
 #include "tests/datasets/refusal.h"

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "datasets/session/imu.h"

@@ -11,7 +11,7 @@
 #include "datasets/calibration/export/calibration_export.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/calibration/plausible.h"
-#include "datasets/files/shown_text.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/camera_stream.h"
 #include "tests/datasets/refusal.h"

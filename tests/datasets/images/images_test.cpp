@@ -14,7 +14,7 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/corner_cache.h"
+#include "datasets/session/camera_stream.h"
 #include "datasets/session/session_folder.h"
 #include "tests/datasets/refusal.h"
 

@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"

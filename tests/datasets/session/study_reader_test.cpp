@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A study's definition as a file.
-#include "datasets/session/study_reader.h"
-
 #include <filesystem>
 #include <fstream>
 
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session/session_folder.h"
 #include "tests/datasets/refusal.h"
 
 namespace plumbline {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // target_shape.yaml: what is written is read, and each fault of a file has its code and line.
-#include "datasets/session/target_shape.h"
-
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "datasets/session/session_folder.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 

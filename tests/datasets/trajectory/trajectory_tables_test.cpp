@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/trajectory/trajectory_reader.h"
 #include "tests/datasets/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/calibration/calibration_files.h"
+#include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/calibration/evaluate_calibration.h"
 #include "tests/report/calibration_scores.h"
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which images of a recording a record keeps.
-#include "evaluate/calibration/view_images.h"
-
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg.h"
+#include "evaluate/calibration/calibrate_session.h"
 
 namespace plumbline {
 namespace {

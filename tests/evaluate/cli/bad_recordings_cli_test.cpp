@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <regex>
 
-#include "datasets/session/target_shape.h"
+#include "datasets/session/session_folder.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {

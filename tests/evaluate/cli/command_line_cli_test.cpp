@@ -7,7 +7,7 @@
 
 #include <sys/stat.h>
 
-#include "evaluate/cli/options/target_shape_words.h"
+#include "evaluate/cli/options/simulation_options.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {

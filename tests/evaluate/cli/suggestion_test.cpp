@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/cli/suggestion.h"
-
 #include <gtest/gtest.h>
+
+#include "evaluate/cli/terminal.h"
 
 namespace plumbline {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/simulate/rig.h"
 #include "evaluate/compare/lint.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which of several calibrations is the outlier, and when none is.
-#include "evaluate/compare/lone.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>

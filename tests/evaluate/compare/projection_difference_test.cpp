@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "evaluate/compare/maps.h"
+#include "evaluate/compare/compare_calibrations.h"
 
 namespace plumbline {
 namespace {

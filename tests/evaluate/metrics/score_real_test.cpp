@@ -7,13 +7,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/compare/projection_difference.h"
 #include "evaluate/metrics/calibration/score.h"
-#include "evaluate/session/match_cameras.h"
+#include "evaluate/session/load_session.h"
 #include "tests/evaluate/metrics/other_solver.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/session/match_cameras.h"
+#include "evaluate/session/load_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/calibration/score_verdict.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "evaluate/metrics/calibration/score.h"
 
 namespace plumbline {
 namespace {

@@ -10,9 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/metrics/coverage.h"
-#include "evaluate/metrics/target_layout.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/odometry/calibration_hint.h"
 #include "tests/calibrator/odometry/room_flight.h"
 

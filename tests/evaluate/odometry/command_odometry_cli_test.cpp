@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/results/text.h"
 #include "tests/evaluate/cli/command_line.h"

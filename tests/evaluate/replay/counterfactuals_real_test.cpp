@@ -8,7 +8,6 @@
 
 #include "datasets/session/session_reader.h"
 #include "evaluate/replay/counterfactuals.h"
-#include "evaluate/replay/curves.h"
 
 namespace plumbline {
 namespace {

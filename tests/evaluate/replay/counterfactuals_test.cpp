@@ -10,7 +10,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/curves.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "evaluate/replay/summary.h"
+#include "evaluate/replay/replay_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which images a frame of a replay shows.
-#include "evaluate/replay/images.h"
-
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
 #include "datasets/images/image_io.h"
-#include "datasets/images/jpeg.h"
 #include "evaluate/replay/frames.h"
+#include "evaluate/replay/replay_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Views chosen while they come, on simulated pools of which the truth is known.
-#include "evaluate/replay/online_orders.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>

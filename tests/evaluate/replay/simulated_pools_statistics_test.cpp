@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/replay/curves.h"
+#include "evaluate/replay/counterfactuals.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How suggestions ended, and how an operator followed those of a guided recording.
-#include "evaluate/replay/suggestion_outcomes.h"
-
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/frames.h"
+#include "evaluate/replay/stopping_rule.h"
 
 namespace plumbline {
 namespace {

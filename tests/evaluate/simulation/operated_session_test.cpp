@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/operator/rig_sensors.h"

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The design of a simulated study: orders are balanced, skills spread, two give up, practice helps.
-#include "evaluate/simulation/study_participants.h"
-
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/simulation/motion_capture.h"
+#include "evaluate/simulation/simulate_sequence.h"
+#include "evaluate/simulation/simulate_study.h"
 
 namespace plumbline {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // p-values are those of R (coin, exactRankTests) and scipy; an interval holds the shifts that its
 // own test does not reject; drawn permutations come near to all of them.
-#include "evaluate/statistics/permutation.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/statistics/bootstrap.h"
 #include "tests/evaluate/statistics/reference_values.h"
 
 namespace plumbline {

@@ -6,8 +6,6 @@
 
 #include "evaluate/statistics/bootstrap.h"
 #include "evaluate/statistics/several_tests.h"
-#include "evaluate/statistics/signed_rank.h"
-#include "evaluate/statistics/survival.h"
 #include "tests/evaluate/statistics/reference_values.h"
 
 namespace plumbline {

@@ -6,8 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
-#include "evaluate/statistics/sentences.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/statistics/study_statistics.h"
 #include "report/records/documents.h"
 

@@ -2,12 +2,12 @@
 // Changes under perturbations are held against what first order predicts from the estimate's
 // deviations: sqrt(q / (1 - q)) of them for a share q of the data left out, s / sigma for corner
 // noise s that is added, none for what the estimate should not depend on.
-#include "evaluate/studies/perturbation_findings.h"
-
 #include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {
 namespace {

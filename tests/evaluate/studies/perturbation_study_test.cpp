@@ -9,8 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/studies/perturbation_findings.h"
-#include "evaluate/studies/summary.h"
 #include "report/records/documents.h"
 
 namespace plumbline {

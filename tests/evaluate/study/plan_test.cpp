@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/study/engine/commands_engine.h"
+#include "evaluate/study/engine/slurm_engine.h"
 #include "tests/evaluate/study/study_files.h"
 
 namespace plumbline {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Intervals from deviations that are estimates themselves.
-#include "calibrator/base/statistics/estimated_variance.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/statistics/robust_covariance.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 namespace {

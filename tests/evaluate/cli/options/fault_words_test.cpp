@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults as words of the command line, and that the documents list the same ones.
-#include "evaluate/cli/options/fault_words.h"
-
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -10,7 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/cli/options/simulation_options.h"
 
 namespace plumbline {
 namespace {

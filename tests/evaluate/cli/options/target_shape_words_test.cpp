@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Words for the shape of a simulated board, against the places of its corners.
-#include "evaluate/cli/options/target_shape_words.h"
-
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/options/simulation_options.h"
 
 namespace plumbline {
 namespace {

@@ -9,8 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/metrics/trajectory/stamp_matching.h"
-
 namespace plumbline {
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/base/lie.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/simulate/random_stream.h"
 #include "evaluate/metrics/trajectory/errors.h"
 
