@@ -12,6 +12,7 @@ BoardSurface::BoardSurface(const AprilGrid& board)
     : centre_(static_cast<float>(0.5 * board.width()), static_cast<float>(0.5 * board.height())),
       unit_(centre_.norm()) {
   AprilGrid printed = board;
+  // Only what is printed: tag_edge is how a detector errs.
   printed.shape.terms[kTargetTerms - 1] = 0;
   printed.shape.higher.reset();
   printed.shape.corners.reset();  // of a detector, not printed
@@ -28,6 +29,7 @@ BoardSurface::BoardSurface(const AprilGrid& board)
       monomials.completeOrthogonalDecomposition().solve(displacements);
   polynomial_ = quadratic.transpose().cast<float>();
   if (!board.shape.higher) return;
+  // Of degree 4 and less, so that this fit is exact as well.
   const HigherBasis basis(board);
   Eigen::MatrixXd quartics(board.cornerCount(), 15);
   for (int id = 0; id < board.cornerCount(); ++id) {

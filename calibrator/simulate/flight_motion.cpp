@@ -9,6 +9,7 @@
 namespace plumbline {
 namespace {
 
+/// Begin of the first rest [s]: the rig stands in the IMU's margin before the first frame, too.
 constexpr double kLongAgo_s = -1000;
 
 /// 10 x^3 - 15 x^4 + 6 x^5 from 0 to 1, whose first two derivatives vanish at both ends.
@@ -36,10 +37,13 @@ ScalarMotion lostTo(const std::pair<double, double>& rest, double ramp_s, double
   if (t_s >= to + ramp_s) return {ramp_s + to - from, 0, 0};
   const double x = (t_s - to) / ramp_s;
   const ScalarMotion w = quinticStep(x);
+  // Out of the rest w = 1 - step, whose integral is x less that of the step.
   const double lost = 0.5 * ramp_s + to - from + ramp_s * (x - quinticStepIntegral(x));
   return {lost, 1 - w.x, -w.dx / ramp_s};
 }
 
+/// Shares of `reach` at `hertz` and above, each +- 10 %. The ratios are no whole numbers, so that
+/// the motion does not repeat.
 SumOfSinusoids channel(RandomStream& random, double mean, double reach, double hertz) {
   constexpr std::array<double, SumOfSinusoids::kTerms> kShare{0.65, 0.25, 0.1};
   constexpr std::array<double, SumOfSinusoids::kTerms> kHarmonic{1, 2.1, 4.3};
@@ -100,6 +104,7 @@ FlightMotion::FlightMotion(const SimulatedRig& rig, double duration_s, const Fli
     channels_[c] = channel(random, mean[c], reach[c], kHertz[c] * o.pace);
   }
   if (o.first_rest_s > 0) rests_.emplace_back(kLongAgo_s, o.first_rest_s);
+  // A further rest may begin where the rig has come up to speed.
   const double begin = o.first_rest_s + o.ramp_s;
   const int rests = fitting(o.rests, duration_s - begin, o.rest_s + 2 * o.ramp_s);
   for (int i = 0; i < rests; ++i) {
@@ -130,6 +135,7 @@ ScalarMotion FlightMotion::warp(double t_s) const {
 ScalarMotion FlightMotion::yaw(double s) const {
   ScalarMotion m = channels_[3].at(s);
   for (const Turn& turn : turns_) {
+    // A turn stays turned: the step holds its angle from its end on.
     const ScalarMotion step = quinticStep((s - turn.s) / turn_s_);
     m.x += turn.angle * step.x;
     m.dx += turn.angle * step.dx / turn_s_;
@@ -154,6 +160,7 @@ MotionState FlightMotion::at(double t_s) const {
   m.a_F = {x.ddx, y.ddx, z.ddx};
   m.omega_B = head.omega;
   m.alpha_B = head.alpha;
+  // H lies in the IMU, not in the camera: its origin is S's, and only the axes differ.
   return attached(m, T_HS_);
 }
 

@@ -19,6 +19,7 @@ ScalarMotion SumOfSinusoids::at(double t_s) const {
 }
 
 RotationMotion rotationAbout(const Eigen::Vector3d& axis, const ScalarMotion& angle) {
+  // A fixed axis is the same vector in either frame.
   return {Eigen::AngleAxisd(angle.x, axis).toRotationMatrix(), axis * angle.dx, axis * angle.ddx};
 }
 
@@ -37,6 +38,7 @@ MotionState attached(const MotionState& body, const Transform& T_BX) {
   x.T_FB = body.T_FB * T_BX;
   x.v_F = body.v_F + body.T_FB.R * spin;
   x.a_F = body.a_F + body.T_FB.R * (body.alpha_B.cross(T_BX.t) + w.cross(spin));
+  // X is rigid to B: the same rate, in axes of its own.
   x.omega_B = T_BX.R.transpose() * w;
   x.alpha_B = T_BX.R.transpose() * body.alpha_B;
   return x;

@@ -32,6 +32,7 @@ GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
   for (int row = 0; row < row_count; ++row) {
     for (int col = 0; col < colCount(); ++col, ++surface) {
       if (row == 0 || col == 0 || row == row_count - 1 || col == colCount() - 1) continue;
+      // One place tells: a cell is of one surface by construction.
       const Eigen::Vector2d p(middleOf(col, cols_), middleOf(row, rows_));
       *surface = gridIsBlack(grid, p) ? Surface::kBlack : Surface::kWhite;
     }
@@ -64,6 +65,7 @@ std::optional<Surface> GridPattern::uniformSurface(Cell low, Cell high) const {
 namespace {
 
 constexpr int kSamples = 64;
+/// Steps towards a board that is not flat, see cast().
 constexpr int kBoardSteps = 3;
 constexpr float kFarAway = 1e6F;  // of rays along the wall: no target there
 
@@ -102,6 +104,8 @@ std::vector<Eigen::Vector3f> cornerRays(const Intrinsics& camera) {
   rays.reserve(area(size.width + 1, size.height + 1));
   for (int y = 0; y <= size.height; ++y) {
     for (int x = 0; x <= size.width; ++x) {
+      // Pixels are squares about their integer coordinates, so that their corners lie half a pixel
+      // off.
       const auto ray = unproject(camera, Eigen::Vector2d(x - 0.5, y - 0.5));
       rays.push_back(ray ? Eigen::Vector3f(ray->cast<float>()) : Eigen::Vector3f::Zero());
     }
@@ -204,6 +208,7 @@ float TargetRenderer::mixedLight(const View& view, int x, int y, float light) co
     const Hit hit = cast(view, n + s.u * right + s.v * (down + s.u * twist));
     ++count[static_cast<std::size_t>(pattern_.surface(hit.cell))];
   }
+  // In the order of Surface.
   const double sum = count[0] * options_.wall_level + count[1] * options_.white_level +
                      count[2] * options_.black_level;
   return light * static_cast<float>(sum / kSamples);
@@ -274,6 +279,7 @@ class NormalTable {
       sum2 += x * x;
     }
     const double mean = sum / kSize;
+    // Exact moments: a bias of the table would be one of every image.
     const double scale = 1 / std::sqrt(sum2 / kSize - mean * mean);
     for (std::size_t i = 0; i < kSize; ++i) {
       values_[i] = static_cast<float>((draws[i] - mean) * scale);
@@ -300,6 +306,7 @@ std::vector<float> gaussianBlur(const std::vector<float>& light, int width, int 
   std::vector<float> padded(w + kernel.size());
   for (int y = 0; y < height; ++y) {
     const float* row = light.data() + static_cast<std::size_t>(y) * w;
+    // Zeros beyond the border would darken it.
     std::fill(padded.begin(), padded.begin() + radius, row[0]);
     std::copy(row, row + width, padded.begin() + radius);
     std::fill(padded.begin() + radius + width, padded.end(), row[width - 1]);
@@ -336,6 +343,7 @@ GrayImage exposeSensor(const std::vector<float>& light, int width, int height, d
     const float value = light[i] + sigma * table.at(bits);
     bits >>= NormalTable::kBits;
     --left;
+    // Rounds: what is cast is not negative.
     out.data()[i] = static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
   }
   return out;

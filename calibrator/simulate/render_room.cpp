@@ -73,6 +73,7 @@ void paintRectangle(Canvas& canvas, RandomStream& random) {
   }
 }
 
+/// A side: grey levels about 115, five sizes of noise and rectangles with sharp edges.
 GrayImage painted(double width_m, double height_m, std::uint64_t seed, std::uint64_t side) {
   RandomStream random(seed, RandomPurpose::kTexture, {side});
   Canvas canvas;
@@ -134,6 +135,7 @@ RoomTexture::RoomTexture(const Eigen::Vector3d& room_m, std::uint64_t seed)
 float RoomTexture::at(int side, const Eigen::Vector3f& p) const {
   const GrayImage& image = sides_[static_cast<std::size_t>(side)];
   const auto [a, b] = kAcross[static_cast<std::size_t>(side / 2)];
+  // Just inside the last texel: the ones to its right and below it are read as well.
   const float u =
       std::clamp((p[a] + half_[a]) / kTexel, 0.0F, static_cast<float>(image.width() - 1) - 1e-3F);
   const float v =
@@ -182,6 +184,8 @@ void RoomRenderer::expose(const Transform& T_FC, const std::vector<Eigen::Vector
         side = 2 * axis + (up ? 1 : 0);
       }
     }
+    // A ray of any length does, for range is in units of it; a ray of length zero (none) reaches no
+    // side and stays dark.
     if (side >= 0) light[i] += texture_->at(side, c + range * n);
   }
 }
@@ -205,7 +209,8 @@ std::vector<Transform> exposurePoses(const SimulatedSession& session, int camera
   const double middle_s = secondsBetween(session.start_ns, t) + offset_s;
   const MotionState m = session.trajectory.at(middle_s);
   const Intrinsics& lens = session.truth.cameras[static_cast<std::size_t>(camera)].intrinsics;
-  // Walls are 2 m away or more.
+  // At 2 m, as walls are on the way through the default room. It only chooses how many
+  // sub-exposures there are: nearer ones blur a little more coarsely.
   const double blur_px = (m.omega_B.norm() + m.v_F.norm() / 2) * exposure_s * pixelsPerRadian(lens);
   // In fours, so that every place of the pixel (kPlaces) has as many sub-exposures.
   const int count = std::clamp(4 * static_cast<int>(std::ceil(blur_px / 4)), 4, 16);
@@ -213,6 +218,7 @@ std::vector<Transform> exposurePoses(const SimulatedSession& session, int camera
       session.truth.imu->T_SC0 * session.truth.cameras[static_cast<std::size_t>(camera)].T_C0Ci;
   std::vector<Transform> poses;
   for (int k = 0; k < count; ++k) {
+    // Middles of equal parts, so that their mean is the stamp's instant.
     const double t_s = middle_s + exposure_s * ((k + 0.5) / count - 0.5);
     poses.push_back(session.trajectory.at(t_s).T_FB * T_SC);
   }

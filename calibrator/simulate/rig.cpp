@@ -23,6 +23,7 @@ Transform transformOf(std::initializer_list<double> rows) {
     T(i / 4, i % 4) = value;
     ++i;
   }
+  // The digits that were published are rounded: projected on SO(3) here.
   return Transform::fromMatrix(T);
 }
 
@@ -103,6 +104,7 @@ SimulatedRig d435i() {
                      {0.0094, -0.0127, 0.00041, -0.00033});
   auto cam1 = camera(1, size, radtan, {385.02, 384.75, 320.35, 239.16},
                      {0.0081, -0.0109, -0.00027, 0.00052});
+  // Small rotations as (1, x, y, z), normalised by Transform.
   cam1.T_C0Ci = {Eigen::Quaterniond(1, 0.0011, -0.0017, 0.0006),
                  Eigen::Vector3d(0.05003, 0.00012, -0.00021)};
   rig.calibration.cameras = {cam0, cam1};
@@ -110,6 +112,7 @@ SimulatedRig d435i() {
   imu.T_SC0 = {Eigen::Quaterniond(1, 0.0041, -0.0027, 0.0036),
                Eigen::Vector3d(0.00552, -0.00510, -0.01174)};
   imu.time_offsets = {{0.0113}};
+  // As the paper states them (gyroscope 2.78e-3 and 1.65e-5, accelerometer 2.52e-2 and 4.41e-3).
   imu.noise = {2.78e-3, 1.65e-5, 2.52e-2, 4.41e-3, 400};
   rig.calibration.imu = imu;
   return rig;

@@ -24,6 +24,7 @@ std::vector<Eigen::Vector3d> pointsOnWalls(const Eigen::Vector3d& room, int coun
     Eigen::Vector3d p;
     for (double& x : p) x = random.uniform(-0.5, 0.5);
     const double side = random.uniform() * area.sum();
+    // Half of the areas suffice: opposite sides are alike, and p's sign chooses between them.
     const int axis = side < area.x() ? 0 : side < area.x() + area.y() ? 1 : 2;
     p[axis] = p[axis] < 0 ? -0.5 : 0.5;
     points.emplace_back(p.cwiseProduct(room) + Eigen::Vector3d(0, 0, 0.5 * room.z()));
@@ -46,6 +47,7 @@ class Tracker {
 
   void see(std::size_t frame) {
     look(frame);
+    // Stream 0 is the luck's; the noise of camera c has stream c + 1.
     RandomStream luck(seed_, RandomPurpose::kTracks, {0, frame});
     std::erase_if(followed_, [&](const auto& track) {
       return luck.uniform() < lost_ || !seen_[0][static_cast<std::size_t>(track.second)];
@@ -117,6 +119,7 @@ class Tracker {
   std::vector<std::vector<std::optional<Eigen::Vector2d>>> seen_;  // by camera and landmark
 };
 
+/// Streams without views, and where every camera stood at every frame.
 void addStreams(SimulatedSession& recording) {
   for (std::size_t c = 0; c < recording.truth.cameras.size(); ++c) {
     const CameraCalibration& camera = recording.truth.cameras[c];

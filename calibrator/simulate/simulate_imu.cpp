@@ -66,6 +66,7 @@ TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const S
 /// the time offset to the IMU's clock.
 SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
   const double rate = imu.noise.rate_hz;
+  // t_imu = t_cam + t_d: a negative offset asks for earlier samples, a positive one for later ones.
   const double before = o.imu_margin_s + std::max(0.0, -imu.timeOffset());
   const double after = o.duration_s + o.imu_margin_s + std::max(0.0, imu.timeOffset());
   SampleRange range;
@@ -79,6 +80,8 @@ SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
 SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibration& imu,
                          const Eigen::Vector3d& gravity_F, const SimulationOptions& o) {
   const SampleRange range = sampleRange(imu, o);
+  // Densities are of continuous time: white noise of a sample grows with the root of the rate, a
+  // step of the walk shrinks with it.
   const double noise = o.imu_noise ? std::sqrt(imu.noise.rate_hz) : 0;  // density to a sample
   const double step = o.imu_noise ? 1 / std::sqrt(imu.noise.rate_hz) : 0;
   const TriadSequence gyro = triadSequence(
@@ -90,6 +93,8 @@ SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibrat
        imu.noise.accel_random_walk * step, o.initial_accel_bias},
       o.seed, range);
 
+  // The exact motion is read faultily, then noise and bias come on top, then what becomes of
+  // samples.
   const ImuFaults faults(o.faults);
   SimulatedImu out;
   out.samples.resize(range.count());

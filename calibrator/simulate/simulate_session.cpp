@@ -59,6 +59,7 @@ Calibration trueCalibration(const SimulatedRig& rig, const SimulationOptions& o)
 }
 
 std::vector<TimeNs> nominalStamps(double rate_hz, const SimulationOptions& o) {
+  // A frame at least, however short.
   const auto count = std::max<std::int64_t>(1, std::llround(o.duration_s * rate_hz));
   std::vector<TimeNs> stamps;
   for (std::int64_t k = 0; k < count; ++k) {
@@ -163,6 +164,7 @@ SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory traj
   for (std::size_t i = 0; i < o.faults.size(); ++i) {
     s.faults.push_back({o.faults[i], std::move(imu.fault_stamps[i])});
   }
+  // Last: a state has the biases of the samples about it.
   for (const TimeNs t : s.frame_stamps) s.states.push_back(s.stateAt(t));
   return s;
 }
@@ -173,6 +175,7 @@ SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOption
   const Eigen::Vector3d gravity_F = truth.imu->gravity_m_s2 * o.down_F.normalized();
   SimulatedSession s =
       simulateMotion(rig, AnalyticTrajectory(o.target, rig, o.trajectory), gravity_F, o);
+  // What target.yaml says; views show o.target, with its shape and at its true size.
   s.session.target = statedTarget(o);
   for (int i = 0; i < static_cast<int>(s.truth.cameras.size()); ++i) {
     simulateCamera(s, i, o);

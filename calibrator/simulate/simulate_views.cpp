@@ -15,6 +15,7 @@ namespace {
 
 using TagCorners = std::array<Eigen::Vector2d, 4>;
 
+/// By the centres of the outermost pixels, (0, 0) and (width - 1, height - 1).
 bool isInside(const Eigen::Vector2d& uv, const Resolution& size, double border) {
   return uv.x() >= border && uv.y() >= border && uv.x() <= size.width - 1 - border &&
          uv.y() <= size.height - 1 - border;
@@ -74,6 +75,7 @@ double edgeScaleOf(const Projection& project, int first, double relative) {
 
 std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
                                    const SimulationOptions& o) {
+  // Behind the board, whose back is not printed. A projection alone would see through it.
   if (T_FC.t.z() <= 0) return {};
   const Transform T_CF = T_FC.inverse();
   AprilGrid board = o.target;
@@ -85,6 +87,7 @@ std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_
   const auto projection = [&](int corner_id) {
     if (tag_edge == 0) return exact(corner_id);
     const int k = corner_id % 4;
+    // Half a unit outwards along x and y: an edge grows by what its two ends move.
     const Eigen::Vector3d outward(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5, 0);
     const double wider = tag_edge * edgeScaleOf(exact, corner_id - k, tag_edge / board.tag_size);
     const Eigen::Vector3d& p = points[static_cast<std::size_t>(corner_id)];
@@ -120,6 +123,7 @@ void disturbCorners(std::vector<Corner>& corners, const Resolution& resolution, 
   for (int id = 0; id < o.target.cornerCount() && corner != corners.end(); ++id) {
     const double n_u = o.corner_sigma_px > 0 ? noise.normal() : 0;
     const double n_v = o.corner_sigma_px > 0 ? noise.normal() : 0;
+    // All three whether it is one or not, so that the share of outliers moves no other number.
     const bool is_outlier = outlier.uniform() < o.outlier_fraction;
     const double direction = outlier.uniform(0, 2 * std::numbers::pi);
     const double length = o.outlier_px * outlier.uniform(0.5, 1.5);

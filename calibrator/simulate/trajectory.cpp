@@ -70,6 +70,7 @@ double fillingDistance(const AprilGrid& target, const Intrinsics& camera) {
 }
 
 double halfAngle(const Intrinsics& camera, int axis) {
+  // Of every model the last four parameters (Kalibr's order).
   const Eigen::Vector4d fu_fv_pu_pv = camera.projection.tail<4>();
   const double half = 0.5 * (axis == 0 ? camera.resolution.width : camera.resolution.height);
   const Intrinsics lens = withoutPolynomials(camera);
@@ -95,6 +96,8 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
   const Transform T_C0B = rigCentre(rig.calibration.cameras);
   const double near = fillingDistance(target, camera) * options.distance_ratio;
   const Eigen::Vector2d centre(0.5 * target.width(), 0.5 * target.height());
+  // In this order: the channels draw from one stream, and another one in between would change all
+  // that follow.
   ChannelMaker make(options.seed, options.pace);
 
   distance_ = make.channel(1.4 * near, 0.45 * near, 0.17);
@@ -116,10 +119,12 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
   x_ = make.channel(0, reach, 0.23);
   y_ = make.channel(0, reach, 0.19);
   z_ = make.channel(0, reach, 0.29);
+  // At rest the rig's centre stands squarely before the target's.
   const Transform T_FRig(facingTarget(), {centre.x(), centre.y(), 1.3 * near});
   const bool by_camera = kind_ == MotionKind::kFrontoParallel;
   T_FB0_ = T_FRig * T_C0B.inverse() * (by_camera ? Transform() : T_C0S);
   T_BS_ = by_camera ? T_C0S : Transform();
+  // About the optical axis alone, so that the camera keeps facing the target.
   axis_B_ = by_camera ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d(options.axis_S.normalized());
 }
 

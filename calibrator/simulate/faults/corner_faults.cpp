@@ -40,6 +40,7 @@ bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, Rando
   std::iota(id_of_tag.begin(), id_of_tag.end(), 0);
   bool swapped = false;
   for (int tag = 0; tag < target.tagCount(); ++tag) {
+    // Both for every tag, struck and seen or not.
     const bool is_struck = random.uniform() < fault.value;
     const double choice = random.uniform();
     const auto own = std::find(seen.begin(), seen.end(), tag);
@@ -55,6 +56,7 @@ bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, Rando
   for (Corner& corner : view.corners) {
     corner.id = 4 * id_of_tag[static_cast<std::size_t>(corner.id / 4)] + corner.id % 4;
   }
+  // Ids ascend in every view, with wrong ids as well.
   std::sort(view.corners.begin(), view.corners.end(),
             [](const Corner& a, const Corner& b) { return a.id < b.id; });
   return swapped;
@@ -72,6 +74,7 @@ double framePeriod(const std::vector<FaultyFrame>& frames) {
 void disturbViews(CameraStream& stream, const std::vector<FaultyFrame>& frames, int index,
                   const SimulationOptions& o, std::vector<InjectedFault>& injected) {
   const auto camera = static_cast<std::uint64_t>(index);
+  // Turns a rate per second into a chance per frame.
   const double period_s = framePeriod(frames);
   for (const NumberedFault& f : faultsOf(o.faults, {kFalseCorners, kSwappedIds, kFrozen})) {
     if (f->camera.value_or(index) != index) continue;
@@ -84,11 +87,13 @@ void disturbViews(CameraStream& stream, const std::vector<FaultyFrame>& frames, 
       } else if (f->kind == kSwappedIds) {
         if (swapIds(view, o.target, *f.fault, random)) stamps.push_back(view.t);
       } else if (random.uniform() < f->value * period_s && k > 0) {
+        // As that view is by now: of several frozen in a row all repeat the first one's.
         view.corners = stream.views[k - 1].corners;
         stamps.push_back(view.t);
       }
     }
     std::sort(stamps.begin(), stamps.end());
+    // One list for all cameras, which mostly share their stamps.
     stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
   }
 }

@@ -44,6 +44,7 @@ void checkKeys(const Fault& fault, const FaultScope& scope) {
   if (fault.camera && !takesCamera(d.key)) {
     throw InputError(titleOf(fault) + ": it does not take a camera");
   }
+  // Unnamed these concern camera 1 (view_faults.cpp), which a rig of one camera does not have.
   const bool needs_second = fault.kind == kBump || fault.kind == kExposureShift;
   const int camera = fault.camera.value_or(needs_second ? 1 : 0);
   if (takesCamera(d.key) && (camera < 0 || camera >= scope.cameras)) {
@@ -92,6 +93,7 @@ std::vector<NumberedFault> faultsOf(const std::vector<Fault>& faults,
   std::vector<NumberedFault> found;
   for (const Fault& fault : faults) {
     if (std::find(kinds.begin(), kinds.end(), fault.kind) == kinds.end()) continue;
+    // Counted within the kind, so that faults of other kinds before it change none of its numbers.
     const auto same = std::count_if(found.begin(), found.end(), [&](const NumberedFault& other) {
       return other->kind == fault.kind;
     });

@@ -143,6 +143,7 @@ const char* unitOf(Quantity quantity) {
 std::span<const FaultDescription> faultDescriptions() { return kDescriptions; }
 
 const FaultDescription& describe(FaultKind kind) {
+  // FaultKind counts from 1, without a gap.
   const auto index = static_cast<std::size_t>(kind) - 1;
   assert(index < kDescriptions.size() && kDescriptions[index].kind == kind);
   return kDescriptions[index];

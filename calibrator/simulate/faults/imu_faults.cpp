@@ -26,10 +26,12 @@ Matrix3d readingMatrix(const Fault& fault) {
       return M;
     case kAccelMisalignment:
     case kGyroMisalignment:
+      // Exp(v n)^T: a triad that is turned by v n reads the same vector in axes of its own.
       return expSO3(-fault.value * direction(fault));
     case kAxes: {
       const double c = std::cos(fault.value);
       const double s = std::sin(fault.value);
+      // Rows are the unit vectors along which the three sensors read.
       M << c, s, 0, 0, c, s, 0, 0, 1;
       return M;
     }
@@ -58,6 +60,7 @@ void jumpBiases(ImuRecording& r, const Fault& fault, const ImuTiming& timing) {
   for (std::size_t i = 0; i < r.samples.size(); ++i) {
     if (r.samples[i].t < instantOf(fault, timing)) continue;
     (of_gyro ? r.samples[i].gyro : r.samples[i].accel) += jump;
+    // The jump is part of the truth: it is in the samples for good.
     (of_gyro ? r.biases[i].gyro : r.biases[i].accel) += jump;
   }
 }
@@ -75,6 +78,8 @@ std::vector<std::int64_t> spike(std::vector<ImuSample>& samples, const NumberedF
   std::vector<std::int64_t> struck;
   for (ImuSample& sample : samples) {
     const std::int64_t number = sampleNumber(sample, timing);
+    // A stream for each sample: a spike stays where it is in a longer recording, or at another
+    // margin.
     RandomStream random = fault.random(timing.seed, 0, static_cast<std::uint64_t>(number));
     if (random.uniform() >= fault->value / timing.rate_hz) continue;
     const double sign = random.uniform() < 0.5 ? -1 : 1;
@@ -91,6 +96,7 @@ TimeNs stampOf(TimeNs t, std::int64_t number, const std::vector<Fault>& faults,
   TimeNs stamp = t;
   for (const NumberedFault& burst : faultsOf(faults, {kBurst})) {
     const auto size = static_cast<std::int64_t>(burst->value);
+    // Numbers before the first frame are negative, and so are their remainders.
     const std::int64_t before_last = size - 1 - ((number % size) + size) % size;
     // 20 us: a sample of 14 bytes over SPI at some 6 MHz.
     const TimeNs period = toNanoseconds(1 / timing.rate_hz);
@@ -159,6 +165,7 @@ ImuReading ImuFaults::read(const AnalyticTrajectory& trajectory, const Vector3d&
   const MotionState m_accel =
       accel_delay_s_ == gyro_delay_s_ ? m_gyro : motion(trajectory, t_accel);
   Vector3d shaken = force(m_accel);
+  // Within M_a and its delay: what shakes is the sensor's input.
   for (const NumberedFault& v : vibrations_)
     shaken += direction(*v.fault) * sine(*v.fault, t_accel);
   ImuReading reading{M_gyro_ * m_gyro.omega_B, M_accel_ * shaken};
@@ -178,6 +185,7 @@ std::vector<std::vector<TimeNs>> disturbSamples(ImuRecording& recording,
   for (const NumberedFault& f : faultsOf(faults, {kSpike, kAccelSpike})) {
     struck[static_cast<std::size_t>(f.fault - faults.data())] = spike(samples, f, timing);
   }
+  // After the spikes: one within a gap is not told, for its sample is gone.
   for (const NumberedFault& f : faultsOf(faults, {kGap})) {
     const TimeNs from = instantOf(*f.fault, timing);
     select(recording, [&](const ImuSample& sample) {
@@ -187,6 +195,7 @@ std::vector<std::vector<TimeNs>> disturbSamples(ImuRecording& recording,
   std::vector<std::vector<TimeNs>> stamps(faults.size());
   std::optional<TimeNs> last;
   select(recording, [&](ImuSample& sample) {
+    // By the true time, before the stamp takes its place.
     const std::int64_t number = sampleNumber(sample, timing);
     sample.t = stampOf(sample.t, number, faults, timing);
     if (last && sample.t <= *last) return false;

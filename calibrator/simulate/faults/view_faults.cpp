@@ -47,6 +47,8 @@ void restamp(std::vector<FaultyFrame>& frames, const NumberedFault& fault, std::
   });
   const TimeNs start = frames.front().stamp;
   const double span_s = secondsBetween(start, frames.back().stamp);
+  // The span stays, the step grows: stamps run ahead of the exposures or behind them, by where the
+  // lost frames were.
   const auto steps = static_cast<double>(frames.size() - 1);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     frames[k].stamp = start + toNanoseconds(static_cast<double>(k) / steps * span_s);
@@ -72,11 +74,14 @@ std::vector<FaultyFrame> faultyFrames(const SimulatedSession& s, int index,
   }
   for (const NumberedFault& f : faultsOfCamera(o.faults, {kJitter}, index)) {
     for (FaultyFrame& frame : frames) {
+      // The stamp alone: the exposure stays when it was. Camera 0's numbers for all, as of one
+      // trigger.
       frame.stamp += toNanoseconds(f->value * f.random(o.seed, 0, frame.number).normal());
     }
   }
   std::optional<TimeNs> last;
   std::erase_if(frames, [&last](const FaultyFrame& frame) {
+    // Jitter of more than half a period can put a stamp before the last one.
     if (last && frame.stamp <= *last) return true;
     last = frame.stamp;
     return false;
@@ -89,6 +94,7 @@ std::vector<FaultyFrame> faultyFrames(const SimulatedSession& s, int index,
 
 AprilGrid statedTarget(const SimulationOptions& o) {
   AprilGrid target = o.target;
+  // The board's own shape is for the estimation to find.
   target.shape = {};
   for (const NumberedFault& f : faultsOf(o.faults, {kWrongSize})) target.tag_size *= 1 + f->value;
   return target;
@@ -112,6 +118,7 @@ Transform ViewFaults::cameraPose(double t_s) const {
   for (const NumberedFault& f : bumps_) {
     if (t_s >= f->at_s) T_BC.R *= expSO3(f->value * direction(*f.fault));
   }
+  // A board that moves by d sees the camera move by -d; its axes stay those of F.
   for (const NumberedFault& f : displacements_) T_BC.t -= displacement(*f.fault, t_s);
   return T_BC;
 }
@@ -124,6 +131,7 @@ Vector3d ViewFaults::boardCorner(int id) const {
   for (const NumberedFault& f : shapes_) {
     if (f->kind == kStretch) p[f->axis.value_or(0)] *= 1 + f->value;
     if (f->kind == kBow) {
+      // By the place on the even grid, whatever its shape adds.
       p.z() += f->value * (1 - (flat - centre).squaredNorm() / centre.squaredNorm());
     }
   }
@@ -152,6 +160,7 @@ std::optional<Vector2d> ViewFaults::seeInRow(const Vector3d& p_B, double t_s) co
 std::vector<double> ViewFaults::blurShifts(const FaultyFrame& frame) const {
   std::vector<double> shifts(static_cast<std::size_t>(options_.target.cornerCount()), 0.0);
   for (const NumberedFault& f : blurs_) {
+    // For every corner of the target, seen or not.
     RandomStream random = f.random(options_.seed, camera_, frame.number);
     for (double& shift : shifts) shift += f->value * random.uniform(-0.5, 0.5);
   }

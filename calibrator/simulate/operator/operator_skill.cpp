@@ -7,6 +7,7 @@
 namespace plumbline {
 namespace {
 
+/// Geometric: a step of clumsiness is a factor, and nothing becomes negative.
 double between(double skilled, double clumsy, double clumsiness) {
   return skilled * std::pow(clumsy / skilled, clumsiness);
 }
@@ -50,6 +51,7 @@ OperatorSkill handSkill(double c) {
 
 OperatorSkill personSkill(double c) {
   OperatorSkill skill = handSkill(c);
+  // Linear: no factor leads away from zero, which is what the most skilled ignores of suggestions.
   skill.overshoot = 0.03 + 0.12 * c;
   skill.fatigue_per_min = 0.02 + 0.13 * c;
   skill.off_axis_rad = 0.6 - 0.2 * c;

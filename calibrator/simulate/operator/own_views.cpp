@@ -21,6 +21,7 @@ constexpr double kRoll_rad = 0.9;
 
 Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim) {
   const Eigen::Vector3d z = (aim - p).normalized();
+  // Across z and F's y, so that the image stays level; y down follows.
   const Eigen::Vector3d x = Eigen::Vector3d(-z.z(), 0, z.x()).normalized();
   Eigen::Matrix3d R;
   R << x, z.cross(x), z;
@@ -43,6 +44,7 @@ Transform OwnViews::around(RandomStream& random) const {
   const double elevation = random.uniform(-1, 1) * skill_.reach_rad;
   const double distance = random.uniform(0.85, 1.7) * distance_m_;
   const double roll = random.uniform(-1, 1) * skill_.roll_rad;
+  // Aims up to three tenths of half the board off its centre, so that it moves across the image.
   const Eigen::Vector3d aside(random.uniform(-0.3, 0.3) * centre_.x(),
                               random.uniform(-0.3, 0.3) * centre_.y(), 0);
   const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
@@ -60,9 +62,11 @@ Transform OwnViews::danced(int turn) const {
   Transform view = lookingAt(centre_ + Eigen::Vector3d(0, 0, distance), centre_);
   if (axis < 3) {
     const double angle = axis == 2 ? kRoll_rad : kSwing_rad;
+    // About the camera's axes, where it stands.
     view.R *= expSO3(side * angle * Eigen::Vector3d::Unit(axis));
   } else {
     const double size[] = {centre_.x(), centre_.y(), kAdvance * distance};
+    // Along F's axes, which are the camera's up to signs while it faces the board.
     view.t[axis - 3] += side * size[axis - 3];
   }
   return view;

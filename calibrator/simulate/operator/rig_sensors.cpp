@@ -32,6 +32,8 @@ RigSensors::RigSensors(const SimulatedRig& rig, const SimulationOptions& options
   const AnalyticTrajectory rest(options_.target, rig_, resting);
   const SimulatedImu imu = simulateImu(rest, *rig_.calibration.imu, gravity_F_, options_);
   const Eigen::Vector3d exact = rest.at(0).T_FB.R.transpose() * -gravity_F_;
+  // What is left once the exact reading is taken off (a gyroscope at rest reads zero) is noise and
+  // bias, and the same along any motion.
   noise_.reserve(imu.samples.size());
   for (const ImuSample& s : imu.samples) noise_.push_back({s.t, s.gyro, s.accel - exact});
 }
@@ -53,6 +55,7 @@ std::vector<ImuSample> RigSensors::samplesUntil(const SplineMotion& motion, Time
   std::vector<ImuSample> samples;
   for (; taken_ < noise_.size() && noise_[taken_].t <= t; ++taken_) {
     const Noise& noise = noise_[taken_];
+    // The spline moves camera 0, and the IMU with it.
     const MotionState m = attached(motion.at(secondsOf(noise.t)), T_C0S);
     samples.push_back({noise.t, m.omega_B + noise.gyro,
                        m.T_FB.R.transpose() * (m.a_F - gravity_F_) + noise.accel});

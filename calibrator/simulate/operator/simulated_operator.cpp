@@ -15,6 +15,7 @@ constexpr double kTurn_m = 0.01, kTurn_rad = 0.02;        // a view was passed f
 constexpr double kSmooth_s = 0.25;                        // in which a hand changes its speed
 constexpr double kApproach_s = 0.35;                      // in which it slows down before a goal
 
+/// The vector, no longer than `most`.
 Eigen::Vector3d limited(const Eigen::Vector3d& v, double most) {
   const double norm = v.norm();
   return norm > most ? Eigen::Vector3d(v * (most / norm)) : v;
@@ -46,10 +47,12 @@ void SimulatedOperator::go(double t_s) {
 }
 
 bool SimulatedOperator::hasFollowed(double t_s) const {
+  // The hand lags behind its goal by about the time in which it slows down.
   return following_since_s_ && t_s >= *following_since_s_ + *shown_->duration_s + kApproach_s;
 }
 
 Eigen::Vector3d SimulatedOperator::normal(double std) {
+  // Declarators are evaluated in their order, arguments of a call are not.
   const double x = random_.normal(), y = random_.normal(), z = random_.normal();
   return std * Eigen::Vector3d(x, y, z);
 }
@@ -72,6 +75,7 @@ bool SimulatedOperator::attends() {
 void SimulatedOperator::begin(const Suggestion& suggestion) {
   pursued_ = suggestion;
   noticed_at_s_ = t_s_;
+  // Drawn anew for each suggestion; suggestedGoal() lets both fade.
   error_ << normal(skill_.position_error_m), normal(skill_.angle_error_rad);
   beyond_ = skill_.overshoot * boxminus(suggestion.T_FC0, pose_);
   turned_back_at_s_.reset();
@@ -90,11 +94,14 @@ Transform SimulatedOperator::goal() {
 }
 
 Transform SimulatedOperator::suggestedGoal() {
+  // Along the path by the clock, at the guide's pace, errors aside.
   if (following_since_s_ && t_s_ >= *following_since_s_) {
     const double share = std::min(1.0, (t_s_ - *following_since_s_) / *pursued_->duration_s);
     const auto& path = pursued_->path;
     return path[static_cast<std::size_t>(share * static_cast<double>(path.size() - 1))];
   }
+  // The error fades from when the view was noticed, the overshoot from when its
+  // end was reached.
   const Vector6d error = std::exp(-(t_s_ - noticed_at_s_) / skill_.correction_s) * error_;
   const Transform turn = boxplus(pursued_->T_FC0, Vector6d(error + beyond_));
   const Vector6d left = boxminus(turn, pose_);
@@ -113,15 +120,19 @@ Transform SimulatedOperator::inView(const Transform& pose) const {
   if (!(angle > skill_.off_axis_rad)) return pose;
   const Eigen::Vector3d across = z.cross(to);
   const Eigen::Vector3d axis =
+      // With its back to the board any axis across z turns it, such as its own y.
       across.norm() > 1e-9 ? Eigen::Vector3d(across.normalized()) : Eigen::Vector3d(pose.R.col(1));
   return {Eigen::Matrix3d(expSO3((angle - skill_.off_axis_rad) * axis) * pose.R), pose.t};
 }
 
-// Speed follows what the distance asks for, within its limit, with a hand's delay.
+// Speed follows what the distance asks for (all of it within kApproach_s), within its limit, with a
+// hand's delay.
 Transform SimulatedOperator::moved(const Transform& towards) {
   const Vector6d left = boxminus(inView(towards), pose_);
+  // Who follows a trajectory keeps up with it, up to three times as fast as between views.
   const double freely = hurries_ && !pursued_ ? skill_.haste : following_since_s_ ? 3 : 1;
   const double haste = freely / tired();
+  // First-order lag over a step of the control poses, whatever their spacing.
   const double smooth = 1 - std::exp(-spacing_s_ / kSmooth_s);
   const Eigen::Vector3d v = limited(left.head<3>() / kApproach_s, haste * skill_.speed_m_s);
   const Eigen::Vector3d w = limited(left.tail<3>() / kApproach_s, haste * skill_.turn_rad_s);
@@ -141,6 +152,7 @@ Transform SimulatedOperator::trembling(const Transform& pose) {
 Transform SimulatedOperator::next() {
   t_s_ += spacing_s_;
   pose_ = moved(goal());
+  // pose_ stays on its path: tremor does not add up to a drift.
   return trembling(pose_);
 }
 

@@ -27,6 +27,7 @@ std::array<ScalarMotion, 3> cumulativeBasis(double u, double spacing_s) {
 /// Rotation by `share` of the vector w.
 RotationMotion shareOf(const Eigen::Vector3d& w, const ScalarMotion& share) {
   const double angle = w.norm();
+  // No rotation has no axis.
   if (angle < 1e-12) return {};
   return rotationAbout(w / angle, {angle * share.x, angle * share.dx, angle * share.ddx});
 }
@@ -40,6 +41,7 @@ double SplineMotion::knownUntilS() const {
 MotionState SplineMotion::at(double t_s) const {
   assert(size() >= 4);
   const double scaled = std::clamp(t_s / spacing_s_, 0.0, static_cast<double>(size() - 3));
+  // The end belongs to the last segment, at u = 1.
   const std::size_t i = std::min(static_cast<std::size_t>(scaled), size() - 4);
   const auto basis = cumulativeBasis(scaled - static_cast<double>(i), spacing_s_);
   RotationMotion rotation{poses_[i].R, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -51,6 +53,7 @@ MotionState SplineMotion::at(double t_s) const {
     m.T_FB.t += basis[j].x * step;
     m.v_F += basis[j].dx * step;
     m.a_F += basis[j].ddx * step;
+    // Rates and accelerations of the product follow from those of its factors (motion.cpp).
     rotation = rotation * shareOf(logSO3(from.R.transpose() * to.R), basis[j]);
   }
   m.T_FB.R = rotation.R;
