@@ -45,10 +45,13 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
   MotionCapture capture;
   capture.trajectory.name = "mocap0";
   for (int i = 0; i < o.drop_outs; ++i) {
+    // A gap ends within nine tenths: first and last poses stay, however short the recording is.
     const double begin = places.uniform(0.15, 0.8) * span_s;
     capture.gaps_s.emplace_back(begin, begin + std::min(o.drop_out_s, 0.1 * span_s));
   }
+  // By W, which is level: where T_VW turns about z alone, V is level, too.
   const Transform T_VF = o.T_VW * session.T_WF();
+  // To the last frame and beyond it by less than a period.
   const auto count = static_cast<int>(std::ceil(span_s * o.rate_hz));
   for (int k = 0; k <= count; ++k) {
     const double t_s = k / o.rate_hz;
@@ -56,6 +59,7 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
     Vector6d error;
     error << normal(noise, o.noise_m), normal(noise, o.noise_rad);
     if (inGap(capture.gaps_s, t_s)) continue;
+    // The motion goes by the IMU's clock, which shows start_ns at its begin.
     const TimeNs t_imu = session.start_ns + toNanoseconds(t_s);
     const Transform T_VM = boxplus(T_VF * session.motionAtImuTime(t_imu).T_FB * o.T_SM, error);
     // t_imu = t_mocap + clock_offset_s.

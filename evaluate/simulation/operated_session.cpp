@@ -33,6 +33,7 @@ class Recording {
   /// The next frame, with the IMU samples that have arrived with it.
   GuideFrame take(int frame) {
     const TimeNs arrival = sensors_.stampOf(frame) + toNanoseconds(options_.arrival_s);
+    // The exposure lies off the stamp by the time offset, and may be later than the arrival.
     moveUntil(std::max(sensors_.exposureS(frame), sensors_.secondsOf(arrival)));
     GuideFrame taken{frame, sensors_.stampOf(frame), sensors_.corners(result_.motion, frame),
                      sensors_.samplesUntil(result_.motion, arrival)};
@@ -70,6 +71,7 @@ class Recording {
   OperatedSession result_;
 };
 
+/// What a guide knows of a rig: no calibration, and of the board what the options say.
 GuideRig guideRigOf(const SimulatedRig& rig, const OperatedOptions& options) {
   GuideRig guided;
   guided.target = options.simulation.target;
@@ -97,6 +99,7 @@ class Attention {
       ++result.reached;
       const std::optional<Suggestion> reached = std::exchange(shown_, std::nullopt);
       if (d.stage == GuideStage::kCameraImu) {
+        // Shown until it was followed: show() would have the person drop it.
         if (!person.isFollowing()) return person.go(t_s);
         next_ = reached;
       }
@@ -145,6 +148,7 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
   for (; frame < recording.frames(); ++frame) {
     const double t_s = recording.secondsAt(frame);
     recording.take(frame);
+    // For the frames after this one: the poses up to here are made already.
     if (t_s >= turn_s) recording.person().hurry();
     (t_s < turn_s ? recording.result().camera_s : recording.result().camera_imu_s) +=
         1 / rig.camera_rate_hz;
@@ -152,6 +156,7 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
     recording.result().finished = false;
     break;
   }
+  // A loop that ran out stands one behind the last frame.
   return recording.end(std::min(frame, recording.frames() - 1));
 }
 
@@ -171,6 +176,7 @@ OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& opt
     attention.see(d, t_s);
     recording.result().decisions.push_back(std::move(d));
     const bool enough = options.trajectories > 0 && attention.followed() >= options.trajectories;
+    // Who gives up with the very frame that finishes has finished.
     recording.result().finished = guide.finished() || enough;
     if (recording.result().finished || recording.person().givesUp(t_s)) break;
   }

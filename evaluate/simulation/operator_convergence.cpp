@@ -30,6 +30,7 @@ class Judge {
   OperatedConvergence judged() {
     OperatedConvergence c;
     c.cameras = stage(cameraCheckpoints(), [&](const Checkpoint& at) { return camerasAt(at); });
+    // Without cameras there is nothing to calibrate the IMU against.
     if (!cameras_.empty()) {
       c.camera_imu = stage(imuCheckpoints(), [&](const Checkpoint& at) { return imuAt(at); });
     }
@@ -81,11 +82,14 @@ class Judge {
     const std::vector<KeptViews> kept = keptViews(operated_);
     double next = 0;
     for (const KeptViews& k : kept) {
+      // A calibration each time that the views have grown by the factor, and at the stop.
       if (static_cast<double>(k.frames.size()) < next && !k.finished) continue;
       all.push_back({k.t_s, k.frames});
       next = options_.growth * static_cast<double>(k.frames.size());
     }
     if (!all.empty() && all.back().frames != kept.back().frames) {
+      // The stage may go on after the last view that was kept; what it ended with counts at its
+      // end.
       all.push_back({operated_.camera_s, kept.back().frames});
     }
     return all;
@@ -108,6 +112,7 @@ class Judge {
       if (t_s >= last_s + apart_s - 1e-6) taken.push_back(k), last_s = t_s;
       if (t_s - begin < next_s) continue;
       all.push_back({t_s - begin, taken});
+      // Geometric: a recording of any length takes some dozens of calibrations.
       next_s *= options_.growth;
     }
     if (!taken.empty() && (all.empty() || all.back().frames != taken)) {
@@ -127,6 +132,7 @@ class Judge {
     }
     if (session.imu) {
       const auto& views = session.cameras.front().views;
+      // What had arrived with the last frame, and as much before the first.
       const TimeNs margin = toNanoseconds(made_.arrival_s);
       std::erase_if(session.imu->samples, [&](const ImuSample& s) {
         return s.t < views.front().t - margin || s.t > views.back().t + margin;
@@ -141,6 +147,7 @@ class Judge {
     session.imu.reset();
     const auto found = calibrateCameras(session);
     if (!found) return point;
+    // In the end those of the last checkpoint that gave any: the camera-IMU stage stands on them.
     cameras_ = found->cameras;
     point.projection_px = 0;
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
@@ -154,6 +161,7 @@ class Judge {
   ConvergencePoint imuAt(const Checkpoint& at) {
     ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, {}, false};
     CameraImuOptions stage;
+    // Findings about the recording, of which nothing is used here.
     stage.noise_check = stage.diagnose_faults = false;
     const auto found = calibrateCameraImu(recordingOf(at.frames), cameras_, stage);
     if (!found) return point;
@@ -204,6 +212,7 @@ std::vector<KeptViews> keptViews(const OperatedSession& operated, GuideStage sta
 
 double trueProjectionErrorPx(const Intrinsics& truth, const Intrinsics& estimate) {
   DifferenceOptions whole;
+  // Every place of the image counts alike, whether corners were seen there or not.
   whole.weights.assign(static_cast<std::size_t>(whole.grid.size()), 1.0);
   const auto difference = projectionDifference(truth, estimate, whole);
   double squares = 0;

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 OperatedOptions operatedOptions(const OperatorSimulationOptions& o) {
   OperatedOptions operated;
+  // One seed for sensors and person, whose random numbers are of different streams.
   operated.simulation.seed = operated.simulation.trajectory.seed = o.seed;
   operated.simulation.duration_s = o.duration_s;
   operated.simulation.corner_sigma_px = o.corner_sigma_px;
@@ -63,6 +64,7 @@ Json outcomesOf(const OperatedSession& made) {
              {"reach_s", toJson(s.reach_s)},
              {"end", toString(SuggestionEvent::kNone)}};
     for (const Decision& d : made.decisions) {
+      // Other decisions name the open suggestion as well.
       const bool ends = d.event == SuggestionEvent::kReached ||
                         d.event == SuggestionEvent::kExpired ||
                         d.event == SuggestionEvent::kWithdrawn;
@@ -136,6 +138,7 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
                                     std::nullopt,
                                     {}};
   if (o.judge) summary.convergence = convergenceOf(made, operated, rig.calibration);
+  // A stop is the guide's; nobody stops a free recording.
   if (o.judge && guided) {
     summary.stops.cameras = stopHindsight(made, operated, rig, GuideStage::kCamera);
     summary.stops.camera_imu = stopHindsight(made, operated, rig, GuideStage::kCameraImu);

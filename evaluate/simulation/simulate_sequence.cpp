@@ -81,6 +81,7 @@ std::string truthOf(const SequenceOptions& o, const SimulatedFlight& flight, con
              {"camera_rate_hz", flight.recording.camera_rate_hz}};
   truth.update(toJson(flight.recording.truth));
   Json rests = Json::array();
+  // The first rest begins long before the recording.
   for (const auto& [from, to] : flight.rests) rests.push_back({std::max(from, 0.0), to});
   truth.update({{"gravity_F", toJson(flight.recording.gravity_F)},
                 {"length_m", flight.length_m},
@@ -141,6 +142,7 @@ SimulatedFlight simulateSequence(const SequenceOptions& options, const fs::path&
   if (o.images.rendered) {
     renderRoom(o, recording, folder, progress);
   } else {
+    // Ids are those of mav0/camN/tracks.csv, which images stand in for.
     writeNewFile(folder, "truth/tracks.csv", tracksCsv(flight.landmark_of));
   }
   return flight;

@@ -66,10 +66,12 @@ OperatedSession operated(const SimulatedRig& rig, const StudySimulationOptions& 
                          std::size_t index, const SimulatedVisit& visit) {
   OperatedOptions options;
   options.simulation = simulationOf(o, visit.duration_s, visit.seed);
+  // The longest limit is an hour, too, so that recordings follow each other.
   options.simulation.start_ns += toNanoseconds(kOwnClock_s * static_cast<double>(index));
   options.skill = visit.skill;
   options.operator_seed = visit.seed;
   options.trajectories = o.trajectories();
+  // As in the paper's study, whose program this is nearest to.
   options.guide.trajectories = TrajectoryGuideOptions::patient();
   if (o.guide_board == GuideBoard::kMeasured) options.guide_shape = bentBoard(o.board_bend_mm);
   return visit.method == "guided" ? recordGuided(rig, options) : recordFreely(rig, options);
@@ -86,6 +88,7 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
   OperatedSession made = operated(rig, o, index, *v.visit);
   made.session.name = v.visit->name;
   v.made = outcomeOf(made);
+  // Made as well, for no factor says how long a guided session would have taken.
   v.other = outcomeOf(operated(rig, o, index, inOtherPeriod(*v.visit, o)));
   v.suggestions = static_cast<int>(made.suggestions.size());
   v.reached = made.reached;
@@ -114,8 +117,8 @@ void makeHeldOut(const SimulatedRig& rig, const StudySimulationOptions& o, std::
                ViewFormat::kCorners, folder / place);
 }
 
-/// With motion capture beside it, of which the truth is returned. Images show a flat board: the
-/// renderer knows no other.
+/// With motion capture beside it, of which the truth is returned. Images show a flat board,
+/// whatever the bend of the others.
 Json makeSequence(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
                   const fs::path& place, const fs::path& folder) {
   SimulationOptions simulation = recordingOf(o, seed);
@@ -125,6 +128,7 @@ Json makeSequence(const SimulatedRig& rig, const StudySimulationOptions& o, std:
   SimulatedSessionFormat format;
   format.views = o.images ? ViewFormat::kImages : ViewFormat::kCorners;
   format.render.seed = seed;
+  // Parts of the study already run beside each other.
   format.threads = 1;
   writeSimulatedSession(made, simulation, folder / place, format);
   MotionCaptureOptions system;
@@ -179,6 +183,7 @@ Json jsonOf(const Outcome& o) { return {{"capture_s", o.capture_s}, {"finished",
 Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
   std::vector<double> method_s, period_s, log_method, log_period;
   Json outcomes = Json::array();
+  // A participant's two sessions stand side by side, in their order.
   for (std::size_t i = 0; i + 1 < visits.size(); i += 2) {
     const bool guided_first = visits[i].visit->method == "guided";
     const Visit& free = visits[guided_first ? i + 1 : i];
@@ -202,6 +207,8 @@ Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
         all_done = all_done && in(*v, period).finished;
       }
     }
+    // Method within each period, period within each method: four sessions of each participant, of
+    // which two were recorded.
     for (const int period : {1, 2}) method_s.push_back(at(guided, period) - at(free, period));
     for (const Visit* v : {&free, &guided}) period_s.push_back(at(*v, 2) - at(*v, 1));
     // A time that was cut off has no ratio.
@@ -234,6 +241,7 @@ std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
                {"trajectories", o.trajectories()}}},
              {"rig", rig.name}};
   truth.update(toJson(rig.calibration));
+  // Of all recordings but rendered sequences.
   truth["board"] = toJson(bentBoard(o.board_bend_mm));
   Json sessions = Json::array();
   for (const Visit& v : visits) {
@@ -262,6 +270,7 @@ StudySimulationSummary summaryOf(const std::vector<Visit>& visits) {
     summary.gave_up += v.made.finished ? 0 : 1;
     summary.suggestions += v.suggestions;
     summary.reached += v.reached;
+    // Who gave up says nothing of how long it takes.
     if (v.made.finished) (v.visit->method == "free" ? free : guided).push_back(v.made.capture_s);
   }
   if (!free.empty()) summary.free_s = median(free);
@@ -287,7 +296,7 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
   std::size_t done = 0;
   parallelFor(all, o.threads, [&](int /*worker*/, std::size_t i) {
     const std::size_t k = i - std::min(i, visits.size());
-    // Seeds beyond those of the sessions: the same recordings whatever the participants.
+    // Not of the participants' random numbers: the same recordings whoever takes part.
     const std::uint64_t seed = (o.seed << 16U) + 1 + k;
     if (i < visits.size()) {
       makeVisit(rig, o, i, visits[i], folder);

@@ -25,6 +25,7 @@ Session seenAgain(const OperatedSession& operated, const OperatedOptions& made,
                   const SimulationOptions& simulation) {
   Session session = operated.session;
   session.target.shape = made.guide_shape;
+  // The camera stage has no use for it.
   session.imu.reset();
   for (CameraStream& camera : session.cameras) camera.views.clear();
   for (const int k : frames) {
@@ -45,7 +46,7 @@ CameraStageOptions startingAt(const std::vector<CameraCalibration>& truth) {
 }
 
 /// Mean square over the image of what the covariance says of a camera's projections, for corners
-/// with a standard deviation of 1 px.
+/// of the stage's pixel_sigma.
 std::optional<double> unitMeanSquare(const CameraStageResult& found, std::size_t camera) {
   const Intrinsics& intrinsics = found.cameras[camera].intrinsics;
   const CameraLayout layout([&] {
@@ -55,6 +56,7 @@ std::optional<double> unitMeanSquare(const CameraStageResult& found, std::size_t
   }());
   const int k = layout.intrinsics[camera], size = layout.intrinsics_size[camera];
   const Eigen::MatrixXd& covariance = found.summary.covariance.matrix;
+  // Without a covariance of the cameras.
   if (covariance.rows() < layout.camerasSize()) return std::nullopt;
   return imageFitMeanSquare(intrinsics, covariance.block(k, k, size, size));
 }
@@ -76,6 +78,7 @@ Session recordedAgain(const OperatedSession& operated, const OperatedOptions& ma
   const TimeNs begin = sensors.stampOf(frames.front()) - margin;
   session.imu->samples =
       sensors.samplesUntil(operated.motion, sensors.stampOf(frames.back()) + margin);
+  // The sensors give all samples from the recording's beginning on.
   std::erase_if(session.imu->samples, [begin](const ImuSample& s) { return s.t < begin; });
   return session;
 }
@@ -140,6 +143,7 @@ class Crossing {
   const SimulatedRig& rig_;
   GuideStage stage_;
   std::vector<KeptViews> kept_;
+  // Each costs a calibration.
   std::map<std::size_t, std::optional<double>> known_;
 };
 
@@ -158,6 +162,7 @@ OperatedSession continued(const OperatedSession& operated, const OperatedOptions
                           const HindsightOptions& options) {
   OperatedOptions longer = made;
   const double begin_s = stage == GuideStage::kCamera ? 0 : operated.camera_s;
+  // Of this stage alone: all before its stop is made again as it was.
   barOf(longer.guide, stage) *= options.beyond;
   longer.simulation.duration_s =
       std::min(made.simulation.duration_s, begin_s + options.beyond_times * stopped_s);
@@ -200,6 +205,8 @@ std::optional<double> drawnProjectionPx(const OperatedSession& operated,
         calibrateCameras(seenAgain(operated, made, rig, frames, again), startingAt(truth));
     if (!found) return std::nullopt;
     for (std::size_t c = 0; c < truth.size(); ++c) {
+      // Of each camera over the draws; the worst of these is taken, not the mean over the worst of
+      // each draw.
       const double px = trueProjectionErrorPx(truth[c].intrinsics, found->cameras[c].intrinsics);
       squares[c] += px * px / draws;
     }
@@ -217,6 +224,7 @@ std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
   const Calibration& truth = rig.calibration;
   SimulationOptions exact = made.simulation;
   exact.corner_sigma_px = 0;
+  // Bias walks and white noise; the initial biases stay, as states that the batch estimates.
   exact.imu_noise = false;
   const CameraImuOptions stage = imuStageOptions(made);
   const Session session = recordedAgain(operated, made, rig, frames, exact);
@@ -226,6 +234,7 @@ std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
   const auto covariance = covarianceUnder(solvedBatch(session, *found, stage), sigma * sigma);
   if (!covariance) return std::nullopt;
   const ImuReprojection use(truth.cameras);
+  // Without noise, what is off is what the model leaves out, as the board's shape.
   const double bias = use.differencePx(found->imu, *truth.imu);
   return std::sqrt(bias * bias + use.expectedErrorUnder(*covariance, truth.imu->T_SC0));
 }
@@ -254,6 +263,7 @@ std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
   Crossing crossing(operated, made, rig, stage);
   const std::vector<KeptViews>& kept = crossing.kept();
   const bool stopped = !kept.empty() && kept.back().finished && kept.back().predicted_px;
+  // A stage without a bar ends by its criterion, which is not judged here.
   if (!(barOf(made.guide, stage) > 0) || !stopped) return std::nullopt;
   const auto drawn = stage == GuideStage::kCamera ? drawnProjectionPx : drawnReprojectionPx;
   StopHindsight s;
@@ -266,6 +276,8 @@ std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
     tellBest(crossing, s);
     return s;
   }
+  // What the guide would have gone on to ask for, had the bar been lower: the bar that counts is
+  // still the first.
   const OperatedSession longer = continued(operated, made, rig, stage, s.stopped_s, options);
   Crossing beyond(longer, made, rig, stage);
   tellBest(beyond, s);

@@ -19,12 +19,15 @@ OperatorSkill practised(OperatorSkill skill, double learning) {
        {&skill.reaction_s, &skill.position_error_m, &skill.angle_error_rad, &skill.correction_s}) {
     *smaller *= learning;
   }
+  // Reach grows as speeds do.
   for (double* larger : {&skill.speed_m_s, &skill.turn_rad_s, &skill.reach_rad}) {
     *larger /= learning;
   }
   return skill;
 }
 
+/// Fisher and Yates with numbers of our own: those that std::shuffle draws are not fixed by the
+/// standard.
 template <class T>
 void shuffle(std::vector<T>& values, RandomStream& random) {
   for (std::size_t i = values.size(); i > 1; --i) {
@@ -42,6 +45,8 @@ std::vector<std::size_t> shuffled(int count, RandomStream& random) {
 
 void limitPatience(SimulatedVisit& visit, const StudySimulationOptions& o) {
   visit.skill.patience_s =
+      // Of the shorter one: a guided session has its limit for a duration, long after anybody would
+      // give up.
       visit.gives_up ? kGivesUpAfter * std::min(visit.duration_s, o.duration_s) : o.limitS();
 }
 
@@ -53,6 +58,8 @@ SimulatedVisit visitOf(const SimulatedParticipant& person, bool guided, int peri
   visit.period = period;
   visit.skill = handSkill(person.clumsiness);
   if (period > 1) visit.skill = practised(visit.skill, o.learning);
+  // Drawn for guided sessions as well, which do not use it, so that no order of methods shifts what
+  // follows.
   const double own = random.uniform(0.85, 1.15) * (period > 1 ? o.learning : 1);
   visit.duration_s = guided ? o.limitS() : own * o.duration_s;
   limitPatience(visit, o);
@@ -90,6 +97,7 @@ std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOpt
     SimulatedParticipant person{fmt::format("p{:02}", i + 1), 0, {}};
     // The middle of one of as many equal parts of [0, 1]: no sample is all experts by chance.
     person.clumsiness = (static_cast<double>(skills[i]) + 0.5) / o.participants;
+    // Of a permutation every other number is odd: both orders are as frequent, up to one.
     const bool guided_first = orders[i] % 2 == 1;
     for (const int period : {1, 2}) {
       const bool guided = guided_first == (period == 1);
@@ -113,6 +121,7 @@ SimulatedVisit inOtherPeriod(const SimulatedVisit& visit, const StudySimulationO
   other.period = to_second ? 2 : 1;
   // Practice is a factor, so that its inverse takes it back.
   other.skill = practised(visit.skill, to_second ? o.learning : 1 / o.learning);
+  // A guided session's is the limit, which practice does not move.
   if (visit.method == "free") other.duration_s *= to_second ? o.learning : 1 / o.learning;
   limitPatience(other, o);
   return other;

@@ -33,6 +33,7 @@ std::vector<CameraCalibration> withFocalLengths(std::vector<CameraCalibration> c
 /// A stream of random numbers for each frame, one number from it: under one seed a larger share
 /// leaves out the frames of a smaller one, and more.
 Session withoutFrames(const Session& session, const FrameOptions& pairing, const Perturbation& p) {
+  // Whole frames: all cameras' views of an instant.
   const auto frames = pairFrames(session.cameras, pairing);
   std::vector<int> kept;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -92,6 +93,7 @@ void Perturbation::check() const {
       kind == PerturbationKind::kDroppedFrames || kind == PerturbationKind::kDroppedImu;
   const std::string unit = unitOf(kind);
   const char* expected = nullptr;
+  // First, for a NaN passes all comparisons below.
   if (!std::isfinite(amount)) {
     expected = "a number";
   } else if (dropped && (amount < 0 || amount >= 100)) {
@@ -113,6 +115,7 @@ PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
   PerturbedInputs out{std::nullopt, inputs.camera, inputs.camera_imu, false};
   switch (p.kind) {
     case PerturbationKind::kImuShift:
+      // Beside a shift that the study itself was asked for.
       out.camera_imu.imu_shift_ns += static_cast<TimeNs>(std::llround(p.amount * 1e6));
       break;
     case PerturbationKind::kTargetSize:
@@ -124,6 +127,7 @@ PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
       out.camera_imu.noise = scaled(inputs.camera_imu.noise.value_or(session.imu->noise), p.amount);
       break;
     case PerturbationKind::kInitialIntrinsics:
+      // All else of the start is the base's solution, so that the focal lengths alone are tested.
       out.camera.start = withFocalLengths(inputs.cameras, 1 + p.amount / 100);
       out.calibrate_cameras = true;
       break;

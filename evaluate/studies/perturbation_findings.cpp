@@ -63,6 +63,7 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   double amount = 0;
   for (const PerturbationCase* c : solvedShifts(record)) {
     const auto i = largestOtherChange(record.parameters, *c);
+    // The first is taken whatever it is, also 0.
     if (!i || (!name.empty() && !further(c->changes_sigma[*i], largest))) continue;
     largest = std::abs(c->changes_sigma[*i]);
     name = record.parameters[*i];
@@ -89,6 +90,7 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
 double predictedSigma(const PerturbationRecord& record, const PerturbationCase& c) {
   const bool dropped = c.kind == toString(PerturbationKind::kDroppedFrames) ||
                        c.kind == toString(PerturbationKind::kDroppedImu);
+  // As if one per cent were kept at least, so that the root stays small near 100 %.
   if (dropped) return std::sqrt(c.amount / std::max(100 - c.amount, 1.0));
   if (c.kind == toString(PerturbationKind::kCornerNoise)) {
     return c.amount / record.assumptions.pixel_sigma_px;
@@ -111,6 +113,7 @@ LargestChange largestChange(const PerturbationRecord& record, const std::string&
     if (c.kind != kind || !c.problem.empty()) continue;
     const double bound = std::max(least_bound, 3 * predictedSigma(record, c));
     for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
+      // No deviation is stated: the change is finite, and there is nothing to hold it against.
       const bool unknown_std = std::isnan(c.changes_sigma[i]) && std::isfinite(c.changes[i]);
       if (unknown_std) continue;
       const double change = std::abs(c.changes_sigma[i]);
@@ -146,6 +149,7 @@ std::optional<Finding> kindFinding(const PerturbationRecord& record, Perturbatio
   if (largest.of == nullptr) return std::nullopt;
   Finding f;
   f.rule = fmt::format("Parameters under {}", toString(kind));
+  // Written so that NaN is no good.
   f.level = largest.sigmas <= largest.bound ? VerdictLevel::kGood : VerdictLevel::kCaution;
   f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} {}",
                            largest.parameter, largest.sigmas, largest.of->amount, largest.of->unit);
@@ -219,6 +223,7 @@ std::vector<Finding> perturbationFindings(const PerturbationRecord& record,
         PerturbationKind::kDroppedImu, PerturbationKind::kCornerNoise}) {
     if (auto f = kindFinding(record, kind, thresholds)) findings.push_back(std::move(*f));
   }
+  // Always there, so that no study is without a finding.
   findings.push_back(failuresFinding(record));
   return findings;
 }

@@ -92,6 +92,7 @@ Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   std::vector<CameraCalibration> cameras = inputs.cameras;
   if (changed.calibrate_cameras) {
     auto camera = solveCameras(session, changed.camera);
+    // Without an IMU the cameras are the result.
     if (!camera || !session.imu) return camera;
     cameras = std::move(camera.value().calibration.cameras);
   }
@@ -140,6 +141,7 @@ PerturbationRecord startRecord(const Solution& base) {
   for (const CalibrationParameter& p : calibrationParameters(base.calibration)) {
     record.parameters.push_back(p.name);
     record.units.push_back(p.unit);
+    // 0: none is stated, of which compare() makes no ratio.
     record.base_std.push_back(p.std.value_or(0));
   }
   record.base.kind = "base";
@@ -178,6 +180,7 @@ StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
   inputs.camera = request.camera;
   inputs.camera_imu = request.camera_imu;
   auto& models = inputs.camera.models;
+  // One for all cameras, as the command line has it.
   if (models.size() == 1) models.resize(session.cameras.size(), models.front());
   if (request.cameras_file) {
     const std::string& file = *request.cameras_file;
@@ -203,6 +206,7 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
   std::mutex telling;
   parallelFor(perturbations.size(), options.threads, [&](int, std::size_t i) {
     record.cases[i] = runCase(inputs, perturbations[i], *base, record.base_std);
+    // Counted under the lock as well: the numbers told ascend.
     const std::scoped_lock lock(telling);
     if (options.progress) options.progress(++done, perturbations.size());
   });
@@ -223,6 +227,7 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
                                           const ProgressSink& progress) {
   asked.check();
   PerturbRequest request = asked;
+  // The input's hash covers the cameras as well.
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   const LoadedSession loaded = loadSession(request.load, progress);
   const StudyInputs inputs = inputsOf(request, loaded.session);

@@ -26,6 +26,7 @@ std::string largestChange(const PerturbationRecord& record, const PerturbationCa
   const auto worst = largestOtherChange(record.parameters, c);
   if (!worst) return "-";
   const double sigmas = c.changes_sigma[*worst];
+  // What two decimals would show as zero.
   if (std::abs(sigmas) < 0.005) return fmt::format("{} < 0.01 sigma", record.parameters[*worst]);
   return fmt::format("{} {:+.2f} sigma", record.parameters[*worst], sigmas);
 }
