@@ -129,6 +129,7 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   request.session_estimate = !o.no_session_estimate;
   if (!o.session.session.empty()) {
     request.load = o.session.request();
+    // Given calibrations are scored, whatever models sensor.yaml states.
     request.load->read.supported_models_only = false;
     request.score.camera.frames = o.measurements.frames;
     request.score.camera.frames.tolerance = request.load->read.sync_tolerance;

@@ -68,6 +68,7 @@ EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationO
   request.calibration = o.calibration;
   request.load = o.session.request();
   request.load.read.read_imu = !o.estimation.no_imu;
+  // The calibration's models count, not those of sensor.yaml.
   request.load.read.supported_models_only = false;
   request.held_out = o.held_out;
   request.score.camera = o.estimation.cameraStage(request.load);

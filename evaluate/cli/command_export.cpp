@@ -69,6 +69,7 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
       throw InputError("--model " + *o.model + ": expected one for all cameras");
     request.model = models.front();
   }
+  // Refused for every tool, also for those that do not need it.
   const double rate = request.camera_rate_hz.value_or(1);
   if (!(rate > 0) || !std::isfinite(rate) || rate > 1e6) {
     throw InputError(fmt::format("--camera-rate {}: expected a positive number of Hz", rate));

@@ -213,6 +213,7 @@ void GuideOptionSet::declare(CLI::App& app) {
 GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   GuideOptions o = guide;
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
+  // People say bits, the guide counts nats.
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
   o.views.criterion = o.trajectories.criterion = viewCriterionFrom(criterion);
   o.views.later_use = laterUseFrom(later_use);
@@ -281,6 +282,7 @@ ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
     request.counterfactuals->random_seeds = o.random_orders;
     request.counterfactuals->seed = o.seed;
   }
+  // Images are read for the page alone.
   request.images = !o.no_images && !o.output.no_report;
   request.provenance = makeProvenance("replay", givenOptions(app));
   return request;

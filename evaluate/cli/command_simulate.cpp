@@ -36,6 +36,7 @@ struct SimulateOptions {
 
 void declareSimulate(CLI::App& app, SimulateOptions& o) {
   auto& s = o.simulation;
+  // Not required() for CLI11: --fault list and the subcommands do without.
   o.output.declare(app, "Folder to write (required, except with --fault list)");
   app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
       ->capture_default_str();
@@ -85,6 +86,7 @@ int simulate(SimulateOptions o) {
     throw InputError(
         "--target-shape tag-edge is an error of a detector, which --images cannot show; omit one");
   }
+  // One seed for motion and noise, whose random numbers are of different streams.
   o.simulation.trajectory.seed = o.simulation.seed;
   o.simulation.trajectory.kind = motionFrom(o.motion);
   if (o.time_offset_ms) o.simulation.time_offset_s = *o.time_offset_ms * 1e-3;

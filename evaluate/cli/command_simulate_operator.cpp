@@ -153,6 +153,7 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   s.guide.trajectories.first = firstTrajectoryFrom(o.first_trajectory);
   s.skill = skillFrom(o.skill);
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
+    // After the skill's word, of which they change single values.
     if (o.figures[i]) s.skill.*kFigures[i].figure = kFigures[i].unit * *o.figures[i];
   }
   s.check();

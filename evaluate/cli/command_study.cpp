@@ -66,6 +66,7 @@ void checkCalibrateOption(const std::string& option, const std::string& words) {
   refuseReserved(option);
   CLI::App app;
   (void)calibrateCommand().configure(app);
+  // No --help among a study's options.
   app.set_help_flag();
   std::vector<std::string> line{"session", "--out", "result"};
   // It needs --cameras, of which nothing is read here.
@@ -194,6 +195,7 @@ int runSlurm(const StudyOptions& o, PreparedNight night, double seconds) {
 
 int study(const StudyOptions& o, const CLI::App& app) {
   const Stopwatch watch;
+  // Other engines return before there is a verdict.
   if (o.engine != "local" && (o.json.file || o.fail_on.level != "never")) {
     throw InputError("--json and --fail-on need --engine local; omit them");
   }

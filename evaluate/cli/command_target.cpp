@@ -120,6 +120,7 @@ TargetFitRequest fitRequest(const FitOptions& o) {
     one.cache = o.cache;
     one.threads = o.threads;
     request.sessions.push_back(one.request());
+    // The board shows in the views alone.
     request.sessions.back().read.read_imu = false;
     request.sessions.back().read.supported_models_only = false;
   }

@@ -187,6 +187,7 @@ int run(int argc, char** argv) {
     return failed(error.what(), kBadInput);
   }
   const int exit_code = runChosen(app, handlers);
+  // Output that could not be written is a failure, unless there is a code that says more.
   return closeOutput() || exit_code != kDone ? exit_code : kFailed;
 }
 

@@ -40,6 +40,7 @@ int editDistance(std::string_view a, std::string_view b) {
 
 std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates) {
   std::string nearest;
+  // One more than what is near enough, for it has to be less.
   int least = std::max(1, static_cast<int>(word.size()) / 3) + 1;
   for (const std::string& candidate : candidates) {
     const int distance = editDistance(word, candidate);

@@ -33,6 +33,7 @@ void occupyStandardStreams() {
 
 void writeOut(std::string_view bytes) {
   const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), stdout);
+  // The first error is the cause; later ones follow from it.
   if (written != bytes.size() && output_error == 0) output_error = errno;
 }
 

@@ -85,6 +85,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
 
 ChildProcess::ChildProcess(const ProcessRequest& request)
     : limit_s_(request.limit_s), started_s_(nowS()) {
+  // Appended to: several programs may share a log, and standard output and error do.
   const int log = open(request.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (log < 0) {
     throw badInput(
@@ -138,6 +139,7 @@ std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
       return end;
     }
     const double now = nowS();
+    // Killed here, it ends on a later turn, by the signal; beyond_time_ says why.
     if (limit_s_ > 0 && now - started_s_ > limit_s_ && !beyond_time_) {
       beyond_time_ = true;
       killGroup();
@@ -145,6 +147,7 @@ std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
     if (now >= until) return std::nullopt;
     double pause = until - now;
     if (limit_s_ > 0 && !beyond_time_) pause = std::min(pause, started_s_ + limit_s_ - now);
+    // Rounded up, so that a limit is over when the wait for it is.
     const int ms = std::clamp(static_cast<int>(1e3 * pause) + 1, 1, 60000);
     if (descriptor_ >= 0) {
       pollfd waiting{descriptor_, POLLIN, 0};

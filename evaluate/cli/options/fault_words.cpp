@@ -141,6 +141,7 @@ Words partsOf(std::string_view spec) {
     from = to + 1;
   }
   for (std::string_view& part : parts) {
+    // An instant may follow any part, as people write it: slip=0.2deg@15s,x and slip=0.2deg,x@15s.
     const std::size_t at = part.find('@');
     if (at == std::string_view::npos) continue;
     words.instants.push_back(part.substr(at + 1));
@@ -182,6 +183,7 @@ double valueFrom(const std::string& spec, const FaultDescription& d, std::string
   if (!given) {
     refuse(spec, d, fmt::format("'{}' is not a value of {}", word, wordsOf(value.quantity).symbol));
   }
+  // Said here in the unit that was written; check() knows SI alone.
   if (given->value() < value.low || given->value() > value.high) {
     const Unit& unit = given->unit;
     refuse(spec, d,

@@ -22,6 +22,7 @@
 namespace plumbline {
 namespace {
 
+/// The whole word, by from_chars: the locale's decimal comma plays no part.
 std::optional<double> number(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
@@ -145,6 +146,7 @@ RelativeDelta relativeDeltaFrom(const std::string& word) {
   const auto known = enumFrom<RelativeDelta::Unit>(unit);
   if (!known) fail();
   delta.unit = *known;
+  // Frames are counted; metres and seconds may be fractions.
   const bool whole = delta.delta == std::floor(delta.delta) && delta.delta < 1e9;
   if (delta.unit == RelativeDelta::Unit::kFrames && !whole) fail();
   return delta;
@@ -183,6 +185,7 @@ ViewSelectionOptions viewSelectionFrom(const std::string& word) {
     return selection;
   }
   if (const auto nats = number("mi:", "nats")) {
+    // 1 bit = ln 2 nats.
     selection.threshold_bits = *nats / std::numbers::ln2;
     return selection;
   }

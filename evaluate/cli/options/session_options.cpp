@@ -29,6 +29,7 @@ constexpr int kMostThreads = 1024;
 constexpr const char* kAuto = "auto";  // of --target-shape and --models
 constexpr const char* kFlat = "flat";
 
+/// Every other word is a path.
 bool namesAFile(const std::string& target_shape) {
   return target_shape != kAuto && target_shape != kFlat;
 }
@@ -140,6 +141,7 @@ LoadRequest SessionOptions::request() const {
     request.target_degree = target_degree;
     request.target_corners = !no_target_corners;
   }
+  // A command that does not calibrate takes the file's shape as it is.
   if (namesAFile(target_shape)) request.target_shape = target_shape;
   if (resolution) request.read.resolution = resolutionFrom(*resolution);
   request.read.from_s = from_s;
@@ -246,8 +248,8 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
   std::vector<std::pair<std::string, std::string>> given;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name(false, false);
-    // What changes no figure stays out, so that equal results have equal documents; the session
-    // is the input, which is stated beside its hash.
+    // Where results go and how they are told stays out, so that equal results have equal documents;
+    // the session is the input, which is stated beside its hash.
     static const std::set<std::string> kWithoutEffect = {"--out",   "--force",   "--json",
                                                          "session", "--fail-on", "--no-report"};
     if (option->count() == 0 || kWithoutEffect.contains(name)) continue;
@@ -277,6 +279,8 @@ OutputRequest OutputOptions::request(const std::string& kind, const SessionOptio
                                      std::vector<std::string> further) const {
   for (std::string& input : session.inputs()) further.push_back(std::move(input));
   OutputRequest request = this->request(kind, std::move(further));
+  // The results may lie in the cache's folder, but must not hold it, or --force would take it
+  // along.
   if (const auto cache = session.cacheFolder()) request.kept.push_back(*cache);
   return request;
 }

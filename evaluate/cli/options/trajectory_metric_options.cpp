@@ -88,6 +88,7 @@ double knownOffset(const std::string& word) {
 std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<RelativeDelta> deltas) {
   const RelativePairs pairs = relativePairsFrom(word);
   for (RelativeDelta& delta : deltas) {
+    // Not left to be an empty table: the rule never selects any.
     if (!hasPairsOver(pairs, delta.unit)) {
       throw InputError(fmt::format(
           "--rpe-pairs {}: this rule selects no pairs over {}; expected --rpe in metres, e.g. 8m",
@@ -131,6 +132,7 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   TrajectoryMetricOptions metrics;
   metrics.association = {associationFrom(o.association), o.max_dt_s, o.max_gap_s, o.time_offset_s};
+  // Both are added to the estimate's stamps (t_truth - t_estimate), so that they add up.
   metrics.association.time_offset_s += knownOffset(o.clock_offset);
   if (o.clock_offset == "auto") {
     metrics.clock = ClockOffsetOptions{};
