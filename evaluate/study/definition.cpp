@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 
 using namespace study_internal;
 
+// Whoever writes more has taken another unit for milliseconds.
 constexpr double kMostOffset = 10000;  // [ms]
 
 // Of a tool's folder its calibration: the chain with an IMU before that of cameras alone.
@@ -49,6 +50,8 @@ fs::path calibrationIn(const YamlMap& map, const std::string& key) {
                         "a calibration, or a folder of Kalibr's with *camchain*.yaml", ""});
 }
 
+/// A tool's name is part of its steps' names (compare_TOOL), so it may stand only once in a
+/// session.
 void readOthers(const YamlMap& map, SessionEntry& entry) {
   if (!map.has("other")) return;
   std::set<std::string> tools;
@@ -72,7 +75,8 @@ void readStages(const YamlMap& map, StudySession& row) {
     row.stages.push_back({name, secondsOf(stages, name)});
     sum += row.stages.back().seconds;
   }
-  // Stages may leave out pauses between them; they cannot be longer than the whole.
+  // Stages may leave out pauses between them; they cannot be longer than the whole, but for the
+  // rounding of what a person wrote down.
   if (row.capture_s && sum > *row.capture_s * 1.001 + 0.1) {
     throw map.fault("stages_s", {InputFault::kContradiction,
                                  fmt::format("the stages take {:g} s together, the capture {:g} s",
@@ -101,6 +105,7 @@ void readMethod(const YamlMap& map, const std::vector<std::string>& methods, Stu
                    fmt::format("one of {}", fmt::join(methods, ", ")), ""});
 }
 
+/// The order of a participant's sessions, from which the crossover takes the period's effect.
 void readPeriod(const YamlMap& map, StudySession& row) {
   row.period = map.integer("period", "1 for the participant's first session, 2 for the next");
   if (row.period >= 1) return;
@@ -143,6 +148,7 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
   for (const YamlMap& entry : map.maps("sessions", "a list of sessions")) {
     faults.attempt([&] {
       SessionEntry session = sessionOf(entry, study);
+      // By itself, so that the period is looked at too where a name is given twice.
       faults.attempt([&] { names.add(entry, session.row.name); });
       if (!periods.insert({session.row.participant, session.row.period}).second) {
         throw entry.fault("period", {InputFault::kContradiction,
@@ -161,11 +167,13 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
 
 // Every participant used every method: what is compared is compared within participants.
 void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study) {
+  // Entries and sessions are parallel here: this runs only where every entry was read.
   std::map<std::string, std::set<std::string>> used;
   for (const SessionEntry& s : study.sessions) used[s.row.participant].insert(s.row.method);
   FaultList faults;
   std::size_t at = 0;
   for (const YamlMap& entry : map.maps("sessions", "")) {
+    // Said at the participant's first session.
     const std::string& participant = study.sessions[at++].row.participant;
     for (const std::string& method : study.methods) {
       if (!used[participant].insert(method).second) continue;  // said once
@@ -182,6 +190,8 @@ void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study) {
   faults.raise();
 }
 
+/// Of a sequence (`with_truth`) only a folder is asked for: a study's own command may read another
+/// layout than that of a session, which held-out recordings must have.
 RecordingEntry recordingEntryOf(const YamlMap& entry, bool with_truth) {
   FaultList faults;
   RecordingEntry recording;
@@ -234,7 +244,8 @@ void readMethods(const YamlMap& map, StudyDefinition& study) {
   study.methods = wordsOf(map, "methods", "a list, the baseline first, e.g. [free, guided]");
 }
 
-/// A word of the enumeration, otherwise a file's name.
+/// A word of the enumeration, otherwise a file's name. Its word for files, FILE, stands for any of
+/// them, so a file that is called so is read like the others.
 void readTargetShape(const YamlMap& map, StudyDefinition& study) {
   const std::string word = map.textOr("target_shape", "");
   if (word.empty()) return;
@@ -257,6 +268,7 @@ void readPerturbations(const YamlMap& map, StudyDefinition& study) {
   if (!map.has("perturbations")) return;
   const YamlMap list = map.map("perturbations", "{offsets_ms: [100, 10, 1]}");
   refuseUnknownKeys(list, {"offsets_ms"});
+  // Refused here, where the line is known: as a step it would fail once in every session.
   for (const auto& [option, words] : study.calibrate) {
     if (option == "no-imu") {
       throw map.fault("perturbations",
@@ -307,6 +319,7 @@ void readThresholds(const YamlMap& map, StudyDefinition& study) {
 void readEndpoints(const YamlMap& map, StudyDefinition& study) {
   if (!map.has("endpoints")) return;
   study.endpoints = wordsOf(map, "endpoints", "figures of a session, e.g. [held_out_rmse_px]");
+  // stages_s.NAME is an endpoint where any session has such a stage.
   std::vector<CaptureStage> stages;
   for (const SessionEntry& session : study.sessions) {
     stages.insert(stages.end(), session.row.stages.begin(), session.row.stages.end());
@@ -343,6 +356,7 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
               "sessions", "held_out", "sequences", "trajectories", "perturbations", "endpoints",
               "thresholds", "limits", "cross", "replay", "keep_records"});
   });
+  // Methods and limit_s come before the sessions, which are held against them.
   faults.attempt([&] { study.name = map.text("study", "the study's name"); });
   faults.attempt([&] {
     if (map.has("rig")) study.rig = map.text("rig", "the rig's name");

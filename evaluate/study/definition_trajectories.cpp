@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kMostRuns = 1000;
 
+/// Of all {field} in a text, but for a shell's ${...}. Left in, one would stand in the command as
+/// it is, or name files that are nowhere.
 void refuseUnknownFields(const YamlMap& map, const std::string& key, const std::string& text,
                          const std::set<std::string>& fields) {
   for (std::size_t at = text.find('{'); at != std::string::npos; at = text.find('{', at + 1)) {
@@ -30,6 +32,7 @@ void readOdometry(const YamlMap& how, StudyTrajectories& to) {
   to.odometry = how.text("odometry", "builtin, orbslam3, openvins or a runner's .yaml");
   const bool known = isOneOf(to.odometry, {"builtin", "orbslam3", "openvins"});
   if (!known) to.runner = fileOf(how, "odometry");
+  // Refused rather than passed over: who gives them expects another system, or a spread of runs.
   for (const char* key : {"executable", "runs"}) {
     if (to.odometry != "builtin" || !how.has(key)) continue;
     throw how.fault(key,
@@ -47,6 +50,7 @@ void readSource(const YamlMap& how, const StudyDefinition& study, StudyTrajector
   if (how.has("pattern")) {
     const std::string pattern = how.text("pattern", "files with {calibration} and {sequence}");
     refuseUnknownFields(how, "pattern", pattern, {"calibration", "sequence", "run"});
+    // By its letters alone: no file has the pattern's name, so links cannot be followed.
     to.pattern = (study.file.parent_path() / pattern).lexically_normal().string();
   } else if (how.has("command")) {
     to.command = how.text("command", "a command with {calibration} and {out}");
@@ -66,9 +70,11 @@ std::vector<std::pair<std::string, std::string>> optionsOf(
   const YamlMap options = map.map(options_key, "options of " + of_what + ", by name");
   for (const std::string& key : options.keys()) {
     std::string option = key;
+    // YAML's keys are written either way; the command line has hyphens.
     std::replace(option.begin(), option.end(), '_', '-');
     const bool is_file = isOneOf(option, file_options);
     std::string words = is_file ? fileOf(options, key).string() : options.text(key, "a value");
+    // A flag, which the command line has without a word.
     if (words == "true") words = "";
     try {
       check(option, words);

@@ -41,12 +41,15 @@ double secondsOf(const YamlMap& map, const std::string& key) {
 bool flagOf(const YamlMap& map, const std::string& key, bool otherwise) {
   if (!map.has(key)) return otherwise;
   bool value = false;
+  // Also yes, no, on and off, as YAML has them.
   if (YAML::convert<bool>::decode(map.node(key), value)) return value;
   throw map.fault(key,
                   {InputFault::kUnknownWord, key + " is neither yes nor no", "true or false", ""});
 }
 
-// A name that is also that of a folder.
+// A name that is also that of a folder: hidden ones are results in the making, or left out of what
+// is hashed. With 100 letters the longest name of a step, evaluate_TOOL_RECORDING, and what a
+// result in the making has beside it, stay below the 255 of a file system.
 std::string nameOf(const YamlMap& map, const std::string& key) {
   const std::string name = map.text(key, "a name");
   const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -93,6 +96,8 @@ fs::path fileOf(const YamlMap& map, const std::string& key) {
 fs::path recordingOf(const YamlMap& map, const std::string& key) {
   const fs::path path = pathOf(map, key);
   try {
+    // What the commands would look for: a recording that they would refuse hours later is refused
+    // now.
     findSession(path.string());
   } catch (const InputError& error) {
     throw map.fault(key, {InputFault::kMissingFile, error.what(), "", ""});

@@ -81,6 +81,8 @@ class Judge {
         const RegressionThresholds& thresholds)
       : night_(night), accepted_(accepted), t_(thresholds) {}
 
+  // In the order of StudyStore::figures(): by session and name, so that the spans of a figure are
+  // neighbours.
   std::vector<StudyAlarm> judge(const std::vector<FigureSpan>& figures) {
     for (std::size_t begin = 0, end = 0; begin < figures.size(); begin = end) {
       while (end < figures.size() && figures[end].figure.session == figures[begin].figure.session &&
@@ -103,16 +105,21 @@ class Judge {
     series.last = &last;
     const int start = startOf(last, accepted_);
     for (const FigureSpan& span : spans) {
+      // Other data are another series; another version is not, for it is what may have made things
+      // worse.
       if (span.figure.inputs_key != last.inputs_key) continue;
       for (int night = std::max(start, span.first_night); night <= span.last_night; ++night) {
         if (std::isfinite(span.figure.value)) series.values.emplace_back(night, span.figure.value);
       }
     }
+    // A value that is not reproduced is no change for the worse of anything: there is one alarm,
+    // not two.
     if (judgeDeterministic(spans, start)) return;
     const Judged* how = judgedAs(last.name);
     if (how == nullptr || !std::isfinite(last.value) || series.values.empty()) return;
     judgeMedian(series, *how);
     if (!last.session.empty()) {
+      // By family: each recording of a session is a series among the others.
       of_study_[last.name.substr(0, last.name.find('/'))].push_back(std::move(series));
     }
   }
@@ -148,6 +155,8 @@ class Judge {
         const double scale =
             std::max({deviation(recent, middle), t_.floor * std::abs(middle), how.least});
         if (isBad(value, middle, scale, how)) {
+          // Not among the good ones: a step that stays would become the median and end its own
+          // alarm.
           if (first_bad == 0) first_bad = night;
           was = middle;
           continue;
@@ -164,6 +173,7 @@ class Judge {
     std::map<int, std::vector<double>> changes;
     for (const Series& series : list) {
       const double reference = series.values.front().second;
+      // Where a figure is near 0: a change by `least` is then one by `floor`, the least deviation.
       const double unit = std::max(std::abs(reference), how.least / t_.floor);
       for (const auto& [night, value] : series.values) {
         const double change = (value - reference) / unit;
@@ -188,6 +198,7 @@ class Judge {
     if (sum <= t_.cusum) return;
     StudyFigure figure;
     figure.name = name;
+    // Any session's: the alarm is of all of them.
     figure.command = list.front().last->command;
     add(figure, first, "cusum", 0, medians.back());
   }

@@ -29,7 +29,8 @@ BadInput unreadable(const fs::path& path, const std::string& why) {
 
 bool isHidden(const fs::path& path) { return path.filename().string().front() == '.'; }
 
-/// The files below `path` (itself, if it is one), sorted, relative to it.
+/// The files below `path` (itself, if it is one), relative to it; sorted, as folders list them in
+/// an order of their own. Links are followed: a study may be a folder of links to its recordings.
 std::vector<fs::path> filesBelow(const fs::path& path) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -53,6 +54,7 @@ struct Stamp {
   std::int64_t newest_ns = 0;
 };
 
+/// The inode is in it for a file that was replaced by one of the same size and time (rename).
 Stamp stampWithTime(const fs::path& path) {
   std::string text;
   Stamp stamp;
@@ -72,6 +74,8 @@ Stamp stampWithTime(const fs::path& path) {
 std::string contentOf(const fs::path& path) {
   std::string text;
   for (const fs::path& file : filesBelow(path)) {
+    // Each file by itself: the sum over a recording of gigabytes needs no more than one of them
+    // mapped.
     const MappedFile mapped((file.empty() ? path : path / file).string());
     text += file.string() + "\n" + contentHash(mapped.text()) + "\n";
   }
@@ -95,6 +99,7 @@ InputHashes::InputHashes(fs::path cache) : cache_(std::move(cache)) {
     std::istringstream words(line);
     Hashed hashed;
     std::string path;
+    // The path comes last, as it may hold blanks. What cannot be read is hashed anew.
     if (words >> hashed.content >> hashed.stamp && words.get() == ' ' &&
         std::getline(words, path)) {
       known_[path] = hashed;
@@ -103,8 +108,11 @@ InputHashes::InputHashes(fs::path cache) : cache_(std::move(cache)) {
 }
 
 InputHashes::Hashed InputHashes::of(const fs::path& path) {
+  // Once a night: all steps of a recording are then of one state of it, and whether it still is in
+  // that state every step checks for itself.
   const auto seen = seen_.find(path.string());
   if (seen != seen_.end()) return seen->second;
+  // Before the contents: what is written between the two is noticed by the stamp.
   const Stamp stamp = stampWithTime(path);
   const auto known = known_.find(path.string());
   Hashed hashed;

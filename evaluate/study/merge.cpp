@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the definition says, and in its place what the calibration says.
+// All figures are the calibration's; what a person wrote into the definition stays.
 void fillSession(const StudySession& found, StudySession& row) {
   StudySession whole = found;
   whole.name = row.name;
@@ -80,11 +80,13 @@ class Merger {
       session.status = StudyStatus::kOk;
       session.page = step.name + "/report.html";
     } else if (step.kind == StepKind::kReplay) {
+      // In place of what the recording by itself says (recordedCompliance()).
       sessionOf(step).compliance = rows.sessions.at(0).compliance;
     }
     const auto append = [](auto& to, const auto& from) {
       to.insert(to.end(), from.begin(), from.end());
     };
+    // Another tool's scores belong to its row, and not among the session's own recordings.
     if (step.kind == StepKind::kEvaluate && isOfOther(step)) {
       others_held_out_[step.session + "/" + toolOf(step)].push_back(rows.held_out.at(0));
     } else {
@@ -123,6 +125,7 @@ class Merger {
         if (!isOfOther(step)) r.held_out.push_back({step.session, step.part, {}, message});
         break;
       case StepKind::kPerturb:
+        // The step makes all offsets, so none of them has a row of its own.
         r.perturbations.push_back({step.session, 0, {}, message});
         break;
       case StepKind::kCompare:
@@ -145,6 +148,7 @@ class Merger {
   // Left out because of what it needs; or not done at all.
   void addMissing(const Step& step) {
     for (const StepNeed& need : step.needs) {
+      // The first need that is not done says why; it is counted itself.
       const auto result = results_.find(need.name);
       const bool failed = result == results_.end() || result->second.status != StepStatus::kDone;
       if (!failed) continue;
@@ -155,6 +159,7 @@ class Merger {
       }
       return;
     }
+    // All that it needs is done: its engine lost it, or never came to it.
     ++merged_.steps_missing;
     missing_.push_back(step.name);
     if (step.kind == StepKind::kCalibrate) {
@@ -172,6 +177,7 @@ class Merger {
     return text;
   }
 
+  /// Over recordings, each counting alike, however many corners it has.
   static std::optional<double> rootMeanSquare(const std::vector<StudyHeldOut>& scores) {
     double sum = 0;
     int n = 0;
@@ -199,6 +205,8 @@ class Merger {
     }
   }
 
+  /// A figure carries the inputs and the version of its step, by which later nights tell what it
+  /// may be compared with.
   void addFigure(const Step& step, const StepResult& result, const std::string& name,
                  const std::string& unit, const std::optional<double>& value) {
     // Both stages have the cameras' parameters where they are freed: the first counts.
@@ -261,6 +269,8 @@ class Merger {
         fmt::format("{} of {} sessions have a calibration",
                     sessions.size() - static_cast<std::size_t>(failed), sessions.size());
     if (failed > 0) {
+      // No more than that: participants fail, and a session that had a calibration before is a
+      // regression, which is judged by itself.
       calibrated.level = VerdictLevel::kCaution;
       calibrated.advice = "The failures below say why";
     }

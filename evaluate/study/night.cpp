@@ -121,6 +121,7 @@ Finding endpointFinding(const StudyRecord& record) {
   finding.unit = "1";
   finding.evidence = "every declared endpoint has figures";
   if (!unknown.empty()) {
+    // A misspelt name of a parameter, say: only the calibrations know those (isEndpoint()).
     finding.level = VerdictLevel::kCaution;
     finding.evidence = fmt::format("no session has a figure of {}", fmt::join(unknown, ", "));
     finding.advice = "Correct endpoints in the study, or record what they require";
@@ -149,6 +150,7 @@ void addFurtherFindings(StudyRecord& record) {
   findings.push_back(std::move(finding));
   if (!record.endpoints.empty()) findings.push_back(endpointFinding(record));
   record.verdict = makeVerdict(std::move(findings));
+  // The headline of a good study is what it found, of any other what is wrong.
   const auto& sentences = record.statistics.sentences;
   const std::string known = sentences.empty() ? "" : sentences.front() + "; ";
   record.verdict.headline =
@@ -159,7 +161,8 @@ void addFurtherFindings(StudyRecord& record) {
                                      record.nights.back().sessions));
 }
 
-// The store is this night's alone: its history is in study.sqlite.
+// The store is this night's alone: its history is in study.sqlite. Made beside it and renamed,
+// since Store adds to a file that is there, and a reader shall never find half of one.
 void writeRecords(const fs::path& folder, const StudyRecord& record) {
   const fs::path made = folder / ".records.sqlite.new";
   std::error_code ignored;
@@ -183,7 +186,9 @@ PreparedNight prepareNight(const NightRequest& request) {
   night.steps = planStudy(night.study, hashes, {programVersion(), runningProgramHash()});
   hashes.save();
   writeFileAtomically((night.folder / kPlanFile).string(), planText(night.steps));
+  // Every process of the night appends to it.
   writeFileAtomically((night.folder / kEngineLog).string(), "");
+  // Only now that the lock keeps others away.
   removeLeftovers(night.folder, night.steps);
   if (request.redo_failed) forgetFailures(night.folder, night.steps);
   if (request.recheck > 0) {
@@ -197,11 +202,13 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   StudyRecord& record = merged.record;
   record.provenance = night.provenance;
   record.provenance.input = night.study.file.filename().string();
+  // Of the study as a whole: any input that changes changes it, and the program does not.
   std::string keys;
   for (const Step& step : night.steps) keys += step.inputs_key;
   record.provenance.input_hash = "xxh64:" + contentHash(keys);
   StudyStore store(night.folder / kHistoryFile);
   const int number = nightAfter(store);
+  // In memory until it is saved: the night is judged as the last one of its own history.
   store.addNight(nightOf(record, number, seconds), merged.figures);
   store.setSteps(number, stepRows(night.steps, results));
   record.alarms = judgeNight(number, store.figures(), store.accepted(), night.study.thresholds);
@@ -215,6 +222,8 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   outcome.document = documentOf(record);
   writeFileAtomically((night.folder / kSummaryFile).string(), outcome.document);
   writeFileAtomically((night.folder / kIndexFile).string(), renderStudyPage(record));
+  // Last of all, as this makes the night count: one that is killed before has not been, and the
+  // next night has its number.
   store.save();
   outcome.night = number;
   outcome.sessions = record.nights.back().sessions;
@@ -256,6 +265,7 @@ std::vector<StudyAlarm> acceptChanges(const fs::path& folder, const std::string&
   const int night = nightAfter(store) - 1;
   std::vector<StudyAlarm> ended;
   for (const StudyAlarm& a : store.alarms(night)) {
+    // An alarm of the whole study is named with those of any session.
     const bool of_session = session.empty() || a.session == session || a.session.empty();
     const bool of_figure =
         figure.empty() || a.metric == figure || a.metric.substr(0, a.metric.find('/')) == figure;

@@ -68,6 +68,7 @@ void refuseForeign(const fs::path& folder) {
 bool isHeld(const fs::path& lock) {
   const int file = open(lock.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return false;
+  // Shared, so that two that look do not take each other for the holder.
   const bool held = flock(file, LOCK_SH | LOCK_NB) != 0;
   close(file);
   return held;
@@ -75,6 +76,8 @@ bool isHeld(const fs::path& lock) {
 
 }  // namespace
 
+// By flock(), which the system releases however the process ends; the file stays, and what is in it
+// only says who holds it.
 NightLock::NightLock(const fs::path& folder) {
   const fs::path path = folder / kLockFile;
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -110,6 +113,7 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
   for (const RecordingEntry& r : study.sequences) refuseOverlap(place, r.path);
   const fs::path mark = folder / kStudyMarkFile;
   if (fs::exists(mark)) {
+    // By the study's name: a definition that is edited, or lies elsewhere, is the same study.
     const std::string name = studyIn(mark);
     if (name == study.name) return;
     throw badInput(
@@ -131,6 +135,7 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
 
 void removeLeftovers(const fs::path& folder, const std::vector<Step>& steps) {
   removeDeadTemporaries(folder);
+  // Steps make their results beside their folders (Workplace).
   std::set<fs::path> parents;
   for (const Step& step : steps) parents.insert((folder / step.name).parent_path());
   for (const fs::path& parent : parents) {

@@ -27,6 +27,8 @@ bool isOneOf(const std::string& word, const std::vector<std::string>& list) {
   return std::find(list.begin(), list.end(), word) != list.end();
 }
 
+/// Whether a step takes an option of `calibrate`. What it does not take is not in its key either,
+/// so that a change of it leaves the step's result.
 bool isShared(StepKind kind, const std::string& option) {
   switch (kind) {
     case StepKind::kCalibrate:
@@ -56,6 +58,7 @@ bool isShared(StepKind kind, const std::string& option) {
 /// Whether a recording comes as images, whose corners a step must find first.
 bool needsDetection(const fs::path& recording) {
   bool images = false;
+  // EuRoC's layout has the cameras in mav0, others in the folder itself.
   for (const fs::path& root : {recording, recording / "mav0"}) {
     if (!fs::is_directory(root)) continue;
     for (const auto& entry : fs::directory_iterator(root)) {
@@ -72,6 +75,7 @@ class Planner {
   Planner(const StudyDefinition& study, InputHashes& hashes, const ProgramId& program)
       : study_(study), hashes_(hashes), program_(program) {}
 
+  // Each step after those that it needs, which engines count on.
   std::vector<Step> plan() {
     for (const RecordingEntry& r : study_.held_out) addRecording("recordings/" + r.name, r.path);
     for (const SessionEntry& s : study_.sessions) addRecording(folderOf(s), s.path);
@@ -110,6 +114,7 @@ class Planner {
 
   // Without the user's cache of corners: a result then depends on what its key names, and no more.
   void addSource(StepBuilder& step, const Source& source) {
+    // Its folder has the target as well.
     if (source.detected) {
       step.reads(*source.detected, "");
     } else {
@@ -124,6 +129,7 @@ class Planner {
     step.aside("--out").aside("{out}").aside("--threads").aside("{threads}");
   }
 
+  // A recording is detected once, whichever steps read it.
   void addRecording(const std::string& folder, const fs::path& path) {
     Source source{path, std::nullopt};
     if (needsDetection(path)) {
@@ -179,6 +185,7 @@ class Planner {
     addShape(step, nullptr);
     addOptions(step, StepKind::kCalibrate);
     addOutput(step);
+    // A copy: steps_ grows.
     calibrations_[s.row.name] = add(step, s.row.name, "");
   }
 
@@ -204,6 +211,8 @@ class Planner {
     step.words({"perturb"});
     addSource(step, sources_.at(folderOf(s)));
     step.words({"--offsets-ms", fmt::format("{}", fmt::join(study_.offsets_ms, ","))});
+    // An offset is added to the IMU's stamps and leaves the cameras as they were: they are not
+    // estimated once more for each.
     step.words({"--cameras"}).reads(calibration, "calibration.json");
     addShape(step, &calibration);
     addOptions(step, StepKind::kPerturb);
@@ -227,6 +236,7 @@ class Planner {
     addSource(step, sources_.at(source));
     addShape(step, &calibration);
     addOptions(step, StepKind::kEvaluate);
+    // Only poses move: the error is that of the cameras.
     step.words({"--no-imu", "--no-report"});
     addOutput(step);
     add(step, s.row.name, other != nullptr ? other->first + "/" + recording : recording);
@@ -236,6 +246,7 @@ class Planner {
     const Step& calibration = calibrations_.at(s.row.name);
     StepBuilder step(StepKind::kCompare, folderOf(s) + "/compare_" + other.first, hashes_);
     step.words({"compare"}).reads(calibration, "calibration.json").reads(other.second);
+    // Ours first: otherOf() takes the differences of the second.
     step.words({"--labels", "plumbline," + other.first, "--session"});
     addSource(step, sources_.at(folderOf(s)));
     addShape(step, &calibration);
@@ -262,6 +273,8 @@ class Planner {
       step.words({"odometry"}).reads(sequence.path);
       step.words({"--calibration"}).reads(calibration, "calibration.json");
       step.words({"--truth"}).reads(sequence.truth);
+      // A runner's description is a file, and its contents are in the key; a known one is a word,
+      // and the program itself is in the key.
       if (!how.runner.empty()) {
         step.words({"--with"}).reads(how.runner);
       } else if (how.odometry != "builtin") {
@@ -288,11 +301,13 @@ class Planner {
       step.words({"/bin/sh", "-c"});
       std::string command = study_.trajectories.command;
       for (const auto& [field, place] : fields) {
+        // Goes on behind what was put in: the place of {out} holds {out} itself.
         for (auto at = command.find(field); at != std::string::npos;
              at = command.find(field, at + place.size())) {
           command.replace(at, field.size(), place);
         }
       }
+      // The files stand within the command's text, so they are named once more for the key.
       step.words({command}).needs(calibration).watches(sequence.path);
       const Step estimate = add(step, s.row.name, sequence.name);
       StepBuilder judge(StepKind::kTrajectory, folderOf(s) + "/trajectory_" + sequence.name,
@@ -305,6 +320,8 @@ class Planner {
   }
 
   void addTrajectoriesByPattern() {
+    // These steps need no other: whoever made the files had the calibrations. Their names tell
+    // which.
     std::vector<std::string> names;
     for (const RecordingEntry& sequence : study_.sequences) names.push_back(sequence.name);
     for (const RunFile& file : findRuns(study_.trajectories.pattern, names)) {

@@ -53,6 +53,7 @@ class Places {
     const fs::path folder = night_ / field.substr(colon + 1);
     if (field.substr(0, colon) == "result") return folder.string();
     if (field.substr(0, colon) != "shape") return "{" + field + "}";  // a shell's own
+    // Only known now: whether a board was found to be bent is the earlier step's finding.
     const fs::path shape = folder / kTargetShapeFile;
     return fs::exists(shape) ? shape.string() : "flat";
   }
@@ -75,6 +76,7 @@ std::string commandText(const Step& step, const fs::path& night) {
 // What the command said last, or of its failure.
 std::string lastMessage(const fs::path& log) {
   const std::string mark = "plumbline: ";
+  // The command's own complaints begin with its name; without any, its last line has to do.
   std::ifstream file(log);
   std::string line, last, said;
   while (std::getline(file, line)) {
@@ -105,6 +107,7 @@ std::string changedInput(const Step& step) {
 
 void requireNeeds(const fs::path& night, const Step& step) {
   for (const StepNeed& need : step.needs) {
+    // By key, for an older result may lie under the name.
     const auto result = readStepResult(night / need.name);
     const bool there = result && result->key == need.key && result->status == StepStatus::kDone;
     if (there) continue;
@@ -225,6 +228,7 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
       result.message.compare(0, folder.path().string().size(), folder.path().string()) == 0) {
     result.status = StepStatus::kLost;
   }
+  // Whatever came of it, also a failure: it is of a state that the key does not name.
   const std::string changed = changedInput(step);
   if (!changed.empty()) {
     fail(result, StepStatus::kChanged,
@@ -243,6 +247,7 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
   // Messages name the hidden folder in which the result was made.
   result.message = replaceAll(withFinalNames(result.message), folder.path().string(),
                               (night / step.name).string());
+  // Half a result beside the mark of a failure would be taken for one; the log alone stays.
   if (result.status != StepStatus::kDone) folder.clear();
   if (fs::exists(log)) fs::rename(log, folder.path() / kLogFile);
 }

@@ -64,6 +64,7 @@ Step readPlannedStep(const fs::path& plan, const std::string& name) {
 
 std::string stepText(const StepResult& result, const StudyRecord& part) {
   Json json = toJson(result);
+  // Merging then reads one small file a step, and no store.
   if (result.status == StepStatus::kDone) json[kPart] = toJson(part);
   return json.dump(1) + "\n";
 }

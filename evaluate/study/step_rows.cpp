@@ -30,6 +30,7 @@ StudySession sessionOf(const CalibrationRecord& record) {
     row.camera_rmse_px = camera->summary.reprojection.rmse_px;
     row.camera_entropy_nats = camera->summary.entropy_nats;
     seconds += camera->summary.seconds.total;
+    // Only a board that was found to be bent is one of the session's own.
     const bool bent = camera->target_fit && camera->target_fit->finding == TargetFinding::kBent;
     if (bent) row.board = camera->target;
   }
@@ -52,6 +53,7 @@ StudySession sessionOf(const CalibrationRecord& record) {
 
 StudyHeldOut heldOutOf(const CalibrationRecord& record) {
   StudyHeldOut row;
+  // One calibration was evaluated on one recording.
   const CalibrationScore& score = record.held.value().scores.at(0);
   if (score.reprojection.count > 0) row.rmse_px = score.reprojection.rmse_px;
   if (!row.rmse_px) row.failure = score.problem;
@@ -112,6 +114,8 @@ std::optional<double> shareReached(const OperatorCompliance& compliance) {
 // A recording of corners with suggestions.csv says how its operator followed them, without a
 // replay. Where a study calibrates some of the cameras only, a replay has to say it.
 std::optional<double> recordedCompliance(const Step& step, const CalibrationRecord& record) {
+  // The word after "calibrate" is the recording (Planner::addSource()); "{" begins the folder of a
+  // step that detected its corners.
   if (step.words.size() < 2 || step.words[1].front() == '{') return std::nullopt;
   const std::string& recording = step.words[1];
   const auto file = findSuggestions(recording);
@@ -133,6 +137,7 @@ std::vector<StudyTrajectory> trajectoriesOf(const TrajectoryRecord& record, cons
   std::vector<StudyTrajectory> rows;
   for (const TrajectoryRun& run : record.runs) {
     StudyTrajectory row{step.session, step.part, "", std::nullopt, run.problem};
+    // A single run needs no number.
     if (record.runs.size() > 1) row.run = run.run;
     if (run.status == RunStatus::kComplete) row.ate_m = run.ate_translation_m.rmse;
     rows.push_back(row);

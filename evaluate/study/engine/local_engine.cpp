@@ -64,6 +64,7 @@ class LocalEngine {
       if (results_.count(steps[i].name) == 0) waiting_.insert(i);
       for (const StepNeed& need : steps[i].needs) dependents_[need.name].push_back(i);
     }
+    // Of the steps to do, so that an unchanged night begins at its end.
     progress_.all = waiting_.size();
     // From the last to the first: whatever waits for a step comes after it.
     urgency_.resize(steps.size());
@@ -101,6 +102,7 @@ class LocalEngine {
   Need needOf(const Step& step) const {
     Need all = Need::kDone;
     for (const StepNeed& need : step.needs) {
+      // Without a result a step is left out, or yet to be done.
       const auto result = results_.find(need.name);
       if (result == results_.end()) {
         if (left_out_.count(need.name) > 0) return Need::kFailed;
@@ -112,7 +114,8 @@ class LocalEngine {
     return all;
   }
 
-  // The most urgent step whose needs are done; what can never be is left out on the way.
+  // Steps whose needs are done, the most urgent first; what can never be done is left out on the
+  // way. One pass is enough: steps stand after what they need.
   std::vector<std::size_t> ready() {
     std::vector<std::size_t> list;
     for (auto it = waiting_.begin(); it != waiting_.end();) {
@@ -181,6 +184,7 @@ class LocalEngine {
     if (result && result->key != step.key) result.reset();
     const bool lost =
         !result || (result->status == StepStatus::kLost && result->seconds < step.limit_s);
+    // A step that hung beyond all limits would do so again, for as long.
     if (lost && !end.beyond_time && attempts_[i] < options_.attempts) {
       waiting_.insert(i);
       return;
@@ -202,7 +206,8 @@ class LocalEngine {
     tell(step.name, failed ? result->message : "");
   }
 
-  // Estimates are corrected by how far those of the steps done were off.
+  // Estimates are corrected by how far those of the steps done were off. As if all that is left
+  // could run at once: where it is one chain, it takes longer.
   void tell(const std::string& step, const std::string& message) {
     progress_.step = step;
     progress_.message = message;
@@ -250,6 +255,7 @@ std::map<std::string, double> estimateSeconds(const fs::path& night,
   std::map<std::string, double> seconds;
   std::map<StepKind, std::vector<double>> of_kind;
   for (const Step& step : steps) {
+    // Under any key: another version or other data take about as long.
     const auto before = readStepResult(night / step.name);
     if (!before || before->status != StepStatus::kDone) continue;
     seconds[step.name] = before->seconds;

@@ -40,6 +40,7 @@ struct Said {
 };
 
 /// Runs one of Slurm's tools, found by PATH: both its outputs together, blanks at the end cut.
+/// Through env, whose exit code and words say that there is none.
 Said runTool(const fs::path& log, const std::vector<std::string>& words) {
   std::error_code ignored;
   fs::remove(log, ignored);
@@ -88,6 +89,7 @@ class Round {
     const auto stages = unsettledStages(night_.folder, night_.steps);
     const auto seconds = estimateSeconds(night_.folder, night_.steps);
     const auto most = static_cast<std::size_t>(maxArraySize() - 1);
+    // Each stage waits for the one before alone, which has waited for all others.
     std::vector<std::string> jobs;
     for (std::size_t i = 0; i < stages.size(); ++i) {
       const auto packs = packed(stages[i], seconds, most);
@@ -106,6 +108,7 @@ class Round {
     std::istringstream lines(said.text);
     for (std::string line; std::getline(lines, line);) {
       if (line.compare(0, 12, "MaxArraySize") != 0) continue;
+      // "MaxArraySize            = 1001".
       const int size = std::atoi(line.substr(line.find('=') + 1).c_str());
       if (size > 1) return size;
     }
@@ -142,6 +145,8 @@ class Round {
     // The process ends with its job step whatever it does: a task that is killed leaves no marker.
     add(text, "#!/bin/sh\nexec {}\n", command);
     writeNewFile(folder_, script.filename(), fmt::to_string(text));
+    // Requeued after a node has failed, a task finds the steps that it had done, and its log goes
+    // on.
     std::vector<std::string> words{"sbatch",
                                    "--parsable",
                                    "--requeue",
@@ -150,6 +155,7 @@ class Round {
                                    "--output=" + (folder_ / log).string()};
     if (!array.empty()) words.push_back("--array=" + array);
     if (!after.empty()) words.push_back("--dependency=afterany:" + after);
+    // After ours, which they may replace.
     for (const std::string& word : wordsOf(options_.options)) words.push_back(word);
     words.push_back(script.string());
     const Said said = runTool(folder_ / "tool.txt", words);
@@ -270,6 +276,7 @@ std::optional<Word> awaitWord(const PreparedNight& night, int round,
 SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const NightSink& sink) {
   makeFoldersIn(night.folder, kFolder);
   refuseWhileUnderWay(night.folder);
+  // An earlier night's scripts and words: its round_1.json would pass for this one's.
   std::error_code left_there;
   fs::remove_all(night.folder / kFolder, left_there);  // of earlier nights
   makeFoldersIn(night.folder, kFolder);
@@ -282,6 +289,7 @@ SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const Nigh
     night.lock.reset();  // from here on the jobs keep others away, and the last one merges
     const auto word = awaitWord(night, round, jobs, sink);
     if (word && word->merged) return word->end;
+    // Again this process: the next round is submitted under the lock.
     night.lock = std::make_unique<NightLock>(night.folder);
   }
   throw BadInput(InputFault::kOther,
@@ -309,6 +317,7 @@ int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int
     for (const Step& step : night.steps) {  // those that were lost say how
       if (auto result = readStepResult(night.folder / step.name);
           result && result->key == step.key) {
+        // Does not replace what is settled.
         results.emplace(step.name, *result);
       }
     }
