@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kEnough = 1.1;  // times the full pool's held-out error
 
-/// pinhole-equidistant for pinhole-radtan and the other way round; empty for other models.
+/// pinhole-equidistant for pinhole-radtan, which has as many coefficients; pinhole-radtan for any
+/// other pinhole; empty where a camera is no pinhole.
 std::vector<CameraModelPair> otherModels(const CameraEstimate& cameras) {
   std::vector<CameraModelPair> models;
   for (const Intrinsics& camera : cameras.intrinsics) {
@@ -31,6 +32,7 @@ std::vector<CounterfactualCurve> judged(const ViewPool& pool,
                                         const CounterfactualOptions& options) {
   const auto views = evaluatedViews(curves, options.views);
   curves = evaluated(pool, std::move(curves), views, options.threads);
+  // The pool's own error as the measure: below it views are not what is missing.
   return withViewsNeeded(pool, std::move(curves), kEnough * full_px, options.threads);
 }
 
@@ -42,6 +44,7 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
   // Given cameras are of the first model.
   camera.start.clear();
   if (camera.models.empty()) return;
+  // From scratch, as its poses and the corners that it leaves out are the other model's own.
   const auto pool = ViewPool::prepare(first.session(), split, camera, options.max_held_out);
   if (!pool) return;
   std::vector<CounterfactualCurve> curves;
@@ -52,6 +55,7 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
       curves.push_back(std::move(curve));
     }
   }
+  // Of this model: "enough" is relative to what it can do itself.
   const double full_px = pool->heldOutError(pool->reference().estimate).px;
   curves = judged(*pool, std::move(curves), full_px, options);
   out.other_model = "pinhole-" + toString(camera.models.front().distortion);

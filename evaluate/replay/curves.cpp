@@ -18,6 +18,8 @@ struct Point {
   std::optional<HeldOutError> held_out;
 };
 
+/// The batch over the first `views` frames of the order; empty where it does not determine the
+/// cameras.
 Point pointAt(const ViewPool& pool, const std::vector<int>& order, int views) {
   Point point;
   // Any order of all of it is the reference, which has been solved.
@@ -53,6 +55,9 @@ int firstBetween(const ViewPool& pool, const std::vector<int>& order, int low, i
   return high;
 }
 
+/// The least number of views from which on the error stays at the target or below; a point without
+/// a solution misses it. Between two abscissae of the curve the interval is halved, before the
+/// first one nothing is tried.
 std::optional<int> viewsNeeded(const ViewPool& pool, const CounterfactualCurve& curve,
                                double target_px) {
   std::size_t stays = curve.views.size();  // from here on the target is kept
@@ -104,6 +109,7 @@ std::vector<int> predictedErrorOrder(const ViewPool& pool, const CounterfactualO
   return onlineOrder(pool, pool.pool(), first, online).order;
 }
 
+/// Empty where one of the curves never comes there: quartiles over the others would be too good.
 std::optional<Quartiles> neededQuartiles(const std::vector<const CounterfactualCurve*>& curves) {
   std::vector<double> all;
   for (const CounterfactualCurve* curve : curves) {
@@ -113,6 +119,7 @@ std::optional<Quartiles> neededQuartiles(const std::vector<const CounterfactualC
   return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
 }
 
+/// Curves of one strategy are of one length, and so have their abscissae in common.
 CounterfactualBand bandOf(const std::vector<const CounterfactualCurve*>& curves) {
   CounterfactualBand band;
   band.strategy = curves.front()->strategy;
@@ -167,6 +174,7 @@ std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
   std::vector<Frame> frames;
   for (const int f : pool.pool()) frames.push_back(pool.frames()[static_cast<std::size_t>(f)]);
   const int count = static_cast<int>(frames.size());
+  // Positions in the pool are ascending in time: that is the order as recorded.
   std::vector<CounterfactualCurve> curves = {curveOf("recorded", pool.pool())};
   for (int i = 0; i < options.random_seeds; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
@@ -197,6 +205,7 @@ std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
     // 60, 80, 120, 160 ...: evenly in logarithms, since errors fall by ratios of views.
     for (int n = 60; n < longest; n *= 2) views.insert({n, 4 * n / 3});
   }
+  // An order without frames has length 0.
   views.erase(views.begin(), views.lower_bound(1));
   views.erase(views.upper_bound(longest), views.end());
   return {views.begin(), views.end()};
@@ -209,6 +218,8 @@ std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
     std::size_t curve;
     int views;
   };
+  // One task a point, over all curves: a curve's last points take longest, and curves differ in
+  // length.
   std::vector<Task> tasks;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const int length = static_cast<int>(curves[c].order.size());
@@ -244,6 +255,7 @@ std::vector<CounterfactualBand> bandsOf(const std::vector<CounterfactualCurve>& 
     if (findBand(bands, curve.strategy) != nullptr) continue;
     bands.push_back(bandOf(curvesOf(curves, curve.strategy)));
   }
+  // Regret is against the best median at the same number of views, so it needs all bands.
   for (CounterfactualBand& band : bands) {
     for (std::size_t i = 0; i < band.views.size(); ++i) {
       const auto& px = band.held_out_px[i];

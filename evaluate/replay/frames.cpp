@@ -23,6 +23,8 @@ std::vector<std::vector<Corner>> cornersOf(const Session& session, const Frame& 
   return corners;
 }
 
+/// Each sample to the first frame that arrives after it; those of more than kFirstSamples_s before
+/// the first frame are dropped.
 void addImuSamples(const ImuStream& imu, const GuideFramesOptions& options,
                    std::vector<GuideFrame>& frames) {
   const TimeNs arrival = toNanoseconds(options.arrival_s);
@@ -48,6 +50,7 @@ class Blocks {
   }
   /// A held-out block begins or ends less than `guard` away.
   bool isNearHeldOut(TimeNs t, TimeNs guard) const {
+    // A guard is shorter than a block, so no held-out block lies between t and either.
     return isHeldOut(t - guard) || isHeldOut(t + guard);
   }
 
@@ -71,6 +74,7 @@ std::vector<GuideFrame> guideFrames(const Session& session, const GuideFramesOpt
   std::vector<GuideFrame> frames;
   for (const Frame& frame : pairedFrames(session, options)) {
     const int index = static_cast<int>(frames.size());
+    // Positions count all frames; decisions and records refer to them.
     frames.push_back({index, frame.t, cornersOf(session, frame), {}});
   }
   if (session.imu && !frames.empty()) addImuSamples(*session.imu, options, frames);
@@ -97,6 +101,8 @@ Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
   for (const int index : wanted) {
     const GuideFrame& frame = frames[static_cast<std::size_t>(index)];
     for (std::size_t c = 0; c < out.cameras.size(); ++c) {
+      // The frame's stamp in place of each camera's own: views are paired again later, without a
+      // tolerance (ReplayRun), and must come out as the same frames.
       if (!frame.corners[c].empty()) out.cameras[c].views.push_back({frame.t, frame.corners[c]});
     }
   }
@@ -135,6 +141,7 @@ std::vector<int> ReplayRun::accepted(GuideStage stage) const {
   std::set<int> positions;
   for (const Decision& d : decisions) {
     if (d.stage == stage && d.accepted) positions.insert(d.frame);
+    // In the order of decisions, since a later one takes back what an earlier one accepted.
     for (const int frame : d.withdrawn) positions.erase(frame);
   }
   return {positions.begin(), positions.end()};
@@ -142,6 +149,8 @@ std::vector<int> ReplayRun::accepted(GuideStage stage) const {
 
 const Decision* ReplayRun::finish(GuideStage stage) const {
   for (const Decision& d : decisions) {
+    // The frame with which it finished has a reason of its own; kFinished is that of those after
+    // it.
     if (d.stage == stage && d.mode == GuideMode::kFinished && d.reason != GuideReason::kFinished) {
       return &d;
     }

@@ -15,6 +15,7 @@ constexpr int kQuality = 60;
 
 std::string smallCopy(const ImageFile& file) {
   const GrayImage image = readGrayImage(file.path);
+  // The least whole factor that makes it fit.
   return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);
 }
 

@@ -29,6 +29,7 @@ class Candidates {
              LaterUseKind kind)
       : posed_(pool.posed(cameras, frames)),
         model_(errorModel(posed_.views, cameras, pool.cauchyPx(), kind)) {
+    // Not a number is bad, too.
     const double most = kWorstView * quantile(posed_.rmse_px, 0.5);
     for (const double rmse : posed_.rmse_px) bad_.push_back(!(rmse <= most));
     if (!model_) return;
@@ -48,7 +49,8 @@ class Candidates {
   std::vector<bool> bad_;
 };
 
-/// Scores by mutual information; the less, the better, as E.
+/// Scores by mutual information; the less, the better, as E: -0.5 log |H + I|, which differs from
+/// minus the gain by what is the same for all candidates.
 class Information {
  public:
   explicit Information(const Eigen::MatrixXd& before) : H_(before) {}
@@ -67,6 +69,8 @@ class Information {
 template <class Criterion>
 void addBest(const Candidates& candidates, Criterion criterion, int count,
              std::vector<std::size_t>& used) {
+  // The criterion is a copy, begun anew with the views used: their terms are those of this
+  // estimate.
   std::vector<char> taken(candidates.size(), 0);
   for (const std::size_t i : used) {
     taken[i] = 1;
@@ -78,6 +82,7 @@ void addBest(const Candidates& candidates, Criterion criterion, int count,
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (taken[i] != 0 || candidates.isBad(i) || candidates.terms(i).corners == 0) continue;
       const double value = criterion.valueWith(candidates.terms(i));
+      // The first one also where all are infinite: with it they may no longer be.
       if (best && !(value < least)) continue;
       least = value;
       best = i;
@@ -97,6 +102,7 @@ class Online {
   OnlineOrder run(const std::vector<int>& first) {
     for (const int f : first) {
       const auto at = std::find(frames_.begin(), frames_.end(), f);
+      // From here on frames are positions among the candidates.
       if (at != frames_.end()) used_.push_back(static_cast<std::size_t>(at - frames_.begin()));
     }
     const auto most = std::min(static_cast<std::size_t>(options_.most_views), frames_.size());
@@ -120,6 +126,7 @@ class Online {
     const int views = static_cast<int>(used_.size());
     const int count = std::min(most, options_.at_every_view ? 1 : viewsUntilNextEstimate(views));
     const auto solution = views > 0 ? pool_.solve(framesUsed()) : std::nullopt;
+    // Too few views, or too much alike: one more is taken blindly.
     if (!solution) return addNext();
     const Candidates candidates(pool_, solution->estimate, frames_, options_.later_use);
     if (!candidates.determined()) return addNext();
@@ -136,6 +143,8 @@ class Online {
   ErrorComponents note(const Candidates& candidates) {
     std::vector<ViewTerms> terms;
     for (const std::size_t i : used_) {
+      // A view that turns out bad once it is used still tells of the parameters (below), but its
+      // error would be taken for misfit of all.
       if (!candidates.isBad(i)) terms.push_back(candidates.terms(i));
     }
     const ErrorComponents components = guarded(errorComponents(terms));

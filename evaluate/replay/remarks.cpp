@@ -66,7 +66,8 @@ class Remarks {
   }
 
  private:
-  /// The last abscissa up to 80 views, or half of the pool, where both have a value.
+  /// The last abscissa up to 80 views or half of the pool, whichever is less, where both have a
+  /// value: close to the whole pool all orders hold nearly the same frames.
   std::optional<std::size_t> comparedPlace() const {
     std::optional<std::size_t> place;
     if (greedy_.empty() || random_.empty()) return place;
@@ -114,6 +115,7 @@ class Remarks {
     const Comparison border = here(&CounterfactualCurve::held_out_border_px);
     const Comparison centre = here(&CounterfactualCurve::held_out_centre_px);
     const double share = pool_.heldOutError(pool_.reference().estimate).border_share;
+    // Without corners there, 0 px is no error (HeldOutError).
     if (share == 0 || border.random.median == 0) return;
     out_.push_back(fmt::format(
         "Near the image's border (within a tenth of its width or height, {:.1f} % of the held-out "
@@ -140,6 +142,7 @@ class Remarks {
 
   /// What greedy MI picks.
   void choice() {
+    // Both at one calibration, that of the whole pool, so that only the choice of corners differs.
     const std::vector<int>& order = greedy_.front()->order;
     const Corners picked = cornersOf({order.begin(), order.begin() + views()});
     const Corners all = cornersOf(pool_.pool());
@@ -170,6 +173,7 @@ class Remarks {
     const auto i = static_cast<std::size_t>(at - greedy->views.begin());
     if (at == greedy->views.end() || i >= random->held_out_px.size()) return;
     if (!greedy->held_out_px[i] || !random->held_out_px[i] || !random->held_out_px.back()) return;
+    // held_out_px.back() is the whole pool's, as of any order that holds all of it.
     const Comparison there{greedy->held_out_px[i]->median, *random->held_out_px[i], random->seeds};
     const Comparison own = here(&CounterfactualCurve::held_out_px);
     out_.push_back(fmt::format(
@@ -189,6 +193,7 @@ class Remarks {
       const auto c = compared(&CounterfactualCurve::held_out_px, i);
       if (!c) continue;
       ++counted;
+      // With one seed both quartiles are its value: a tie shall not count as outside.
       if (c->greedy > c->random.upper * (1 + kTie)) above.push_back(views[i]);
       if (c->greedy < c->random.lower * (1 - kTie)) below.push_back(views[i]);
     }

@@ -29,6 +29,7 @@ std::string ruleName(GuideStage stage, const char* what) {
   return fmt::format("{} stage: {}", toString(stage), what);
 }
 
+/// A stage that no frame came to could not be judged; one that had frames and never started is bad.
 Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   Finding f;
   f.rule = ruleName(s.stage, "start");
@@ -115,7 +116,7 @@ std::vector<Finding> replayFindings(const ReplayRecord& record, double stop_tole
   return findings;
 }
 
-/// "The guide stopped rightly: cameras at 12.3 s, ...": what each stop's audit found.
+/// "camera stage: the guide said stop at 12.3 s; ...": what each stop's audit found.
 std::string stopWords(const ReplayRecord& record) {
   std::string words;
   for (const StopAudit& audit : record.stop_audits) {
@@ -129,6 +130,7 @@ std::optional<std::string> suggestionsFile(const ReplayRequest& request) {
   return request.suggestions ? request.suggestions : findSuggestions(request.load.session);
 }
 
+/// In the session's order of cameras, by their names.
 std::optional<std::vector<CameraCalibration>> givenCameras(const ReplayRequest& request,
                                                            const Session& session) {
   if (!request.cameras_file) return std::nullopt;
@@ -165,6 +167,7 @@ Played playedWith(const ReplayRequest& request, const GuideRig& rig,
   Played played{Guide(rig, options, given), options, {}};
   played.decisions = play(played.guide, frames, progress);
   if (played.guide.cameraStageEnded()) {
+    // By the request's, as `options` hold half of the recording where nobody asked for a time.
     const bool asked = request.guide.camera_stage_s > 0;
     played.camera_end = asked ? CameraStageEnd::kTime : CameraStageEnd::kHalf;
   }
@@ -187,6 +190,8 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
   half.camera_stage_s = 0.5 * secondsBetween(frames.front().t, frames.back().t);
   if (!(half.camera_stage_s > 0)) return played;
   Played again = playedWith(request, rig, frames, half, given, progress);
+  // Where half of the views determine no cameras, the second play would lose the first stage and
+  // not gain the other.
   return again.guide.cameraBatch().ok() ? std::move(again) : std::move(played);
 }
 
@@ -207,6 +212,7 @@ class Judge {
   void write(ReplayRecord& record) {
     if (!given_) cameraStage(record);
     if (run_.session.imu) cameraImuStage(record);
+    // After the stages: outcomes of suggestions are drawn with the best cameras.
     record.cameras = drawn();
     record.suggestions = suggestionOutcomes(run_, record.cameras);
     if (suggestions_) {
@@ -248,6 +254,8 @@ class Judge {
     options.camera = run_.camera;
     if (given_) startFrom(used_cameras_, options.camera);
     options.threads = threadCount(request_.load.threads);
+    // Frames as they were played, whose positions the decisions have; counterfactuals() counts
+    // those with enough corners.
     const Session session = run_.sessionFrom();
     const std::vector<int> recorded = recordedFrames(session);
     record.counterfactuals = counterfactuals(session, keptFrames(recorded), options);
@@ -320,6 +328,7 @@ void ReplayRequest::check() const {
 ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progress) {
   asked.check();
   ReplayRequest request = asked;
+  // Files that decide the result belong to its input hash.
   for (const auto& file : {request.cameras_file, suggestionsFile(request)}) {
     if (file) request.load.others.push_back(*file);
   }
@@ -328,6 +337,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   const LoadedSession loaded = loadSession(request.load, progress);
   const Session& session = loaded.session;
   auto& models = request.camera.models;
+  // One model is meant for all cameras.
   if (models.size() == 1) models.resize(session.cameras.size(), models.front());
   GuideFramesOptions arrival;
   arrival.tolerance = request.load.read.sync_tolerance;

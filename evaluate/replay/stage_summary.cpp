@@ -26,7 +26,8 @@ Eigen::MatrixXd sumOf(const std::vector<Eigen::MatrixXd>& shares, const std::vec
   return sum;
 }
 
-/// Why a stage did not get to its start, from its last decision that says so.
+/// Why a stage did not get to its start, from its last decision that says so: of a start that
+/// failed, if there was one, as frames after it may complain of something lesser.
 std::string startProblem(const ReplayRun& run, GuideStage stage) {
   for (const bool failed_start : {true, false}) {
     for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
@@ -67,6 +68,7 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   s.views_used = static_cast<int>(run.accepted(stage).size());
   s.ran = s.started.has_value();
   if (const Decision* finish = run.finish(stage)) {
+    // A stage that was ended did not say stop itself.
     (run.wasEnded(stage) ? s.ended : s.finished) = finish->t;
   }
   if (!s.ran) s.problem = entered ? startProblem(run, stage) : entryProblem(run);
@@ -77,6 +79,7 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
 std::map<TimeNs, FrameUse> frameUses(const ReplayRun& run) {
   std::map<TimeNs, FrameUse> uses;
   for (const Decision& d : run.decisions) {
+    // Frames of the camera-IMU stage came after the camera stage's finish.
     const bool passed = d.stage == GuideStage::kCamera && d.reason != GuideReason::kFinished;
     uses[d.t] = passed ? FrameUse::kPassedBy : FrameUse::kAfterFinish;
   }
@@ -156,11 +159,14 @@ ViewHindsight viewHindsight(const std::vector<Eigen::MatrixXd>& shares,
   Eigen::MatrixXd more = kept;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     if (uses[i] == FrameUse::kKept) {
+      // Without a gain the rest does not determine the cameras: the frame is needed. What went
+      // before counts as gone, so that of two alike one stays.
       const auto gain = mutualInformationNats(fewer - shares[i], fewer);
       if (!gain || *gain >= threshold_nats) continue;
       ++out.redundant;
       fewer -= shares[i];
     } else if (uses[i] == FrameUse::kPassedBy) {
+      // Likewise what was added counts, so that a second one like it was not missed.
       const auto gain = mutualInformationNats(more, more + shares[i]);
       if (!gain || *gain < threshold_nats) continue;
       ++out.missed;

@@ -64,6 +64,7 @@ std::vector<int> keptAndContinued(const ReplayRun& run, const CameraStageResult&
     const int frame = position.at(shares->frames[i].t);
     const Eigen::MatrixXd& share = shares->information[i];
     if (shares->frames[i].t > finish->t) {
+      // Without a gain the frames so far do not determine the cameras: any is taken.
       const auto gain = mutualInformationNats(information, information + share);
       if (gain && *gain < run.guide.views.threshold_nats) continue;
       order.push_back(frame);
@@ -115,6 +116,7 @@ void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::
   }
   const std::string said = "the guide said stop at " + sinceStart(run, *audit.finished);
   audit.saved_s = secondsBetween(*audit.finished, end);
+  // What was not enough at the recording's end was stopped too early by that much at least.
   if (!audit.enough || *audit.enough > *audit.finished) {
     audit.verdict = StopAudit::Verdict::kEarly;
     audit.seconds = secondsBetween(*audit.finished, audit.enough.value_or(end));
@@ -220,6 +222,8 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   }
   const int finished_with = static_cast<int>(run.accepted(GuideStage::kCamera).size());
   const std::vector<int> order = keptAndContinued(run, *batches.kept);
+  // Frames that no checkpoint uses, so that the error of each is one of prediction. The full batch,
+  // which they are held against, has seen them: its error is too small rather than too large.
   const std::vector<int> others = heldOutFrames(run, order, options.held_out_frames);
   const Session held_out = run.sessionOfFrames(others);
   const auto best = heldOutError(held_out, batches.full->cameras, run.camera);
@@ -238,6 +242,7 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
     const auto batch = calibrateCameras(run.sessionOfFrames(firstOf(order, count)), camera);
     const auto error = batch ? heldOutError(held_out, batch->cameras, run.camera) : std::nullopt;
     holds.push_back(error && *error <= bound);
+    // It is among the counts (checkpointCounts()).
     if (count == finished_with) at_finish = error;
   }
   if (at_finish) audit.measured_excess = *at_finish / *best - 1;
@@ -268,6 +273,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   imu.noise_check = false;
   std::vector<int> order(run.frames.size() - static_cast<std::size_t>(kept.front()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = kept.front() + static_cast<int>(i);
+  // In frames of the recording, as `order` counts: those kept and all between them.
   const int finished_with = kept.back() - kept.front() + 1;
   const auto counts =
       checkpointCounts(run.guide.trajectories.start_frames, static_cast<int>(order.size()),
@@ -276,11 +282,14 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   const double bar_px = run.guide.trajectories.stop_reprojection_px;
   const ImuCalibration& best = batches.full->imu;
   const auto isEnough = [&](const ImuCalibration& imu_at) {
+    // By the measure that the stage stopped by, otherwise a stop would be judged by what it was not
+    // for.
     return bar_px > 0 ? use.differencePx(imu_at, best) <= bar_px : isNear(imu_at, best, options);
   };
   std::vector<bool> holds;
   for (const int count : counts) {
     const auto batch = calibrateCameraImu(run.sessionOfFrames(firstOf(order, count)), cameras, imu);
+    // Frames that cannot be solved are not enough.
     holds.push_back(batch.ok() && isEnough(batch->imu));
   }
   if (const auto first = holdsFrom(holds)) {

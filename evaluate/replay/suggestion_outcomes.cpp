@@ -20,6 +20,7 @@ class DistanceTrack {
     if (!px) return;
     sum_ += *px;
     ++count_;
+    // The pose of that very frame: distances of pose and image are then of one instant.
     if (closest_px_ <= *px) return;
     closest_px_ = *px;
     posed_ = T_FC0.has_value();
@@ -46,6 +47,7 @@ class DistanceTrack {
   double closest_rad_ = 0;
 };
 
+/// What every camera would see of the target from a pose, without noise.
 std::vector<std::vector<Corner>> cornersAt(const Transform& T_FC0,
                                            const std::vector<CameraCalibration>& cameras,
                                            const AprilGrid& target) {
@@ -61,6 +63,7 @@ std::vector<std::vector<Corner>> cornersAt(const Transform& T_FC0,
 std::map<TimeNs, Transform> posesOf(const ReplayRun& run,
                                     const std::vector<CameraCalibration>& cameras) {
   std::map<TimeNs, Transform> poses;
+  // Without poses the distances in the image are still known, and decide.
   const auto scored = scoreCameras(run.sessionFrom(), cameras, run.camera);
   if (!scored) return poses;
   for (std::size_t i = 0; i < scored->frames.size(); ++i) {
@@ -86,7 +89,7 @@ std::size_t bestCamera(const std::vector<std::vector<Corner>>& overlay) {
   return static_cast<std::size_t>(most - overlay.begin());
 }
 
-/// Plays the frames from a suggestion's time until `end` past it.
+/// Plays the frames from a suggestion's time on, those before `end`.
 SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, TimeNs end,
                          std::vector<std::vector<Corner>> corners,
                          const std::map<TimeNs, Transform>& poses) {
@@ -121,6 +124,7 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
                                                   const std::vector<CameraCalibration>& cameras) {
   std::vector<SuggestionOutcome> outcomes;
   DistanceTrack track;
+  // A decision may close one suggestion and open the next, so the open one is dealt with first.
   for (const Decision& d : run.decisions) {
     if (!outcomes.empty() && d.suggestion == outcomes.back().suggestion.id) {
       track.add(d.distance_px, d.T_FC0, outcomes.back().suggestion.T_FC0);
@@ -168,6 +172,7 @@ OperatorCompliance operatorCompliance(const Session& session,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras) {
   const std::vector<GuideFrame> frames = guideFrames(session);
+  // Reached by the guide's default rule: whoever recorded it is not known to have had another.
   const std::vector<Decision> none;
   return operatorCompliance(ReplayRun{session, frames, none, {}, {}, {}}, suggestions, cameras);
 }

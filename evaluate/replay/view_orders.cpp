@@ -41,6 +41,8 @@ class GreedyOrder {
     information_ = Eigen::MatrixXd::Identity(prior_std.size(), prior_std.size());
   }
 
+  // Minoux' accelerated greedy algorithm (1978): a view whose gain is of now and still leads is the
+  // best, for the bounds of the others only fall.
   std::vector<int> run() {
     std::priority_queue<Bound> queue;
     for (int v = 0; v < static_cast<int>(scaled_.size()); ++v) queue.push({gain(v), v, 0});
@@ -111,6 +113,7 @@ std::vector<int> greedyInformationOrder(const std::vector<Eigen::MatrixXd>& shar
   for (std::size_t v = 1; v < shares.size(); ++v) all += shares[v];
   const auto covariance = covarianceOf(all);
   if (!covariance) return {};
+  // Scaled by each parameter's own deviation, as pixels and radians have no size in common.
   return GreedyOrder(shares, kWeakPrior * covariance->diagonal().cwiseSqrt()).run();
 }
 
@@ -149,6 +152,7 @@ std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells) {
       if (adds > most) best = v;
       most = std::max(most, adds);
     }
+    // Not where nothing is covered: views without a corner would begin anew for ever.
     if (most == 0 && !coverage.isEmpty()) {
       coverage.clear();
       continue;

@@ -20,12 +20,14 @@ constexpr double kPoseTolerance = 1e-5;  // standard deviations of a pose
 constexpr int kPoseIterations = 50;
 
 bool isNearBorder(double u, double v, const Resolution& image) {
+  // Pixel (0, 0) is the centre of the first one, so the image begins at -0.5.
   const double x = (u + 0.5) / image.width;
   const double y = (v + 0.5) / image.height;
   return std::min({x, y, 1 - x, 1 - y}) < kBorder;
 }
 
-/// Positions of `some` (an ascending subset) in `all`, by the views they hold.
+/// Positions of `some` (an ascending subset) in `all`, by the views they hold: no two frames share
+/// one.
 std::vector<int> positionsOf(const std::vector<Frame>& some, const std::vector<Frame>& all) {
   std::vector<int> positions;
   std::size_t at = 0;
@@ -95,6 +97,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   ViewPool pool;
   pool.session_ = &session;
   pool.options_ = asked;
+  // The strategies select, from all frames.
   pool.options_.select_views.reset();
   const auto all = calibrateCameras(session, pool.options_);
   if (!all) return all.failure();
@@ -111,6 +114,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   pool.split_ = {among(split.pool, usable), thinned(among(split.held_out, usable), max_held_out)};
   if (pool.split_.pool.empty()) return noFrames("pool");
   if (pool.split_.held_out.empty()) return noFrames("held-out blocks");
+  // The start of the next line's batch, which takes its place.
   pool.reference_.estimate = estimateOf(all->cameras);
   auto reference = pool.solve(pool.split_.pool);
   if (!reference) return poolNotSolved();
@@ -136,6 +140,8 @@ std::vector<Transform> ViewPool::posesOf(const std::vector<int>& frames) const {
 std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
   std::sort(frames.begin(), frames.end());
   const CameraProblem problem = problemOf(frames);
+  // Every selection in the minimum of the reference: what differs is the frames and not how a first
+  // guess went.
   CameraEstimate start = reference_.estimate;
   start.T_C0F = posesOf(frames);
   MinimiserOptions solver;
@@ -144,6 +150,7 @@ std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
   CameraSolution solution = solveCameraProblem(problem, start, solver);
   if (!solution.converged) return std::nullopt;
   CameraStageResult report = resultFrom(*session_, problem, solution.estimate);
+  // A failure, that is: the frames leave a parameter free.
   if (addCovariance(reducedInformation(solution.normals), report)) return std::nullopt;
   return ViewSolution{std::move(solution.estimate), report.summary.entropy_nats};
 }
@@ -155,6 +162,7 @@ void ViewPool::addErrors(const CameraEstimate& cameras, int frame, const Transfo
     if (views.view[c] < 0) continue;
     const PackedView view = corners_[c].view(views.view[c]);
     const Intrinsics& camera = cameras.intrinsics[c];
+    // Corners that the calibration of all frames rejected have weight 0, for every strategy alike.
     const auto errors = viewErrors(camera, cameras.T_C0Ci[c].inverse() * T_C0F, view);
     for (int k = 0; k < view.count; ++k) {
       if (view.w[k] == 0) continue;
@@ -165,6 +173,7 @@ void ViewPool::addErrors(const CameraEstimate& cameras, int frame, const Transfo
 }
 
 HeldOutError ViewPool::heldOutError(const CameraEstimate& cameras) const {
+  // The batches' loss; the second value is GramOptions' own clamp.
   const PoseRefinementOptions refinement{
       {options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance};
   std::vector<ImageError> errors;
@@ -177,6 +186,7 @@ HeldOutError ViewPool::heldOutError(const CameraEstimate& cameras) const {
           {&cameras.intrinsics[c], corners_[c].view(frame.view[c]), cameras.T_C0Ci[c].inverse()});
     }
     const Transform& start = T_C0F_[static_cast<std::size_t>(f)];
+    // From the pose of the calibration of all frames, whatever the cameras.
     addErrors(cameras, f, refinePose(views, start, refinement).T_C0F, errors);
   }
   return summaryOf(errors, options_.cauchy_px);
