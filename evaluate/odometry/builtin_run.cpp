@@ -16,6 +16,7 @@ class FrameReader {
   FrameReader(const OdometrySequence& sequence, const RigModel& rig, double most_skipped)
       : sequence_(sequence), rig_(rig) {
     std::size_t images = 0;
+    // Only the cameras that are used: the calibration may have fewer than the sequence.
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) images += sequence.images[c].size();
     allowed_ = static_cast<std::size_t>(most_skipped * static_cast<double>(images));
   }
@@ -46,6 +47,7 @@ class FrameReader {
       }
       return {};
     }
+    // No share of such images is allowed: it is not one image that is damaged.
     const Resolution& stated = rig_.cameras[camera].resolution;
     if (image.width() == stated.width && image.height() == stated.height) return image;
     throw InputError(
@@ -65,6 +67,7 @@ BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
                        const BuiltinOptions& options) {
   OdometryOptions odometry_options = options.odometry;
   if (sequence.points == PointSource::kCorners) {
+    // Of other points, those of tracks.csv, as of images.
     odometry_options.pixel_sigma = options.corner_sigma_px;
   }
   Odometry odometry(rig, sequence.samples, odometry_options);
@@ -116,6 +119,7 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
     ++run.frames;
     const Stopwatch of_frame;
     const std::vector<GrayImage> images = reader.at(first);
+    // Tracks live in the first camera; the others' sightings belong to them.
     if (images[0].empty()) continue;
     std::vector<GrayImageView> views;
     for (const GrayImage& image : images) views.push_back(image.view());

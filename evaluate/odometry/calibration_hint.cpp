@@ -131,10 +131,12 @@ struct Quadratic {
 /// Empty where a place has no sightings.
 std::optional<Quadratic> quadraticOf(Index n, const Block& sum) {
   if (!(sum.count > 0).all()) return std::nullopt;
+  // Over all sightings, so that a frame counts by how many it had.
   const VectorXd J = sum.squares / sum.count;
   const auto along = [&](Index i) { return J[1 + 2 * i]; };
   const auto against = [&](Index i) { return J[2 + 2 * i]; };
   Quadratic q{J[0], VectorXd(n), MatrixXd(n, n)};
+  // Pairs stand behind the centre and both ways of every axis.
   Index pair = 1 + 2 * n;
   for (Index i = 0; i < n; ++i) {
     q.g[i] = (along(i) - against(i)) / 2;
@@ -159,6 +161,7 @@ Block sumOf(const std::vector<Block>& blocks) {
 std::optional<VectorXd> jackknife(Index n, const std::vector<Block>& blocks, const Block& sum) {
   MatrixXd minima(n, static_cast<Index>(blocks.size()));
   for (std::size_t k = 0; k < blocks.size(); ++k) {
+    // The same runs without the block: nothing is run again.
     const auto q = quadraticOf(n, {sum.squares - blocks[k].squares, sum.count - blocks[k].count});
     const auto minimum = q ? q->minimum() : std::nullopt;
     if (!minimum) return std::nullopt;
@@ -204,8 +207,10 @@ std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsA
       if (!std) return std::nullopt;
       return CalibrationHint{centre + steps.cwiseProduct(*minimum), steps.cwiseProduct(*std)};
     }
+    // A quadratic far from its minimum may point anywhere, so no round moves far.
     const VectorXd move = minimum.value_or(q->descent());
     centre += steps.cwiseProduct(VectorXd(move.cwiseMax(-kFarthestSteps).cwiseMin(kFarthestSteps)));
+    // Beyond what a calibration may be wrong by something else draws it there.
     if ((centre.array().abs() > most.array()).any()) return std::nullopt;
     steps = steps.cwiseProduct(factors);
   }

@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// No board bounds the ids of tracks.
 constexpr int kMostTracks = 10'000'000;
 
 std::vector<ImageView> viewsOf(const fs::path& camera, const char* file, CornerLimits limits) {
@@ -48,6 +49,7 @@ int cornerCountOf(const SessionFolder& folder) {
 }  // namespace
 
 PointSource pointSourceOf(const SessionFolder& folder) {
+  // Every camera has to hold it: a front end for some of them only does not exist.
   const auto have = [&](const char* file) {
     return std::all_of(folder.cameras.begin(), folder.cameras.end(), [&](const std::string& c) {
       return fs::is_regular_file(fs::path(c) / file) && !fs::exists(fs::path(c) / "data");

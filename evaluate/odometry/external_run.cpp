@@ -55,6 +55,7 @@ void linkSequence(const OdometrySequence& sequence, double time_offset_s, const 
   }
   Text samples;
   add(samples, "#timestamp [ns],w_x [rad s^-1],w_y,w_z,a_x [m s^-2],a_y,a_z\n");
+  // t_cam = t_imu - t_d.
   const TimeNs shift = toNanoseconds(time_offset_s);
   for (const ImuSample& s : sequence.samples) {
     add(samples, "{},{},{},{},{},{},{}\n", s.t - shift, s.gyro.x(), s.gyro.y(), s.gyro.z(),
@@ -77,6 +78,7 @@ std::vector<double> numbersAfter(const std::string& line, const std::string& bef
                                  std::size_t count) {
   const std::size_t at = before.empty() ? std::string::npos : line.find(before);
   if (at == std::string::npos) return {};
+  // OpenVINS parts its numbers by commas and bars.
   std::string rest = line.substr(at + before.size());
   std::replace_if(
       rest.begin(), rest.end(), [](char c) { return c == ',' || c == '|'; }, ' ');
@@ -125,6 +127,7 @@ Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
     writeNewFile(folder, fs::path("settings") / name, fileText(request, text));
   }
   writeNewFile(folder, "times.txt", stampsOf(sequence));
+  // The field {sequence} is the folder that holds mav0.
   fs::path data = sequence.root.filename() == "mav0" ? sequence.root.parent_path() : sequence.root;
   if (runner.needs_shifted_imu) {
     data = folder / "sequence";
@@ -172,6 +175,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   ProcessRequest process;
   process.words = {fields.at("executable")};
   for (const std::string& word : request.runner.words) {
+    // No shell is between: $NAME is looked up here, and blanks in paths do no harm.
     process.words.push_back(word.front() == '$' ? variable(word.substr(1))
                                                 : filledIn(word, fields));
   }
@@ -186,6 +190,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   ExternalRun run;
   run.seconds = end.seconds;
   const fs::path written = filledIn(request.runner.trajectory, fields);
+  // What it wrote before it crashed or was killed is not judged.
   if (!end.ok()) {
     run.problem = fmt::format("{}: {}", process.words.front(), toString(end));
   } else if (!fs::is_regular_file(written)) {
@@ -200,6 +205,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
       run.problem = error.what();
     }
   }
+  // What it printed counts, whether its trajectory can be read or not.
   if (request.refine) readRefined(process.log, *request.runner.online, run);
   if (!run.problem.empty()) run.log = lastLinesOf(process.log, kLogLines);
   return run;

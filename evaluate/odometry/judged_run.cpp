@@ -29,6 +29,7 @@ std::optional<SequenceTruth> readTruthOf(const OdometryRequest& request,
   how.truth = *path;
   SequenceTruth truth{how.truth, readTruth(how)};
   if (how.metrics.clock) return truth;
+  // From the clock of the images to that of the truth.
   const TimeNs offset = toNanoseconds(how.metrics.association.time_offset_s);
   const TimeNs from = sequence.images[0].front().t + offset - kTruthMargin;
   const TimeNs to = sequence.images[0].back().t + offset + kTruthMargin;

@@ -84,6 +84,8 @@ Calibration withNoise(const Plan& plan) {
   return calibration;
 }
 
+/// Below the folder of results; sequences and calibrations have a name each, so that no run
+/// overwrites another's.
 std::string pathOf(const Plan& plan) {
   return fmt::format("runs/{}/{}_{}.txt", plan.calibration->name, plan.sequence->name, plan.run);
 }
@@ -100,6 +102,7 @@ std::string lossText(const BuiltinRun& run, TimeNs start) {
 
 /// What needs no truth, and the frames' times.
 void addConsistency(const BuiltinRun& run, OdometryRunRecord& r) {
+  // 0 stands for "no sighting" there, and would be a perfect fit here.
   if (run.result.stereo_px > 0) r.stereo_px = run.result.stereo_px;
   if (run.result.innovation_px > 0) r.innovation_px = run.result.innovation_px;
   if (run.frame_s.empty()) return;
@@ -156,6 +159,7 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
     return outcome;
   }
   outcome.poses = posesOf(run.result);
+  // Also where it lost track: the file is there to look at, and the run is failed.
   writeNewFile(out, pathOf(plan), tumText(outcome.poses));
   if (r.losses > 0) {
     outcome.problem = fmt::format("lost track {} times and continued from another pose: at {}",
@@ -181,7 +185,8 @@ ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bo
   return runExternal(external, *plan.sequence, withNoise(plan), folder);
 }
 
-/// By how much the columns moved about the last one over the second half, RMS.
+/// By how much the columns moved about the last one over the second half, RMS. For systems that
+/// print no deviation: their estimate settles, so that it is less than its error.
 Eigen::VectorXd movedAtLast(const Eigen::MatrixXd& values) {
   const Eigen::Index half = (values.cols() + 1) / 2;
   const Eigen::MatrixXd moved = values.rightCols(half).colwise() - values.rightCols<1>();
@@ -254,6 +259,7 @@ TrajectoryRun judgedPlan(const Plan& plan, const Outcome& outcome, const Odometr
   run.calibration = plan.calibration->name;
   run.run = std::to_string(plan.run);
   run.estimate = (out / pathOf(plan)).string();
+  // By the file that was written, as anybody else would judge it.
   if (fs::is_regular_file(run.estimate)) {
     run = truth ? judgedByTruth(run, *truth, request)
                 : judgedWithoutTruth(run, *plan.sequence, outcome.poses, request.min_coverage);
@@ -268,6 +274,7 @@ TrajectoryRun judgedPlan(const Plan& plan, const Outcome& outcome, const Odometr
   run.odometry->real_time_factor =
       outcome.record.seconds > 0 ? recorded / outcome.record.seconds : 0;
   run.remarks.insert(run.remarks.end(), outcome.remarks.begin(), outcome.remarks.end());
+  // Last, since an estimate that is accurate does not excuse a run that was lost.
   return outcome.problem.empty() ? run : failedRun(std::move(run), outcome.problem);
 }
 
@@ -281,6 +288,7 @@ std::vector<CalibrationSensitivity> sensitivities(
   std::vector<CalibrationSensitivity> list;
   makeFoldersIn(out, "work");
   for (const OdometrySequence& sequence : sequences) {
+    // The sensitivity is that of the ATE, which needs a truth.
     const std::optional<SequenceTruth>& truth = truths.at(sequence.name);
     if (!truth) continue;
     const auto ate = [&](const Calibration& calibration) {
@@ -358,6 +366,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
                        "has points instead of images, which " + request.runner->name +
                            " cannot read; the built-in odometry can");
     }
+    // Names tell runs and truths apart, and are part of the runs' paths.
     if (!truths.emplace(sequence.name, readTruthOf(request, sequence)).second) {
       throw InputError(path, 0, "is named '" + sequence.name + "' as another sequence is");
     }
@@ -379,6 +388,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
   if (request.sensitivity) {
     study.sensitivity = sensitivities(request, sequences, calibrations, truths, out, progress);
   }
+  // Settings, links and logs of other systems; what of a log counts is in the record.
   fs::remove_all(out / "work");
   return {std::move(study), "", {}, {}};
 }

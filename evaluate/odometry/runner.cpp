@@ -86,6 +86,7 @@ Runner runnerFrom(const YamlMap& file) {
   Runner runner;
   runner.name = file.text("name", "a word for the page");
   runner.executable = file.text("executable", "a program");
+  // Split before fields are filled in, so that a path with blanks stays one word.
   runner.words = wordsOf(file.text("arguments", "the arguments in one line"));
   runner.files = textsOf(file, "files");
   runner.environment = textsOf(file, "environment");

@@ -33,6 +33,7 @@ class Moves {
     for (double& s : steps_) s = std::abs(s) > kRounding ? s : 0;  // 0 where not a number, too
     moves_.emplace_back(Eigen::VectorXd::Zero(steps_.size()));
     moves_.push_back(steps_);
+    // Signs alone are drawn, by a generator that the standard fixes: the same with every library.
     std::mt19937_64 random(1);
     for (int k = 0; k < kNoiseRuns; ++k) {
       Eigen::VectorXd move = kNoiseShare * steps_;
@@ -40,6 +41,7 @@ class Moves {
       moves_.push_back(std::move(move));
     }
     for (Eigen::Index i = 0; i < steps_.size(); ++i) {
+      // Place 0 is the calibration as it is, so it can stand for "not moved".
       plus_.push_back(add(i, 1));
       minus_.push_back(steps.both_ways ? add(i, -1) : 0);
     }
@@ -85,6 +87,8 @@ ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t
   };
   p.plus_m = change(moves.plus(i));
   p.minus_m = change(moves.minus(i));
+  // Where one of two ways failed there is no mean, and the other alone would have what is odd in
+  // it.
   if (p.plus_m && (p.minus_m || moves.minus(i) == 0)) {
     p.change_m = p.minus_m ? 0.5 * (*p.plus_m + *p.minus_m) : *p.plus_m;
   }

@@ -31,6 +31,7 @@ std::optional<fs::path> truthIn(const fs::path& root) {
 }
 
 std::optional<ImuNoise> noiseOf(const SessionFolder& folder) {
+  // A session's own description, before the sensor's of EuRoC's layout.
   if (const auto beside = findBeside(folder.beside, "imu.yaml")) {
     return readImuDescription(*beside).noise;
   }
@@ -76,6 +77,7 @@ void checkStep(const OdometrySequence& sequence, const std::vector<std::string>&
     for (const ImageFile& image : sequence.images[0]) {
       paired += imageAt(sequence.images[c], image.t) != nullptr ? 1 : 0;
     }
+    // Half, as images may be missing; of cameras that are out of step hardly any has a partner.
     if (2 * paired >= sequence.images[0].size()) continue;
     throw InputError(folders[c], 0,
                      fmt::format("{} of {} frames of the first camera have an image here within 2 "
