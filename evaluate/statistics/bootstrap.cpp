@@ -73,6 +73,7 @@ std::optional<BootstrapInterval> bcaInterval(const Groups& groups, const Statist
   double below = 0;
   for (const double v : values) below += v < estimate ? 1 : v == estimate ? 0.5 : 0;
   const double share = below / static_cast<double>(values.size());
+  // Outside of (0, 1) the bias is infinite: the statistic is never, or always, below its estimate.
   if (share <= 0 || share >= 1 ||
       *std::min_element(values.begin(), values.end()) ==
           *std::max_element(values.begin(), values.end())) {

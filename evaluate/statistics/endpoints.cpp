@@ -15,7 +15,8 @@ namespace {
 constexpr const char* kAte = "ate_m";
 constexpr const char* kStages = "stages_s.";  // as STUDY.yaml has them
 
-/// The number of one name among a session's fields. Stages go by their names.
+/// The number of one name among a session's fields, by a walk over its field list. Stages go by
+/// their names.
 struct FigureFinder {
   static constexpr bool kAll = false;
   std::string wanted;
@@ -73,7 +74,8 @@ std::string wordsFor(const std::string& name) {
 /// In seconds, but with a sign that means a direction: a ratio of two offsets says nothing.
 bool signedFigure(const std::string& name) { return name == "time_offset_s"; }
 
-/// Log-ATE by sequence of a participant's sessions of a method, mean over sessions and runs.
+/// Log-ATE by sequence of a participant's sessions of a method, mean over sessions and runs: a
+/// sequence that was run more often has no more weight for it.
 std::map<std::string, double> logErrors(const StudyRecord& record, const std::string& participant,
                                         const std::string& method) {
   std::set<std::string> sessions;
@@ -82,6 +84,7 @@ std::map<std::string, double> logErrors(const StudyRecord& record, const std::st
   }
   std::map<std::string, std::vector<double>> runs;
   for (const StudyTrajectory& t : record.trajectories) {
+    // An ATE of exactly 0 has no logarithm.
     if (t.ate_m && *t.ate_m > 0 && sessions.contains(t.session)) {
       runs[t.sequence].push_back(std::log(*t.ate_m));
     }
@@ -96,6 +99,8 @@ std::vector<double> ateValues(const StudyRecord& record, const std::string& part
                               const std::vector<std::string>& methods) {
   std::vector<std::map<std::string, double>> errors;
   for (const std::string& m : methods) errors.push_back(logErrors(record, participant, m));
+  // Over the sequences that all methods completed: a mean that leaves out the hard ones would be
+  // the better one.
   std::vector<std::vector<double>> common(methods.size());
   for (const auto& error : errors.front()) {
     const std::string& sequence = error.first;
@@ -182,6 +187,8 @@ std::optional<Endpoint> endpointOf(const StudyRecord& record, const std::string&
     const FigureFinder found = findFigure(session, name);
     if (!found.value) continue;
     if (!endpoint) {
+      // What has a natural zero changes by factors: 10 % of a good error and of a bad one are
+      // alike.
       const bool size = found.unit == "px" || found.unit == "s" || found.unit == "m";
       endpoint = {name, found.unit, wordsFor(name), size && !signedFigure(name)};
     }
@@ -207,6 +214,7 @@ EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,
   for (const std::string& participant : participantsOf(record)) {
     const auto first = periodOf(record, participant, baseline);
     const auto second = periodOf(record, participant, method);
+    // A participant without a session of either was not asked, and is not left out.
     if (!first && !second) continue;
     const std::vector<double> values = valuesOf(record, endpoint, participant, {baseline, method});
     if (values.empty()) {

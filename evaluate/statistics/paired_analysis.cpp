@@ -53,6 +53,7 @@ PairedAnalysis analysePairs(const std::vector<PairedValues>& pairs, const Paired
   result.first_baseline = static_cast<int>(baseline_first.size());
   if (pairs.size() < 2) return result;
   result.signed_rank = signedRank(all, options.permutation.confidence);
+  // Without one of the groups nothing tells the method from the period.
   if (method_first.empty() || baseline_first.empty()) {
     result.design = StudyDesign::kOneOrder;
     result.effect = shiftOfPairs(all, options.permutation);

@@ -46,6 +46,7 @@ std::string intervalText(const StudyEffect& e) {
   const std::string unit = unitText(e);
   if (!interval.low || !interval.high) return "no 95 % interval with so few participants";
   const Change low = changeOf(*interval.low, ratio), high = changeOf(*interval.high, ratio);
+  // Sizes, in the direction that the sentence has already.
   if (low.lower == high.lower) {
     const auto [least, most] = std::minmax(low.size, high.size);
     return fmt::format("95 % interval {} to {}{}", numberText(least, ratio),
@@ -79,6 +80,7 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
   const Change change = changeOf(e.effect.estimate, e.ratio);
   const std::string size = fmt::format("{}{} {}", numberText(change.size, e.ratio), unitText(e),
                                        direction(change.lower, e.endpoint));
+  // In one order there is no claim to be careful of: the sentence ends in that it is confounded.
   std::string text = e.design == StudyDesign::kOneOrder || excludesNoChange(e)
                          ? fmt::format("{} has {} {} than {}, {}", e.method, size, words,
                                        e.baseline, intervalText(e))

@@ -18,6 +18,7 @@ std::vector<double> holm(const std::vector<double>& p) {
   std::vector<double> corrected(p.size());
   double most = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
+    // The largest so far, so that no test is rejected after one that was not.
     most = std::max(most, static_cast<double>(p.size() - i) * p[order[i]]);
     corrected[order[i]] = std::min(1.0, most);
   }
@@ -53,6 +54,8 @@ QuadeTest quade(const std::vector<std::vector<double>>& blocks) {
   test.dof1 = static_cast<int>(methods) - 1;
   test.dof2 = test.dof1 * (static_cast<int>(blocks.size()) - 1);
   if (total == 0) return test;  // all alike
+  // F is infinite where all participants rank the methods alike, and its distribution says p = 0,
+  // which n participants cannot show.
   if (!(total - between > 1e-12 * total)) {
     test.statistic = std::numeric_limits<double>::infinity();
     test.p = std::pow(std::tgamma(k + 1), 1 - n);  // of Conover: the ranks agree by chance

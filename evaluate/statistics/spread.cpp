@@ -99,6 +99,7 @@ std::vector<StudySpread> spreadOverSessions(const StudyRecord& record) {
       const Estimates estimates = estimatesOf(session);
       for (const auto& [name, e] : estimates) {
         const double stated = e.shownStd();
+        // Without a stated deviation there is nothing to compare with.
         if (!(stated > 0) || !std::isfinite(stated) || !std::isfinite(e.value)) continue;
         const Estimates& first = firsts.try_emplace(name, estimates).first->second;
         Sample& sample = samples[name];

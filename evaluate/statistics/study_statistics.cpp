@@ -31,6 +31,7 @@ StudyInterval intervalOf(const PermutationResult& r, bool ratio) {
   return intervalOf(r.estimate, r.low, r.high, ratio);
 }
 
+/// Effects, period and carry-over come back from logarithms as factors.
 void setAnalysis(StudyEffect& effect, const PairedAnalysis& a) {
   effect.design = a.design;
   effect.first_baseline = a.first_baseline;
@@ -58,6 +59,7 @@ StudyEffect effectOf(const StudyRecord& record, const Endpoint& endpoint, const 
   effect.baseline = record.methods.front();
   effect.method = method;
   effect.ratio = endpoint.ratio;
+  // Holm's correction is over the declared ones; the others are exploratory.
   effect.declared = contains(record.endpoints, endpoint.name);
   const EndpointPairs found = pairsOf(record, endpoint, effect.baseline, method);
   effect.participants = static_cast<int>(found.pairs.size());
@@ -120,6 +122,7 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
       words.push_back(endpoint.words);
     }
     if (record.methods.size() < 3) continue;
+    // Participants with the figure under all methods, as ranks are within participants.
     const auto blocks = blocksOf(record, endpoint);
     if (blocks.size() < 2) continue;
     const QuadeTest test = quade(blocks);
@@ -215,6 +218,7 @@ StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::strin
   StudyRecord known = record;  // sessions with a time, those that failed later among them
   std::erase_if(known.sessions, [](const StudySession& s) { return !s.capture_s; });
   for (StudySession& s : known.sessions) s.capture_s = timeOf(s, record.limit_s).t;
+  // By differences: the area between two curves is one of seconds, not of factors.
   const EndpointPairs found = pairsOf(known, {"capture_s", "s", "", false}, time.baseline, method);
   time.participants = static_cast<int>(found.pairs.size());
   if (found.pairs.size() > 1) {
