@@ -25,6 +25,8 @@ ResampleSpread spreadOf(const ResampleSummary& summary, int draws) {
   return {draws, summary.failed, summary.names, summary.std};
 }
 
+// Reading and detection count in the total of both stages: each is then the time of a run that
+// makes this stage alone.
 void addLoading(const LoadedSession& loaded, StageSeconds& seconds) {
   seconds.load = loaded.load_s;
   seconds.detect = loaded.detect_s;
@@ -51,10 +53,13 @@ Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const
     radtan = radtan || (asked ? request.camera.models[c].distortion == DistortionModel::kRadtan
                               : word.empty() || word == toString(DistortionModel::kRadtan));
   }
+  // A lens too wide for radtan shows as views without a plausible pose, as a batch that does not
+  // converge, or, where nobody vouches for the model, as parameters that nothing determines.
   const bool no_pose =
       failure.reason() == FailureReason::kTooFewViews && failure.input() == FaultyInput::kTarget;
   const bool suspect = no_pose || failure.reason() == FailureReason::kNotConverged ||
                        (failure.reason() == FailureReason::kNotObservable && unstated);
+  // A start that was given comes with its models: none was tried.
   if (!radtan || !suspect || !request.camera.start.empty()) return failure;
   failure.values.emplace("radtan_suspect", unstated ? 2 : 1);
   return failure;
@@ -67,6 +72,7 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
   auto stage = calibrateCameras(loaded.session, request.camera);
   if (!stage) return withModelSuspect(stage.failure(), request, loaded.session);
   record.camera = std::move(stage).value();
+  // At infinity, where the map is one of directions: a range would be one that nobody asked for.
   record.projection_uncertainty = uncertaintyMaps(record.camera->cameras, loaded.session.name,
                                                   uncertaintyOfStage(*record.camera),
                                                   {std::numeric_limits<double>::infinity()});
@@ -110,6 +116,7 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   if (!stage) return stage.failure();
   if (!stage->summary.converged) return notConverged(*stage);
   record.camera_imu = std::move(stage).value();
+  // The batch alone takes the cameras as exact; these add what the camera stage leaves open.
   if (record.camera) {
     if (auto both = robustDeviationsOfBothStages(*record.camera, *record.camera_imu)) {
       record.camera_imu->summary.robust_std = std::move(both->std);
@@ -158,10 +165,14 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
                                            const ProgressSink& progress) {
   asked.check();
   CalibrateRequest request = asked;
+  // Estimates stand on this file as on the recording, so the input hash covers it.
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   LoadedSession loaded = loadSession(request.load, progress);
+  // Before anything is estimated: under a wrong layout the camera stage fails for another reason,
+  // or does not fail at all.
   checkTargetLayout(loaded, {});
   auto& models = request.camera.models;
+  // One model that is named is that of every camera.
   if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());
   CalibrationRecord record = emptyRecord(request, loaded);
   std::vector<CameraCalibration> cameras;
@@ -187,6 +198,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
     loaded.session.target.shape = record.camera->target;
     record.target = loaded.session.target;
   }
+  // Again with the distortion taken out, which allows a closer tolerance.
   checkTargetLayout(loaded, cameras);
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;

@@ -56,6 +56,7 @@ void addUncertainty(Text& text, const std::vector<ImageMap>& maps) {
   for (const ImageMap& map : maps) {
     std::vector<double> known;
     for (const double std : map.values) {
+      // NaN at pixels where the lens model has no ray.
       if (std::isfinite(std)) known.push_back(std);
     }
     if (known.empty()) continue;
@@ -97,7 +98,7 @@ void addImu(Text& text, const CameraImuStageResult& stage) {
   add(text, " (t_imu = t_cam + offset)\n");
 }
 
-// Which lens models were chosen, and how far the next ones are behind.
+// Which lens models were chosen, why, and what they leave of frames that they were not fitted to.
 void addModels(Text& text, const std::vector<ModelChoice>& models) {
   for (const ModelChoice& m : models) {
     add(text, "Lens model of {}: {}-{} ({})", m.camera, toString(m.projection),
@@ -116,6 +117,8 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
 
 // What was found of the board, where that was asked for.
 void addTarget(Text& text, const TargetFit& fit, bool kept) {
+  // With a file `flat` is the board of the file, whatever its shape, and the other one is the shape
+  // that this session alone would have.
   if (fit.finding == TargetFinding::kKnown || fit.finding == TargetFinding::kOther) {
     add(text,
         "Target: {}; held-out frames {:.4f} px with the given shape, {:.4f} px with an estimated "
@@ -183,6 +186,7 @@ std::string calibrationSummary(const CalibrationRecord& record) {
   if (record.camera) addModels(text, record.camera->models);
   if (record.camera && record.camera->target_fit) {
     const TargetFit& fit = *record.camera->target_fit;
+    // The stage has the estimated terms themselves where it has applied them.
     addTarget(text, fit, record.camera->target.terms == fit.shape.terms);
   }
   addCameras(text, record);

@@ -26,6 +26,8 @@ void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
   for (int u = 0; u < from.resolution.width; u += kStep) {
     for (int v = 0; v < from.resolution.height; v += kStep) {
       const Eigen::Vector2d uv(u, v);
+      // A pixel without a ray in the old model, or whose ray the new one does not see, has no
+      // error: its region says so where it has no other.
       const auto ray = unproject(from, uv);
       const auto again = ray ? project(to, *ray) : std::nullopt;
       if (!again) continue;
@@ -38,6 +40,7 @@ void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
       out.most_px = std::max(out.most_px, std::sqrt(square));
     }
   }
+  // Over pixels, not over regions: those at the border may have few.
   out.rms_px = std::sqrt(sum / std::max(1., all));
   for (std::size_t i = 0; i < count; ++i) {
     out.region_px.push_back(points[i] > 0 ? std::optional(std::sqrt(squares[i] / points[i]))

@@ -72,6 +72,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   checkTargetLayout(loaded, {});
   SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
   const CalibrationScore& whole = on_session.scores.front();
+  // Without a single corner there is nothing to show: the reason is the result.
   if (whole.reprojection.count == 0) {
     return Failure{
         FailureCode::kNoScore,
@@ -111,6 +112,7 @@ std::string line(const CalibrationScore& s, const std::vector<std::string>& came
   for (const std::string& camera : cameras) text += rmse(errorsOf(s, camera));
   text += rmse(s.camera_imu ? &*s.camera_imu : nullptr);
   text += fmt::format("{:>10}{:>8}\n", s.reprojection.count, s.views_used);
+  // Corners were scored, and a part was not: the IMU, or a fold.
   if (!s.problem.empty()) text += "  " + s.problem + "\n";
   return text;
 }

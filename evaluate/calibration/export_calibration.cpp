@@ -20,6 +20,7 @@ Calibration requestedCalibration(const ExportRequest& request) {
   }
   const ImuDescription imu = readImuDescription(*request.imu);
   calibration.imu->noise = imu.noise;
+  // A noise file that names no topic does not take the calibration's.
   if (!imu.rostopic.empty()) calibration.imu->rostopic = imu.rostopic;
   return calibration;
 }
@@ -33,6 +34,7 @@ CalibrationExport exportCalibrationFile(const ExportRequest& request) {
   Calibration calibration = requestedCalibration(request);
   CalibrationExport out;
   if (request.model) out.conversions = convertModels(calibration, *request.model);
+  // The files alone; what the conversion lost stands in `out` already.
   static_cast<ExportedFiles&>(out) = exportCalibration(calibration, request.tool, options);
   return out;
 }

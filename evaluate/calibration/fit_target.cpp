@@ -19,6 +19,7 @@ namespace plumbline {
 namespace {
 
 void requireSameGrid(const AprilGrid& first, const AprilGrid& other, const std::string& path) {
+  // Relative: files state one size with different numbers of digits.
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); };
   if (first.rows == other.rows && first.cols == other.cols &&
       near(first.tag_size, other.tag_size) && near(first.spacing, other.spacing)) {
@@ -61,6 +62,7 @@ class SessionStages {
         if (choosesModels(loaded[k])) stages[k] = choosing(loaded[k], mode);
       }
       parallelFor(count, static_cast<int>(count), [&](int /*worker*/, std::size_t k) {
+        // The stages share the threads that were asked for.
         const int own_threads = request_.camera.threads / static_cast<int>(count);
         if (!stages[k]) stages[k] = calibrate(loaded[k], mode, own_threads);
       });
@@ -128,6 +130,7 @@ class SessionStages {
   static Result<CameraStageResult> calibrated(const LoadedSession& loaded, TargetMode mode,
                                               CameraStageOptions options) {
     options.target = mode;
+    // As in calibrateSession(): one model named is that of every camera.
     if (options.models.size() == 1) {
       options.models.resize(loaded.session.cameras.size(), options.models.front());
     }
@@ -149,10 +152,14 @@ Result<std::vector<BoardAgreement>> agreementOf(SessionStages& stages, const Joi
   }
   const auto onJointBoard = [&](LoadedSession& loaded) {
     loaded.session.target.shape = joint.shape;
-    *loaded.session.target.shape.covariance /= joint.dispersion;  // it is tried as if it were so
+    // The dispersion says that sessions differ. Here the joint board is tried as one that is true
+    // of all, with the deviations that their equations alone give it.
+    *loaded.session.target.shape.covariance /= joint.dispersion;
   };
   const auto compare = [&](std::size_t i, const LoadedSession& /*loaded*/,
                            const CameraStageResult& stage) {
+    // Held-out frames decide: a chi-square beyond its limit may also come of deviations that are
+    // too small.
     const bool other = stage.target_fit && stage.target_fit->finding == TargetFinding::kOther;
     agreement[i] = other ? BoardAgreement::kOther : BoardAgreement::kSamePredicted;
   };
@@ -179,6 +186,7 @@ std::string higherText(const JointTarget& joint) {
   const std::string test = fmt::format("chi-square {:.1f} for {} terms, 99 % bound {:.1f}",
                                        joint.higher_chi2, kHigherTerms, joint.higher_limit);
   if (!joint.shape.higher) return fmt::format("No terms of degrees 3 and 4 ({})\n", test);
+  // Orthogonal terms of unit RMS over the corners: their norm is the RMS of all together.
   return fmt::format("Terms of degrees 3 and 4: {:.3f} mm RMS ({})\n",
                      1e3 * joint.shape.higher->norm(), test);
 }
@@ -258,6 +266,7 @@ std::string jointTargetText(const SessionsTarget& fit) {
   }
   for (std::size_t i = 0; i < fit.names.size(); ++i) {
     const TargetMember& m = joint.members[i];
+    // No other session says anything of the board, so there is nothing to agree with.
     if (m.terms == 0) continue;
     text += fmt::format(
         "  {}: {} (chi-square {:.1f} for {} terms, 99 % bound {:.1f}; {:.3f} mm RMS, largest: {} "

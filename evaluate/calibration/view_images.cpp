@@ -33,6 +33,8 @@ void addViewImages(const LoadedSession& loaded, CalibrationRecord& record) {
   const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
                                [](const auto& of_camera) { return !of_camera.empty(); });
   if (!any || (!record.camera && !record.camera_imu)) return;
+  // The page ranks the views of the camera stage, and those of the other where the cameras were
+  // given.
   const auto& frames = record.camera ? record.camera->frames : record.camera_imu->frames;
   const auto& residuals = record.camera ? record.camera->residuals : record.camera_imu->residuals;
   const std::vector<ViewErrors> views = viewErrors(residuals);
