@@ -44,6 +44,7 @@ std::string inputFilesHash(const std::vector<std::string>& inputs) {
 }
 
 std::string inputFilesHash(const std::string& recording, const std::vector<std::string>& inputs) {
+  // A hash of the other inputs alone would call runs equal that are not.
   if (std::find(inputs.begin(), inputs.end(), "-") != inputs.end()) return "";
   std::string listed = recording;
   for (const std::string& input : inputs) {

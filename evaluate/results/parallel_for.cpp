@@ -42,6 +42,7 @@ int threadCount(int threads) {
 
 void parallelFor(std::size_t count, int threads,
                  const std::function<void(int, std::size_t)>& body) {
+  // No more than there is work for: each worker may hold memory of its own, as detectors do.
   const int workers = static_cast<int>(
       std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(threadCount(threads))));
   std::atomic<std::size_t> next{0};

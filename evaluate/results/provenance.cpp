@@ -24,6 +24,7 @@ std::string nowUtc() {
   return utcText(now);
 }
 
+/// One per process; a function, so that no other file's initialisation can come before its own.
 std::vector<std::string>& keptArguments() {
   static std::vector<std::string> arguments;
   return arguments;

@@ -64,6 +64,8 @@ class Worker {
     const GrayImage image = readGrayImage(path, camera.resolution);
     Detection found = detector_.detect(image.view());
     if (found.spacing) spacings_.push_back(*found.spacing);
+    // What contradicts target.yaml stays out of the cache. A cached image is not searched and shows
+    // no spacing, so that the next run would not know why corners are missing.
     const bool contradicts =
         found.spacing && std::abs(*found.spacing / stated_spacing_ - 1) > kSpacingTolerance;
     if (key && !contradicts) cache_->store(*key, found.corners);
@@ -98,6 +100,7 @@ double frameRate(const Session& session) {
   for (std::size_t i = 1; i < views.size(); ++i) {
     intervals.push_back(secondsBetween(views[i - 1].t, views[i].t));
   }
+  // The median, so that lost frames do not lower the rate.
   return intervals.empty() ? 0 : 1 / quantile(intervals, 0.5);
 }
 

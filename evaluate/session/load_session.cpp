@@ -97,6 +97,7 @@ void LoadRequest::check() const {
   if (read.stride < 1) throw InputError(fmt::format("stride {}: expected 1 or more", read.stride));
   if (threads < 0) throw InputError(fmt::format("{} threads: expected 0 or more", threads));
   if (read.sync_tolerance < 0) throw InputError("the tolerance of stamps must not be negative");
+  // Negated comparisons here and below, so that NaN is refused.
   if (!(read.from_s >= 0) || std::isinf(read.from_s)) {
     throw InputError(fmt::format("frames from {} s on: expected seconds from the first, 0 or more",
                                  read.from_s));
@@ -126,6 +127,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
     if (request.target == TargetMode::kKnown) recording.session.target.shape.corners.reset();
     others.push_back(*request.target_shape);
   }
+  // Of the files as they are, before anything is detected: the cache has no say in it.
   loaded.input_hash = inputHash(request.session, request.read, others);
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {

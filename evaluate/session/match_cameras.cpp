@@ -70,6 +70,8 @@ Calibration matchCalibration(const Calibration& given, const std::string& path,
     const auto index =
         static_cast<std::size_t>(&cameraOf(given, path, stream) - given.cameras.data());
     cameras.push_back(index);
+    // Only the session's first camera moves the reference, and only where it is not the file's
+    // first.
     if (cameras.size() > 1 || index == 0) continue;
     // T_SC0' = T_SC0 T_C0Ci, with the session's first camera Ci as the new camera 0.
     imu.T_SC0 = given.imu->T_SC0 * given.cameras[index].T_C0Ci;
