@@ -133,9 +133,11 @@ std::vector<RunFile> findRuns(const std::string& pattern,
   std::vector<RunFile> files;
   for (auto it = fs::recursive_directory_iterator(reach.folder);
        it != fs::recursive_directory_iterator(); ++it) {
+    // Files stand as deep as the pattern says; below lie whatever other results there are.
     if (it.depth() >= reach.depth) it.disable_recursion_pending();
     if (it.depth() != reach.depth || !it->is_regular_file()) continue;
     std::string path = it->path().generic_string();
+    // A pattern without a folder looks into ".", whose entries have "./" in front.
     if (pattern.find('/') == std::string::npos) path = it->path().filename().string();
     // By the known sequences first: greedy fields alone would split names at the last underscore.
     auto file = matched(path, known);
@@ -210,6 +212,8 @@ void refuseUnknown(const std::vector<RunFile>& files, const RunsRequest& request
 std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
                                         const std::vector<std::string>& known) {
   std::set<std::string> calibrations(known.begin(), known.end());
+  // Sets and maps, so that the order of the runs is that of their names and not that of a folder's
+  // listing.
   std::set<std::pair<std::string, std::string>> repetitions;
   std::map<std::tuple<std::string, std::string, std::string>, std::string> paths;
   for (const RunFile& file : files) {
@@ -224,6 +228,8 @@ std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
       run.sequence = sequence;
       run.calibration = calibration;
       run.run = repetition;
+      // Without a file the run stays in the list, to count as failed: leaving it out would make a
+      // calibration that loses track look better.
       const auto path = paths.find({sequence, calibration, repetition});
       if (path != paths.end()) run.estimate = path->second;
     }
@@ -261,6 +267,7 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
 
 /// Failed where it diverged, else complete or partial.
 TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
+  // An estimate that stands still has the truth's spread as its ATE, after the best alignment.
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
   // So that NaN, too, has diverged.
@@ -316,6 +323,7 @@ TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::pa
     run.calibration = expected.calibration;
     run.run = expected.run;
     return withStatus(std::move(run), request);
+    // A bad file is the failure of this run and does not end those of the others.
   } catch (const InputError& error) {
     return failedRun(expected, error.what());
   }

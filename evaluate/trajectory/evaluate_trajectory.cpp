@@ -54,6 +54,7 @@ TrajectoryRun withCoverage(TrajectoryRun run, const Trajectory& estimate, const 
   const TimeNs offset = toNanoseconds(options.association.time_offset_s);
   const TimeNs start = truth.poses.front().t, first = estimate.poses.front().t + offset;
   const bool whole = options.coverage == CoverageSpan::kTruth;
+  // Both shares, so that a partial run can say whether its late start alone is to blame.
   run.coverage_from_first_pose = coverageOf(estimate.poses, truth, offset, std::max(start, first));
   run.coverage =
       whole ? coverageOf(estimate.poses, truth, offset, start) : run.coverage_from_first_pose;
@@ -66,6 +67,7 @@ TrajectoryRun withPlots(TrajectoryRun run, const std::vector<PosePair>& pairs,
                         const AlignedPoses& poses, const std::vector<double>& error_deg) {
   // At most kPlotted of them; the figures are of all.
   const std::size_t step = (pairs.size() + kPlotted - 1) / kPlotted;
+  // Angles of all pairs, before they are thinned: each is chosen by the one before it.
   std::vector<Eigen::Vector3d> truth_rpy, estimate_rpy;
   if (!error_deg.empty()) {
     truth_rpy = rollPitchYaw(poses.truth);
@@ -163,6 +165,7 @@ std::vector<std::string> remarksOnErrors(const TrajectoryRun& run, bool with_rot
   return remarks;
 }
 
+/// Rotation and translation by least squares over positions.
 bool isFit(const AlignmentRecord& alignment) {
   return alignment.kind == toString(AlignmentKind::kSe3) ||
          alignment.kind == toString(AlignmentKind::kSim3) ||
@@ -202,6 +205,7 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
     return explainTooFewPairs(estimate, truth, association, options.association);
   }
   if (with_rotation) {
+    // Before the alignment, which may stand on the rotations of the first pair.
     if (const auto fault = explainQuaternionOrder(association.pairs)) return *fault;
   }
   const Result<AlignmentRecord> alignment = align(association.pairs, options.alignment);
@@ -278,6 +282,7 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
   const Result<CommonFrames> frames = commonFrames(estimate, truth, options);
   if (!frames) return frames.failure();
   TrajectoryMetricOptions rest = options;
+  // The offset that was found contains the one that was given.
   rest.association.time_offset_s = frames->time_offset_s;
   Result<TrajectoryEvaluation> result =
       evaluated(estimate, frames->truth_S ? *frames->truth_S : truth, rest);

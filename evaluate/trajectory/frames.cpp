@@ -38,6 +38,7 @@ std::string clockRemark(const ClockOffsetRecord& clock) {
   return remark;
 }
 
+/// W and S are the estimate's world and body, V and M the truth's.
 std::vector<HandEyePair> handEyePairs(const std::vector<PosePair>& pairs) {
   std::vector<HandEyePair> result;
   result.reserve(pairs.size());
@@ -69,6 +70,7 @@ Result<HandEyeRecord> handEyeOf(const Trajectory& estimate, const Trajectory& tr
   at_stamps.rule = AssociationRule::kInterpolate;
   at_stamps.time_offset_s = time_offset_s;
   const Association association = associate(estimate, truth, at_stamps);
+  // Said here, where the cause is known: hand-eye itself would report rotations that do not agree.
   if (const auto fault = explainQuaternionOrder(association.pairs)) return *fault;
   const auto found = estimateHandEye(handEyePairs(association.pairs));
   if (!found) return found.failure();
@@ -115,6 +117,7 @@ Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& 
     frames.remarks.push_back(clockRemark(*clock));
   }
   if (!options.hand_eye) return frames;
+  // The lever arm is in metres, and so are the residuals that it is fitted to.
   if (scaleIsUnknown(options.alignment.kind)) {
     return Failure{FailureCode::kScaleUnknown, {{"alignment", toString(options.alignment.kind)}}};
   }

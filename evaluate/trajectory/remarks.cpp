@@ -71,6 +71,7 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
                   {{"pairs", association.pairs.size()},
                    {"poses", estimate.poses.size()},
                    {"truth", truth.poses.size()}}};
+  // Interpolation has no largest difference; what keeps poses apart from the truth are its gaps.
   if (options.rule == AssociationRule::kInterpolate) {
     failure.code = FailureCode::kPartnersInGaps;
     failure.values.emplace("in_gaps", association.record.stamps_in_gaps);
@@ -85,6 +86,7 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
 std::vector<std::string> remarksOn(const Association& association) {
   const AssociationRecord& r = association.record;
   std::vector<std::string> remarks;
+  // Signed, so that scatter of the stamps cancels and a clock's offset stays.
   if (std::abs(r.median_dt_s) > kNoticeableOffset) {
     remarks.push_back(
         fmt::format("the paired stamps differ by {:+.3f} ms in the median (estimate - truth): "
@@ -124,6 +126,7 @@ RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
   const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
   const std::string start =
       fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
+  // Three readings of the same rotations: as they are, and with those of either side inverted.
   const BodyRotation as_read = bodyRotation(poses, R, false, false);
   const double truth_deg = bodyRotation(poses, R, true, false).spread_deg;
   const double estimate_deg = bodyRotation(poses, R, false, true).spread_deg;
