@@ -218,6 +218,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
     calibration = matchCalibration(calibration, file.path, loaded.session);
     all.push_back(scoreOn(loaded, file, request, progress));
   }
+  // Once for all: what the samples themselves show is one finding, whatever number of files.
   append(lintOnSession(files, loaded.session), record.verdict.findings);
   if (request.session_estimate) {
     progress("calibrating the session itself", -1);
@@ -232,6 +233,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
 void addScores(const std::vector<OnSession>& all, ComparisonRecord& record) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     record.scores.insert(record.scores.end(), all[i].scores.begin(), all[i].scores.end());
+    // Pairs are with the first calibration, to which all differences are.
     if (i == 0 || !all[0].stage || !all[i].stage) continue;
     const auto paired =
         pairedPredictions(*all[0].stage, *all[i].stage, record.calibrations[i].label);
@@ -289,7 +291,9 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
     record.calibrations.push_back(file.compared);
     record.offsets.push_back(offsetSummary(file.compared.label, file.compared.calibration));
   }
+  // Without a recording nothing else names the comparison.
   if (record.name.empty()) record.name = record.calibrations.front().label;
+  // Where there is a recording, of the calibrations as scoreAll() matched them to its cameras.
   record.parameters = comparedParameters(calibrationsOf(files), request.thresholds);
   addScores(on_session, record);
   addMaps(files, on_session, request.maps, record);
@@ -300,6 +304,8 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
       findings.push_back(std::move(f));
     }
   }
+  // Lint between the files and against the recording comes last, after what the comparison itself
+  // says.
   append(record.verdict.findings, findings);
   record.verdict = makeVerdict(std::move(findings));
   record.verdict.headline = comparisonHeadline(record, request.thresholds);

@@ -83,8 +83,10 @@ bool isExplained(const ComparisonRecord& record, std::size_t i, const std::strin
                  double significance) {
   std::size_t known = 0;
   for (const ComparedParameter& p : record.parameters) {
+    // Norms have no sign and no deviation; their components have.
     const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
     if (norm || (p.name != name && !p.name.starts_with(name + ".")) || !p.difference[i]) continue;
+    // A single component without a deviation leaves open whether chance explains the whole.
     if (!p.significance[i] || *p.significance[i] > significance) return false;
     ++known;
   }
@@ -97,6 +99,7 @@ std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i,
   std::vector<Geometry> all;
   for (const ComparedParameter& p : record.parameters) {
     if (!p.name.ends_with(".angle") || !p.difference[i]) continue;
+    // Without ".angle".
     const std::string name = p.name.substr(0, p.name.size() - 6);
     const ComparedParameter* lever = find(record, name + ".lever");
     const bool explained = isExplained(record, i, name, bounds.significance);
@@ -121,8 +124,9 @@ std::string geometryWords(const std::vector<Geometry>& all) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-/// All transforms and the offset are one finding, of the worst level among them: bounds of caution
-/// and bad are not in one proportion. Its value is the one furthest beyond its bound of that level.
+/// All transforms and the offset are one finding, of the worst level among them; its value is, of
+/// those of that level, the one furthest beyond its bound of caution. Levels come first, since
+/// bounds of caution and bad are not in one proportion.
 void addGeometry(const ComparisonRecord& record, std::size_t i, const ComparisonThresholds& bounds,
                  std::vector<Finding>& findings) {
   const std::vector<Geometry> all = geometryOf(record, i, bounds);
@@ -158,6 +162,7 @@ struct MapDifference {
 MapDifference mapDifference(const ImageMap& map) {
   MapDifference d;
   for (const double v : map.values) {
+    // NaN where one of the two has no ray or no pixel there.
     if (std::isfinite(v)) d.worst = std::max(d.worst, v);
   }
   // The middle grid point: the image's centre where columns and rows are odd.
@@ -287,6 +292,7 @@ std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
     findings.push_back(significantFinding(record, i, thresholds));
     addGeometry(record, i, thresholds, findings);
   }
+  // Parameters of each pair first, then who stands alone in them, then what they do to pixels.
   for (Finding& f : loneFindings(record, thresholds)) findings.push_back(std::move(f));
   for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
     addProjection(record, i, thresholds, findings);

@@ -69,6 +69,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   }
   const bool other = high < 0;
   const double best = std::abs(rmseChange(p.difference_px2));
+  // As a gain of the better one: positive, the smaller end first.
   if (other) low = -low, high = -high;
   return fmt::format(
       "{} predicts {} better by {:.2g} px RMSE over views (95 % interval {:.2g} to {:.2g})",
@@ -131,6 +132,7 @@ std::string comparisonHeadline(const ComparisonRecord& record,
     const std::string transform = transformWords(record, i);
     if (!text.empty()) text += " ";
     text += prediction.empty() ? "" : prediction + "; ";
+    // Of two calibrations the prediction has just named both.
     text += prediction.empty() || record.calibrations.size() > 2
                 ? label + " and " + record.calibrations.front().label + " differ "
                 : "they differ ";
@@ -141,6 +143,7 @@ std::string comparisonHeadline(const ComparisonRecord& record,
   const std::vector<LoneParameter> lone = loneParameters(record, thresholds);
   const std::vector<LoneParameter> session = loneAgainstSession(record, thresholds);
   for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    // The session's own estimate is asked only about calibrations that the others leave unaccused.
     std::string names = loneNames(lone, i);
     if (names.empty()) names = loneNames(session, i);
     if (names.empty()) continue;

@@ -24,6 +24,7 @@ std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
   std::vector<Estimate> estimates;
   for (std::size_t i = 0; i < p.values.size(); ++i) {
     if (!p.values[i] || !p.std[i] || !(*p.std[i] > 0)) continue;
+    // A value alone is not enough: of another camera model it does not compare.
     if (i > 0 && !p.difference[i]) continue;
     estimates.push_back({i, i == 0 ? 0 : *p.difference[i], *p.std[i]});
   }
@@ -62,6 +63,8 @@ std::vector<LoneParameter> loneAmong(const std::vector<ComparedParameter>& param
     if (estimates.size() < kFewest) continue;
     for (std::size_t k = 0; k < estimates.size(); ++k) {
       LoneParameter lone = against(estimates, k);
+      // Two bounds, so that between them nobody is accused: far from all others, and these close
+      // together.
       if (lone.sigmas <= thresholds.significance || lone.others > thresholds.notable) continue;
       lone.name = p.name;
       all.push_back(std::move(lone));

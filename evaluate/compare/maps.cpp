@@ -12,9 +12,11 @@
 namespace plumbline {
 namespace {
 
+// A border on either side and a centre between.
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
 
+/// Ranges are compared exactly: both maps are made for the same list of options, infinity included.
 const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label,
                      const std::string& camera, double range_m) {
   const auto found = std::find_if(maps.begin(), maps.end(), [&](const ImageMap& m) {
@@ -71,6 +73,7 @@ std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const Compare
   const auto& cameras_a = a.calibration.cameras;
   const auto& cameras_b = b.calibration.cameras;
   for (std::size_t c = 0; c < std::min(cameras_a.size(), cameras_b.size()); ++c) {
+    // Other sizes are a finding of their own (comparisonFindings()).
     if (!(cameras_a[c].intrinsics.resolution == cameras_b[c].intrinsics.resolution)) continue;
     for (const double range : options.ranges_m) {
       DifferenceOptions difference{range, options.grid, options.focus_radius_px, {}, options.fit};

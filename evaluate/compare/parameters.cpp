@@ -99,6 +99,7 @@ void meanOffsets(const Calibrations& calibrations, std::vector<ComparedParameter
     values.push_back(c.imu ? std::optional(meanTimeOffset(*c.imu)) : std::nullopt);
   }
   ComparedParameter mean = numberRow(row->name, row->unit, values);
+  // Still of camera 0's offset, the only deviation that files state.
   mean.std = row->std;
   *row = mean;
 }
@@ -137,6 +138,7 @@ void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedPara
   for (std::size_t i = 0; i < cameras; ++i) {
     std::vector<std::optional<double>> values;
     for (const Calibration& c : calibrations) {
+      // Also those with one offset for all: every camera has that one.
       const bool has = c.imu && i < c.cameras.size();
       values.push_back(has ? std::optional(c.imu->timeOffset(i)) : std::nullopt);
     }
@@ -247,6 +249,7 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
   for (const auto& [view, errors] : squaredByView(other)) {
     const auto found = before.find(view);
     if (found == before.end()) continue;
+    // A view counts as one, whatever its corners: they share its pose, and so their errors.
     differences[view.first].push_back(errors.mean() - found->second.mean());
     first_sums[view.first] += found->second.mean();
   }
@@ -260,6 +263,8 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
     p.views = static_cast<int>(values.size());
     p.difference_px2 = meanOf(values);
     p.first_px2 = first_sums[camera] / static_cast<double>(values.size());
+    // Views that follow each other are alike, hence blocks. The scatter of very few blocks is
+    // itself uncertain: single views then take their place, with an error that is rather too small.
     p.std_px2 = standardError(blocks.size() < kFewestBlocks ? values : blocks);
     out.push_back(std::move(p));
   }

@@ -95,6 +95,8 @@ Vector6d newtonStep(const std::vector<RayPair>& pairs, const Transform& T, int s
 Transform impliedTransform(const std::vector<RayPair>& pairs, const DifferenceOptions& options) {
   Transform T(bestRotation(pairs), Eigen::Vector3d::Zero());
   const bool finite = std::isfinite(options.range_m);
+  // For a rotation alone |R a - b|^2 is the squares' cost, of which Kabsch has the minimum in
+  // closed form.
   if (!finite && options.fit == DifferenceFit::kSquares) return T;
   // The fourth power has no curvature at a perfect fit; it starts from the squares' minimum.
   if (finite && options.fit == DifferenceFit::kFourthPower) {

@@ -25,6 +25,7 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
     return own;
   }
   own.calibration.cameras = cameras->cameras;
+  // As calibrateSession() does: the board that the cameras were estimated with.
   session.target.shape = cameras->target;
   const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
                                [](const Calibration& c) { return c.imu.has_value(); });

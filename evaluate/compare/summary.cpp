@@ -168,6 +168,7 @@ void addTrajectories(Text& text, const ComparisonRecord& record) {
     }
   }
   for (const auto& [sequence, values] : medians) {
+    // Paired differences are over all sequences: in the row of all, or the only one.
     const bool all = sequence.empty() || medians.size() == 1;
     addRow(text, csvCell("ate." + (sequence.empty() ? "all" : sequence)), "m",
            {values, none, all ? difference : none, none});

@@ -72,6 +72,7 @@ std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& 
   // Exchanged cameras show an inverse baseline as well, so the exchange is asked about before it.
   const Assignment straight = assign(cameras, session, false);
   if (!straight.T_C0C1 || isNear(given, *straight.T_C0C1, options)) return {};
+  // Only now, as every assignment solves for the poses of all views of two cameras.
   const Assignment turned = assign(cameras, session, true);
   const bool swapped =
       turned.T_C0C1 && isNear(given, *turned.T_C0C1, options) && turned.rms_px < straight.rms_px;
@@ -177,6 +178,7 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
 /// size is a finding of the file alone.
 std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
                                  const LintOptions& options) {
+  // Camera 0's, for the rates that were correlated are camera 0's.
   const double given = linted.calibration.imu->timeOffset();
   const double off = std::abs(given - seen);
   if (off <= options.offset_tolerance_s || std::abs(given) > options.max_offset_s) return {};
@@ -267,6 +269,7 @@ std::vector<Finding> lintAgainstSession(std::span<const LintedCalibration> calib
         bad("Columns and units of the IMU", session.name + ": " + text.message, text.cure, {}));
   }
   for (const LintedCalibration& linted : calibrations) {
+    // Samples in other units contradict every calibration: its IMU is not asked about then.
     append(found, faultsOf(linted, session, !failure, options));
   }
   return found;

@@ -63,6 +63,8 @@ std::vector<Finding> translationUnits(const LintedCalibration& linted, const Lin
 std::vector<Finding> leverArm(const LintedCalibration& linted, const LintOptions& options) {
   const Calibration& c = linted.calibration;
   if (!c.imu || c.cameras.empty()) return {};
+  // Within one housing the longest baseline says how large it is, and the IMU cannot be far
+  // outside.
   const bool device = isOneDevice(c);
   const double bound =
       device ? std::max(options.device_lever_arm_m, options.device_baselines * longestBaseline(c))

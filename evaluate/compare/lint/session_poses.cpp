@@ -13,6 +13,7 @@ namespace plumbline::lint {
 namespace {
 
 constexpr TimeNs kSameTime = 2'000'000;  // [ns]
+// For the median to bear two wrong poses.
 constexpr std::size_t kFewestPairs = 5;
 constexpr double kGaussianQuartile = 0.6745;  // median of |x| for unit normal x
 constexpr std::size_t kViewsForRms = 50;
@@ -36,6 +37,7 @@ std::vector<CameraPose> posesOf(const Session& session, std::size_t camera,
                                 const Intrinsics& intrinsics) {
   Session one;
   one.target = session.target;
+  // A session of this camera alone, so that no other one shares its poses.
   one.cameras = {session.cameras[camera]};
   CameraCalibration calibration;
   calibration.intrinsics = intrinsics;

@@ -26,6 +26,7 @@ std::vector<std::vector<std::size_t>> accused(Calibrations all, const std::vecto
   std::optional<std::pair<std::size_t, std::size_t>> first;
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t j = i + 1; j < all.size(); ++j) {
+      // A file with a fault of its own contradicts the others by it and says nothing of them.
       if (suspects[i] || suspects[j]) continue;
       const bool fault = contradicts(all[i], all[j]);
       if (fault && !first) first = {i, j};
@@ -151,6 +152,7 @@ std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<boo
 // One file's intrinsics are the other's, but its resolution is not; or the reverse.
 bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b, double tolerance) {
   if (!isSameModel(a, b)) return false;
+  // fu, fv, pu, pv scale with the image; xi, alpha and beta before them do not.
   const Eigen::Vector4d x = a.projection.tail<4>();
   const Eigen::Vector4d y = b.projection.tail<4>();
   const double image = static_cast<double>(a.resolution.width) / b.resolution.width;
