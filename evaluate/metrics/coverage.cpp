@@ -48,6 +48,8 @@ RegionalErrors regionalErrors(const std::vector<CornerResidual>& residuals, int 
     regions.count(row, column) = static_cast<int>(u.size());
     if (u.empty()) continue;
     regions.typical_error_px(row, column) =
+        // By component: the median of norms would keep the noise, which components of opposite
+        // signs take out.
         std::hypot(quantile(std::move(u), 0.5), quantile(std::move(v), 0.5));
   }
   return regions;

@@ -13,6 +13,8 @@ constexpr const char* kTurnAndTilt =
 constexpr const char* kOneClock =
     "check that camera and IMU stamps come from one clock and one recording";
 
+// Fields in braces are values of the failure by their names, and what failure_text.cpp adds to
+// them.
 const FailureRow kRows[] = {
     {Code::kNoImu, "the session has no IMU samples",
      "add imu0/data.csv, or calibrate the cameras alone"},

@@ -66,6 +66,7 @@ std::string headlineOf(const Verdict& verdict, const std::string& good) {
 }
 
 std::string calibrationHeadline(const CalibrationRecord& record) {
+  // Cameras that were given are those that the camera-IMU stage held.
   const StageSummary* cameras = record.camera       ? &record.camera->summary
                                 : record.camera_imu ? &record.camera_imu->summary
                                                     : nullptr;
@@ -82,6 +83,7 @@ std::string verdictText(const Verdict& verdict, const std::string& good_word) {
   for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   std::string text = fmt::format("Verdict: {}\n{}", word, verdict.headline);
   if (!verdict.headline.empty()) text += "\n";
+  // Findings that one advice mends stand together, with the advice once.
   for (const std::vector<Finding>& same : findingsByCure(verdict.findings)) {
     if (same.front().level == VerdictLevel::kGood) continue;
     for (const Finding& f : same) {

@@ -67,6 +67,7 @@ void addShown(int sensor, const std::vector<TimeNs>& stamps, std::vector<ShownIn
   for (std::size_t from = 0; from < all.size(); from += run) {
     const auto first = all.begin() + static_cast<std::ptrdiff_t>(from);
     const auto last = all.begin() + static_cast<std::ptrdiff_t>(std::min(from + run, all.size()));
+    // Both ends, so that no gap and no burst is lost to the thinning.
     const auto [least, most] = std::minmax_element(first, last);
     std::vector<std::ptrdiff_t> places = {least - all.begin(), most - all.begin()};
     std::sort(places.begin(), places.end());
@@ -90,6 +91,7 @@ SampleIntervals sampleIntervals(const std::string& sensor, const std::vector<Tim
   result.min_s = *least;
   result.max_s = *most;
   result.median_s = median(intervals);
+  // Without the longest and shortest hundredth, which are the gaps' and not the sensor's jitter.
   result.spread_s = quantile(intervals, 0.99) - quantile(intervals, 0.01);
   result.histogram = histogramOf(intervals, result.median_s);
   for (std::size_t i = 0; i < intervals.size(); ++i) {

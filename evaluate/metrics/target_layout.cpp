@@ -61,8 +61,8 @@ std::optional<Edge> edgeOf(const Points& points, const std::array<int, 4>& ids) 
   return edge;
 }
 
-// A gap's variance falls with the square of the tags' size in the image, and so does what corners
-// that all err inwards do to it.
+// A gap's variance falls with the square of the tags' size in the image. What corners that all err
+// inwards do to it falls with the size itself, so that large tags are the better ones for both.
 struct Weighted {
   double value, weight;
 };

@@ -71,6 +71,7 @@ Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t,
   };
   if (record.camera) add(cameraFindings(record, t));
   if (record.camera_imu) add(cameraImuFindings(record, t));
+  // Samples are not stored with a record: a verdict made from a record alone is without their rule.
   if (record.camera_imu && !samples.empty()) {
     append(findings, judgeSamples(samples, t), Subject::kRecording);
   }

@@ -74,6 +74,8 @@ std::vector<CalibrationParameter> calibrationParameters(const Calibration& calib
 }
 
 Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from) {
+  // In the order of calibrationParameters(from): lenses, T_C0Ci, T_SC0, offset. What `to` lacks
+  // stays NaN.
   const auto count = static_cast<Eigen::Index>(calibrationParameters(from).size());
   Eigen::VectorXd change = Eigen::VectorXd::Constant(count, kNone);
   Eigen::Index at = 0;
@@ -84,6 +86,7 @@ Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from
   }
   for (std::size_t i = 1; i < from.cameras.size(); ++i, at += 6) {
     if (i >= to.cameras.size()) continue;
+    // Tangents: the difference of two rotation vectors is not the rotation between them.
     change.segment<6>(at) = boxminus(to.cameras[i].T_C0Ci, from.cameras[i].T_C0Ci);
   }
   if (to.imu && from.imu) {

@@ -67,6 +67,7 @@ void addEntropy(const Session& session, const ScoreOptions& options, Scored& out
 void addHeldImu(const Session& session, const Calibration& calibration, const ScoreOptions& options,
                 Scored& out) {
   CameraImuOptions fixed = options.camera_imu;
+  // 0: no loss (ScoreOptions::entropy_under_loss).
   fixed.score_information_px = options.entropy_under_loss ? fixed.cauchy_px : 0;
   auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, fixed);
   if (!imu) {
@@ -106,6 +107,8 @@ Scored scoreMatched(const ScoredCalibration& scored, const Session& session,
   const Calibration& calibration = scored.calibration;
   Scored out;
   out.score = emptyScore(scored.label, session);
+  // Said apart: scoring would fail for want of poses, and its advice would be about layout and
+  // models.
   if (!hasCorners(session)) {
     out.score.problem =
         "the session contains no corner of the target; check its images and target.yaml";
@@ -153,6 +156,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
     const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
     if (!imu) {
       out = failedFold(std::move(out), "camera-IMU: " + problemOf(imu.failure()));
+      // Held-out frames would else be scored by where it stopped.
     } else if (!imu->summary.converged) {
       out = failedFold(std::move(out), "camera-IMU: " + problemOf(notConverged(*imu)));
     } else {
@@ -226,6 +230,7 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
     return "its camera models can be scored but not calibrated: no K-fold validation";
   }
   const auto frames = static_cast<int>(pairFrames(session.cameras, options.camera.frames).size());
+  // Two frames in every run that is held out, at least.
   if (frames >= 2 * options.folds) return {};
   return fmt::format("{} frames with corners are too few for {} folds", frames, options.folds);
 }

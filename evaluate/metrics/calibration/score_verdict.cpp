@@ -52,6 +52,7 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
   for (const CalibrationScore& s : scores) {
     const bool pooled = s.part.starts_with("all");
     if (!pooled || s.reprojection.count == 0) continue;
+    // In-sample errors of the folds say nothing that the whole session's do not.
     if (s.part != "all" && !s.held_out) continue;
     text += fmt::format("{}{:.2f} px RMSE {} {}", text.empty() ? "" : ", ", s.reprojection.rmse_px,
                         s.part == "all" ? "on" : "in", s.part == "all" ? s.session : s.part);

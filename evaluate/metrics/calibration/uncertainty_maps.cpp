@@ -64,6 +64,8 @@ CameraUncertainty uncertaintyOfStage(const CameraStageResult& stage) {
   const bool robust = stage.robust_covariance.has_value();
   const ParameterCovariance& formal = stage.summary.covariance;
   CameraUncertainty out;
+  // The robust one where there is one: it holds also where corners err together or the lens
+  // misfits.
   out.method = fmt::format("image fit to the {} covariance", robust ? "cluster-robust" : "formal");
   for (const CameraCalibration& camera : stage.cameras) {
     out.intrinsics.push_back(
@@ -93,6 +95,7 @@ std::vector<ImageMap> uncertaintyMaps(const std::vector<CameraCalibration>& came
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     for (const double range : ranges_m) {
       const auto covariance = projectionCovariance(cameras[c].intrinsics, uncertainty, c, range);
+      // A camera of which nothing is known has no map, rather than one of zeros.
       if (!covariance) continue;
       ImageMap map = imageMapOf(cameras[c], label, range, grid);
       map.method = uncertainty.method;

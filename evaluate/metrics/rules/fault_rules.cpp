@@ -210,6 +210,7 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
 Failure notConverged(const CameraImuStageResult& stage) {
   Failure failure{FailureCode::kCameraImuNotConverged, {{"iterations", stage.summary.iterations}}};
   if (!stage.faults || stage.faults->causes.empty()) return failure;
+  // Tested where the solver stopped, which is no optimum: a hint, and no finding with a level.
   const FaultTest& cause = stage.faults->causes.front();
   failure.values.insert(
       {{"fault", sentence(cause, stage.frames.front().t)}, {"cure", wordsOf(cause.fault).cure}});
@@ -222,6 +223,8 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
   const FaultDiagnosis& diagnosis = *stage.faults;
   const TimeNs begin = stage.frames.front().t;
   if (diagnosis.causes.empty()) {
+    // The rule compares effects on the calibration, of which there are none: its value is 0, and
+    // the largest significance is evidence alone.
     double worst = 0;
     for (const FaultTest& test : diagnosis.tests) worst = std::max(worst, test.significance);
     Rule rule{"Faults that the calibration does not model", "sigma", t.fault_sigma, ""};
@@ -235,6 +238,8 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
     const bool first = &cause == &diagnosis.causes.front();
     std::string evidence = sentence(cause, begin);
     std::string advice = wordsOf(cause.fault).cure;
+    // The alternative is one to the first cause: the further ones were tested with that in the
+    // model.
     if (first && diagnosis.alternative) {
       evidence += "; alternatively " + sentence(*diagnosis.alternative, begin) +
                   ": this recording does not distinguish the two";

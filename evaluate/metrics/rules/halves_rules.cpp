@@ -35,6 +35,7 @@ std::string evidenceOf(const HalvesBlock& b) {
 Findings judgeHalves(const StageSummary& summary, const std::string& stage,
                      const VerdictThresholds& t) {
   if (!summary.halves || summary.halves->blocks.empty()) return {};
+  // Over its own limit, as blocks have different numbers of parameters.
   const auto ratio = [](const HalvesBlock& b) { return b.chi2 / b.limit; };
   const std::vector<HalvesBlock>& blocks = summary.halves->blocks;
   // NaN is the largest, which above() then calls bad.

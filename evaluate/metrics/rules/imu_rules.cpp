@@ -20,6 +20,7 @@ constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what t
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
                       const VerdictThresholds& t) {
   Findings findings;
+  // The factor's relative deviation is 1 / sqrt(2 redundancy): a tenth at the bound.
   if (check.redundancy < kLeastRedundancy) return findings;
   Rule rule{
       "Noise density of the " + sensor, "-", t.imu_noise_factor,
@@ -98,6 +99,7 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
   Findings findings;
   const int without_imu = stage.frames_without_imu;
   const int without_pose = stage.frames_without_pose;
+  // Of the frames with a pose; those without one are counted below.
   const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
   findings.push_back(
       above({"Frames covered by the IMU", "-", t.frames_without_imu,

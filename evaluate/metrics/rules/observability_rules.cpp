@@ -9,6 +9,7 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
   Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCamera);
   for (const CameraCalibration& camera : record.camera->cameras) {
+    // Relative to the focal length, so that one bound serves images of every size.
     const LargestStd focal = largestStd(estimates, {"fu", "fv"}, camera.name + ".", true);
     if (focal.name.empty()) continue;
     findings.push_back(
@@ -17,6 +18,7 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
               focal.value,
               fmt::format("{} of {} is {:.3f} %", kindOf(focal), focal.name, 100 * focal.value)));
   }
+  // All cameras' together: the worst one is named.
   const LargestStd translation = largestStd(estimates, {"tx", "ty", "tz"}, "T_C0C", false);
   if (translation.name.empty()) return findings;
   findings.push_back(
@@ -42,6 +44,7 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
             kDegrees * rotation.value,
             fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
                         kDegrees * rotation.value)));
+  // The empty suffix takes the offset itself; "time_offset.camN" are of cameras with their own.
   const LargestStd offset = largestStd(estimates, {""}, "time_offset", false);
   findings.push_back(above(
       {"Time offset", "ms", t.offset_std_ms,

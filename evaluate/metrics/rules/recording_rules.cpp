@@ -55,6 +55,7 @@ std::string deviationOf(const TargetFit& fit, double rms_mm) {
 Finding bentBoard(const CameraStageResult& stage, Rule rule, double rms_mm) {
   const TargetFit& fit = *stage.target_fit;
   const std::string found = deviationOf(fit, rms_mm);
+  // The stage has the estimated terms themselves where it has applied them.
   if (stage.target.terms == fit.shape.terms) {
     return above(rule, rms_mm, found + "; estimated with the cameras");
   }
@@ -76,6 +77,7 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
     const int index = static_cast<int>(i);
     const RegionalErrors regions =
         regionalErrors(stage.residuals, index, camera.intrinsics.resolution);
+    // A single corner covers its region: the rule is of places that no view reached at all.
     const double coverage = regions.coverage();
     findings.push_back(
         below({fmt::format("Image coverage of {}", camera.name), "-", t.coverage,
@@ -107,6 +109,7 @@ Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThres
     // Whatever the model, the projection's last two parameters are the principal point.
     const double u = k.projection[k.projection.size() - 2];
     const double v = k.projection[k.projection.size() - 1];
+    // Pixel (0, 0) is the centre of the first pixel, so the image's middle is at half of size - 1.
     const double off = std::max(std::abs(u / (k.resolution.width - 1) - 0.5),
                                 std::abs(v / (k.resolution.height - 1) - 0.5));
     findings.push_back(

@@ -61,6 +61,7 @@ Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::
 
 Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
+  // Views that selection left out were not refused by the estimation.
   if (record.assumptions.views_selected) return findings;
   const std::size_t offered = record.camera->summary.corners_offered;
   const std::size_t listed = record.camera->residuals.size();

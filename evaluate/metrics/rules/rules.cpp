@@ -57,6 +57,7 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     const std::string suffix = dot == std::string::npos ? "" : estimate.name.substr(dot + 1);
     if (estimate.name.rfind(prefix, 0) != 0) continue;
     if (std::find(suffixes.begin(), suffixes.end(), suffix) == suffixes.end()) continue;
+    // Of one parameter the largest of its three; then the largest of all parameters.
     double std = estimate.std;
     StdKind kind = StdKind::kFormal;
     const auto consider = [&](const std::optional<double>& other, StdKind of) {

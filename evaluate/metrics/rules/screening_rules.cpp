@@ -47,6 +47,7 @@ std::string counted(std::size_t count, const char* what, const std::string& list
 
 }  // namespace
 
+// Lines are known of samples that were read from a table, which a session has in this place only.
 std::string sampleName(TimeNs t, int line) {
   return line > 0 ? fmt::format("imu0/data.csv:{}", line) : fmt::format("stamp {}", t);
 }

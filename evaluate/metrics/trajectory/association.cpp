@@ -134,6 +134,8 @@ Interpolated poseAt(const std::vector<StampedPose>& poses, TimeNs t, TimeNs max_
   if (after == poses.begin()) return {};
   const StampedPose& a = *(after - 1);
   const StampedPose& b = *after;
+  // Across a wide gap the truth's motion is unknown, and a straight line would be charged to the
+  // estimate.
   if (b.t - a.t > max_gap) return {std::nullopt, true};
   const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
   const Eigen::Vector3d p = (1 - u) * a.p + u * b.p;

@@ -26,6 +26,7 @@ double errorOf(const Transform& estimate, const Transform& truth, AbsoluteMeasur
       return (E - Eigen::Matrix3d::Identity()).norm();
     case AbsoluteMeasure::kFullTransformation:
       return std::hypot((E - Eigen::Matrix3d::Identity()).norm(), d.norm());
+    // The yaw only while the tilt is small, but what ov_eval prints under that name.
     case AbsoluteMeasure::kYawDeg:
       return kDegrees * rotationVector(E).z();
     case AbsoluteMeasure::kHeadingDeg:
@@ -45,6 +46,7 @@ struct YawPitchRoll {
 
 // R = Rz(yaw) Ry(pitch) Rx(roll).
 YawPitchRoll anglesOf(const Eigen::Matrix3d& R) {
+  // By hypot and atan2: asin loses half the digits where the pitch is near 90 degrees.
   const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
   return {std::atan2(R(1, 0), R(0, 0)), std::atan2(-R(2, 0), cos_pitch),
           std::atan2(R(2, 1), R(2, 2))};
@@ -215,6 +217,8 @@ std::vector<IndexPair> pairsOver(const RelativeDelta& delta, const AlignedPoses&
   const SubTrajectoryRule rule = ruleOf(delta);
   if (delta.unit == RelativeDelta::Unit::kSeconds)
     return subTrajectories(secondsFromStart(t), rule);
+  // Along the truth all estimates of a recording are judged on the same segments; along the
+  // estimate its own noise and scale choose them.
   const bool along_estimate = delta.pairs == RelativePairs::kEvoAll;
   return subTrajectories(pathLengths(along_estimate ? poses.estimate : poses.truth), rule);
 }
@@ -280,6 +284,7 @@ Nees neesOf(const AlignedPoses& poses, const std::vector<Matrix6d>& covariances)
       ++nees.left_out;
       continue;
     }
+    // In the tangent at the estimate, where its covariance is.
     const Vector6d e = boxminus(poses.truth[i], poses.estimate[i]);
     position += normalised<3>(e.head<3>(), P.topLeftCorner<3, 3>());
     orientation += normalised<3>(e.tail<3>(), P.bottomRightCorner<3, 3>());

@@ -11,6 +11,8 @@
 namespace plumbline {
 namespace {
 
+// A spread below it is that of estimates in order; another order has to fit as well as that, and by
+// the factor below better than all other readings.
 constexpr double kUnsuspicious = 5;  // [deg]
 constexpr double kClearly = 3;
 
@@ -41,6 +43,7 @@ BodyRotation bodyRotation(const AlignedPoses& poses, const Eigen::Matrix3d& R_tr
     relative.emplace_back((R_truth_estimate * R_estimate).transpose() * R_truth);
     sum += relative.back();
   }
+  // The chordal mean: the rotation nearest to the sum.
   const Eigen::Matrix3d R_body = nearestRotation(sum);
   std::vector<double> angles;
   for (const Eigen::Matrix3d& R : relative) {

@@ -17,6 +17,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kLeastPairs = 5;
+// So that 250 draws lie beyond either end of a 95 % interval.
 constexpr int kResamples = 10'000;
 
 using Place = std::pair<std::string, std::string>;  // sequence, run
@@ -26,6 +27,7 @@ std::map<Place, double> errorsOf(const std::vector<TrajectoryRun>& runs, const s
   std::map<Place, double> errors;
   for (const TrajectoryRun& run : runs) {
     if (run.calibration != which) continue;
+    // A run without truth is complete and has no error.
     const bool complete = run.status == RunStatus::kComplete && run.ate_translation_m.n > 0;
     errors[{run.sequence, run.run}] = complete ? run.ate_translation_m.rmse : std::nan("");
   }
@@ -51,6 +53,7 @@ std::vector<double> resampledMeans(const std::vector<double>& values) {
 
 /// For a test of the mean at 95 % with a power of 80 %.
 std::optional<double> pairsNeeded(const PairedDifference& d) {
+  // Normal quantiles of 97.5 % and 80 %: n = (sum times deviation over mean)^2.
   constexpr double kNormal = 1.959964 + 0.841621;
   if (d.pairs < 3 || d.mean_m == 0) return std::nullopt;
   const auto n = static_cast<double>(d.pairs);
@@ -165,6 +168,7 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
 double signTest(std::size_t successes, std::size_t n) {
   if (n == 0) return 1;
   const boost::math::binomial_distribution<double> coin(static_cast<double>(n), 0.5);
+  // Twice the smaller tail; the two overlap where successes are half of n.
   return std::min(1.0, 2 * cdf(coin, static_cast<double>(std::min(successes, n - successes))));
 }
 

@@ -153,9 +153,12 @@ std::vector<StampMatch> forwardSweep(const Ticks& estimate, const Ticks& truth, 
   std::size_t cursor = 0;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const auto dt = [&] { return static_cast<double>(std::abs(truth[cursor] - estimate[i])); };
+    // Truth that is too old for this pose is too old for all that follow.
     while (cursor < truth.size() && truth[cursor] < estimate[i] && dt() > max_dt) ++cursor;
     const std::size_t first = cursor;
     double best = max_dt;
+    // Past the stamps that come nearer; the last of them is the match, and the cursor stands behind
+    // it.
     for (; cursor < truth.size() && dt() < best; ++cursor) best = dt();
     if (cursor > first) matches.push_back({i, cursor - 1});
   }

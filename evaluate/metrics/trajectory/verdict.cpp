@@ -67,6 +67,7 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
     f.level = VerdictLevel::kCaution;
     f.evidence = run.left_out;
     f.advice = "run again with " + run.cure;
+    // Runs of one calibration mostly come from one program, and so in one convention.
     const bool known = std::any_of(findings.begin(), findings.end(),
                                    [&](const Finding& g) { return g.rule == f.rule; });
     if (!known) findings.push_back(std::move(f));
