@@ -95,6 +95,8 @@ const FaultWords kFaultWords[] = {
      kPose,
      "mount the cameras rigidly and record again; or calibrate the parts before and after "
      "separately"},
+    // Of these names the last, tag_edge, is not tested: it is the detector's rather than the
+    // board's.
     {UnmodelledFault::kTargetShape,
      "shape of the target (not flat, or grid not even): RMS displacement of its corners", 1e3, "mm",
      kTargetTermNames,

@@ -31,7 +31,8 @@ Extent extentOf(const std::vector<CornerResidual>& residuals, int camera) {
 }
 
 // Share of the image's side beyond the last corner; 0 unless corners start at the first pixels and
-// the optical centre is nearer to those.
+// the optical centre is nearer to those. A target that never came to the far edge leaves a strip as
+// well; only in an image that is smaller than stated is the centre aside, too.
 double emptyStrip(double low, double high, double centre, int side) {
   if (low > kNearEdge * side || centre > (0.5 - kOffMiddle) * side) return 0;
   return std::max(0.0, (side - 1 - high) / side);

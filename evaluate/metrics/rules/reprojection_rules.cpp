@@ -49,6 +49,7 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
 Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,
                        const VerdictThresholds& t) {
   Findings findings;
+  // Of used frames; corners of frames that were not used are judgeLeftOut()'s.
   const auto rejected =
       std::count_if(residuals.begin(), residuals.end(), [](const auto& r) { return !r.used; });
   findings.push_back(
@@ -63,6 +64,7 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
   Findings findings;
   // Views that selection left out were not refused by the estimation.
   if (record.assumptions.views_selected) return findings;
+  // Offered are the corners of all views; residuals are listed of the frames that were used.
   const std::size_t offered = record.camera->summary.corners_offered;
   const std::size_t listed = record.camera->residuals.size();
   if (offered < listed) return findings;

@@ -23,6 +23,7 @@ double decisive(VerdictLevel level, const Bound& bound) {
 
 }  // namespace
 
+// A value on its bound is within it: of counts the first one crosses a bound of 0.
 VerdictLevel levelAbove(double value, const Bound& bound) {
   if (!(value <= bound.bad)) return VerdictLevel::kBad;  // NaN is bad
   return value > bound.caution ? VerdictLevel::kCaution : VerdictLevel::kGood;
