@@ -35,6 +35,7 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
   CalibrationRecord record;
   attribute(record, asked.provenance, loaded);
   const ScoreOptions& score = asked.score;
+  // The IMU's noise is assumed only where its part is scored.
   record.assumptions = score.use_imu ? assumptionsOf(score.camera, score.camera_imu, loaded.session)
                                      : assumptionsOf(score.camera, score.camera_imu);
   record.target = loaded.session.target;

@@ -234,6 +234,7 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
 
 // A file whose w stands first, as its reader took it to stand last.
 TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path) {
+  // The other formats have one order, or name it.
   if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
     throw InputError(path.string(), 0,
                      "is not a TUM file with quaternions; --truth-w-first and --estimate-w-first "
