@@ -20,6 +20,7 @@ std::optional<double> component(const Transform& T, const std::string& suffix) {
   return std::nullopt;
 }
 
+/// By its place among the names: intrinsicParameters() and stacked() have one order.
 std::optional<double> intrinsicValue(const CameraCalibration& camera, const std::string& suffix) {
   const auto names =
       intrinsicParameters(camera.intrinsics.projection_model, camera.intrinsics.distortion_model);
@@ -31,6 +32,8 @@ std::optional<double> intrinsicValue(const CameraCalibration& camera, const std:
   return values[index];
 }
 
+/// Of an intrinsic or a T_C0Ci. Prefixes are those of cameraParameters(): a camera without a name
+/// goes by its place.
 std::optional<double> cameraValue(const std::vector<CameraCalibration>& cameras,
                                   const std::string& prefix, const std::string& suffix) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -51,6 +54,7 @@ std::optional<double> offsetValue(const ImuCalibration& imu, const std::string& 
   return std::nullopt;
 }
 
+/// What stands before the dot tells whose the parameter is; "time_offset" alone is camera 0's.
 std::optional<double> valueOf(const CalibrationRecord& record, const std::string& name,
                               const std::vector<CameraCalibration>& cameras) {
   const std::size_t dot = name.find('.');
@@ -79,6 +83,7 @@ struct Robust {
 /// time offset: through both stages, or, where the cameras were given, from its score tests.
 Robust robustOf(const CalibrationRecord& record, Stage stage, std::size_t i) {
   const auto at = static_cast<Eigen::Index>(i);
+  // Shorter than the covariance where that lists more than T_SC0 and the offset.
   const auto entry = [&](const auto& all) {
     return all && at < all->size() ? std::optional((*all)[at]) : std::nullopt;
   };
@@ -90,6 +95,7 @@ Robust robustOf(const CalibrationRecord& record, Stage stage, std::size_t i) {
   return {entry(std::optional(faults.robust_std)), entry(faults.robust_dof)};
 }
 
+/// Findings without advice stay apart: no cure is no cure in common.
 bool haveOneCure(const Finding& a, const Finding& b) {
   return a.level == b.level && a.advice == b.advice && !a.advice.empty();
 }
@@ -107,6 +113,7 @@ std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& fin
       same->push_back(f);
     }
   }
+  // Stable: within a level the rules keep their order.
   std::stable_sort(rows.begin(), rows.end(),
                    [](const auto& a, const auto& b) { return a.front().level > b.front().level; });
   return rows;
@@ -120,6 +127,7 @@ Verdict makeVerdict(std::vector<Finding> findings) {
 }
 
 const Finding* gravest(const Verdict& verdict) {
+  // A good verdict has findings of its level, too, but none to tell of.
   if (verdict.level == VerdictLevel::kGood) return nullptr;
   const auto worst = std::find_if(verdict.findings.begin(), verdict.findings.end(),
                                   [&](const Finding& f) { return f.level == verdict.level; });
@@ -138,6 +146,7 @@ std::vector<CameraEntry> cameraEntries(const CalibrationRecord& record) {
   std::vector<CameraEntry> entries;
   const StageSummary* last = record.camera ? &record.camera->summary : nullptr;
   if (record.camera_imu) last = &record.camera_imu->summary;
+  // Without any stage there are no cameras either, and `last` is not looked at.
   for (std::size_t i = 0; i < record.cameras().size(); ++i) {
     CameraEntry& entry = entries.emplace_back(CameraEntry{record.cameras()[i], std::nullopt});
     if (i < last->per_camera.size()) entry.rmse_px = last->per_camera[i].rmse_px;
@@ -146,6 +155,7 @@ std::vector<CameraEntry> cameraEntries(const CalibrationRecord& record) {
 }
 
 std::optional<double> ParameterEstimate::halfWidth90() const {
+  // Infinite degrees of freedom: the quantile is the normal distribution's.
   if (!robust_std) return plumbline::halfWidth90(std, std::numeric_limits<double>::infinity());
   if (!robust_dof) return std::nullopt;
   return plumbline::halfWidth90(*robust_std, *robust_dof);

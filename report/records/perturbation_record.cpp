@@ -11,7 +11,9 @@ std::optional<std::size_t> largestOtherChange(const std::vector<std::string>& pa
   std::optional<std::size_t> worst;
   for (std::size_t i = 0; i < std::min(parameters.size(), c.changes_sigma.size()); ++i) {
     if (parameters[i] == "time_offset") continue;
+    // What has no value after the change has moved further than any number tells.
     if (i < c.changes.size() && !std::isfinite(c.changes[i])) return i;
+    // Without a deviation of the base there is nothing to count in.
     if (!std::isfinite(c.changes_sigma[i])) continue;
     if (!worst || std::abs(c.changes_sigma[i]) > std::abs(c.changes_sigma[*worst])) worst = i;
   }

@@ -20,6 +20,7 @@ std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals)
     view.camera = r.camera;
     view.frame = r.frame;
     view.corners.push_back(&r);
+    // A rejected corner is shown with its view, but is no part of the view's figures.
     if (!r.used) continue;
     const double e2 = static_cast<double>(r.error.squaredNorm());
     ++view.used;
@@ -37,6 +38,7 @@ std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals)
 std::vector<std::size_t> worstFirst(const std::vector<ViewErrors>& views) {
   std::vector<std::size_t> order(views.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
+  // Stable: views of equal error keep the order of the recording, and pages their bytes.
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return views[a].rmse_px > views[b].rmse_px;
   });

@@ -6,6 +6,7 @@
 namespace plumbline::store_internal {
 namespace {
 
+/// Tables and owner in one transaction: a file that is ours has all of its tables.
 void makeSchema(SQLite::Database& db) {
   SQLite::Transaction transaction(db);
   db.exec(embedded::schema());
@@ -16,6 +17,7 @@ void makeSchema(SQLite::Database& db) {
 // Version 1 has no runs of kind 'study', and SQLite changes no CHECK of a table in place. Foreign
 // keys are off here (SQLite's default), so that rows that refer to the table outlive its exchange.
 void bringUpToDate(SQLite::Database& db) {
+  // checkOwner() refuses what is newer, so that all else is version 1.
   if (pragma(db, "user_version") == kRunStore.schema_version) return;
   SQLite::Transaction transaction(db);
   db.exec(embedded::migrate_1());
@@ -35,6 +37,7 @@ std::int64_t writeInto(const std::filesystem::path& path, bool existed,
     } else {
       makeSchema(db);
     }
+    // Only now: bringUpToDate() needs them off, and within a transaction the pragma does nothing.
     db.exec("PRAGMA foreign_keys = ON");
     SQLite::Transaction transaction(db);
     const std::int64_t run = insert(db);
@@ -59,6 +62,7 @@ void setOwner(SQLite::Database& db, const FileKind& kind) {
 }
 
 void checkOwner(SQLite::Database& db, const std::string& path, const FileKind& kind) {
+  // Both are 0 in a file that SQLite made for nobody, an empty one too.
   const int version = pragma(db, "user_version");
   if (pragma(db, "application_id") != kind.application_id || version < 1) {
     throw InputError(path, 0,

@@ -45,11 +45,13 @@ struct Shown<std::vector<T>> {
 template <class T>
 struct Shown<Named<T>> : Shown<T> {};
 
+/// What has a field list of its own to unfold; everything else is one row.
 template <class T>
 concept Struct =
     std::is_class_v<T> && !std::is_same_v<T, std::string> && !std::is_same_v<T, Transform> &&
     !json_fields::Matrix<T> && !json_fields::List<T> && !ListedStruct<T>;
 
+/// A bar would end the cell. Steps of two pass the bar that has just been escaped.
 std::string escaped(std::string text) {
   for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2)
     text.insert(i, "\\");
@@ -68,6 +70,7 @@ class TableSink {
     std::string meaning = text;
     bool first = true;
     if constexpr (Struct<Type>) {
+      // Unfolded where it first stands; later places refer to that.
       const auto [seen, added] = seen_.emplace(typeid(Type), path(name) + suffix_);
       first = added;
       if (!first) meaning += "; fields as in `" + seen->second + "`";
@@ -86,6 +89,7 @@ class TableSink {
     suffix_.clear();
   }
   void leave() { path_.pop_back(); }
+  // No name of its own in a path: the list's "[]" stands for every element.
   void element(std::size_t /*index*/, const std::string& /*label*/) { path_.emplace_back(); }
 
   std::string take(const std::string& title) {
@@ -116,6 +120,7 @@ std::string fieldTables() {
   TableSink sink;
   std::string text = kIntroduction;
   CalibrationRecord calibration;
+  // The covariances stand under `if (stage)`, which kAll does not open.
   calibration.camera.emplace();
   calibration.camera_imu.emplace();
   walkFields(sink, calibration);

@@ -19,6 +19,7 @@ void require(bool holds, const char* what) {
 }
 
 void checkTarget(const AprilGrid& target) {
+  // Each side before their product, which would overflow. A size that is not a number fails below.
   const bool counts = target.rows >= 1 && target.cols >= 1 && target.rows <= kMostTags &&
                       target.cols <= kMostTags && target.tagCount() <= kMostTags;
   require(counts, "the target has another number of tags than there are");
@@ -54,6 +55,7 @@ void checkRecord(const CalibrationRecord& record) {
   require(record.camera || record.camera_imu, "no stage is there");
   if (record.camera) {
     checkStage(*record.camera);
+    // Pages look poses up by the index of a residual's frame.
     require(record.camera->T_FC0.size() == record.camera->frames.size(),
             "poses and frames differ in number");
   }
@@ -64,6 +66,7 @@ void checkRecord(const CalibrationRecord& record) {
   }
 }
 
+/// The plot of the basin takes the logarithm of the bound, and draws a tick for every decade.
 void checkRecord(const PerturbationRecord& record) {
   require(record.offset_bound_s >= kShortestBound_s && record.offset_bound_s <= kLongestBound_s,
           "offset_bound_s is no bound of an offset");

@@ -75,6 +75,7 @@ void RunWriter::parameters(const std::vector<StageParameters>& stages) {
   for (const auto& [stage, parameters] : stages) {
     int position = 0;
     for (const ParameterEstimate& p : parameters) {
+      // NaN is bound as NULL: no bootstrap was asked for.
       runWith(insert, run_, stage, position++, p.name, p.unit, p.value, p.std,
               p.resample_std.value_or(std::nan("")));
     }
@@ -93,6 +94,7 @@ std::string RunReader::array(const std::string& name, const std::string& element
   query.bind(1, run_);
   query.bind(2, name);
   if (!query.executeStep()) throw std::runtime_error("array '" + name + "' is missing");
+  // Bytes carry no names: of other fields they would be read as something else.
   if (query.getColumn(0).getString() != element) {
     throw std::runtime_error("array '" + name + "' has elements of an unknown form");
   }
@@ -157,13 +159,14 @@ std::vector<ParameterEstimate> estimatesOf(const PerturbationRecord& record,
                                            const PerturbationCase& c, bool is_base) {
   std::vector<ParameterEstimate> estimates;
   for (std::size_t i = 0; i < c.values.size() && i < record.parameters.size(); ++i) {
+    // Changes are counted in the base's deviations; a case states none of its own.
     const double std = is_base ? record.base_std[i] : std::nan("");
     estimates.push_back({record.parameters[i], c.values[i], std, record.units[i], {}, {}, {}});
   }
   return estimates;
 }
 
-/// Tells equal labels apart: "x", "x #2", ...
+/// Tells equal labels apart ("x", "x #2", ...): the stage is part of a key of the table.
 std::string unique(const std::string& label, std::map<std::string, int>& seen) {
   const int n = ++seen[label];
   return n > 1 ? label + " #" + std::to_string(n) : label;
@@ -198,6 +201,7 @@ std::vector<StageParameters> parametersOf(const StudyRecord& record) {
   std::vector<StageParameters> stages;
   std::map<std::string, int> seen;
   for (const StudySession& s : record.sessions) {
+    // A session whose calibration failed has none.
     if (!s.estimates.empty()) stages.push_back({unique(s.name, seen), s.estimates});
   }
   return stages;

@@ -66,10 +66,12 @@ struct MetricSink : PathSink {
   bool in_list = false;
 
   void enter(const char* name) {
+    // A field at the top begins; whether it is a list of structs shows with the first of them.
     if (path.empty()) in_list = false;
     PathSink::enter(name);
   }
   void element(std::size_t index, const std::string& label) {
+    // Lists within a stage: their elements are part of the metric's name.
     if (path.size() > 1) return PathSink::element(index, label);
     in_list = true;
     // Two elements of one label would be one stage to whoever queries: the second is "LABEL #2".
@@ -78,6 +80,7 @@ struct MetricSink : PathSink {
   }
   void number(const char* name, const std::string& unit, double value) {
     if (path.empty()) return metrics.push_back({"", name, unit, value});
+    // Below a list or `stages` the second name tells the part of the run, else the first does.
     const std::size_t stage = path.size() > 1 && (in_list || path[0] == "stages") ? 1 : 0;
     metrics.push_back({path[stage], under(name, stage + 1), unit, value});
   }
@@ -89,6 +92,7 @@ template <class Record>
 std::int64_t saveAs(RunKind kind, const std::filesystem::path& path, const Record& record) {
   return writeStore(path, [&](SQLite::Database& db) {
     RunWriter run(db, kind, record.name, record.provenance, record.verdict);
+    // Document and arrays bring the record back; metrics and parameters are for queries alone.
     run.document(documentOf(record));
     ArrayWriter arrays(run);
     walkFields(arrays, record);
@@ -109,6 +113,7 @@ Record loadAs(RunKind kind, const std::filesystem::path& path, std::optional<std
     fromJson(parsedDocument(run.document()), record);
     ArrayReader arrays(run);
     walkFields(arrays, record);
+    // Last, since what must agree lies partly in the document and partly in the arrays.
     checkRecord(record);
     return record;
   });

@@ -34,6 +34,7 @@ constexpr store_internal::FileKind kStudyHistory{
     "expected a study's history; choose another folder for the study",
     "use the Plumbline that wrote it, or choose another folder"};
 
+/// NULL in the file is NaN in memory: not known.
 double numberAt(SQLite::Statement& row, int column) {
   const SQLite::Column value = row.getColumn(column);
   return value.isNull() ? std::nan("") : value.getDouble();
@@ -71,6 +72,7 @@ std::string readFile(const fs::path& path) {
                    "cannot be written (" + why + "); make room or give another folder");
 }
 
+/// write() may take a part, and a signal may interrupt it.
 void writeAll(int file, const unsigned char* bytes, std::size_t size, const fs::path& path) {
   while (size > 0) {
     const ssize_t written = ::write(file, bytes, size);
@@ -139,6 +141,7 @@ StudyStore::StudyStore(fs::path path)
   SQLite::Database& db = memory_->db;
   try {
     if (fs::exists(path_)) {
+      // SQLite looks into the bytes with the first question: damage shows in checkOwner().
       load(db, readFile(path_));
       store_internal::checkOwner(db, path_.string(), kStudyHistory);
     } else {
@@ -235,7 +238,9 @@ void StudyStore::addNight(const StudyNight& night, const std::vector<StudyFigure
     find.reset();
     find.bind(1, f.session);
     find.bind(2, f.name);
+    // What did not hold on the night before begins anew, even if it is what it once was.
     find.bind(3, night.night - 1);
+    // The command is no part of the comparison: the row keeps the one that it began with.
     if (find.executeStep() && figureAt(find) == f) {
       runWith(prolong, night.night, static_cast<std::int64_t>(find.getColumn(7).getInt64()));
     } else {
