@@ -33,6 +33,7 @@ internal::PlotDrawers load() {
 }
 
 const internal::PlotDrawers& drawers() {
+  // A failure throws, and the next plot tries again.
   static const internal::PlotDrawers loaded = load();
   return loaded;
 }

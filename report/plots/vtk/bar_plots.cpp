@@ -37,6 +37,7 @@ void addBars(ChartPage& page, const Histogram& plot, const HistogramSeries& seri
     internal::setNoPen(painter);
     internal::setBrush(painter, series.colour);
     for (std::size_t i = 0; i < series.counts.size(); ++i) {
+      // An empty bin has no bar to point at; nor has one that is not a number.
       if (!(series.counts[i] > 0)) continue;
       const double from = plot.first + plot.bin_width * static_cast<double>(i);
       device.setShapeTitle(
@@ -46,6 +47,7 @@ void addBars(ChartPage& page, const Histogram& plot, const HistogramSeries& seri
   });
 }
 
+/// Of every category, over the series.
 std::vector<double> stackedHeights(const BarPlot& plot) {
   std::vector<double> sums(plot.categories.size(), 0);
   for (const auto& values : plot.values) {
@@ -59,7 +61,9 @@ std::vector<double> stackedHeights(const BarPlot& plot) {
 void drawBars(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
               const BarPlot& plot) {
   const auto side_by_side = static_cast<double>(std::max<std::size_t>(1, plot.values.size()));
+  // A group takes 0.8 of its category, a stacked bar a little less.
   const double width = plot.stacked ? 0.7 : 0.8 / side_by_side;
+  // Where the next part of a stacked bar begins; of bars side by side it stays 0.
   std::vector<double> floor(plot.categories.size(), 0);
   internal::setNoPen(painter);
   for (std::size_t s = 0; s < plot.values.size(); ++s) {
@@ -104,6 +108,7 @@ void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& p
   for (const double end : {q[0], q[4]}) {
     drawLine(painter, page, {centre - 0.12, centre + 0.12}, {end, end});
   }
+  // The whiskers come first: box and median lie over them.
   internal::setBrush(painter, tint(colour));
   drawBox(painter, page, {centre - 0.25, centre + 0.25}, {q[1], q[3]});
   internal::setPen(painter, colour, 2.2);
@@ -161,6 +166,7 @@ std::string toSvg(const BoxPlot& plot, const std::string& id) {
     names.push_back(box.name);
     values.insert(values.end(), box.quantiles.begin(), box.quantiles.end());
   }
+  // Points may lie beyond the whiskers.
   for (const NamedPoint& point : plot.points) values.push_back(point.y);
   internal::PageLayout layout;
   layout.x = {-0.5, static_cast<double>(std::max<std::size_t>(1, names.size())) - 0.5};

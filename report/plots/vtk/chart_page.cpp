@@ -32,6 +32,8 @@ constexpr Colour kInk{64, 70, 80, 255};
 constexpr Colour kGrid{228, 231, 236, 255};
 constexpr Colour kFrame{150, 156, 166, 255};
 
+/// By the length of the words: the page's font is the browser's, and measuring another would not
+/// help.
 double widestLabel(const std::vector<AxisTick>& ticks) {
   std::size_t longest = 1;
   for (const AxisTick& tick : ticks) longest = std::max(longest, tick.label.size());
@@ -52,6 +54,7 @@ vtkSmartPointer<vtkTable> table(const std::vector<double>& x, const std::vector<
   return result;
 }
 
+/// Of lines and of clouds of points, whose diameter is the pen's width.
 void style(vtkPlot* plot, const Series& series) {
   const Colour& c = series.colour;
   plot->SetColor(c.red, c.green, c.blue, c.alpha);
@@ -104,6 +107,7 @@ ChartPage::ChartPage(const PlotFrame& frame, const PageLayout& layout, const std
 double ChartPage::unitX(double value) const { return (value - x_.min) / (x_.max - x_.min); }
 
 double ChartPage::unitY(double value) const {
+  // VTK's axis always runs upwards: of an inverted one the values are turned.
   const double unit = (value - y_.min) / (y_.max - y_.min);
   return frame_.y.inverted ? 1 - unit : unit;
 }
@@ -112,6 +116,7 @@ void ChartPage::place(const PageLayout& layout) {
   const bool legend = std::any_of(layout.legend.begin(), layout.legend.end(),
                                   [](const LegendEntry& e) { return !e.name.empty(); });
   const double x_labels = frame_.x.upright_labels ? widestLabel(x_ticks_) : 14;
+  // Whole pixels, as VTK hands on clips in integers.
   left_ = std::ceil(kMargin + (frame_.y.label.empty() ? 0 : 16) + widestLabel(y_ticks_) + 10);
   right_ = std::floor(frame_.width - kMargin - (layout.colour_bar ? kColourBar : 6));
   bottom_ = std::ceil(kMargin + (frame_.x.label.empty() ? 0 : 18) + x_labels + 6);
@@ -122,6 +127,7 @@ void ChartPage::place(const PageLayout& layout) {
   const double y_scale = plotHeight() / (y_.max - y_.min);
   // The axis that has room to spare is shortened; its place at the left and at the top stays.
   const double scale = std::min(x_scale, y_scale);
+  // Of the two this one or the next stays where it is, but for rounding.
   right_ = left_ + std::round(scale * (x_.max - x_.min));
   bottom_ = top_ - std::round(scale * (y_.max - y_.min));
 }
@@ -132,6 +138,7 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
   vtkNew<vtkStringArray> labels;
   for (const AxisTick& tick : ticks) {
     const double unit = horizontal ? unitX(tick.position) : unitY(tick.position);
+    // A tick at an end of the axis may be a rounding beyond it.
     if (unit < -1e-9 || unit > 1 + 1e-9) continue;
     positions->InsertNextValue(std::clamp(unit, 0.0, 1.0));
     labels->InsertNextValue(tick.label);
@@ -166,6 +173,7 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
     if (!horizontal) {
       TextStyle turned = title;
       turned.angle = 90;
+      // Beside the widest label of all ticks, those that are left out too: place() made room so.
       drawText(painter, left_ - widestLabel(ticks) - 20, middle_y, axis.label, turned);
     } else {
       const double labels_height = axis.upright_labels ? widestLabel(ticks) : 14;
@@ -193,6 +201,7 @@ void ChartPage::addHeading(const std::vector<LegendEntry>& legend) {
                {.size = 13, .bold = true, .colour = {32, 38, 46, 255}, .across = -1});
       y -= kLegendBand + 2;
     }
+    // From the axes' left end, one entry after the other; there is no second row.
     double x = left_;
     for (const LegendEntry& entry : legend) {
       if (entry.name.empty()) continue;
@@ -210,6 +219,7 @@ void ChartPage::addLine(const Series& series) {
   Series lonely = series;  // points without a neighbour to draw a line to
   lonely.x.clear();
   lonely.y.clear();
+  // A dot as wide as the line would be overlooked.
   lonely.width = 2.5 * series.width;
   const auto flush = [&](std::size_t end) {
     if (x.size() == 1) {
@@ -249,6 +259,7 @@ void ChartPage::addBand(const Band& band) {
     };
     const auto flush = [&] {
       outline.clear();
+      // Along the upper edge and back along the lower one.
       for (const std::size_t i : piece) point(i, band.high);
       for (auto i = piece.rbegin(); i != piece.rend(); ++i) point(*i, band.low);
       if (piece.size() > 1) {
@@ -291,6 +302,7 @@ void ChartPage::addNamedPoints(const std::vector<NamedPoint>& points) {
       if (!std::isfinite(point.x) || !std::isfinite(point.y)) continue;
       device.setShapeTitle(point.title);
       device.setShapeLink(point.link);
+      // A point is as wide as the pen.
       setPen(painter, point.colour, 7);
       painter.DrawPoint(static_cast<float>(unitX(point.x)), static_cast<float>(unitY(point.y)));
     }
@@ -348,6 +360,7 @@ void ChartPage::setCells(const HeatMap& map) {
   }
   nlohmann::json cells{
       {"columns", map.columns}, {"rows", map.rows}, {"label", map.value_label}, {"values", values}};
+  // Ticks name the cells only where there is one for each.
   if (map.frame.x.ticks.size() == static_cast<std::size_t>(map.columns)) {
     cells["x"] = names(map.frame.x.ticks);
   }
@@ -359,6 +372,8 @@ void ChartPage::setCells(const HeatMap& map) {
 
 void ChartPage::addReferenceArrow(double length, const Colour& colour) {
   addOutside([this, length, colour](vtkContext2D& painter, SvgDevice&) {
+    // It ends where the legend's swatch does, which is transparent, and grows to the left: the
+    // words after it stay where they are.
     const auto x1 = static_cast<float>(left_ + 14);
     const auto x0 = static_cast<float>(x1 - length * plotWidth() / (x_.max - x_.min));
     const auto y = static_cast<float>(top_ + 12);

@@ -49,6 +49,7 @@ vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range
                                           Colour (*colourAt)(double)) {
   vtkNew<vtkLookupTable> colours;
   colours->SetNumberOfTableValues(kColours);
+  // Values beyond the range have the colour of its end.
   colours->SetRange(range.min, range.max);
   for (int i = 0; i < kColours; ++i) {
     const Colour c = colourAt(i / (kColours - 1.0));
@@ -82,6 +83,7 @@ void drawCellLabels(vtkContext2D& painter, const ChartPage& page, const HeatMap&
                      static_cast<std::size_t>(column);
       if (map.cell_labels[i].empty() || !fits(map.cell_labels[i], page, map)) continue;
       const double unit = (map.values[i] - range.min) / (range.max - range.min);
+      // Sequential colours are dark at their low end, diverging ones at both.
       const bool dark =
           map.colours == ColourMap::kDiverging ? std::abs(unit - 0.5) > 0.36 : unit < 0.5;
       const Colour ink = dark ? Colour{255, 255, 255, 255} : Colour{24, 28, 34, 255};
@@ -115,6 +117,7 @@ void drawContours(vtkContext2D& painter, const HeatMap& map, const std::vector<A
       points.push_back(static_cast<float>(p[0]));
       points.push_back(static_cast<float>(p[1]));
     }
+    // A contour that lost all points but one is none.
     if (points.size() > 2) painter.DrawPoly(points.data(), static_cast<int>(points.size() / 2));
   }
 }
@@ -126,6 +129,7 @@ void drawArrow(vtkContext2D& painter, const ChartPage& page, const FieldArrow& a
   const double dy = arrow.dy * magnification;
   const double x = arrow.x + dx;
   const double y = arrow.y + dy;
+  // Of the arrow's length, along it; half as much to either side.
   constexpr double kHead = 0.3;
   const double corners[5][2] = {{arrow.x, arrow.y},
                                 {x, y},
@@ -172,6 +176,7 @@ std::string toSvg(const VectorField& plot, const std::string& id) {
   internal::PageLayout layout;
   layout.x = plot.frame.x.range.value_or(rangeOf({&xs}, 0.05));
   layout.y = plot.frame.y.range.value_or(rangeOf({&ys}, 0.05));
+  // A transparent swatch: the arrow of addReferenceArrow() takes its place.
   if (plot.reference > 0) layout.legend.push_back({plot.reference_label, {255, 255, 255, 0}});
   ChartPage page(plot.frame, layout, id);
   page.addDrawing([&page, &plot](vtkContext2D& painter, SvgDevice& device) {

@@ -11,6 +11,7 @@ namespace {
 using internal::ChartPage;
 using internal::LegendEntry;
 
+/// Axes from lines and bands where the frame gives none; named points do not count.
 internal::PageLayout layoutOf(const PlotFrame& frame, const std::vector<Series>& series,
                               const std::vector<ColouredLine>& coloured = {},
                               const std::vector<Band>& bands = {}) {
@@ -48,6 +49,7 @@ HeatMap density(const ScatterPlot& plot, const Range& x, const Range& y) {
   for (const Series& s : plot.series) {
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       const double u = (s.x[i] - x.min) / (x.max - x.min);
+      // A map's rows begin at the top.
       const double v = (y.max - s.y[i]) / (y.max - y.min);
       if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) continue;
       const auto column = static_cast<std::size_t>(u * plot.bins);
@@ -81,6 +83,7 @@ std::vector<Series> classesOf(const ColouredLine& line, const Range& range) {
     const int which = classOf(line, i, range);
     if (which < 0) continue;
     const auto k = static_cast<std::size_t>(which);
+    // The class's last piece ended elsewhere: a gap, and the start of this one.
     if (last[k] != i) {
       for (auto* column : {&classes[k].x, &classes[k].y}) column->push_back(std::nan(""));
       classes[k].x.push_back(line.x[i]);

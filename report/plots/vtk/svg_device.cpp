@@ -89,6 +89,7 @@ std::vector<double> SvgDevice::toPage(const float* points, int n) const {
     const double x = points[2 * i];
     const double y = points[2 * i + 1];
     page.push_back(matrix_[0] * x + matrix_[1] * y + matrix_[2]);
+    // VTK counts from the bottom, SVG from the top.
     page.push_back(height_ - (matrix_[3] * x + matrix_[4] * y + matrix_[5]));
   }
   // All or nothing: NaN is no number of SVG's, and what a browser makes of it is its own.
@@ -118,6 +119,7 @@ std::string SvgDevice::strokeAttributes() const {
   const unsigned char* rgba = colour.GetData();
   if (Pen->GetLineType() == vtkPen::NO_PEN || rgba[3] == 0) return "";
   return fmt::format(" stroke=\"{}\" stroke-width=\"{:.3g}\"{}{}", hexColour(rgba),
+                     // Half a pixel at least: thinner lines are hardly seen.
                      std::max(0.5F, Pen->GetWidth()), opacity("stroke-opacity", rgba[3]),
                      dashes(Pen->GetLineType()));
 }
@@ -143,6 +145,7 @@ void SvgDevice::DrawLines(float* points, int n, unsigned char*, int) {
   const std::string stroke = strokeAttributes();
   if (page.empty() || stroke.empty()) return;
   std::string path;
+  // Two points make a line of their own.
   for (std::size_t i = 0; i + 3 < page.size(); i += 4) {
     path += 'M' + pixel(page[i]) + ' ' + pixel(page[i + 1]) + 'L' + pixel(page[i + 2]) + ' ' +
             pixel(page[i + 3]);
@@ -162,11 +165,13 @@ void SvgDevice::DrawPointSprites(vtkImageData*, float* points, int n, unsigned c
 void SvgDevice::DrawMarkers(int, bool highlight, float* points, int n, unsigned char*, int) {
   const std::vector<double> page = toPage(points, n);
   const std::string stroke = strokeAttributes();
+  // Highlights are of a selection, which a page does not have.
   if (highlight || page.empty() || stroke.empty()) return;
   auto* const write = writer(page);
   std::string path;
   path.reserve(page.size() * 6);
   for (std::size_t i = 0; i + 1 < page.size(); i += 2) {
+    // A closed path without length: its round caps make a dot.
     path += 'M' + write(page[i]) + ' ' + write(page[i + 1]) + 'z';
   }
   element("path", fmt::format("class=\"pts\" d=\"{}\"{} stroke-linecap=\"round\"", path, stroke));
@@ -223,10 +228,12 @@ void SvgDevice::DrawString(float* point, const vtkStdString& text) {
   const char* anchor = across == VTK_TEXT_RIGHT      ? "end"
                        : across == VTK_TEXT_CENTERED ? "middle"
                                                      : "start";
+  // From the baseline, in sizes of the font: what of the text is put on the point.
   const char* shift = along == VTK_TEXT_TOP        ? "0.8em"
                       : along == VTK_TEXT_CENTERED ? "0.33em"
                                                    : "-0.15em";
   const double angle = TextProp->GetOrientation();
+  // VTK turns counter-clockwise, SVG clockwise.
   const std::string turn = angle == 0 ? "" : fmt::format(" rotate({:g})", -angle);
   body_ += fmt::format(
       "<text{} transform=\"translate({},{}){}\" dy=\"{}\" text-anchor=\"{}\" font-size=\"{}\" "
@@ -280,6 +287,7 @@ void SvgDevice::DrawImage(const vtkRectf& place, vtkImageData* image) {
   const float corners[4] = {place.GetLeft(), place.GetBottom(), place.GetRight(), place.GetTop()};
   const std::vector<double> page = toPage(corners, 2);
   if (page.empty()) return;
+  // Cells have edges, which a browser would blur.
   element("image",
           fmt::format("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
                       "style=\"image-rendering:pixelated\" href=\"{}\"",
@@ -316,11 +324,13 @@ void SvgDevice::PopMatrix() {
 void SvgDevice::SetClipping(int* rectangle) { std::copy(rectangle, rectangle + 4, clip_.begin()); }
 
 void SvgDevice::EnableClipping(bool enable) {
+  // Clips do not nest: a new one ends the one before.
   if (clip_open_) body_ += "</g>";
   clip_open_ = enable;
   in_data_ = false;
   if (!enable) return;
   const std::string name = fmt::format("{}-clip{}", id_, clip_count_++);
+  // VTK's rectangle stands on its lower left corner, SVG's hangs from the upper one.
   defs_ += fmt::format(
       "<clipPath id=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>", name,
       clip_[0], pixel(height_ - clip_[1] - clip_[3]), clip_[2], clip_[3]);

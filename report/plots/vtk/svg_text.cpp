@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kShortLine = 1000;  // points; below it nothing is thinned
 
+/// Without the points that lie within a twentieth of a pixel of the last one kept.
 std::vector<double> mergeEqualNeighbours(const std::vector<double>& points) {
   std::vector<double> kept;
   for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
@@ -23,6 +24,8 @@ std::vector<double> mergeEqualNeighbours(const std::vector<double>& points) {
   return kept;
 }
 
+/// First, lowest, highest and last point of every half pixel of width: the line looks the same. For
+/// lines that never run back.
 std::vector<double> keepExtremes(const std::vector<double>& points) {
   std::vector<double> kept;
   const std::size_t n = points.size() / 2;
@@ -33,6 +36,7 @@ std::vector<double> keepExtremes(const std::vector<double>& points) {
       if (points[2 * end + 1] < points[2 * low + 1]) low = end;
       if (points[2 * end + 1] > points[2 * high + 1]) high = end;
     }
+    // In the line's own order; equal ones are neighbours.
     std::vector<std::size_t> chosen = {begin, std::min(low, high), std::max(low, high), end - 1};
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
     for (const std::size_t i : chosen) {
@@ -73,6 +77,7 @@ std::string escapeXml(const std::string& text) {
 std::string pixel(double value) {
   const long tenths = std::lround(value * 10);
   if (tenths % 10 == 0) return fmt::format("{}", tenths / 10);
+  // The sign apart: of -0.4 the whole part is 0, which has none.
   return fmt::format("{}{}.{}", tenths < 0 ? "-" : "", std::abs(tenths) / 10,
                      std::abs(tenths) % 10);
 }
@@ -97,6 +102,7 @@ std::string pointList(const std::vector<double>& points, std::string (*write)(do
 std::vector<double> thinLine(const std::vector<double>& points) {
   if (points.size() / 2 < kShortLine) return points;
   for (std::size_t i = 2; i < points.size(); i += 2) {
+    // A path that turns back passes a column more than once.
     if (points[i] < points[i - 2]) return mergeEqualNeighbours(points);
   }
   return keepExtremes(points);
