@@ -33,6 +33,7 @@ void scaleAlike(const std::vector<HeatMap*>& maps) {
     std::copy_if(map->values.begin(), map->values.end(), std::back_inserter(known),
                  [](double v) { return std::isfinite(v); });
   }
+  // The floor keeps the scale of maps that are all zero from having no length.
   const double end = known.empty() ? 1 : std::max(1e-9, quantile(std::move(known), kColoured));
   for (HeatMap* map : maps) map->value_range = Range{0, end};
 }
@@ -52,6 +53,7 @@ void magnifyAlike(const std::vector<VectorField*>& fields, double reach) {
   for (const VectorField* field : fields) {
     for (const FieldArrow& arrow : field->arrows) lengths.push_back(lengthOf(arrow));
   }
+  // The floor likewise: what follows divides by it.
   const double typical =
       lengths.empty() ? 1 : std::max(1e-9, quantile(std::move(lengths), kTypical));
   for (VectorField* field : fields) {

@@ -12,6 +12,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+/// Of the finite values of a map [px].
 struct Summary {
   double median = 0, most = 0;
   std::size_t undefined = 0;
@@ -39,6 +40,7 @@ double stepX(const ImageMap& map) { return (map.width - 1.0) / std::max(1, map.c
 double stepY(const ImageMap& map) { return (map.height - 1.0) / std::max(1, map.rows - 1); }
 
 bool sound(const ImageMap& map) {
+  // A store may state any two numbers: their product need not fit into an int.
   const auto cells = static_cast<std::size_t>(std::max(0, map.columns)) *
                      static_cast<std::size_t>(std::max(0, map.rows));
   return cells > 0 && map.width > 1 && map.height > 1 && map.values.size() == cells;
@@ -58,11 +60,13 @@ PlotFrame mapFrame(const ImageMap& map, const std::string& title, double margin)
 
 HeatMap heatMap(const ImageMap& map, const std::string& title, const std::string& label) {
   HeatMap plot;
+  // Cells have the grid's points in their middles: half a step more on every side.
   plot.frame = mapFrame(map, title, 0.5);
   plot.columns = map.columns;
   plot.rows = map.rows;
   plot.values = map.values;
   for (double& v : plot.values) {
+    // Infinite values have no colour: blank, as undefined ones.
     if (!std::isfinite(v)) v = std::nan("");
   }
   plot.value_label = label;

@@ -45,6 +45,7 @@ void setPlayer(data& page, const std::optional<PagePlayer>& player) {
 
 namespace {
 
+/// What rounds to zero from below prints as "-0.00", which reads as if the sign meant something.
 /// Programs and data in script elements stay as they are.
 std::string withoutNegativeZerosInText(const std::string& page) {
   std::string out;
@@ -62,6 +63,7 @@ std::string withoutNegativeZerosInText(const std::string& page) {
 
 std::string renderPage(const Page& study) {
   std::vector<Section> sections = study.sections;
+  // Before the table of contents is made of them.
   std::erase_if(sections, [](const Section& s) { return s.blocks.empty(); });
   data page = startPage({study.kicker, study.name, study.provenance});
   if (!study.script.empty()) page.set("viewer", study.script);
@@ -71,6 +73,7 @@ std::string renderPage(const Page& study) {
                study.sentence.empty() ? sentenceOf(*study.verdict) : study.sentence,
                study.good_word);
   } else {
+    // A page that judges nothing says neither that something holds nor that something does not.
     for (const char* part : {"verdict", "has_concerns", "has_holds"}) page.set(part, flag(false));
   }
   setContents(page, contentsOf(study, sections));

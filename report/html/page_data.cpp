@@ -63,6 +63,7 @@ data subjectChips(const std::vector<Finding>& findings) {
                   [](const Finding& f) { return f.subject == FindingSubject::kResult; })) {
     return chips;
   }
+  // What is about the result as a whole is the badge's.
   for (const FindingSubject subject : {FindingSubject::kCameras, FindingSubject::kExtrinsics,
                                        FindingSubject::kImuNoise, FindingSubject::kRecording}) {
     std::optional<VerdictLevel> worst;
@@ -206,6 +207,7 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& sentence,
                 const std::string& good_word) {
   const bool good = verdict.level == VerdictLevel::kGood;
   const std::string word = good ? good_word : toString(verdict.level);
+  // A word of its own ("complete") praises nothing, so it is not green.
   page.set("verdict", good && word != "good" ? "neutral" : toString(verdict.level));
   page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
   page.set("verdict_sentence", sentence);
@@ -237,6 +239,7 @@ std::string renderTemplate(const std::string& text, data& page) {
       {"page_figures", &embedded::page_figures},   {"page_matrices", &embedded::page_matrices},
       {"page_sections", &embedded::page_sections}, {"page_provenance", &embedded::page_provenance},
       {"page_foot", &embedded::page_foot}};
+  // The library looks for partials among the values of the page.
   for (const auto& [name, part] : parts) {
     page.set(name, data{partial{[text_of = part] { return text_of(); }}});
   }

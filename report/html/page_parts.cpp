@@ -30,6 +30,7 @@ std::string noiseAssumed(const Assumptions& a, bool with_imu) {
   return text + ", loss " + a.loss;
 }
 
+/// An entropy says nothing without its list of parameters and its noise: the card has both.
 void addEntropyCard(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,
                     const std::string& noise) {
   if (s.covariance.names.empty()) return;
@@ -62,6 +63,7 @@ void addStageCards(std::vector<Card>& cards, const std::string& stage, const Sta
        share(static_cast<std::size_t>(s.views_used), static_cast<std::size_t>(s.views_offered))});
 }
 
+/// Heading of a parameter by its prefix; what is no camera's is the IMU's.
 std::string groupOf(const std::string& parameter) {
   const std::string prefix = parameter.substr(0, parameter.find('.'));
   if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
@@ -75,6 +77,7 @@ void addParameters(const std::vector<ParameterEstimate>& parameters, bool held,
                    std::vector<ParameterGroup>& groups) {
   for (const ParameterEstimate& p : parameters) {
     const std::string heading = groupOf(p.name);
+    // A covariance lists its parameters owner by owner: a look at the last group is enough.
     if (groups.empty() || groups.back().heading != heading)
       groups.push_back({heading, false, false, false, {}});
     const auto [unit, factor] = readable(p.unit);
@@ -87,6 +90,7 @@ void addParameters(const std::vector<ParameterEstimate>& parameters, bool held,
       groups.back().has_interval = true;
       row.interval = twoDigits(factor * *half);
     }
+    // It has taken the formal one's place above.
     if (p.robust_std) {
       groups.back().has_formal = true;
       row.formal = twoDigits(factor * p.std);
@@ -121,8 +125,10 @@ std::string parameterList(const ParameterCovariance& covariance) {
     const std::string of = dot == std::string::npos ? "" : name.substr(0, dot);
     const bool same_owner = i > 0 && of == owner && !of.empty();
     if (i > 0) text += same_owner ? ", " : "; ";
+    // Without a dot `dot` + 1 is 0, and the whole name stands.
     text += same_owner || of.empty() ? name.substr(dot + 1) : of + ": " + name.substr(dot + 1);
     owner = of;
+    // The unit stands once, after the last of a run that shares it.
     const bool run_goes_on = i + 1 < n && covariance.units[i + 1] == covariance.units[i] &&
                              !of.empty() && covariance.names[i + 1].rfind(of + ".", 0) == 0;
     if (!run_goes_on) text += fmt::format(" [{}]", covariance.units[i]);
@@ -140,6 +146,7 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   if (!s) return cards;
   addStageCards(cards, "camera-IMU", s->summary, s->cameras);
   addEntropyCard(cards, "camera-IMU", s->summary, noiseAssumed(record.assumptions, true));
+  // The formal one; the table of parameters has the cluster-robust one, where it is known.
   const double offset_std = 1e3 * s->imu.time_offset_std_s.value_or(0);
   cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.timeOffset(), offset_std), "ms",
                    offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});

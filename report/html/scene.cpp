@@ -75,6 +75,7 @@ SceneObject arrow(const std::string& layer, const Eigen::Vector3d& from, const E
   return object;
 }
 
+/// x red, y green, z blue.
 void addAxes(Scene& scene, const std::string& layer, const Transform& T_FA, double length) {
   const Colour colours[] = {{200, 30, 40, 255}, {20, 140, 60, 255}, {30, 80, 200, 255}};
   for (int axis = 0; axis < 3; ++axis) {
@@ -96,6 +97,7 @@ struct Rig {
   std::vector<Transform> T_FC0;
 };
 
+/// Of the last stage that ran, whose calibration is the final one.
 Rig rigOf(const CalibrationRecord& record) {
   if (!record.camera_imu) return {cameraView(record), record.camera->T_FC0};
   std::vector<Transform> poses;
@@ -115,12 +117,14 @@ SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, doubl
   const std::size_t n = std::min(rig.T_FC0.size(), rmse.size());
   const std::size_t stride = std::max<std::size_t>(1, (n + kMostFrusta - 1) / kMostFrusta);
   for (std::size_t i = 0; i < n; i += stride) {
+    // The camera saw nothing in this frame: there is no error to colour by.
     if (!std::isfinite(rmse[i])) continue;
     object.frames.push_back(static_cast<int>(i));
     appendFrustum(object,
                   frustum(calibration.intrinsics, rig.T_FC0[i] * calibration.T_C0Ci, depth));
     const double unit = (rmse[i] - scene.rmse.min) / (scene.rmse.max - scene.rmse.min);
     const double when = scene.seconds > 0 ? seconds[i] / scene.seconds : 0;
+    // A colour for each of a frustum's five points.
     object.colours["rmse"].insert(object.colours["rmse"].end(), 5, internal::errorColour(unit));
     object.colours["time"].insert(object.colours["time"].end(), 5, timeColour(when));
   }
@@ -150,9 +154,11 @@ Range rmseRange(const std::vector<std::vector<double>>& rmse) {
   if (known.empty()) return {0, 1};
   // A few bad views would pale the rest.
   const Range range{quantile(known, 0.02), quantile(known, 0.98)};
+  // Never without length: frusta() divides by it.
   return range.max > range.min ? range : Range{range.min, range.min + 1e-6};
 }
 
+/// From the front, the right and above (z of F is towards the viewer), at the middle of all.
 void placeEye(Scene& scene, const AprilGrid& target, const std::vector<Transform>& poses) {
   Eigen::Vector3d low(0, 0, 0), high(target.width(), target.height(), 0);
   for (const Transform& pose : poses) {
@@ -171,12 +177,14 @@ void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGri
     const Eigen::Vector3d from(-0.35 * target.width(), target.height(), 0);
     scene.objects.push_back(
         arrow("gravity", from, from + length * stage.gravity_F.normalized(), {201, 94, 0, 255}));
+    // A picture with gravity down is read most easily.
     const Eigen::Vector3d up = -stage.gravity_F.normalized();
     const Eigen::Vector3d view = (scene.focus - scene.eye).normalized();
     // Seen along itself, up would be no direction of the picture.
     if (std::abs(up.dot(view)) < 0.9) scene.up = up;
   }
   if (stage.states.empty()) return;
+  // One pose stands for all, that in the middle of the recording.
   addAxes(scene, "rig", stage.states[stage.states.size() / 2].T_FS, 1.2 * depth);
 }
 

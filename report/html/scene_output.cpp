@@ -72,6 +72,7 @@ std::string poseJson(const ScenePose& p) {
 
 /// A pinhole picture of the scene; pixels of a 900 x 520 view.
 struct StillCamera {
+  // Rows as a camera's axes: x right, y down, z ahead.
   explicit StillCamera(const Scene& scene) : eye(scene.eye) {
     axes.row(2) = (scene.focus - scene.eye).normalized();
     axes.row(0) = axes.row(2).cross(scene.up.transpose()).normalized();
@@ -101,6 +102,7 @@ std::string hex(const Colour& c) {
   return fmt::format("#{:02x}{:02x}{:02x}", c.red, c.green, c.blue);
 }
 
+/// Painted in the scene's order, whatever is nearer: the target lies below all else.
 std::string objectSvg(const StillCamera& camera, const SceneObject& o) {
   std::string svg, d;
   for (const auto& polygon : o.polygons) d += polyline(camera, o, polygon, true);

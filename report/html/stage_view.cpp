@@ -43,6 +43,7 @@ std::vector<std::vector<double>> frameRmse(const StageView& stage) {
   }
   for (std::size_t c = 0; c < sums.size(); ++c) {
     for (std::size_t f = 0; f < frames; ++f) {
+      // Not 0 where a camera saw nothing: no error is no small error.
       sums[c][f] = counts[c][f] > 0 ? std::sqrt(sums[c][f] / counts[c][f]) : std::nan("");
     }
   }

@@ -26,6 +26,7 @@ std::string twoDigits(double value) {
 }
 
 std::string scaledSeconds(double seconds, double std) {
+  // By the larger of the two: next to 0 the deviation gives the unit.
   const double size = std::max(std::abs(seconds), std::isfinite(std) ? std : 0);
   const auto [factor, unit] = size >= 1 || !(size > 0) ? std::pair(1.0, "s")
                               : size >= 1e-3           ? std::pair(1e3, "ms")
@@ -41,6 +42,7 @@ std::string grouped(std::size_t count) {
   const std::string digits = std::to_string(count);
   std::string text;
   for (std::size_t i = 0; i < digits.size(); ++i) {
+    // Counted from the end, where the groups begin.
     if (i > 0 && (digits.size() - i) % 3 == 0) text += "\u2009";
     text += digits[i];
   }

@@ -49,6 +49,7 @@ void addImuCells(const CalibrationScore& s, std::vector<Cell>& row) {
 std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string>& cameras,
                         bool with_imu) {
   const bool scored = s.reprojection.count > 0;
+  // The other part of a fold is what its own calibration was estimated from.
   std::vector<Cell> row = {tight(s.session), tight(isWhole(s) ? "whole" : s.part),
                            tight(s.held_out   ? "held out"
                                  : isWhole(s) ? "scored"
@@ -78,6 +79,7 @@ Figure barsOf(const Scores& scores) {
   BarPlot plot;
   plot.categories = cameraNames(scores);
   for (const CalibrationScore& s : scores) {
+    // Single folds are in the table; in the plot they would hide what they add up to.
     if (s.reprojection.count == 0 || !(isPooled(s) || isWhole(s))) continue;
     std::vector<double> values;
     for (const std::string& camera : plot.categories) {
@@ -88,6 +90,7 @@ Figure barsOf(const Scores& scores) {
     plot.names.push_back((isWhole(s) ? s.session : s.part) + (s.held_out ? ", held out" : ""));
     plot.values.push_back(std::move(values));
   }
+  // One group of bars compares nothing.
   if (plot.values.size() < 2) return {};
   plot.frame.title = "RMSE per camera";
   plot.frame.width = 960;
@@ -100,6 +103,8 @@ Figure barsOf(const Scores& scores) {
           true};
 }
 
+/// Whole recordings that were, or were not, held out; or all parts of this one, which stand
+/// together so that each fold's two errors can be compared.
 Scores chosen(const Scores& scores, bool folds, bool held_out_sessions) {
   Scores out;
   for (const CalibrationScore& s : scores) {

@@ -84,11 +84,13 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
   double total = 0;
   for (const ImuIntervalResidual& r : stage.imu_residuals) {
     for (int i = first; i < first + rows; ++i) {
+      // Those beyond the bins too: the area below the curve is that of all residuals.
       total += 1;
       const double place = (r.normalised[i] + kReach) / plot.bin_width;
       if (place >= 0 && place < kBins) plot.series[0].counts[static_cast<std::size_t>(place)] += 1;
     }
   }
+  // 0: it was not computed, and the assumed noise itself is drawn.
   const double sigma = expected > 0 ? expected : 1;
   Series curve{fmt::format("expected, std {:.2f}", sigma), {}, {}, {40, 44, 52, 255}, 1.4, true};
   for (int i = 0; i <= 120; ++i) {
@@ -151,6 +153,7 @@ std::vector<const ImuIntervalResidual*> shownIntervals(const CameraImuStageResul
   return shown;
 }
 
+/// Of the points of an axis, which are to be told from the line of its prediction.
 Colour darker(const Colour& c) {
   const auto part = [](std::uint8_t v) { return static_cast<std::uint8_t>(v * 11 / 20); };
   return {part(c.red), part(c.green), part(c.blue), c.alpha};
@@ -162,6 +165,7 @@ Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot 
   const std::vector<double> seconds = secondsOf(shown, origin);
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Colour colour = seriesColour(static_cast<std::size_t>(axis));
+    // About the prediction: what the samples' noise lets a reading differ from it.
     Band band{"", seconds, {}, {}, {colour.red, colour.green, colour.blue, 70}};
     Series predicted{kAxes[axis] + std::string(" predicted"), seconds, {}, colour, 1, false};
     Series measured{
@@ -210,12 +214,14 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, T
         "it: about two thirds of the values lie within \u00b1{:.2f} when the assumptions hold.",
         check.expected_rms > 0 ? check.expected_rms : 1);
   };
+  // Over the interval: then long and short ones compare, in the unit of the readings.
   const auto gyro = [](const ImuIntervalResidual& r) {
     return Eigen::Vector3d(1e3 * r.rotation_rad / r.dt_s);
   };
   const auto accel = [](const ImuIntervalResidual& r) {
     return Eigen::Vector3d(r.velocity_m_s / r.dt_s);
   };
+  // Of `normalised`: rotation from 0, velocity from 3, position from 6, then the walks.
   const auto rows = [](int first) {
     return [first](const ImuIntervalResidual& r) {
       return Eigen::Vector3d(r.normalised.segment<3>(first));

@@ -94,11 +94,13 @@ Figure intervalFigure(const CalibrationRecord& record) {
   for (const ShownInterval& shown : record.shown_intervals) {
     const auto sensor = static_cast<std::size_t>(shown.sensor);
     if (sensor >= plot.series.size()) continue;
+    // Over the median, so that sensors of different rates share an axis.
     const double ratio = shown.interval_s / record.sample_intervals[sensor].median_s;
     plot.series[sensor].x.push_back(secondsBetween(origin, shown.t));
     plot.series[sensor].y.push_back(ratio);
     largest = std::max(largest, ratio);
   }
+  // Up to 2 at least, where the first missing sample would stand.
   plot.frame.y.range = Range{0, std::max(2.0, 1.08 * largest)};
   return {toSvg(plot, "sample-intervals-plot"),
           "1 is an even stream; 2 and more are gaps, in which samples are missing; an interval "

@@ -44,6 +44,7 @@ Table candidateTable(const ModelChoice& choice) {
                {"Std error [px\u00b2]", kNumber}},
               {}};
   for (const ModelCandidate& c : choice.candidates) {
+    // NaN: the model has no solution, and its other figures say nothing either.
     const bool solved = std::isfinite(c.held_out_px);
     const auto figure = [&](double value, const char* format) {
       return number(solved ? fmt::format(fmt::runtime(format), value) : kDash);

@@ -68,6 +68,7 @@ Section correlationSection(const CalibrationRecord& record) {
   return section;
 }
 
+/// Rules go by their names, which documents have too (evaluate/metrics/rules).
 const Finding* findingOf(const Verdict& verdict, const std::string& rule) {
   for (const Finding& finding : verdict.findings) {
     if (finding.rule == rule) return &finding;
@@ -99,6 +100,7 @@ Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
 }
 
 Section uncertaintySection(const CalibrationRecord& record) {
+  // The maps are then made of the cluster-robust covariance.
   const bool robust = record.camera && record.camera->summary.robust_std;
   Section section{
       "projection-uncertainty",
@@ -163,6 +165,7 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   if (record.camera_imu) {
     sections.push_back(reprojectionSection(cameraImuView(record), "reprojection-camera-imu"));
   }
+  // Images are kept of the views of the camera stage where it ran.
   if (record.camera) {
     sections.push_back(viewsSection(cameraView(record), record.camera->T_FC0, record.view_images));
   } else if (record.camera_imu) {
@@ -216,6 +219,7 @@ std::string parametersLead(const CalibrationRecord& record) {
 
 Block parameterBlock(const ParameterGroup& group) {
   Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}}, {}};
+  // A column that some parameter of the group needs, all of them have.
   if (group.has_interval) table.columns.push_back({"90 % interval, \u00b1", kNumber});
   if (group.has_formal) table.columns.push_back({"Formal std", kNumber});
   table.columns.push_back({"Unit"});
@@ -344,6 +348,7 @@ std::string renderCalibrationPage(const CalibrationRecord& record) {
             keyFigures(record),
             sectionsOf(record),
             record.assumptions};
+  // A file on which no rule was tried is not called good.
   if (record.held && record.verdict.findings.empty()) page.verdict.reset();
   page.more_rows = calibrationRows(record);
   page.appendix = timings(record);

@@ -33,6 +33,7 @@ ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners whi
   const Resolution size = stage.cameras[static_cast<std::size_t>(camera)].intrinsics.resolution;
   ImageGrid grid;
   const double width = std::max(1, size.width), height = std::max(1, size.height);
+  // Rows that make the cells about square.
   grid.columns = columns;
   grid.rows = std::max(1, static_cast<int>(std::lround(columns * height / width)));
   grid.cell_width = width / grid.columns;
@@ -173,6 +174,7 @@ VectorField errorField(const StageView& stage, int camera, const std::string& na
       const auto cell = static_cast<std::size_t>(row * grid.columns + column);
       if (grid.count[cell] < kFewest) continue;
       const Eigen::Vector2d mean = grid.sum[cell] / static_cast<double>(grid.count[cell]);
+      // The middle of the cell; pixel 0 has its centre at 0.
       plot.arrows.push_back(
           {(column + 0.5) * grid.cell_width - 0.5, (row + 0.5) * grid.cell_height - 0.5, mean.x(),
            mean.y(),
@@ -209,6 +211,7 @@ HeatMap errorMap(const StageView& stage, int camera, const std::string& name) {
   map.contours = true;
   for (std::size_t i = 0; i < grid.count.size(); ++i) {
     const bool enough = grid.count[i] >= kFewest;
+    // A few corners tell nothing of their region.
     map.values.push_back(enough ? std::sqrt(grid.squares[i] / static_cast<double>(grid.count[i]))
                                 : std::nan(""));
   }
@@ -247,6 +250,7 @@ Figure frameFigure(const StageView& stage) {
       if (std::isfinite(value)) largest = std::max(largest, value);
     }
   }
+  // From 0, so that a flat series looks flat.
   plot.frame.y.range = Range{0, largest > 0 ? 1.08 * largest : 1};
   return {toSvg(plot, stage.id + "-frames"),
           "Peaks are frames with motion blur, a partly hidden target or false corners; a steady "
@@ -265,6 +269,7 @@ std::vector<FigureGroup> reprojectionFigures(const StageView& stage) {
     const std::string name = cameraName(stage, i);
     fields.push_back(errorField(stage, static_cast<int>(i), name));
     maps.push_back(errorMap(stage, static_cast<int>(i), name));
+    // By the widest cell, as one magnification is that of all cameras.
     reach = std::max(reach,
                      kReach * stage.cameras[i].intrinsics.resolution.width / double{kFieldColumns});
   }
@@ -337,6 +342,7 @@ FigureGroup correlationFigures(const StageView& stage) {
     map.frame.x.ticks.push_back({i + 0.5, covariance.names[static_cast<std::size_t>(i)]});
     for (int j = 0; j < n; ++j) {
       const double scale = std::sqrt(covariance.matrix(i, i) * covariance.matrix(j, j));
+      // Without a variance there is no correlation.
       const double rho = scale > 0 ? covariance.matrix(i, j) / scale : std::nan("");
       map.values.push_back(rho);
       // Of many, only those that are worth a look: figures in all cells would hide them.

@@ -120,13 +120,16 @@ PlotFrame boardFrame(const AprilGrid& grid, const std::string& title, double mar
 /// Mean height of each tag, from the top row down.
 HeatMap heightMap(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& points) {
   HeatMap map;
+  // A cell is a pitch wide, with its tag in the middle: half a gap around the board.
   map.frame = boardFrame(grid, "Height above the plane", 0.5 * (grid.pitch() - grid.tag_size));
   map.columns = grid.cols;
   map.rows = grid.rows;
   map.colours = ColourMap::kDiverging;
   map.value_label = "height [mm]";
   const bool labelled = std::max(grid.rows, grid.cols) <= kLabelledTags;
+  // [mm]; the floor keeps the scale of a flat board from having no length.
   double largest = 1e-3;
+  // Tag 0 is at the bottom left, a map begins at the top.
   for (int row = grid.rows - 1; row >= 0; --row) {
     for (int col = 0; col < grid.cols; ++col) {
       const auto first = static_cast<std::size_t>(4 * (row * grid.cols + col));
@@ -154,6 +157,7 @@ VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Ve
                             fmt::format("corner {}: {:+.3f}, {:+.3f} mm", id, d.x(), d.y())});
   }
   field.magnification = kArrow * kMm * grid.pitch() / largest;
+  // A power of ten, no longer than the longest arrow.
   field.reference = std::pow(10, std::floor(std::log10(largest)));
   field.reference_label = fmt::format("{:g} mm", field.reference);
   return field;
@@ -163,8 +167,10 @@ VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Ve
 
 Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
   const TargetFit& fit = *stage.target_fit;
+  // Whether the calibration uses the estimated shape shows by the terms of its board.
   Section section{
       "target", "Target", foundText(fit, stage.target.terms == fit.shape.terms), {}, {}};
+  // None: there was no solution whose terms could be shown.
   if (!fit.shape.covariance) return section;
   const bool has_picture =
       fit.finding == TargetFinding::kBent || fit.finding == TargetFinding::kOther;

@@ -28,6 +28,7 @@ std::vector<bool> carried(const std::vector<ViewErrors>& views,
   constexpr std::size_t worst = 100;
   std::size_t all = 0;
   for (const ViewErrors& view : views) all += view.corners.size();
+  // 0 where no view has a corner.
   const std::size_t step = (all + kMostCorners - 1) / kMostCorners;
   std::vector<bool> kept(views.size(), false);
   for (std::size_t i = 0; i < views.size(); ++i) kept[i] = step <= 1 || i % step == 0;
@@ -35,6 +36,7 @@ std::vector<bool> carried(const std::vector<ViewErrors>& views,
   return kept;
 }
 
+/// Cut where 16 bits end: at 8191 px of a corner, at 32 px of an error.
 std::int16_t packed(double value, double scale) {
   return static_cast<std::int16_t>(std::lround(std::clamp(scale * value, -32767.0, 32767.0)));
 }
@@ -45,6 +47,7 @@ Json imagesOf(const StageView& stage, const std::vector<ViewErrors>& views,
   Json all = Json::object();
   for (const ViewImage& image : images) {
     for (std::size_t i = 0; i < views.size(); ++i) {
+      // A record's image knows its frame by the stamp alone.
       const TimeNs t = stage.frames[static_cast<std::size_t>(views[i].frame)].t;
       if (views[i].camera != image.camera || t != image.t) continue;
       all[std::to_string(i)] = {{"factor", image.factor}, {"jpeg", base64(image.jpeg)}};
@@ -129,6 +132,7 @@ struct Rejected {
   const CornerResidual* corner = nullptr;
 };
 
+/// Those with the largest errors first.
 std::vector<Rejected> rejectedOf(const std::vector<ViewErrors>& views) {
   std::vector<Rejected> list;
   for (std::size_t i = 0; i < views.size(); ++i) {

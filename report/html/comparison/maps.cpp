@@ -18,12 +18,14 @@ namespace {
 constexpr int kArrowsAcross = 20;
 constexpr double kReach = 1.2;  // of a typical arrow, in its cells
 
+/// So that about kArrowsAcross of the grid's points have an arrow across the image.
 int strideOf(const ImageMap& map) { return std::max(1, map.columns / kArrowsAcross); }
 
 VectorField fieldOf(const ImageMap& map, const std::string& title) {
   VectorField plot;
   plot.frame = mapFrame(map, title, 0.5);
   plot.colour = seriesColour(0);
+  // Uncertainties have no vectors.
   if (map.vectors.size() != map.values.size()) return plot;
   const int stride = strideOf(map);
   for (int row = 0; row < map.rows; row += stride) {
@@ -63,6 +65,7 @@ ScaledMaps scaled(const std::vector<ImageMap>& all, const std::string& label, bo
   }
   std::map<double, std::vector<std::size_t>> by_range;
   for (std::size_t i = 0; i < out.maps.size(); ++i) by_range[out.maps[i]->range_m].push_back(i);
+  // Only maps of one range are compared by their colours and arrows.
   for (const auto& [range, members] : by_range) {
     std::vector<HeatMap*> heat;
     std::vector<VectorField*> fields;
@@ -70,6 +73,7 @@ ScaledMaps scaled(const std::vector<ImageMap>& all, const std::string& label, bo
     for (const std::size_t i : members) {
       heat.push_back(&out.heat[i]);
       fields.push_back(&out.fields[i]);
+      // By the widest spacing of arrows, as one magnification is that of all.
       reach = std::max(reach, kReach * strideOf(*out.maps[i]) * stepX(*out.maps[i]));
     }
     scaleAlike(heat);

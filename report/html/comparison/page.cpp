@@ -20,6 +20,7 @@ Card significanceCard(const ComparisonRecord& record) {
   std::string name, label;
   for (const ComparedParameter& p : record.parameters) {
     for (std::size_t k = 0; k < p.significance.size() && k < record.calibrations.size(); ++k) {
+      // The first calibration has none: differences are to it.
       if (!p.significance[k] || *p.significance[k] <= most) continue;
       most = *p.significance[k];
       name = p.name;
@@ -49,6 +50,7 @@ std::vector<Card> cardsOf(const ComparisonRecord& record) {
                              {"Convention faults", std::to_string(lint), "", "found by lint"},
                              significanceCard(record)};
   for (const CalibrationScore& s : record.scores) {
+    // The others are in the table of scores.
     if (!s.problem.empty() || s.part != "all" || cards.size() >= 8) continue;
     cards.push_back({"RMSE, " + s.label, fmt::format("{:.4f}", s.reprojection.rmse_px), "px",
                      "on " + s.session + (s.held_out ? ", held out" : ", in sample")});

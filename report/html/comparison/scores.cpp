@@ -102,6 +102,7 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   for (const std::string& label : labels) {
     std::vector<CalibrationScore> parts;
     for (const CalibrationScore& s : scores) {
+      // Where any calibration has a held-out score, in-sample scores of all are left out.
       const bool counts = s.label == label && s.held_out == held_out && !s.per_camera.empty();
       if (counts) parts.push_back(s);
     }
@@ -134,6 +135,7 @@ Table pairedTable(const ComparisonRecord& record) {
               {}};
   const std::string first = record.calibrations.empty() ? "" : record.calibrations[0].label;
   for (const PairedPrediction& p : record.paired) {
+    // Negative: the calibration that is compared with the first predicts better.
     const double sigma = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
     const std::string better = sigma < 0 ? p.label : first;
     table.rows.push_back(
@@ -172,6 +174,7 @@ Table entropyTable(const std::vector<CalibrationScore>& scores,
   for (const CalibrationScore& s : scores) {
     const std::optional<double>& value = s.*entropy;
     any = any || value;
+    // Parts and recordings without an entropy stay in the table, with the reason.
     const std::string why = s.problem.empty() ? "not computed for this part" : s.problem;
     table.rows.push_back({{s.label},
                           {s.session},

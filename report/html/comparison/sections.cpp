@@ -43,6 +43,7 @@ Cell lintCell(const ComparedCalibration& c) {
   return {rules.empty() ? "nothing found" : rules, Cell::Kind::kText, worst};
 }
 
+/// Heading of a parameter by its prefix; what is no camera's is the IMU's.
 std::string ownerOf(const std::string& parameter) {
   const std::string prefix = parameter.substr(0, parameter.find('.'));
   if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
@@ -57,6 +58,7 @@ std::string estimateText(const ComparedParameter& p, std::size_t k, double facto
   const auto value = at(p.values, k);
   if (!value) return "\u2013 (not in this file)";
   const auto std = at(p.std, k);
+  // Without a deviation, six significant digits.
   if (!std || !(*std > 0)) return withPrecisionOf(factor * *value, 0);
   return withPrecisionOf(factor * *value, factor * *std) + " \u00b1 " + twoDigits(factor * *std);
 }
@@ -64,6 +66,7 @@ std::string estimateText(const ComparedParameter& p, std::size_t k, double facto
 Cell significanceCell(const ComparedParameter& p, std::size_t k) {
   const auto n = at(p.significance, k);
   if (n) {
+    // The level is the record's. Most are good, which has no dot and no words.
     const VerdictLevel judged = k < p.levels.size() ? p.levels[k] : VerdictLevel::kGood;
     const char* words[] = {"", ", notable", ", differs"};
     std::optional<VerdictLevel> level;
@@ -127,6 +130,7 @@ std::vector<std::string> labelsOf(const ComparisonRecord& record) {
 std::string notHeldOut(const ComparisonRecord& record) {
   std::string names;
   for (const CalibrationScore& s : record.scores) {
+    // A fold's in-sample part says nothing of the whole recording.
     if (s.part != "all" || s.held_out) continue;
     names += (names.empty() ? "" : ", ") + s.label;
   }
@@ -143,6 +147,7 @@ Table offsetTable(const ComparisonRecord& record) {
                                    : std::vector<OffsetRow>());
   }
   table.columns.push_back({"Note"});
+  // Tools, fields and notes are those of any offset.
   const auto tools = offsetRows(0, std::nullopt);
   for (std::size_t i = 0; i < tools.size(); ++i) {
     std::vector<Cell> cells = {{tools[i].tool}, code(tools[i].field)};

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLeastError = 1e-12;  // [s] below, an error is drawn here
 constexpr double kShownSigma = 3;      // ends of the colours; the page says so
 
+/// 10^exponent seconds in the unit of its three decades: "10 ns" for -8.
 std::string decadeLabel(int exponent) {
   static const char* const kUnits[] = {"ps", "ns", "\u00b5s", "ms", "s"};
   const int group = std::clamp(exponent + 12, 0, 14) / 3;
@@ -42,6 +43,7 @@ BasinScale scaleOf(const PerturbationRecord& record, const CaseGroup& shifts) {
   }
   BasinScale scale;
   scale.low = std::floor(std::log10(least) - 0.2);
+  // Two decades at least, and a fifth of one as air at either end.
   scale.high = std::max(scale.low + 2, std::ceil(std::log10(most) + 0.2));
   // Above all errors, on a line of their own.
   scale.failed = scale.high + 0.6;
@@ -84,6 +86,8 @@ double changeOf(const PerturbationRecord& record, const PerturbationCase& c, std
   return std > 0 ? c.offset_error_s / std : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// As short as a cell wants it: each bound is where the format before would round to one digit
+/// more. Below 0.05 nothing is written.
 std::string changeText(double sigma) {
   const double size = std::abs(sigma);
   if (!(size >= 0.05)) return "";
@@ -133,6 +137,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   Series early = markers("underestimated", seriesColour(2));
   Series failed = markers("failed", kWarningColour);
   for (const PerturbationCase* c : shifts.cases) {
+    // A solution without an offset is a failure here.
     const bool solved = c->problem.empty() && std::isfinite(c->offset_error_s);
     Series& series = !solved ? failed : c->offset_error_s < 0 ? early : late;
     series.x.push_back(c->amount);

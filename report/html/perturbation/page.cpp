@@ -65,6 +65,7 @@ std::vector<Cell> solvedRow(const PerturbationRecord& record, const Perturbation
 
 std::vector<Cell> failedRow(const PerturbationRecord& record, const PerturbationCase& c) {
   std::vector<Cell> row = {{labelOf(c)}};
+  // The offset's three columns, RMSE, frames and iterations.
   for (int i = 0; i < (hasOffset(record) ? 6 : 3); ++i) row.push_back(number(kDash));
   row.push_back({"failed: " + c.problem, Cell::Kind::kText, VerdictLevel::kBad});
   return row;
@@ -156,6 +157,7 @@ Section baseSection(const PerturbationRecord& record) {
 
 std::vector<Card> cardsOf(const PerturbationRecord& record) {
   std::size_t failed = 0;
+  // Below 0: no shifted case has a solution.
   double worst = -1, at = 0;
   for (const PerturbationCase& c : record.cases) {
     if (!c.problem.empty()) {

@@ -34,6 +34,7 @@ Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quarti
 /// The median over the seeds, between dashed lines at the quartiles.
 void addBand(LinePlot& plot, const CounterfactualBand& band, BandColumn column, std::size_t place) {
   const Colour colour = seriesColour(place);
+  // First, so that the median lies over them.
   for (double Quartiles::*edge : {&Quartiles::lower, &Quartiles::upper}) {
     if (band.seeds < 2) break;
     Series line = seriesOf(band, column, edge);
@@ -57,6 +58,7 @@ Range rangeShown(const LinePlot& plot) {
                  [](double v) { return std::isfinite(v); });
   }
   if (values.empty()) return {0, 1};
+  // Down to the least: what an order ends at is what is compared.
   const double low = *std::min_element(values.begin(), values.end());
   const double high = std::max(quantile(values, kShownShare), low + 1e-9);
   return {low - 0.06 * (high - low), high + 0.06 * (high - low)};
@@ -82,6 +84,7 @@ Range viewRange(const Bands& bands) {
     least = std::min(least, std::max(1, b.views.front()));
     most = std::max(most, b.views.back());
   }
+  // Never without length, which the axis divides by.
   return {std::log10(std::min(least, most - 1)), std::log10(most)};
 }
 
@@ -90,6 +93,7 @@ std::size_t placeOf(const std::string& strategy) {
   static const char* const kKnown[] = {"recorded", "random", "greedy-mi",
                                        "coverage", "guide",  "predicted-error"};
   std::size_t place = 0;
+  // One that is not known has the colour after the last.
   while (place < std::size(kKnown) && strategy != kKnown[place]) ++place;
   return place;
 }
@@ -139,6 +143,7 @@ std::string lastText(const CounterfactualBand& band, BandColumn column) {
   return values.empty() || !values.back() ? kDash : fmt::format("{:.4g}", values.back()->median);
 }
 
+/// Over the numbers of views, of the regret of the median over seeds.
 std::string medianRegret(const CounterfactualBand& band) {
   std::vector<double> known;
   for (const auto& value : band.regret_px) {

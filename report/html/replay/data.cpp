@@ -50,6 +50,7 @@ const DecisionColumn kColumns[] = {
 
 using ByFrame = std::vector<const Decision*>;  // null: the guide was not given the frame
 
+/// Decisions by the position of their frame in the recording.
 ByFrame byFrame(const ReplayRecord& record) {
   ByFrame decisions(frameCount(record), nullptr);
   for (const Decision& d : record.decisions) {
@@ -69,6 +70,7 @@ std::vector<std::string> words(int count, const std::function<std::string(int)>&
   return all;
 }
 
+/// All words of an enumeration; its columns hold their places.
 template <class Enumeration>
 std::vector<std::string> wordsUpTo(Enumeration last) {
   return words(static_cast<int>(last) + 1,
@@ -86,6 +88,7 @@ Json tableJson(const ByFrame& decisions) {
   return table;
 }
 
+/// Row by row of [R t], NaN without a pose.
 void appendPose(std::vector<float>& cells, const std::optional<Transform>& T) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) cells.push_back(static_cast<float>(T ? T->R(i, j) : kNone));
@@ -111,6 +114,7 @@ Json cornersJson(const ReplayRecord& record, std::size_t camera) {
       const auto id = static_cast<std::size_t>(c.id);
       masks[f * bytes + id / 8] |= static_cast<std::uint8_t>(1U << (id % 8));
     }
+    // The page gives them to the ids in ascending order, in which a view has its corners.
     const auto quarters = quarterPixels(corners);
     uv.insert(uv.end(), quarters.begin(), quarters.end());
   }
@@ -225,6 +229,7 @@ std::vector<std::size_t> framesWithImages(const ReplayRecord& record) {
   return frames;
 }
 
+/// Bytes of the text that the images of every `step`-th of the frames become.
 std::size_t sizeOfEvery(std::size_t step, const ReplayRecord& record,
                         const std::vector<std::size_t>& frames) {
   std::size_t size = 0;
@@ -238,6 +243,7 @@ std::size_t sizeOfEvery(std::size_t step, const ReplayRecord& record,
 Json addImages(ReplayData& data, const ReplayRecord& record, std::size_t most_bytes) {
   const auto frames = framesWithImages(record);
   std::size_t step = 1;
+  // The smallest step that fits: what is left out is left out evenly over the recording.
   while (step < frames.size() && sizeOfEvery(step, record, frames) > most_bytes) ++step;
   data.frames_with_images = static_cast<int>(frames.size());
   data.image_step = static_cast<int>(step);
@@ -257,6 +263,7 @@ Json addImages(ReplayData& data, const ReplayRecord& record, std::size_t most_by
 std::size_t frameCount(const ReplayRecord& record) {
   std::size_t count = record.frames.size();
   for (const Decision& d : record.decisions) {
+    // Frames that were not kept have their decisions yet.
     if (d.frame >= 0) count = std::max(count, static_cast<std::size_t>(d.frame) + 1);
   }
   return count;
@@ -280,6 +287,7 @@ ReplayData replayData(const ReplayRecord& record, std::size_t image_bytes, std::
                {"suggestions", suggestionsJson(record)},
                {"events", eventsJson(record)}};
   ReplayData data;
+  // Everything but the images, which get what is left.
   const std::size_t rest = json.dump().size();
   json["images"] = addImages(data, record, std::min(image_bytes, bytes - std::min(bytes, rest)));
   data.json = scriptJson(json.dump());

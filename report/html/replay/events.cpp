@@ -21,6 +21,7 @@ bool isProblem(const Decision& d) {
     case GuideReason::kNotSolved:
       return true;
     default:
+      // Whatever became of the frame, its detail tells what could not be done.
       return !d.detail.empty();
   }
 }
@@ -35,6 +36,8 @@ std::string initialisedText(const Decision& d) {
   return text;
 }
 
+/// By what the guide stopped: of the quantities that it may stop by, a decision has only those that
+/// were asked for.
 std::string finishedText(const Decision& d) {
   std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
   if (d.projection_px) {
@@ -88,6 +91,7 @@ class Events {
   }
 
   void addProblem(const Decision& d) {
+    // A problem that lasts is one event, at its first frame, whose text counts the frames.
     const bool lasts = isProblem(d) && run_ > 0 && problem_ == d.reason;
     run_ = lasts ? run_ + 1 : isProblem(d) ? 1 : 0;
     if (run_ == 0) return;

@@ -81,6 +81,7 @@ std::string renderReplayPage(const ReplayRecord& record, const ReplayPageOptions
        complianceSection(record), counterfactualsSection(record)},
       record.assumptions,
       playerOf(record, options)};
+  // A replay that no rule was applied to is not called good.
   if (!record.verdict.findings.empty()) page.verdict = record.verdict;
   return renderPage(page);
 }

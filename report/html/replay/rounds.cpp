@@ -56,6 +56,7 @@ Json roundJson(const Decision& d, RoundValues& tables) {
   std::vector<std::uint32_t> names, poses;
   for (const std::string& name : round.names) names.push_back(tables.names.place(name));
   for (const Transform& T : round.T_FC0) poses.push_back(tables.poses.place(roundPose(T)));
+  // NaN stays NaN, which JSON has no number for.
   const std::vector<float> mi(round.mi_nats.begin(), round.mi_nats.end());
   const std::vector<float> error(round.error_px.begin(), round.error_px.end());
   return {{"frame", d.frame},
@@ -73,6 +74,7 @@ struct Band {
   int from = -1, to = -1;
 };
 
+/// The last frame that is not after `t`; the first where all are.
 int frameAt(const ReplayRecord& record, TimeNs t) {
   int best = 0;
   for (std::size_t i = 0; i < record.frames.size(); ++i) {
@@ -81,6 +83,7 @@ int frameAt(const ReplayRecord& record, TimeNs t) {
   return best;
 }
 
+/// From the frame that opened a suggestion to the last that names it.
 std::map<int, Band> bandsOf(const ReplayRecord& record) {
   std::map<int, Band> bands;
   for (const Decision& d : record.decisions) {
@@ -110,6 +113,7 @@ Json poseJson(const Transform& T) {
   return cells;
 }
 
+/// Every n-th position [m], rounded to a tenth of a millimetre.
 Json pathJson(const std::vector<Transform>& path) {
   Json points = Json::array();
   const std::size_t stride = std::max<std::size_t>(1, (path.size() + kMostPath - 1) / kMostPath);
@@ -123,6 +127,7 @@ Json overlayJson(const std::vector<std::vector<Corner>>& overlay) {
   Json cameras = Json::array();
   for (const std::vector<Corner>& corners : overlay) {
     std::vector<std::uint16_t> ids;
+    // A target has 4 * 587 corners at most.
     for (const Corner& c : corners) ids.push_back(static_cast<std::uint16_t>(c.id));
     cameras.push_back({{"ids", base64(ids)}, {"uv", base64(quarterPixels(corners))}});
   }
@@ -163,6 +168,7 @@ Json suggestionsJson(const ReplayRecord& record) {
   Json suggestions = Json::array();
   for (const SuggestionOutcome& o : allOutcomes(record)) {
     const auto known = bands.find(o.suggestion.id);
+    // Of a suggestion that no decision opened only the times are known.
     const Band band = known != bands.end()
                           ? known->second
                           : Band{frameAt(record, o.suggestion.t), frameAt(record, o.ended)};

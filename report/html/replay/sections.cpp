@@ -46,6 +46,7 @@ std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary&
     row.push_back(number(known ? countText(n) : kDash));
   };
   for (const int n : {s.frames_offered, s.frames_dropped, s.views_used}) count(s.ran, n);
+  // Hindsight is that of the camera stage's batch over the views kept.
   const bool in_hindsight = s.stage == GuideStage::kCamera && s.kept_batch;
   for (const int n : {s.views_redundant, s.views_missed}) count(in_hindsight, n);
   for (const int n : {s.suggestions, s.reached}) count(s.ran, n);
@@ -163,6 +164,7 @@ Cell verdictCell(StopAudit::Verdict verdict) {
   return {kDash};
 }
 
+/// An entropy of 0 is one that is not known.
 std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
   return {
       tight(titleOf(a.stage)),

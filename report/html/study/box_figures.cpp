@@ -39,6 +39,7 @@ void addBox(BoxPlot& plot, const std::string& name, std::size_t series,
                            s.session->page, seriesColour(series)});
     values.push_back(s.value);
   }
+  // Whiskers reach to the extremes: every value is drawn as a point as well.
   plot.boxes.push_back({name,
                         {quantile(values, 0), quantile(values, 0.25), quantile(values, 0.5),
                          quantile(values, 0.75), quantile(values, 1)},
@@ -56,6 +57,7 @@ Figure boxFigure(BoxPlot plot, const std::string& title, const std::string& labe
   const bool wide = plot.boxes.size() > 4;
   plot.frame.title = title;
   plot.frame.width = wide ? 960 : 480;
+  // About as many letters fit side by side.
   plot.frame.x.upright_labels = longest * plot.boxes.size() > (wide ? 110U : 50U);
   plot.frame.height = plot.frame.x.upright_labels ? 400 : 320;
   plot.frame.y.label = label;
@@ -94,6 +96,7 @@ BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<Row>& rows, Gr
       std::vector<Sampled> samples;
       for (const Row& row : rows) {
         const StudySession* s = sessionOf(record, row.session);
+        // A row of a session that is not in the record has no method.
         const bool here = s && s->method == record.methods[k] && row.*group == name;
         if (here && row.*value) samples.push_back({s, *(row.*value), name});
       }

@@ -68,6 +68,7 @@ Figure stagesFigure(const StudyRecord& record) {
         const bool counts = s.method == method && s.finished && !s.stages.empty();
         if (counts) seconds.push_back(secondsOf(s, stage));
       }
+      // Stage by stage: the bar's whole is no median of whole times.
       values.push_back(seconds.empty() ? 0 : median(seconds));
     }
     for (const StudySession& s : record.sessions) {
@@ -76,6 +77,7 @@ Figure stagesFigure(const StudyRecord& record) {
   }
   const std::size_t step = plot.categories.size() / kNamed + 1;  // names that do not touch
   for (std::size_t i = 0; i < plot.categories.size(); ++i) {
+    // The medians come first, and keep their names in any case.
     if (i >= record.methods.size() && i % step != 0) continue;
     plot.frame.x.ticks.push_back({static_cast<double>(i), plot.categories[i]});
   }
@@ -124,10 +126,12 @@ Figure survivalFigure(const StudyRecord& record) {
     Series steps{s.method, {0}, {1}, seriesColour(k), 2, false, false};
     double height = 1;
     for (const SurvivalStep& step : s.curve) {
+      // Level up to the step, then down: two points at its time.
       steps.x.insert(steps.x.end(), {step.t_s, step.t_s});
       steps.y.insert(steps.y.end(), {height, step.unfinished});
       height = step.unfinished;
     }
+    // Nobody is followed beyond the limit.
     steps.x.push_back(record.limit_s);
     steps.y.push_back(height);
     plot.series.push_back(std::move(steps));
@@ -145,6 +149,8 @@ Figure survivalFigure(const StudyRecord& record) {
           true};
 }
 
+/// The scatter over sessions beside the deviations that the calibrations state, which are formal
+/// ones.
 Table offsetTable(const StudyRecord& record) {
   Table table{{{"Method"},
                {"Sessions", kNumber},
@@ -181,6 +187,7 @@ Figure offsetFigure(const StudyRecord& record) {
     if (!s.time_offset_s || !std::isfinite(*s.time_offset_s)) continue;
     const auto x = static_cast<double>(plot.points.size());
     const double ms = 1e3 * *s.time_offset_s, std_ms = 1e3 * s.time_offset_std_s.value_or(0);
+    // One past the last for a method that the study does not list: a point without a line.
     const std::size_t k = placeOf(record.methods, s.method);
     plot.points.push_back({x, ms, fmt::format("{}: {:.4f} \u00b1 {:.2g} ms", s.name, ms, std_ms),
                            s.page, seriesColour(k)});

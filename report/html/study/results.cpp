@@ -21,6 +21,7 @@ Cell changeCell(const std::optional<StudyInterval>& i, bool ratio) {
 }
 
 Cell intervalCell(const std::optional<StudyInterval>& i, bool ratio) {
+  // Unbounded at one end: nothing that a reader could take for an interval.
   if (!i || !i->low || !i->high) return number(kDash);
   return number(changeText(*i->low, ratio) + " to " + changeText(*i->high, ratio));
 }
@@ -120,6 +121,7 @@ Section resultsSection(const StudyRecord& record) {
                   {},
                   {}};
   section.remarks = record.statistics.sentences;
+  // The sentences may hold it already.
   for (const StudyQuade& q : record.statistics.quade) {
     const auto& said = section.remarks;
     if (std::find(said.begin(), said.end(), q.sentence) == said.end()) {
@@ -180,6 +182,7 @@ Section orderSection(const StudyRecord& record) {
 }
 
 Section perturbationSection(const StudyRecord& record) {
+  // By injected offset, then method.
   std::map<std::pair<double, std::string>, Recovered> groups;
   for (const StudyPerturbation& p : record.perturbations) {
     const StudySession* s = sessionOf(record, p.session);

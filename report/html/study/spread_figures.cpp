@@ -28,6 +28,7 @@ Table spreadTable(const StudyRecord& record) {
   for (const StudySpread& s : record.statistics.spread) {
     const auto [unit, factor] = readable(s.unit);
     Cell ratio = number(fmt::format("{:.2f}", s.ratio));
+    // Deviations that are too large are worth a look as well.
     if (s.ratio > s.high || s.ratio < s.low) ratio.level = VerdictLevel::kCaution;
     table.rows.push_back({code(s.parameter),
                           {s.method},
@@ -52,6 +53,7 @@ Figure spreadFigure(const StudyRecord& record) {
   for (const StudySpread& s : all) {
     const StudySession* farthest = sessionOf(record, s.farthest);
     const std::size_t k = placeOf(record.methods, s.method);
+    // The methods of a parameter stand side by side about its name.
     const double x =
         static_cast<double>(placeOf(names, s.parameter)) +
         0.25 * (static_cast<double>(k) - 0.5 * static_cast<double>(record.methods.size() - 1));
@@ -84,6 +86,7 @@ Figure spreadFigure(const StudyRecord& record) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     plot.frame.x.ticks.push_back({static_cast<double>(i), names[i]});
   }
+  // One wild ratio would flatten the others; the table has it.
   plot.frame.y = {"ratio", Range{0, 1.08 * std::min(top, 10.0)}, {}, false, false};
   return {toSvg(plot, "study-spread"),
           "1: the sessions of one rig spread as each of them states; a point links to the session "
@@ -117,6 +120,7 @@ Section boardSection(const StudyRecord& record) {
                   {},
                   {}};
   LinePlot plot;
+  // 0, the board as stated, is always in view.
   std::vector<double> ends{0};
   double last = 0;
   for (int j = 0; j < kTargetTerms; ++j) {
@@ -141,6 +145,7 @@ Section boardSection(const StudyRecord& record) {
                         fmt::format("{}, {}: {:+.3f} mm", s.name, line.name, mm), s.page,
                         line.colour});
     }
+    // One session shows no drift.
     if (line.x.size() < 2 || largest_m < kShownTerm_m) continue;
     ends.insert(ends.end(), line.y.begin(), line.y.end());
     plot.points.insert(plot.points.end(), points.begin(), points.end());

@@ -34,6 +34,7 @@ Cell named(const StudyRecord& record, const std::string& session) {
 
 /// Failures and bad verdicts with a session; empty if nothing did.
 std::string problemOf(const StudySession& s) {
+  // Without a calibration there is no verdict to name.
   if (s.status == StudyStatus::kFailed) return "failed at " + s.failed_step;
   if (!s.finished) return "gave up";
   return s.verdict == VerdictLevel::kBad ? "bad verdict" : "";
@@ -42,6 +43,7 @@ std::string problemOf(const StudySession& s) {
 /// The differences that are largest in deviations.
 std::string largestDifferences(const StudyOther& other) {
   std::vector<StudyDifference> all = other.differences;
+  // Without a deviation of Plumbline's there is no order among units.
   std::erase_if(all, [](const StudyDifference& d) { return !d.sigmas; });
   std::stable_sort(all.begin(), all.end(), [](const StudyDifference& a, const StudyDifference& b) {
     return std::abs(*a.sigmas) > std::abs(*b.sigmas);
@@ -112,6 +114,7 @@ Table alarmsTable(const StudyRecord& record) {
               {}};
   for (const StudyAlarm& a : record.alarms) {
     Cell figure = code(a.metric);
+    // What was accepted stays in sight, but is no fault any more.
     figure.level = a.accepted ? VerdictLevel::kCaution : VerdictLevel::kBad;
     table.rows.push_back({figure,
                           named(record, a.session),

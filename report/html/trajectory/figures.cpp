@@ -20,6 +20,7 @@ constexpr std::size_t kOverlays = 12;     // runs that are drawn
 constexpr std::size_t kLeastRepeats = 3;  // runs that make a box
 constexpr Colour kTruth{150, 156, 166, 255};
 
+/// A run without a truth has no pairs, nor has one that failed before they were made.
 bool drawable(const TrajectoryRun& run) {
   return run.t.size() > 1 && run.truth_m.size() == run.t.size() &&
          run.estimate_m.size() == run.t.size() && run.error_m.size() == run.t.size();
@@ -76,6 +77,7 @@ Figure repeatsFigure(const std::vector<TrajectoryRun>& runs) {
     if (run.status != RunStatus::kComplete) continue;
     most = std::max(most, ++repeats[{run.sequence, run.calibration}]);
   }
+  // Boxes of one or two values would pretend to a spread.
   if (most < kLeastRepeats || plot.boxes.empty()) return {};
   frameBoxes(plot, "RMSE of complete runs", "ATE RMSE [m]");
   return {toSvg(plot, "ate-runs"),
@@ -174,6 +176,7 @@ Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& seq
   LinePlot plot;
   TimeNs start = std::numeric_limits<TimeNs>::max();
   for (const TrajectoryRun& run : runs) {
+    // One axis of time for all runs of a sequence.
     if (run.sequence == sequence && drawable(run)) start = std::min(start, run.t.front());
   }
   std::vector<bool> named(names.size(), false);
@@ -183,6 +186,7 @@ Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& seq
     if (run.sequence != sequence || !drawable(run) || values.size() != run.t.size()) continue;
     const std::size_t k = placeOf(names, run.calibration);
     plot.series.push_back(timeSeries(run, values, seriesColour(k), start));
+    // One entry of the legend for all runs of a calibration.
     if (!named[k]) plot.series.back().name = names[k];
     named[k] = true;
     for (const double e : values) top = std::isfinite(e) ? std::max(top, e) : top;
@@ -222,6 +226,7 @@ Figure componentsFigure(const TrajectoryRun& run, const PoseComponents& of, cons
   LinePlot plot;
   for (int i = 0; i < 3; ++i) {
     plot.series.push_back(timeSeries(run, component(run.*of.truth, i), kTruth, run.t.front()));
+    // Wide, so that it is seen on both sides of an estimate that follows it.
     plot.series.back().width = 2.4;
     if (i == 0) plot.series.back().name = "truth";
   }

@@ -57,7 +57,8 @@ std::string stepText(const ParameterSensitivity& p) {
   return p.unit == "-" ? step : step + " " + unit.unit;
 }
 
-/// Twice the noise is what a change must exceed to be told from chance.
+/// Twice the noise is what a change must exceed to be told from chance. What has no change, as one
+/// of its runs lost track, is not told either.
 bool isTold(const CalibrationSensitivity& s, const ParameterSensitivity& p) {
   return p.change_m && std::abs(*p.change_m) > 2 * s.noise_m;
 }
@@ -72,6 +73,7 @@ Cell change(const CalibrationSensitivity& s, const std::optional<double>& metres
   return number(metres ? millimetres(s, *metres) : kDash);
 }
 
+/// Names the one that makes the error largest; those that lower it stand in the table alone.
 std::string sentenceOf(const CalibrationSensitivity& s) {
   std::string text;
   const ParameterSensitivity* worst = nullptr;
@@ -79,6 +81,7 @@ std::string sentenceOf(const CalibrationSensitivity& s) {
     if (isTold(s, p) && *p.change_m > 0 && (!worst || *p.change_m > *worst->change_m)) worst = &p;
   }
   if (worst) {
+    // Without the sign of the change, which is positive.
     text = fmt::format(
         "{} has the largest effect: changed by {} it adds {} mm to the ATE of {:.2f} mm. ",
         worst->name, stepText(*worst), millimetres(s, *worst->change_m).substr(1), 1e3 * s.ate_m);

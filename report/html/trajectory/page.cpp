@@ -9,6 +9,7 @@ namespace plumbline {
 using namespace html_internal;
 
 std::string renderTrajectoryPage(const TrajectoryRecord& record) {
+  // A verdict that was made has a headline.
   std::optional<Verdict> verdict;
   if (!record.verdict.headline.empty()) verdict = record.verdict;
   Page page{"Trajectories against ground truth",

@@ -19,7 +19,7 @@ std::array<double, 5> fiveOf(const SampleStatistics& s) {
   return {s.percentiles[1], s.percentiles[2], s.median, s.percentiles[3], s.percentiles[4]};
 }
 
-/// The median over runs of each of the five numbers.
+/// The median over runs of each of the five numbers, which need not be those of any one run.
 std::array<double, 5> medianOf(const std::vector<std::array<double, 5>>& all) {
   std::array<double, 5> result{};
   for (std::size_t i = 0; i < result.size(); ++i) {
@@ -41,6 +41,7 @@ std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
       }
     }
   }
+  // By unit, then by length.
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -75,6 +76,7 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
     if (run.calibration != name) continue;
     for (const RelativeErrorRecord& r : run.rpe) {
       if (Distance(r.unit, r.delta) != distance || r.translation_m.n == 0) continue;
+      // A run counts as one, however many pairs it has.
       metres.push_back(r.translation_m.rmse);
       degrees.push_back(r.rotation_deg.rmse);
       pieces += r.translation_m.n;

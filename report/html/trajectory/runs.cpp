@@ -70,6 +70,7 @@ std::vector<RunsSummary> overall(const TrajectoryStudy& study) {
   return all.empty() ? study.summary : all;  // one sequence is all there is
 }
 
+/// Over the complete runs alone; the headline's median counts the others as larger than any.
 std::string medianText(const RunsSummary& s) {
   return s.ate_complete_median_m ? metres(*s.ate_complete_median_m) : kDash;
 }
@@ -92,6 +93,7 @@ Table completionTable(const TrajectoryStudy& study) {
   return withoutEmptyColumns(std::move(table));
 }
 
+/// Of the ATE's RMSE over the complete runs; none where there is no such run.
 std::optional<double> medianOf(const std::vector<TrajectoryRun>& runs, const std::string& sequence,
                                const std::string& calibration) {
   std::vector<double> rmse;
@@ -115,6 +117,7 @@ Table sequencesTable(const std::vector<TrajectoryRun>& runs) {
     double least = std::numeric_limits<double>::infinity();
     for (const std::string& c : calibrations) {
       medians.push_back(medianOf(runs, sequence, c));
+      // A calibration without a complete run is passed over.
       least = std::min(least, medians.back().value_or(least));
     }
     std::vector<Cell> row{nameCell(sequence)};
@@ -133,6 +136,7 @@ constexpr std::size_t kNamed = 4;  // runs that share a remark and are named
 Table remarksTable(const std::vector<TrajectoryRun>& runs) {
   std::vector<std::pair<std::string, std::vector<std::string>>> remarks;
   for (const TrajectoryRun& run : runs) {
+    // What was left out, and why, is a remark too.
     std::vector<std::string> texts = run.remarks;
     if (!run.left_out.empty()) texts.push_back(run.left_out);
     for (const std::string& text : texts) {

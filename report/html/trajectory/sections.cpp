@@ -11,6 +11,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+/// Differences in metres; the reading is the record's, `better` of the bootstrap interval.
 std::vector<Cell> pairedRow(const PairedDifference& d) {
   const auto n = std::to_string(d.pairs);
   if (d.pairs == 0) {
@@ -220,6 +221,7 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
                {"Scale", kNumber}},
               {}};
   for (const TrajectoryRun& run : runs) {
+    // A run that failed before its stamps were paired.
     if (run.association.estimate_poses + run.association.matches == 0) continue;
     table.rows.push_back(associationRow(run));
   }
@@ -227,6 +229,7 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
 }
 
 Table withoutEmptyColumns(Table table) {
+  // From the last: what is taken out moves those after it.
   for (std::size_t c = table.columns.size(); c-- > 0;) {
     const bool empty = std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
       return row[c].text == kDash || row[c].text.empty();
