@@ -19,6 +19,7 @@ void Intrinsics::setStacked(const Eigen::VectorXd& parameters) {
 }
 
 bool haveOwnOffsets(const TimeOffsets& offsets) {
+  // Camera 0 has an offset in any case, so that its flag says nothing.
   for (std::size_t c = 1; c < offsets.size(); ++c) {
     if (offsets[c].estimated) return true;
   }
@@ -96,6 +97,7 @@ std::vector<ParameterName> intrinsicParameters(ProjectionModel projection,
   return names;
 }
 
+// 4: fu, fv, pu, pv, which every projection has.
 std::size_t parameterCount(ProjectionModel model) { return 4 + rowOf(model).parameters.size(); }
 std::size_t parameterCount(DistortionModel model) { return rowOf(model).parameters.size(); }
 
@@ -130,6 +132,7 @@ std::vector<ParameterName> transformParameters(const std::string& name) {
 }
 
 std::vector<ParameterName> cameraParameters(const std::vector<CameraCalibration>& cameras) {
+  // In the order of CameraLayout: what covariances name, they have in its columns.
   std::vector<ParameterName> all;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const CameraCalibration& camera = cameras[c];

@@ -76,6 +76,7 @@ std::vector<Stamp> usableViews(const std::vector<CameraStream>& cameras,
       }
     }
   }
+  // All on one clock: what may be joined stands close together then.
   std::sort(stamps.begin(), stamps.end(), [](const Stamp& a, const Stamp& b) {
     return std::tie(a.t, a.camera) < std::tie(b.t, b.camera);
   });
@@ -89,6 +90,7 @@ struct Group {
 };
 
 bool mayJoin(const Group& a, const Group& b, const std::vector<Stamp>& stamps, TimeNs tolerance) {
+  // Every pair, or a chain of small gaps would make a frame that is longer than the tolerance.
   for (int i : a.members) {
     for (int j : b.members) {
       if (stamps[i].camera == stamps[j].camera) return false;

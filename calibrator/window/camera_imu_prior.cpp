@@ -127,6 +127,7 @@ std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
                                                const std::optional<CameraImuPrior>& prior,
                                                int count) {
   assert(count > 0 && count < problem.frameCount() && !problem.free_cameras);
+  // Linearised where the estimate is now, for the last time.
   const CameraImuProblem leaving = dropped(problem, count);
   auto normals = informationAt(leaving, estimate, weights);
   if (!normals) return std::nullopt;

@@ -67,6 +67,7 @@ std::optional<CameraImuWindow> CameraImuWindow::fromBatch(const CameraImuProblem
   CameraImuWindow window;
   window.options_ = options;
   window.target_ = target;
+  // With all of the batch in it first: marginaliseOldest() makes the prior of what leaves.
   window.problem_ = problem;
   window.problem_.threads = 1;  // three frames
   window.estimate_ = estimate;
@@ -134,6 +135,7 @@ void CameraImuWindow::append(const WindowFrame& frame, const ImuState& state) {
 /// Pose from the frame's corners; velocity from the IMU, for a frame's corners say nothing of it.
 ImuState CameraImuWindow::predicted(const WindowFrame& frame) const {
   ImuState state = estimate_.states.back();
+  // v_j = v_i + g T + R_FSi dv, i the last state.
   const ImuWindow window{lastStamp(), frame.t, estimate_.timeOffset()};
   const auto motion = preintegrate(problem_.samples, window, {state.gyro_bias, state.accel_bias});
   if (motion) {
@@ -148,6 +150,8 @@ void CameraImuWindow::packCorners() {
   for (std::size_t c = 0; c < problem_.corners.size(); ++c) {
     std::vector<ImageView> views;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
+      // Only frames that a camera sees have a place among its packed views: their indices move as
+      // frames leave.
       const std::vector<Corner>& corners = corners_[i][c];
       problem_.frames[i].view[c] = corners.empty() ? -1 : static_cast<int>(views.size());
       if (!corners.empty()) views.push_back({problem_.frames[i].t, corners});
@@ -170,6 +174,7 @@ bool CameraImuWindow::marginaliseOldest() {
   dropFront(weights_, count);
   dropFront(corners_, count);
   packCorners();
+  // On the IMU's clock, on which the first link begins.
   const TimeNs first =
       problem_.frames.front().t + toNanoseconds(estimate_.timeOffset() - kSampleMargin);
   std::erase_if(problem_.samples, [first](const ImuSample& s) { return s.t < first; });
@@ -284,6 +289,8 @@ std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& know
       marginalised({known.information, Eigen::VectorXd::Zero(size), 0, known.corners}, keep);
   const auto factor = cost ? scaledCholesky(cost->H) : std::nullopt;
   if (!factor) return std::nullopt;
+  // A sandwich: the estimate weighs corners as if their variance were 1, the scatter of the
+  // gradient has `corner_variance` of it.
   const Eigen::VectorXd scale = factor->D.cwiseInverse();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() *

@@ -23,6 +23,7 @@ QuadraticCost joint(const CameraNormals& normals) {
   assert(normals.H.size() == 1);
   const Eigen::Index n = normals.b.size();
   QuadraticCost cost{Eigen::MatrixXd(6 + n, 6 + n), Eigen::VectorXd(6 + n), normals.cost};
+  // H of the pose, P pose by cameras, G of the cameras, as CameraNormals has them.
   cost.H << normals.H[0], normals.P, normals.P.transpose(), normals.G;
   cost.b << normals.b_pose, normals.b;
   return cost;
@@ -63,6 +64,7 @@ CameraWindow::CameraWindow(const AprilGrid& target, const std::vector<CameraCali
 
 void CameraWindow::add(const std::vector<std::vector<Corner>>& corners, const Transform& T_FC0) {
   assert(corners.size() == views_.size());
+  // Without stamps: a frame is known by its place.
   for (std::size_t c = 0; c < views_.size(); ++c) views_[c].push_back({0, corners[c]});
   estimate_.T_C0F.push_back(T_FC0.inverse());
   pack();
@@ -107,6 +109,7 @@ std::vector<CameraCalibration> CameraWindow::cameras() const {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     cameras[c].intrinsics = estimate_.intrinsics[c];
     cameras[c].T_C0Ci = estimate_.T_C0Ci[c];
+    // Deviations of what was given say nothing of the values here.
     cameras[c].intrinsics_std.reset();
     cameras[c].T_C0Ci_std.reset();
   }
@@ -126,6 +129,7 @@ std::optional<double> CameraWindow::rmsePx() const {
       const PackedView view = corners_[c].view(f);
       if (view.count == 0) continue;
       const Transform T_CiF = T_CiC0 * estimate_.T_C0F[static_cast<std::size_t>(f)];
+      // Without the loss, as every RMSE is.
       squared += viewCost(estimate_.intrinsics[c], T_CiF, view);
       count += view.count;
     }
@@ -139,6 +143,8 @@ CameraProblem CameraWindow::problem(std::vector<Frame> frames) const {
   problem.corners = corners_;
   problem.frames = std::move(frames);
   problem.pixel_sigma = options_.pixel_sigma;
+  // 0: a frame leaves by re-weighted squares, whose information is never negative; near the minimum
+  // the solver adds the loss' curvature by itself.
   problem.gram = {options_.cauchy_px, 0};
   problem.prior = [this](const CameraEstimate& at) { return priorAt(at); };
   return problem;
