@@ -36,6 +36,7 @@ std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const
   return errors;
 }
 
+// Of CornerFilter::kKalibr.
 constexpr double kKalibrSigmas = 2;
 constexpr double kKalibrLeast = 0.2;   // [px]
 constexpr int kKalibrIterations = 20;  // of a view's own pose
@@ -58,6 +59,7 @@ std::vector<int> above(double limit, const std::vector<double>& errors, const Pa
   return positions;
 }
 
+/// Those of corners that have not been rejected before.
 std::vector<double> usedOnly(const std::vector<double>& errors, const PackedView& view) {
   std::vector<double> used;
   for (int k = 0; k < view.count; ++k) {
@@ -66,6 +68,7 @@ std::vector<double> usedOnly(const std::vector<double>& errors, const PackedView
   return used;
 }
 
+/// |e| above which a corner of a view is an outlier [px].
 double kalibrLimit(const std::vector<double>& used) {
   if (used.empty()) return kKalibrLeast;
   const auto n = static_cast<double>(used.size());
@@ -92,6 +95,8 @@ std::vector<PackedCorners> packCorners(const Session& session) {
   }
   const auto repeated = repeatedViews(session);
   for (std::size_t c = 0; c < corners.size(); ++c) {
+    // Weight 0 rather than left out: places within the session's views, by which residuals are
+    // found again, stay what they are.
     for (const int view : repeated[c]) {
       for (int k = 0; k < corners[c].view(view).count; ++k) corners[c].setWeight(view, k, 0);
     }
@@ -165,6 +170,7 @@ std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
     used.insert(used.end(), of_view.begin(), of_view.end());
   }
   if (used.empty()) return 0;
+  // One limit for the camera, from all of its views before any corner is rejected.
   const double limit = sigmas * median(std::move(used)) / kRayleighMedian;
   std::size_t count = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -180,6 +186,7 @@ std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view
                                 const Transform& start) {
   PoseRefinementOptions options;
   options.max_iterations = kKalibrIterations;
+  // The camera by itself: it takes the place of camera 0, and the pose found is its own.
   const Transform T_CF = refinePose({{&camera, view, Transform()}}, start, options).T_C0F;
   const std::vector<double> errors = errorNorms(camera, T_CF, view);
   return above(kalibrLimit(usedOnly(errors, view)), errors, view);

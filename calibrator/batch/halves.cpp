@@ -23,6 +23,8 @@
 namespace plumbline {
 namespace {
 
+// Of the limit: as blocks become few the widening grows beyond every bound, and no halves would
+// disagree any more.
 constexpr double kMostWidening = 3;
 constexpr double kDiagnosisBlocks = 20;  // what a ratio of deviations is taken to stand on
 
@@ -32,6 +34,7 @@ struct Half {
   int blocks = 0;
 };
 
+/// The whole's corners, cameras and poses on one half, solved again from where the whole ended.
 std::optional<Half> solveHalf(const Session& session, const CameraStageResult& whole,
                               const std::vector<PackedCorners>& corners, const FrameSegment& half,
                               const CameraStageOptions& options) {
@@ -48,6 +51,8 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
   auto formal = covarianceOf(reducedInformation(solution.normals));
   const auto robust = robustCovariance(problem, solution, share);
   if (!formal || !robust) return std::nullopt;
+  // reducedInformation() holds the board's higher terms; the robust covariance, which takes
+  // `share`, does not.
   if (share) *formal += share->covariance;
   return Half{solution.estimate, *formal, robust->matrix, robust->blocks};
 }
@@ -100,6 +105,7 @@ HalvesBlock compareHalves(const HalvesDifference& block) {
   HalvesBlock out;
   out.name = block.name;
   out.parameters = static_cast<int>(block.difference.size());
+  // In the coordinates in which the formal covariance is 1, whatever the units: W is R there.
   const Eigen::LLT<Eigen::MatrixXd> L(block.formal);
   const Eigen::MatrixXd half = L.matrixL().solve(block.robust);
   const Eigen::MatrixXd W = L.matrixL().solve(half.transpose());
@@ -111,6 +117,7 @@ HalvesBlock compareHalves(const HalvesDifference& block) {
   const double room = block.blocks - p - 3;
   const double widening = room > 0 ? (block.blocks - 2) / room : kMostWidening;
   out.limit = chiSquare99(p) * std::min(widening, kMostWidening);
+  // Back to the parameters' units, to name the one that differs most.
   const Eigen::MatrixXd shrunk = L.matrixL() * C * L.matrixU();
   const Eigen::VectorXd std = shrunk.diagonal().cwiseSqrt();
   Eigen::Index worst = 0;
@@ -152,10 +159,12 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
                                                 const CameraImuStageResult& whole,
                                                 const CameraImuOptions& options) {
   constexpr Eigen::Index kOwn = 7;  // T_SC0, time offset
+  // A half needs two frames for a link.
   if (!whole.faults || whole.frames.size() < 4) return std::nullopt;
   const Eigen::VectorXd ratio =
       whole.faults->robust_std.cwiseQuotient(whole.faults->formal_std).cwiseMax(1);
   if (!ratio.allFinite()) return std::nullopt;
+  // Without what is read of a whole recording alone: it costs a good part of the time.
   CameraImuOptions plain = options;
   plain.noise_check = false;
   plain.diagnose_faults = false;
@@ -171,6 +180,7 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
       second->imu.timeOffset() - first->imu.timeOffset();
   const Eigen::MatrixXd formal = first->summary.covariance.matrix.topLeftCorner(kOwn, kOwn) +
                                  second->summary.covariance.matrix.topLeftCorner(kOwn, kOwn);
+  // Wider by the ratios, correlations as they are.
   const Eigen::MatrixXd robust = ratio.asDiagonal() * formal * ratio.asDiagonal();
   const std::vector<ParameterName> arm = transformParameters("T_SC0");
   HalvesCheck check;

@@ -27,6 +27,7 @@ struct Noise {
   double sigma_m = 1, sigma_rad = 1;
 };
 
+/// The state after steps in the tangents of T_SM and T_VW, six numbers each.
 HandEyeState moved(const HandEyeState& state, const double* d_SM, const double* d_VW,
                    double offset_s) {
   return {boxplus(state.T_SM, Eigen::Map<const Vector6d>(d_SM)),
@@ -74,6 +75,7 @@ class PairCost final : public ceres::SizedCostFunction<6, 6, 6, 1> {
 
 // R_SM with Log(R_WSi^T R_WSj) = R_SM Log(R_VMi^T R_VMj), over pairs a fiftieth of them apart.
 Eigen::Matrix3d bodyRotation(std::span<const HandEyePair> pairs) {
+  // Near half a turn noise decides which way round the rotation vector points.
   constexpr double kAmbiguous = 170 / kDegrees;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   const std::size_t step = pairs.size() / 50 + 1;
@@ -87,6 +89,7 @@ Eigen::Matrix3d bodyRotation(std::span<const HandEyePair> pairs) {
   return nearestRotation(sum);
 }
 
+/// R_VW that brings R_WS R_SM nearest to R_VM over all pairs, R_SM known.
 Eigen::Matrix3d worldRotation(std::span<const HandEyePair> pairs, const Eigen::Matrix3d& R_SM) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const HandEyePair& p : pairs) sum += p.T_VM.R * (p.T_WS.R * R_SM).transpose();
@@ -137,6 +140,7 @@ Noise noiseOf(const Squares& squares, std::size_t pairs, const HandEyeOptions& o
 
 std::optional<HandEyeState> refined(std::span<const HandEyePair> pairs, const HandEyeState& start,
                                     const Noise& noise, bool with_offset) {
+  // The unknowns are steps from `start`: plain vectors, which need no manifold.
   Vector6d d_SM = Vector6d::Zero(), d_VW = Vector6d::Zero();
   double offset_s = 0;
   ceres::Problem problem;
@@ -174,6 +178,8 @@ Eigen::MatrixXd covarianceOf(std::span<const HandEyePair> pairs, const HandEyeSt
     A += J.transpose() * J;
     chi2 += weights.cwiseProduct(e.r).squaredNorm();
   }
+  // By how much a noise that was given is too small or too large; 1 where both are from the
+  // residuals, whose degrees of freedom add up to these.
   const double freedom = 6 * static_cast<double>(pairs.size()) - n;
   return A.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * (chi2 / freedom);
 }
@@ -187,12 +193,15 @@ std::optional<Failure> unseenDirection(std::span<const HandEyePair> pairs,
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(Eigen::Matrix3d::Identity() -
                                                              mean.transpose() * mean);
   const Eigen::Vector3d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
+  // Noise alone spreads the lever by about sigma_rad.
   const double needed = std::max(options.min_turn_rad, 5 * options.sigma_rad);
   if (spread[0] >= needed) return std::nullopt;
+  // The sign of an eigenvector is arbitrary: the same one in every message.
   Eigen::Vector3d a = eigen.eigenvectors().col(0);
   Eigen::Index largest = 0;
   a.cwiseAbs().maxCoeff(&largest);
   if (a[largest] < 0) a = -a;
+  // Ascending: a turn about one axis spreads levers along the other two.
   const bool still = spread[1] < needed;
   Failure failure{still ? FailureCode::kHandEyeNoRotation : FailureCode::kHandEyeOneAxis,
                   {{"across", spread[0]}, {"needed", needed}}};
@@ -226,6 +235,7 @@ HandEyeResidual handEyeResidual(const HandEyePair& pair, const HandEyeState& sta
   out.J_VW.topLeftCorner<3, 3>().setIdentity();
   out.J_VW.topRightCorner<3, 3>() = -skew(state.T_VW.R * T_WM.t);
   out.J_VW.bottomRightCorner<3, 3>() = Jl;
+  // R_VM' stands on the right: Log(E Exp(-x)) = Log(E) - Jr^-1(Log E) x.
   out.J_offset << -pair.v_V, -inverseRightJacobianSO3(angle) * pair.omega_V;
   return out;
 }
@@ -251,6 +261,7 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
     return Failure{FailureCode::kHandEyeRotationsDisagree,
                    {{"rms_deg", kDegrees * std::sqrt(squares.rotation / n)}}};
   }
+  // In turn: the weights follow from the residuals, and these from the weights.
   for (int round = 0; round < kRounds; ++round) {
     const Noise noise = noiseOf(squares, pairs.size(), options);
     const auto state = refined(pairs, out.state, noise, options.with_offset);

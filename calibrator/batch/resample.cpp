@@ -38,6 +38,7 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
   // enters once with weight k, which costs no more than once.
   for (int i = 0; i < count; ++i) ++drawn[random() % drawn.size()];
   const auto first = [&](int s) {
+    // In 64 bits: the product may be more than an int.
     return static_cast<int>(static_cast<std::int64_t>(frame_count) * s / count);
   };
   for (int s = 0; s < count; ++s) {

@@ -15,6 +15,7 @@ std::optional<Eigen::MatrixXd> responseTo(const CameraImuStageResult& stage, Eig
   if (!stage.faults || stage.faults->by_cameras.size() == 0) return std::nullopt;
   const Eigen::MatrixXd& J = stage.faults->by_cameras;
   const Eigen::Index cameras = J.cols() - kBoard;
+  // Of another rig, or with parameters that J does not know.
   if (n != cameras && n != cameras + kTargetTerms) return std::nullopt;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(J.rows(), n);
   const Eigen::Index moving = std::min(n, J.cols());
@@ -54,6 +55,8 @@ std::vector<FrameSegment> segmentsAtTheSameTime(const std::vector<FrameSegment>&
                                                 const std::vector<Frame>& frames) {
   const auto count = static_cast<int>(other_frames.size());
   const auto indexAt = [&](int other) {
+    // Frames of one stage before the other's first one, or behind its last, belong to the segments
+    // at the ends.
     if (other == 0) return 0;
     if (other == count) return static_cast<int>(frames.size());
     const TimeNs from = other_frames[static_cast<std::size_t>(other)].t;
@@ -76,6 +79,7 @@ Result<ResampleSummary> resampleBothStages(const Session& session, const CameraS
                                            const CameraStageOptions& camera_options,
                                            const CameraImuOptions& camera_imu_options) {
   CameraStageOptions one_thread = camera_options;
+  // Draws run beside each other.
   one_thread.threads = 1;
   const auto draw = [&](const std::vector<FrameSegment>& segments) {
     std::optional<HeldCameras> held;

@@ -31,6 +31,7 @@ struct JointColumns {
   int size() const { return board + sessions; }
   /// Of an unknown of BoardSystem; -1: held at zero.
   int of(int unknown, int session) const {
+    // BoardSystem has tag_edge between the board's terms and the higher ones.
     if (unknown < kBoardTerms) return unknown;
     if (unknown == kBoardTerms) return board + session;
     return unknown - 1 < board ? unknown - 1 : -1;
@@ -131,6 +132,8 @@ TargetMember compared(const JointSolution& own, const JointSolution& joint) {
   const Eigen::LLT<Eigen::MatrixXd> L(own.C);
   const Eigen::MatrixXd half = L.matrixL().solve(C_d);
   const Eigen::MatrixXd share = L.matrixL().solve(half.transpose());
+  // Shares of the own variance: 0 along what the other sessions say nothing of, where C is C_i, and
+  // 1 where they say all.
   const SymmetricEigen modes = symmetricEigen(0.5 * (share + share.transpose()));
   const Eigen::VectorXd z = modes.vectors.transpose() * L.matrixL().solve(d);
   TargetMember out;
@@ -197,6 +200,8 @@ HigherTest testHigher(const std::vector<BoardSystem>& sessions, double dispersio
   HigherTest out;
   out.chi2 = h.dot(linear) / dispersion;
   out.limit = chiSquare99(kHigherTerms);
+  // Only now: `linear` is of the solution, which has the weak prior. What takes its place is
+  // estimated.
   H.diagonal().array() -= prior;
   out.information = higherPosterior(H, linear, {dispersion}).prior.information;
   return out;
@@ -210,6 +215,7 @@ TargetShape shapeOf(const JointFit& fit) {
   pick.row(kTargetTerms - 1).tail(sessions).setConstant(1.0 / sessions);
   TargetShape shape;
   shape.terms = pick * fit.solution.x;
+  // What sessions differ by beyond their deviations, nobody knows of the board (JointTarget).
   shape.covariance = fit.dispersion * pick * fit.solution.C * pick.transpose();
   if (fit.columns.board > kBoardTerms) {
     shape.higher = fit.solution.x.segment<kHigherTerms>(kBoardTerms);

@@ -21,11 +21,14 @@ RemainderSpace::RemainderSpace(const AprilGrid& board) {
     P.block<1, kHigherFunctions>(2 * id + 1, kFirst + kHigherFunctions) = phi;
     Z.row(id) << 1, p.x(), p.y(), B.block<1, 3>(2, 8), phi;
   }
+  // With pivots: on a small grid columns coincide or are zero, and what the others span counts.
   plane_.compute(P);
   height_.compute(Z);
 }
 
 Eigen::MatrixXd RemainderSpace::reduced(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
+  // The first rows of Q^T x are what similarity and terms explain; the last ones are orthogonal to
+  // all of them.
   const Eigen::MatrixXd P = plane_.householderQ().adjoint() * rows.topRows(plane_.rows());
   const Eigen::MatrixXd Z = height_.householderQ().adjoint() * rows.bottomRows(height_.rows());
   Eigen::MatrixXd out(size(), rows.cols());

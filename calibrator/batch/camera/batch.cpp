@@ -78,6 +78,7 @@ std::vector<CornerPlace> misplacedCorners(const AprilGrid& target, const CameraP
     const Intrinsics& lens = estimate.intrinsics[c];
     for (const PosedView& posed : posedViews(problem, estimate, c)) {
       const PackedView view = problem.corners[c].view(posed.view);
+      // The tags are looked through only where something is wrong.
       if (falseCorners(lens, view, posed.T_CF).empty()) continue;
       for (const MisplacedTag& tag : findMisplacedTags(target, lens, view, posed.T_CF)) {
         for (const int k : cornersOfTag(view, tag.tag)) places.push_back({c, posed.view, k});
@@ -152,6 +153,7 @@ CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>
   const MinimiserOptions solver = solverOptions(options);
   const auto near_grazing = cornersBeyond(problem, start, kNearGrazing);
   weigh(near_grazing, 0, corners);
+  // Roughly: it only leads to where the loss that was asked for takes over.
   MinimiserOptions rough = solver;
   rough.cost_tolerance = 1e-3;
   const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
@@ -204,6 +206,7 @@ ModelSolution solveModels(const Session& session, std::vector<PackedCorners>& co
                           CameraProblem& problem, const CameraEstimate& start,
                           const CameraStageOptions& options, int most_parameters) {
   const AprilGrid& board = session.target;
+  // Cameras that were given have their models.
   if (options.model_mode != ModelMode::kAuto || !options.start.empty()) {
     return {solveFromAfar(board, corners, problem, start, options), {}, 0};
   }
@@ -221,6 +224,8 @@ ModelSolution solveModels(const Session& session, std::vector<PackedCorners>& co
   CameraEstimate other = first.estimate;
   other.intrinsics = std::move(chosen.lenses);
   other.T_C0F = start.T_C0F;
+  // Frames that the first solution left out begin again where they stood, the others where it
+  // ended; both lists have the same order.
   for (std::size_t f = 0, i = 0; f < all_frames.size() && i < problem.frames.size(); ++f) {
     if (all_frames[f].view == problem.frames[i].view) other.T_C0F[f] = first.estimate.T_C0F[i++];
   }
@@ -252,6 +257,7 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
     if (problem.target) placeCorners(problem.target->grid, solution.estimate, corners);
   };
   place();
+  // Of all solutions, not of the last alone.
   int iterations = solution.iterations;
   const auto again = [&] {
     dropBareFrames(problem, solution.estimate);
@@ -345,6 +351,8 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
   Stopwatch watch;
   std::vector<PackedCorners> corners = packCorners(session);
   if (options.target == TargetMode::kKnown) {
+    // Corners stand on the board's own shape from the beginning, but for tag_edge: that in the file
+    // is of another recording.
     CameraEstimate known;
     known.target = startTerms(session.target, options.target);
     placeCorners(session.target, known, corners);
@@ -396,6 +404,7 @@ Result<CameraStageResult> scoreCameras(const Session& session,
     rejected = rejectAboveSigma(corners, problem, estimate, options.filter_sigmas);
   }
   if (rejected > 0) {
+    // Few corners are left where a filter took nearly all of them: no pose follows from those.
     dropBareFrames(problem, estimate);
     poses = refinePoses(problem, estimate);
   }

@@ -66,6 +66,7 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   }
   const CameraLayout layout(estimate.intrinsics);
   Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6 + layout.size, 6 + layout.size);
+  // Of (noise of tau, g), which are independent: the rest of tau follows from g (ImpliedShift::A).
   joint.topLeftCorner<6, 6>() = shift->noise;
   joint.bottomRightCorner(layout.size, layout.size) = out.covariance.matrix;
   for (std::size_t c = 0; c < at.cameras.size(); ++c) {

@@ -164,6 +164,7 @@ void evaluateFrame(const Evaluation& at, std::size_t f, const GramOptions& gram,
   for (std::size_t c = 0; c < frame.view.size(); ++c) {
     if (frame.view[c] < 0) continue;
     const CameraDerivatives& d = at.derivatives[c];
+    // Camera 0's twist is the frame's own, without an adjoint in between.
     const Transform T_CiF = c == 0 ? at.estimate.T_C0F[f] : d.T_CiC0 * at.estimate.T_C0F[f];
     evaluateView(at, c, T_CiF, at.problem.corners[c].view(frame.view[c]), gram, terms);
     const ViewGram& g = terms.grams[c];
@@ -275,6 +276,8 @@ bool isDetermined(const Matrix6d& H, const Eigen::LLT<Matrix6d>& llt) {
 
 PoseElimination::PoseElimination(const Matrix6d& H) : llt_(H) {
   if (isDetermined(H, llt_)) return;
+  // By a unit diagonal: rotations and translations have no common unit, and rounding is judged by
+  // shares.
   Vector6d scale = Vector6d::Zero();
   for (int i = 0; i < 6; ++i) {
     if (H(i, i) > 0) scale[i] = 1 / std::sqrt(H(i, i));
@@ -311,6 +314,7 @@ CameraLayout::CameraLayout(const std::vector<Intrinsics>& cameras) {
     size += intrinsics_size.back();
   }
   for (std::size_t c = 0; c < cameras.size(); ++c) {
+    // T_C0C0 is the identity, and no parameter.
     T_C0Ci.push_back(c == 0 ? -1 : size);
     if (c > 0) size += 6;
   }
@@ -380,6 +384,7 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
   std::vector<Eigen::MatrixXd> shares(problem.frames.size());
   CameraProblem inner = problem;
   inner.threads = 1;
+  // Each frame as a problem of its own; what is known beforehand is no frame's.
   inner.prior = nullptr;
   CameraEstimate at = estimate;
   for (std::size_t f = 0; f < shares.size(); ++f) {

@@ -73,6 +73,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
   for (const FrameSegment& segment : segments) {
     for (int f = segment.first; f < segment.first + segment.count; ++f) {
       problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
+      // A segment that was drawn twice counts twice.
       problem.weights.push_back(segment.weight);
       estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
     }

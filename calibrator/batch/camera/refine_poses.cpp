@@ -34,6 +34,7 @@ RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate)
   const PoseRefinementOptions options{problem.gram, kIterations, kTolerance};
   RefinedPoses out;
   out.cost.assign(problem.frames.size(), 0);
+  // No vector of bool, of which threads would write into one word.
   std::vector<char> settled(problem.frames.size(), 0);
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {

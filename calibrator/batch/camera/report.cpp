@@ -120,6 +120,7 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   if (!information.allFinite()) {
     return Failure{FailureCode::kInformationNotFinite};
   }
+  // Before the covariance: a weak direction has one as well, only a large one.
   const auto free = freeDirections(information, worthlessErrors(result.cameras, layout));
   if (!free.empty()) return notObservable(free.front(), out);
   const auto covariance = covarianceOf(information);
@@ -227,6 +228,7 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   result.summary.iterations = solution.iterations;
   result.summary.cost = solution.normals.cost;
   addResiduals(session, problem, solution.estimate, list, result);
+  // Draws of a bootstrap, of which nobody reads more.
   if (list == ResidualList::kDrop) return result;
   const std::optional<TargetCovariance> formal = result.target.covariance;
   if (auto robust = robustCovariance(problem, solution, share)) {

@@ -82,6 +82,7 @@ std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimat
   std::iota(all.begin(), all.end(), 0);
   const auto model =
       errorModel(views, estimate, problem.gram.cauchy_px, LaterUseKind::kSeen, problem.threads);
+  // Frames that do not determine the cameras cannot be told apart by what they do for them.
   if (!model) return all;
   const std::vector<ViewTerms> terms = termsOf(model->maker, views, problem.threads);
   std::vector<int> left = fittingFrames(terms);

@@ -90,6 +90,7 @@ class ViewTermsMaker::Sum {
       return std::move(out_);
     }
     const Matrix6d L_inverse = llt.matrixL().solve(Matrix6d::Identity());
+    // H = L L^T: products of columns of L^-1 X are X^T H^-1 X, what the pose takes away.
     const SixRows Y = L_inverse.lazyProduct(X_);
     const auto P = Y.leftCols(n_);
     const auto F = Y.middleCols(n_, K_);
@@ -112,6 +113,7 @@ class ViewTermsMaker::Sum {
 
   void addFields(std::size_t c, const FieldGram& g, const Matrix6d& A, int e) {
     const MisfitField& field = maker_.field_;
+    // Combinations are over all cameras and share their columns; without, each camera has its own.
     const bool combined = field.columns.size() > 0;
     const Eigen::Index at = combined ? 0 : static_cast<Eigen::Index>(c) * kFieldColumns;
     const Eigen::Index columns = g.H_k_f.cols();
@@ -128,12 +130,14 @@ class ViewTermsMaker::Sum {
     if (!squares_) return;
     if (combined) return addSquares(g, field.ofCamera(c));
     for (int row = 0; row < 2; ++row) {
+      // The same functions along u and along v: one block serves both.
       const Eigen::Index f = at + row * kFieldFunctions;
       out_.D.block<kFieldFunctions, kFieldFunctions>(f, f) += g.H_f;
     }
     out_.s.segment<kFieldColumns>(at) += g.b_f;
   }
 
+  /// D and s of combinations R of the columns: R^T diag(H_f, H_f) R.
   void addSquares(const FieldGram& g, const Eigen::Ref<const Eigen::MatrixXd>& R) {
     for (int row = 0; row < 2; ++row) {
       const auto half = R.middleRows(row * kFieldFunctions, kFieldFunctions);
@@ -218,6 +222,7 @@ std::vector<double> cellWeights(const std::vector<RigView>& frames, const Camera
   }
   const double mean = corners / static_cast<double>(weights.size());
   for (double& w : weights) {
+    // A cell without corners has none that it could weigh.
     const double q = w > 0 ? mean / w : 0;
     w = kind == LaterUseKind::kSeen ? 1 + kSeenRaised * std::min(q, kSeenMost)
                                     : std::min(q, kImageMost);
@@ -239,6 +244,7 @@ std::vector<FieldBox> seenBoxes(const std::vector<RigView>& frames, const Camera
         high = high.max(Eigen::Array2d(view.u[k], view.v[k]));
       }
     }
+    // No corner: the whole image, from edge to edge of its outermost pixels.
     if (!(low <= high).all()) {
       low = {-0.5, -0.5};
       high = {image.width - 0.5, image.height - 0.5};
@@ -251,6 +257,7 @@ std::vector<FieldBox> seenBoxes(const std::vector<RigView>& frames, const Camera
 std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
                                      const CameraEstimate& cameras, double cauchy_px,
                                      LaterUseKind kind, int threads) {
+  // With every column first: by what later use asks of them it is decided which combinations stay.
   const ViewTermsMaker all(cameras, {seenBoxes(frames, cameras), {}}, cauchy_px);
   const std::vector<double> weights = cellWeights(frames, cameras, kind);
   const int count = static_cast<int>(frames.size());
@@ -263,6 +270,7 @@ std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
     parts[static_cast<std::size_t>(chunk.index)] = laterUse(terms);
   });
   LaterUse use;
+  // In the order of the chunks, whatever the threads.
   for (const LaterUse& part : parts) use += part;
   const auto fields = strongestFields(use);
   if (!fields) return std::nullopt;
