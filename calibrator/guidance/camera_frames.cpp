@@ -24,6 +24,7 @@ Session sessionOf(const GuideRig& rig, const std::vector<KeptFrame>& frames) {
     stream.name = rig.cameras[c].name;
     stream.resolution = rig.cameras[c].resolution;
     for (const KeptFrame& frame : frames) {
+      // Views of a frame keep its stamp, by which the batch pairs them again.
       if (!frame.corners[c].empty()) stream.views.push_back({frame.t, frame.corners[c]});
     }
     session.cameras.push_back(std::move(stream));
@@ -57,6 +58,7 @@ bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_
   for (std::size_t c = 0; c < now.size(); ++c) {
     if (now[c].empty()) continue;
     const auto distance = meanCornerDistance(before[c], now[c]);
+    // Too few corners in common: another part of the board is in view.
     if (!distance || *distance > least_px) return true;
   }
   return false;
@@ -77,6 +79,7 @@ std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& c
   rough.gram.cauchy_px = kRoughLoss * width;
   const auto found = findPose(views, kGoodPose * width, rough);
   if (!found || !(found->errorPx() < kWorstPose * width)) return std::nullopt;
+  // From there under the window's own loss, which would not have led there from afar.
   PoseRefinementOptions fine;
   fine.gram.cauchy_px = cauchy_px;
   return refinePose(views, found->T_C0F, fine).T_C0F.inverse();

@@ -187,6 +187,7 @@ void CameraGuide::State::startWasWrong(Decision& d, const std::string& why) {
     open.reset();
   }
   kept.clear();
+  // What was seen, it was seen by these cameras.
   judge.forget();
   window.reset();
   entropy.reset();
@@ -255,6 +256,7 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
   if (!judge.fits(window->estimate(), corners)) {
     window->remove(window->frameCount() - 1);
     d.reason = GuideReason::kBadFit;
+    // The cameras have moved with it: back to where the others want them.
     if (!window->solve()) note(d, "the window without it did not converge");
     return false;
   }

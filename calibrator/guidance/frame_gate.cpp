@@ -28,6 +28,7 @@ bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& 
 }
 
 bool FrameGate::hasTarget(bool shows, Decision& d) {
+  // A target that was never seen counts as lost from the first frame on.
   if (!last_target_) last_target_ = d.t;
   const double lost_s = secondsBetween(*last_target_, d.t);
   if (shows) {

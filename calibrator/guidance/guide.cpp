@@ -141,6 +141,7 @@ void Guide::State::endCameraStage(Decision& last) {
     note(last, "the batch over the views kept failed");
     last.failure = camera_batch->failure();
   } else if (rig.imu) {
+    // The batch goes on while the next frames come; they are dropped.
     TimeNs busy_until = camera->busyUntil();
     // A stage that finishes itself accounts for its batch.
     if (camera_ended) {
@@ -182,6 +183,7 @@ Decision Guide::step(const GuideFrame& frame) {
   assert(frame.corners.size() == s.rig.cameras.size());
   if (s.camera && !s.cameraOver()) return s.stepCamera(frame);
   if (!s.camera_imu) {
+    // A stage that finished says so with every frame; one that was ended by time would go on.
     return s.camera && !s.camera_ended ? s.camera->step(frame) : passedOver(frame);
   }
   return s.camera_imu->step(frame);

@@ -65,6 +65,7 @@ ImuStageRecording::ImuStageRecording(GuideRig rig, const GuideOptions& options)
 int ImuStageRecording::addSamples(std::span<const ImuSample> samples) {
   const std::size_t before = samples_.size();
   for (const ImuSample& sample : samples) {
+    // What comes twice or too late stays out: pre-integration needs stamps that ascend.
     if (samples_.empty() || sample.t > samples_.back().t) samples_.push_back(sample);
   }
   return static_cast<int>(samples_.size() - before);
@@ -83,6 +84,7 @@ double ImuStageRecording::longestInterval() const {
 std::optional<double> ImuStageRecording::gapWithin(TimeNs from, TimeNs to) const {
   auto s = std::upper_bound(samples_.begin(), samples_.end(), from,
                             [](TimeNs t, const ImuSample& sample) { return t < sample.t; });
+  // From the sample before: a pause may have begun there.
   if (s != samples_.begin()) --s;
   double longest = longestInterval();
   bool found = false;
@@ -183,6 +185,7 @@ void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recordin
   if (end == WindowEnd::kSolved) return;
   if (waiting) leaveOut(*waiting, "the frame after it gave no velocity", recording, decision);
   if (end == WindowEnd::kWaiting) return;
+  // The window is as it was before the frame: the next one links to its last.
   last_given_ = window_.lastStamp();
   becauseOf(GuideReason::kNotSolved, frame, decision);
   leaveOut(frame.index, "the window with it has no solution", recording, decision);
@@ -214,6 +217,7 @@ Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
   problem.view_stamps.clear();
   // The window has one offset: camera 0's.
   estimate.time_offsets.resize(1);
+  // Without a frame that leaves there would be no prior to begin with.
   if (problem.frameCount() <= options.window) return notConverged();
   CameraImuWindowOptions size;
   size.states = options.window;

@@ -27,6 +27,7 @@ std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
     if (!std::isnan(gains[i])) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    // Both without bound: the nearer one.
     if (std::isinf(gains[a]) && std::isinf(gains[b])) return seconds[a] < seconds[b];
     return gains[a] / seconds[a] > gains[b] / seconds[b];
   });

@@ -17,7 +17,7 @@ namespace plumbline {
 namespace {
 
 // Samples before the first frame and after the last [s]: pre-integration needs one beyond either
-// end, under any time offset within this.
+// end.
 constexpr double kSampleMargin = 0.1;
 constexpr int kBiases = 6;
 constexpr int kBiasesAt = kChainBlock - kBiases;  // in a state
@@ -121,6 +121,7 @@ TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
   }
 }
 
+// Once per trajectory: neither views nor motion depend on the estimate of the moment.
 TrajectoryScorer::Prepared TrajectoryScorer::prepare(const LissajousTrajectory& trajectory) const {
   Prepared out;
   const double T = trajectory.durationS();
@@ -151,6 +152,7 @@ CameraImuProblem TrajectoryScorer::unseen(const Prepared& prepared,
   }
   const double offset_s = now.estimate.timeOffset();
   for (std::size_t k = 0; k < prepared.samples.size(); ++k) {
+    // Stamped by the IMU's clock: under any time offset they meet the frames.
     const double at = instant(k, recording_.imu_rate_hz, kSampleMargin);
     problem.samples.push_back(sampleOf(prepared.samples[k], now.estimate, recording_.gravity_m_s2,
                                        start + toNanoseconds(at + offset_s)));
@@ -207,6 +209,7 @@ TrajectoryScores TrajectoryScorer::scores(const WindowKnowledge& now, int thread
   const std::vector<double> unknown(trajectories_.size(), std::numeric_limits<double>::quiet_NaN());
   TrajectoryScores scores{unknown, unknown};
   const auto before = calibrationInformation(now.information, recording_.score_offset);
+  // Of the present, the same for all trajectories.
   const auto carried = carriedInformation(now, recording_);
   if (!before || !carried) return scores;
   // Each trajectory on a thread of its own, its own chunk: no sum crosses trajectories.

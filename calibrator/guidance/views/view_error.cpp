@@ -94,6 +94,7 @@ void ViewErrorTracker::pose(Held& frame) const {
           .T_C0F;
 }
 
+// Without the loss: a gross error shall show.
 double ViewErrorTracker::rmsePx(const CameraEstimate& cameras, const Held& frame) {
   double squares = 0;
   int corners = 0;
@@ -119,6 +120,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   }
   error_.reset();
   std::vector<double> rmse;
+  // Poses anew: they were found under the estimate of their time.
   for (Held& frame : kept_) {
     pose(frame);
     rmse.push_back(rmsePx(cameras_, frame));
@@ -136,6 +138,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   std::vector<RigView> frames;
   for (const Held& frame : *use) frames.push_back(frame.view());
   model_ = errorModel(frames, cameras_, options_.cauchy_px, options_.later_use, threads);
+  // Later use that does not determine the cameras predicts nothing.
   if (!model_ || kept_.empty()) return model_.reset();
   median_px_ = quantile(rmse, 0.5);
   std::vector<ViewTerms> terms, fitting;
@@ -182,6 +185,7 @@ std::vector<double> ViewErrorTracker::predictedWith(const std::vector<Transform>
   assert(error_);
   std::vector<double> errors(T_FC0.size(), std::numeric_limits<double>::quiet_NaN());
   forChunks(static_cast<int>(T_FC0.size()), kViewChunk, threads, [&](const Chunk& chunk) {
+    // Kept from view to view of a task.
     std::vector<PredictedCorners> memory;
     for (const VisibleTags& tags : visible_) memory.emplace_back(tags.cornerCount());
     for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);

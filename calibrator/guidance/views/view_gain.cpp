@@ -202,6 +202,7 @@ ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
   before_.setZero(6 + layout_.size, 6 + layout_.size);
   before_.bottomRightCorner(layout_.size, layout_.size) =
       options.pixel_sigma * options.pixel_sigma * information;
+  // What follows has logarithms and roots of these; until then nothing is determined.
   if (!information.allFinite() || !(information.diagonal().array() > 0).all()) return;
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Eigen::MatrixXd> llt(scale.asDiagonal() * information * scale.asDiagonal());

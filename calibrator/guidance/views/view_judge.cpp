@@ -39,6 +39,7 @@ std::optional<double> predictedProjectionPx(const CameraWindow& window,
   const Eigen::MatrixXd unit =
       llt.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
   // The noise that the residuals have, not the one that was assumed.
+  // Half: it is over both axes, pixel_sigma of one.
   const double scale = 0.5 * *rmse_px * *rmse_px / (pixel_sigma * pixel_sigma);
   const CameraLayout layout(window.estimate().intrinsics);
   double worst = 0;
@@ -123,6 +124,7 @@ CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const 
   }
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < views.size(); ++i) {
+    // The lowest error, or the highest gain.
     const double gain = byError() ? -round.error_px[i] : round.mi_nats[i];
     if (!(gain > most)) continue;  // NaN as well
     most = gain;
