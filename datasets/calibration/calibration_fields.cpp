@@ -27,6 +27,7 @@ std::vector<double> matrixNumbers(const YamlMap& map, const std::string& key) {
   std::vector<double> numbers;
   const auto rows = map.rows(key, kMatrixRows);
   for (const auto& row : rows) {
+    // Refused by the caller, as any other matrix that is not rigid.
     if (row.size() != 4) return {};
     numbers.insert(numbers.end(), row.begin(), row.end());
   }
@@ -54,6 +55,7 @@ Transform transformField(const YamlMap& map, const std::string& key) {
 
 Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std::size_t count) {
   const auto values =
+      // A model without coefficients may leave the key out.
       count == 0 && !map.has(key) ? std::vector<double>() : map.numbers(key, "a list of numbers");
   if (values.size() == count) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(count));
@@ -127,6 +129,7 @@ Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys) {
 void checkParameterCounts(const YamlMap& map, const Intrinsics& k) {
   const std::size_t projection = parameterCount(k.projection_model);
   const std::size_t distortion = parameterCount(k.distortion_model);
+  // The field list takes vectors of any length.
   parametersField(map, "intrinsics", projection);
   parametersField(map, "distortion_coeffs", distortion);
   if (!map.has("intrinsics_std")) return;

@@ -37,6 +37,7 @@ class YamlReader {
   template <class T>
   void operator()(const char* name, std::optional<T>& value, const char* text) {
     value.reset();
+    // null means not known, and counts as missing.
     if (map_.has(name)) read(name, value.emplace(), text);
   }
   template <class T>
@@ -132,6 +133,7 @@ constexpr const char* kKnownCalibrations =
 Calibration readCalibration(const std::string& path) {
   const std::string what = kKnownCalibrations;
   const YamlMap file = YamlMap::load(path, what);
+  // Before Kalibr: a result of yac has a cam0 as well.
   if (isYacResult(file)) return readYacResult(file);
   if (isBasaltCalibration(file)) return readBasaltCalibration(file);
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
@@ -142,6 +144,7 @@ Calibration readCalibration(const std::string& path) {
 
 bool statesImuNoise(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+  // Kalibr's camchain has none: they are in a file of their own.
   return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
 }
 
@@ -239,6 +242,7 @@ std::map<std::string, double> readDeviations(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "a calibration");
   const bool ours = !isYacResult(file) && !file.has("cam0") && !isBasaltCalibration(file);
   if (!ours || !file.has("covariance") || !file.has("stages")) return out;
+  // In this order: what both stages estimate the second one has said last.
   addDeviations(file, "camera", out);
   addDeviations(file, "camera_imu", out);
   return out;

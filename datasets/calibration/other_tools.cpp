@@ -99,6 +99,7 @@ double firstOf(const YamlMap& map, const std::string& key) {
 ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
   ImuCalibration imu;
   imu.T_SC0 = T_SC0;
+  // Basalt's sign is ours.
   imu.time_offsets = {{1e-9 * value.number("cam_time_offset_ns", "nanoseconds")}};
   imu.noise.rate_hz = value.number("imu_update_rate", "Hz");
   imu.noise.accel_density = firstOf(value, "accel_noise_std");
@@ -113,6 +114,7 @@ CameraCalibration cameraOf(const YamlMap& file, int i) {
   camera.name = fmt::format("cam{}", i);
   camera.intrinsics = intrinsicsField(file.map(camera.name, "a camera"),
                                       {"proj_model", "dist_model", "proj_params", "dist_params"});
+  // yac states camera 0 in the IMU, the others in camera 0.
   if (i > 0) camera.T_C0Ci = transformField(file, fmt::format("T_cam0_cam{}", i));
   refuseImplausible(file, implausible(camera),
                     {{Implausible::Part::kPlace, fmt::format("T_cam0_cam{}", i)}});

@@ -14,6 +14,8 @@ namespace {
 
 using Part = Implausible::Part;
 
+// What a file may hold at all, far beyond any rig, so that figures stay finite. What is unlikely is
+// told by lint (evaluate/compare).
 constexpr double kMostParameter = 1e6;
 constexpr int kLongestSide_px = 65535;
 constexpr double kFarthest_m = 1000;

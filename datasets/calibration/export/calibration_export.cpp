@@ -32,6 +32,7 @@ constexpr std::array<Entry, 7> kTools{{{ExportTool::kKalibr, "kalibr", exportKal
                                        {ExportTool::kBasalt, "basalt", exportBasalt},
                                        {ExportTool::kCameraInfo, "camera_info", exportCameraInfo}}};
 
+// The table has the order of the enumeration.
 const Entry& entryOf(ExportTool tool) { return kTools[static_cast<std::size_t>(tool)]; }
 
 constexpr const char* kDirections =
@@ -91,6 +92,7 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
   const ExportChecks checks(calibration, options, "Kalibr");
   for (const CameraCalibration& camera : calibration.cameras) {
     if (camera.intrinsics.distortion_model != DistortionModel::kRational) continue;
+    // Kalibr has no such distortion.
     checks.refuseModel(camera, "radtan, equidistant, fov and no distortion");
   }
   ExportedFiles out;
@@ -135,6 +137,8 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
   chosen.cameras.front().T_C0Ci = Transform();
   if (chosen.imu) {
     chosen.imu->T_SC0 = chosen.imu->T_SC0 * T_C0Cn;
+    // It is that of another camera's place, and the covariance that would carry it over is not
+    // here.
     chosen.imu->T_SC0_std.reset();
   }
   return chosen;

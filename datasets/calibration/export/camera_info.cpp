@@ -25,6 +25,7 @@ Distortion distortionOf(const CameraCalibration& camera, const ExportChecks& che
   const Intrinsics& k = camera.intrinsics;
   if (isPinhole(k, DistortionModel::kEquidistant)) return {"equidistant", k.distortion};
   if (isPinhole(k, DistortionModel::kRational)) return {"rational_polynomial", k.distortion};
+  // ROS has the word plumb_bob with five coefficients, the fifth for r^6.
   if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
     Eigen::VectorXd five = Eigen::VectorXd::Zero(5);  // k1 k2 p1 p2 k3
     five.head(4) = fourCoefficients(k);

@@ -45,6 +45,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
   text +=
       fmt::format("  intrinsics: {}\n  resolution: [{}, {}]\n  rostopic: {}\n",
                   yamlList(k.projection), k.resolution.width, k.resolution.height, topicOf(camera));
+  // Camera 0's under every camera: OpenVINS has one, and unlikeOffsets() says what to do.
   return text + numberLine("  timeshift_cam_imu", calibration.imu->timeOffset());
 }
 

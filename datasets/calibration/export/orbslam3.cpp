@@ -44,6 +44,7 @@ void check(const Calibration& calibration, const ExportChecks& checks) {
     if (isPinhole(k, DistortionModel::kEquidistant)) continue;
     checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
   }
+  // One Camera.type and one image size stand for both cameras.
   checks.oneModel();
   checks.oneResolution();
   checks.knownNoise();

@@ -23,6 +23,7 @@ bool plain(char c, std::string_view also) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || also.find(c) != also.npos;
 }
 
+/// A topic with characters that would need quotes gives way to the usual one.
 std::string topicOr(const std::string& topic, const std::string& otherwise) {
   const bool good = std::all_of(topic.begin(), topic.end(), [](char c) { return plain(c, "_/"); });
   return good && !topic.empty() ? topic : otherwise;
@@ -130,6 +131,7 @@ Eigen::Vector4d fourCoefficients(const Intrinsics& intrinsics) {
 }
 
 std::string provenanceLine(const ExportOptions& options) {
+  // A line end in a name would end the comment that it stands in.
   std::string file = std::filesystem::path(options.source).filename().string();
   std::replace_if(
       file.begin(), file.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); },
@@ -184,6 +186,7 @@ std::vector<std::string> unlikeOffsets(const Calibration& calibration) {
   if (!calibration.imu) return warnings;
   for (std::size_t i = 1; i < calibration.cameras.size(); ++i) {
     if (!hasOwnOffset(calibration.imu->time_offsets, i)) continue;
+    // t_imu = t_i + t_d,i = (t_i + shift) + t_d,0.
     const double shift = calibration.imu->timeOffset(i) - calibration.imu->timeOffset();
     warnings.push_back(fmt::format(
         "The cameras are not synchronised, but this tool uses one time offset, that of {}: add {} "

@@ -155,6 +155,7 @@ ExportedFiles exportVinsFusion(const Calibration& calibration, const ExportOptio
   checks.atMostCameras(2);
   checks.oneResolution();
   checks.knownNoise();
+  // Two cameras do without an IMU, one does not.
   if (!calibration.imu && calibration.cameras.size() < 2) checks.neededImu();
   ExportedFiles out;
   out.warnings = vinsFusionWarnings(calibration);

@@ -42,6 +42,7 @@ KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
     camera.timeshift_cam_imu = map.number("timeshift_cam_imu", "seconds");
   }
   if (map.has("line_delay")) camera.line_delay_s = map.number("line_delay", "seconds a row");
+  // As if it were the rig's IMU, to be judged by the rules of one.
   const double shift = camera.timeshift_cam_imu.value_or(0);
   ImuCalibration imu;
   imu.time_offsets = {{shift}};
@@ -193,6 +194,7 @@ KalibrCamchain readKalibrCamchain(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "Kalibr's camchain*.yaml (cam0: ...)");
   KalibrCamchain chain;
   chain.path = path;
+  // cam0 in any case: that it is missing is then the fault that is told.
   for (int i = 0; i == 0 || file.has(fmt::format("cam{}", i)); ++i) {
     const std::string name = fmt::format("cam{}", i);
     chain.cameras.push_back(cameraOf(file.map(name, "a camera"), name));

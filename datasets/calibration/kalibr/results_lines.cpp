@@ -63,6 +63,7 @@ std::string ResultsLines::cameraName() const {
        at = line().find("cam", at + 1)) {
     std::size_t end = at + 3;
     while (end < line().size() && std::isdigit(static_cast<unsigned char>(line()[end])) != 0) ++end;
+    // Without a number it is part of a word, such as "camera".
     if (end > at + 3) return std::string(line().substr(at, end - at));
   }
   return {};
@@ -99,10 +100,12 @@ double ResultsLines::numberAfter(std::string_view key, std::string_view other) c
                 InputFault::kMissingKey);
   }
   std::string_view rest = trimmedText(line().substr(at + used.size()));
+  // Also at the underscore of "T_1_0" and at the bracket of a unit.
   const std::size_t end = std::min(rest.find_first_of(" ,_[\t"), rest.size());
   return number(rest.substr(0, end));
 }
 
+// Over as many lines as it takes: a matrix has its rows in brackets of their own.
 std::vector<double> ResultsLines::bracket(std::size_t count) {
   std::vector<double> numbers;
   int depth = 0;

@@ -117,6 +117,7 @@ std::optional<KalibrImuFile> imuOf(const std::vector<std::string>& paths, Kalibr
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const KalibrImuFile& a, const KalibrImuFile& b) { return a.wrapped > b.wrapped; });
+  // With a results text all candidates have its noise; without, only their form can tell.
   const bool clear = candidates.size() == 1 || run.results_imu ||
                      (candidates.size() > 1 && candidates[0].wrapped && !candidates[1].wrapped);
   if (!candidates.empty() && clear) return candidates.front();
@@ -157,6 +158,7 @@ void addStandardDeviations(Calibration& calibration, const KalibrResults& text) 
     CameraCalibration& camera = calibration.cameras[i];
     const KalibrTextCamera& printed = text.cameras[i];
     const Eigen::Index n = printed.projection_std.size() + printed.distortion_std.size();
+    // Deviations of other intrinsics than these.
     if (!isNear(printed.projection, camera.intrinsics.projection)) continue;
     if (n != camera.intrinsics.stacked().size()) continue;
     Eigen::VectorXd std(n);
