@@ -113,6 +113,7 @@ std::optional<ForeignEntry> firstForeign(const fs::path& folder, const Manifest&
       if (folders.count(name) == 0) return ForeignEntry{path, false};
       continue;
     }
+    // It does not list itself.
     if (fs::is_regular_file(status) && name == kManifestFile) continue;
     const auto listed = manifest.files.find(name);
     if (listed == manifest.files.end()) return ForeignEntry{path, false};
@@ -132,6 +133,7 @@ void removeListed(const fs::path& folder, const Manifest& manifest) {
     const fs::file_status status = fs::symlink_status(path, ignored);
     if (fs::is_regular_file(status) && manifest.files.count(name) > 0) fs::remove(path, ignored);
   }
+  // Backwards: what lies in a folder goes before it. Only empty ones are removed.
   for (auto path = entries.rbegin(); path != entries.rend(); ++path) {
     if (fs::is_directory(fs::symlink_status(*path, ignored))) fs::remove(*path, ignored);
   }

@@ -82,6 +82,7 @@ std::uint64_t scaledDown(std::uint64_t mantissa, int power) {
 }  // namespace
 
 ScannedNumber scanNumber(const char* at, const char* end) {
+  // from_chars() takes no plus, and behind one would take a minus.
   const char* const first = at != end && *at == '+' ? at + 1 : at;
   ScannedNumber scanned;
   const auto [stop, error] = std::from_chars(first, end, scanned.value);

@@ -239,6 +239,7 @@ OutputFile::~OutputFile() = default;
 void OutputFile::write(std::string_view content) {
   const fs::path made = workplace_->result();
   writeNewFile(made.parent_path(), made.filename(), content);
+  // Without leave to replace, place() refuses what has come there since refuseFile() looked.
   if (request_.replace) {
     if (!workplace_->replaceFile()) throw unmoved(request_, errno);
   } else if (const auto moved = workplace_->place(); moved != Workplace::Moved::kDone) {

@@ -74,6 +74,8 @@ Cells csvCells(std::string_view line) {
 }
 
 const std::vector<std::string_view>& TextTable::readHeader(NoRows no_rows) {
+  // Comments, and one line of names where no comment came before; the first row is left to
+  // nextRow().
   for (TextLines before = lines_; lines_.next(); before = lines_) {
     const std::string_view text = lines_.text();
     if (text.empty()) continue;
@@ -116,6 +118,7 @@ void TextTable::takeSeparator(const char* stop) {
 
 std::optional<double> TextTable::takeNumber() {
   const auto [value, stop] = scanNumber(at_, end_);
+  // A number ends where its cell does: "1.5px" is none.
   if (stop == nullptr || (stop != end_ && *stop != ',' && !isBlank(*stop))) return std::nullopt;
   number_ = {at_, static_cast<std::size_t>(stop - at_)};
   takeSeparator(stop);

@@ -120,6 +120,7 @@ void refuseUnreadable(const std::string& path, const std::string& text) {
 }  // namespace
 
 YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(path)), node_(node) {
+  // yaml-cpp does not mind a key that is given twice.
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second) {
@@ -156,11 +157,13 @@ YamlMap YamlMap::parse(std::string_view text, const std::string& path, const std
 }
 
 YAML::Node YamlMap::node(const std::string& key) const {
+  // On a const node: otherwise the question adds the key.
   return static_cast<const YAML::Node&>(node_)[key];
 }
 
 bool YamlMap::has(const std::string& key) const {
   const YAML::Node found = node(key);
+  // null stands for what is not known: as if the key were not there.
   return found.IsDefined() && !found.IsNull();
 }
 

@@ -60,6 +60,7 @@ bool startsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
 }
 
+/// By its first bytes, whatever its name ends in.
 GrayImage decode(const std::string& path, std::string_view bytes, const SizeCheck& check) {
   if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return decodePng(bytes, check);
   if (startsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes, check);
@@ -132,6 +133,7 @@ GrayImage shrunk(const GrayImage& image, int factor) {
   const int area = factor * factor;
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
+      // Rounds to the nearest.
       int sum = area / 2;
       for (int dy = 0; dy < factor; ++dy) {
         const std::uint8_t* row = image.row(y * factor + dy) + x * factor;

@@ -43,6 +43,7 @@ std::string distortionModel(const YamlMap& file) {
 
 void refuseUnsupported(const YamlMap& file, const CameraDescription& camera) {
   if (camera.camera_model.empty() || camera.distortion_model.empty()) return;
+  // Our own words by now: others were refused or translated.
   const auto projection = *projectionModelFrom(camera.camera_model);
   const auto distortion = *distortionModelFrom(camera.distortion_model);
   if (canBeCalibrated(projection, distortion)) return;
@@ -55,6 +56,7 @@ constexpr const char* kListLayout = "timestamp [ns], filename";
 
 void checkAscending(const TextTable& table, TimeNs t, const std::vector<ImageFile>& before) {
   if (before.empty() || t > before.back().t) return;
+  // A last stamp that lost digits is a smaller number.
   if (table.truncatedHere()) {
     throw table.fault({InputFault::kTruncated, fmt::format("the last line, '{}', is cut", t),
                        "a whole last line",
@@ -162,6 +164,7 @@ std::vector<ImageFile> readFrameList(const std::string& folder) {
   while (table.nextRow()) {
     const TimeNs t = table.stamp();
     checkAscending(table, t, frames);
+    // Beside corners the images, and their names, may be missing.
     const bool named = table.moreCells();
     const std::string name = named ? imageName(table) : "";
     table.endRow();

@@ -23,6 +23,7 @@ class ViewBuilder {
 
   void addRow() {
     const TimeNs t = table_.stamp();
+    // The first stamp may be 0, as t_ is before it.
     if (t != t_ || views_seen_ == 0) startView(t);
     Corner corner;
     corner.id = table_.integer(limits_.of_tracks ? "track_id" : "corner_id");

@@ -125,6 +125,7 @@ ImuDescription readImuDescription(const std::string& path) {
   const YamlMap imu = unwrapped(file);
   refuseModels(imu);
   ImuDescription description;
+  // The word of EuRoC's sensor.yaml.
   const bool euroc = imu.has("rate_hz") && !imu.has("update_rate");
   description.noise = noiseFields(imu, euroc ? "rate_hz" : "update_rate");
   description.rostopic = imu.textOr("rostopic", "");

@@ -37,6 +37,7 @@ std::vector<std::string> camerasIn(const fs::path& folder) {
     const int number = cameraNumber(entry.path().filename().string());
     if (number >= 0 && entry.is_directory()) found.emplace_back(number, entry.path().string());
   }
+  // By number: cam10 comes behind cam2.
   std::sort(found.begin(), found.end());
   std::vector<std::string> folders;
   for (auto& [number, camera] : found) folders.push_back(std::move(camera));
@@ -51,6 +52,7 @@ class Manifest {
     lines_.push_back(fmt::format("{} {}\n", name, contentHash(MappedFile(path).text())));
   }
 
+  // Of images, gigabytes of which would have to be read for a hash.
   void addSizes(const std::string& folder, const std::string& name) {
     if (!fs::is_directory(folder)) return;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -61,6 +63,7 @@ class Manifest {
   }
 
   std::string hash() {
+    // A folder is listed in no order.
     std::sort(lines_.begin(), lines_.end());
     std::string all;
     for (const std::string& line : lines_) all += line;
@@ -76,6 +79,7 @@ void addCamera(Manifest& manifest, const std::string& camera) {
   for (const char* file : {"corners.csv", "data.csv", "sensor.yaml"}) {
     manifest.addContent(camera + "/" + file, name + "/" + file);
   }
+  // Beside corners images are not read.
   if (!fs::exists(camera + "/corners.csv")) manifest.addSizes(camera + "/data", name + "/data");
 }
 
@@ -92,6 +96,7 @@ SessionFolder findSession(const std::string& path) {
         path, 0,
         {InputFault::kMissingFile, "is not a folder", kSessionLayout, "give the session's folder"});
   }
+  // "." and a path that ends in a slash have no name of their own.
   const fs::path top = fs::weakly_canonical(path);
   const bool is_mav = top.filename() == "mav0";
   const bool below = !is_mav && fs::is_directory(fs::path(path) / "mav0");

@@ -202,6 +202,7 @@ void SessionReadOptions::check() const {
 void selectFrames(Recording& recording, const SessionReadOptions& options) {
   if (options.from_s == 0 && std::isinf(options.to_s) && options.stride == 1) return;
   Session& session = recording.session;
+  // 0: views of images have no corners yet.
   const std::vector<Frame> frames = pairFrames(session.cameras, {options.sync_tolerance, 0});
   if (frames.empty()) return;
   const ViewChoice kept = viewsOf(session, frames, wantedFrames(frames, options));

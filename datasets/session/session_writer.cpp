@@ -85,6 +85,8 @@ std::string truthJson(const SimulatedSession& simulated, const SimulationOptions
   return truth.dump(2) + "\n";
 }
 
+// EuRoC's state_groundtruth_estimate0: R is the world, S the IMU, velocities are in R; a row for
+// every sample of the IMU.
 std::string trajectoryCsv(const SimulatedSession& simulated) {
   std::string text =
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
@@ -257,6 +259,7 @@ void writeTargetImages(const SimulatedSession& simulated, const AprilGrid& targe
   }
   writeImages(simulated.session, folder, format, [&](int camera, std::size_t view) {
     const auto i = static_cast<std::size_t>(camera);
+    // Its noise by camera and view, whichever thread renders it.
     const std::uint64_t number = (static_cast<std::uint64_t>(i) << 32U) + view;
     return renderers[i].render(simulated.view_poses[i][view], number);
   });

@@ -83,6 +83,7 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
     }
     s.stage = stageFrom(table);
     s.id = table.integer("id");
+    // Each stage counts by itself.
     if (!ids.insert({s.stage, s.id}).second) {
       throw table.fault({InputFault::kDuplicate,
                          fmt::format("the id {} is given twice in this stage", s.id),

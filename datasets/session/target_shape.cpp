@@ -20,6 +20,7 @@ constexpr double kLargest = 0.05;  // [m]; no board is bent by more and still fo
 void checkGrid(const YamlMap& file, const AprilGrid& grid) {
   const auto same = [&](const char* key, double value) {
     const double stated = file.number(key, "a number of the grid, as in target.yaml");
+    // A number that was copied with fewer digits passes.
     if (std::abs(stated - value) <= 1e-6 * std::abs(value)) return;
     throw file.fault(key,
                      {InputFault::kContradiction,
@@ -70,6 +71,7 @@ TargetCovariance readCovariance(const YamlMap& file) {
   }
   const auto definite = [&] {
     const Eigen::SelfAdjointEigenSolver<TargetCovariance> eigen(out);
+    // Of rounding alone an eigenvalue of zero may come out below it.
     return eigen.eigenvalues().minCoeff() >= -1e-9 * eigen.eigenvalues().maxCoeff();
   };
   if (square && out.allFinite() && out.isApprox(out.transpose(), 1e-9) && definite()) return out;

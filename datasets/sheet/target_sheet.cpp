@@ -64,6 +64,7 @@ Layout sized(const AprilGrid& grid) {
 
 /// How often the target would fit; upright or turned, whichever is more.
 double room(const Layout& l, const PaperSize& paper) {
+  // The ruler may be wider than a small target.
   const double across = std::max(l.width, kRuler);
   return std::min((paper.width_mm - 2 * kMargin) / across,
                   (paper.height_mm - 2 * kMargin - kStrip) / l.height);

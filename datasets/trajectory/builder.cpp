@@ -79,6 +79,7 @@ void TrajectoryBuilder::checkOrder(const StampedPose& pose, int line) {
     throw source_.fault(line, {InputFault::kOutOfRange, "the stamp is not a time",
                                "a stamp within 146 years of 0", "repair or delete this line"});
   }
+  // Equal stamps pass with a remark; one that goes back is refused.
   if (poses().empty() || pose.t > poses().back().t) return;
   if (pose.t < poses().back().t) {
     throw source_.fault(line,

@@ -40,6 +40,7 @@ StampedPose poseOf(const TextTable& table, const NumberRow& row) {
     throw table.fault({InputFault::kNotRigid, "the 3x3 block is not a rotation",
                        "an orthonormal matrix", "are the numbers the 3x4 matrix row by row?"});
   }
+  // The stamp comes with readKitti(), which knows the row's place.
   return {0, T.col(3), Eigen::Quaterniond(R).normalized()};
 }
 

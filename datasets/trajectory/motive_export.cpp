@@ -118,6 +118,7 @@ Take readTake(const TrajectorySource& source, TextTable& table) {
     }
     if (!table.row().empty()) rows.push_back(table.cells());
   }
+  // Fewer rows have no types, and so no rigid bodies: bodyOf() says so.
   if (rows.size() >= 4) takeColumns(take, rows);
   return take;
 }

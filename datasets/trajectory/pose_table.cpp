@@ -168,6 +168,7 @@ class TableReader {
         decideStampUnit(source_, {table_.line(), first.values[0], layout.stated_power,
                                   layout.format == TrajectoryFormat::kEuroc ? 0 : 9});
     TrajectoryBuilder builder(source_, layout.format, layout.has_orientation);
+    // As many as rows of the first one's length fit.
     builder.reserve(source_.text.size() / std::max<std::size_t>(table_.row().size(), 1) + 1);
     add(builder, layout, first, unit.power);
     while (table_.nextRow()) add(builder, layout, table_.numbers(), unit.power);

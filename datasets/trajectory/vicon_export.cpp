@@ -37,6 +37,7 @@ Cells nextCells(const TrajectorySource& source, TextTable& table) {
 
 // Moves behind the line that begins the section of poses.
 void findSection(const TrajectorySource& source, TextTable& table) {
+  // Other sections may stand before it.
   while (table.nextLine()) {
     const Cells cells = table.cells();
     if (cells[0] == "Objects" || cells[0] == "Segments") return;
@@ -126,12 +127,14 @@ class ViconReader {
         object_(chooseObject(source, header_, wanted)),
         builder_(source, TrajectoryFormat::kVicon, true) {
     const int line = table_.line();
+    // One unit for all axes: that of the first.
     length_ = unitFactor(source_, line, cellAt(header_.units, object_.translation[0]));
     if (isVector()) angle_ = unitFactor(source_, line, cellAt(header_.units, object_.rotation[0]));
   }
 
   TrajectoryFile read() {
     int frames = 0;
+    // An empty line ends the section; others may follow.
     for (; table_.nextLine() && !table_.row().empty(); ++frames) takeFrame();
     builder_.remark(fmt::format("object '{}'; stamps count from frame 0 at {} frames per second",
                                 object_.name, header_.rate));
