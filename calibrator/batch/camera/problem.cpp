@@ -152,6 +152,7 @@ void evaluateView(const Evaluation& at, std::size_t c, const Transform& T_CiF,
     return;
   }
   TargetColumns columns{};
+  // It reads terms.columns, until the next view is placed there.
   const PackedView placed = at.target->place(view, terms.columns, columns);
   g = targetViewGram(lens, T_CiF, placed, columns, gram);
 }
@@ -208,6 +209,7 @@ void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out
     const Matrix6d At = weight * d.A_pose.transpose();
     b.noalias() += At.lazyProduct(g.b);
     P_k.noalias() = At.lazyProduct(g.H_pose_k);
+    // Pose and T_C0Ci act alike, by the camera's twist: its H between their chains.
     out.P.block<6, 6>(6 * f, at.layout.T_C0Ci[c]) = timesTwice(Matrix6d(At.lazyProduct(g.H)), d.A);
   }
 }
@@ -399,6 +401,7 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
 }
 
 Eigen::MatrixXd reducedInformation(const CameraNormals& normals) {
+  // G less P^T H^-1 P of every frame; the frames have nothing in common but the cameras.
   Eigen::MatrixXd S = normals.G;
   for (std::size_t f = 0; f < normals.H.size(); ++f) {
     const Eigen::MatrixXd W =

@@ -72,6 +72,7 @@ void ViewErrorTracker::see(const FrameCorners& corners, const Transform& T_FC0) 
 
 void ViewErrorTracker::keep(const FrameCorners& corners, const Transform& T_FC0) {
   kept_.push_back(hold(corners, T_FC0));
+  // Until the next refresh by the model as it stands.
   if (error_) error_->add(model_->maker.seen(kept_.back().view()));
 }
 
@@ -144,6 +145,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   std::vector<ViewTerms> terms, fitting;
   for (std::size_t i = 0; i < kept_.size(); ++i) {
     terms.push_back(model_->maker.seen(kept_[i].view()));
+    // Gross errors of a view would pass for misfit of the lens.
     if (rmse[i] <= kWorstView * median_px_) fitting.push_back(terms.back());
   }
   components_ = guarded(errorComponents(fitting));

@@ -103,6 +103,7 @@ bool ViewJudge::fits(const CameraEstimate& estimate, const FrameCorners& corners
 
 bool ViewJudge::isEnough() const {
   if (options_.stop_projection_px > 0) {
+    // Asked for in pixels, neither gains nor predicted errors end the stage.
     return projection_px_ && *projection_px_ <= options_.stop_projection_px &&
            kept_ >= std::max(options_.stop_views, options_.min_views);
   }
