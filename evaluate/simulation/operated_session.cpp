@@ -13,9 +13,9 @@ namespace plumbline {
 namespace {
 
 /// The person, the rig in his hands and what it has recorded so far.
-class Recording {
+class Recorder {
  public:
-  Recording(const SimulatedRig& rig, const OperatedOptions& options)
+  Recorder(const SimulatedRig& rig, const OperatedOptions& options)
       : options_(options),
         sensors_(rig, options.simulation),
         person_(
@@ -89,7 +89,7 @@ GuideRig guideRigOf(const SimulatedRig& rig, const OperatedOptions& options) {
 /// to its end before anything else, whatever the guide asks for meanwhile.
 class Attention {
  public:
-  explicit Attention(Recording& recording) : recording_(recording) {}
+  explicit Attention(Recorder& recording) : recording_(recording) {}
 
   void see(const Decision& d, double t_s) {
     OperatedSession& result = recording_.result();
@@ -123,7 +123,7 @@ class Attention {
     next_.reset();
   }
 
-  Recording& recording_;
+  Recorder& recording_;
   std::optional<Suggestion> shown_;
   std::optional<Suggestion> next_;  // reached while another trajectory was being followed
   int followed_ = 0;
@@ -142,7 +142,7 @@ void OperatedOptions::check() const {
 
 OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& options) {
   options.check();
-  Recording recording(rig, options);
+  Recorder recording(rig, options);
   const double turn_s = options.camera_share * options.simulation.duration_s;
   int frame = 0;
   for (; frame < recording.frames(); ++frame) {
@@ -162,7 +162,7 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
 
 OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options) {
   options.check();
-  Recording recording(rig, options);
+  Recorder recording(rig, options);
   Guide guide(guideRigOf(rig, options), options.guide);
   recording.result().finished = false;
   Attention attention(recording);

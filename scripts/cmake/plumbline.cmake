@@ -62,7 +62,7 @@ set(PLUMBLINE_BASE ${PROJECT_SOURCE_DIR}/calibrator/base)
 set(PLUMBLINE_COMMON_HEADERS
     <algorithm> <cmath> <functional> <map> <memory> <numbers> <optional> <span> <string> <variant>
     <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU>
-    ${PLUMBLINE_BASE}/calibration.h ${PLUMBLINE_BASE}/error.h ${PLUMBLINE_BASE}/lie.h
+    ${PLUMBLINE_BASE}/calibration.h ${PLUMBLINE_BASE}/error.h
     ${PLUMBLINE_BASE}/results.h)
 
 # Libraries share two sets: calibrator's (which the sanitizer build optimises), and that above it.
