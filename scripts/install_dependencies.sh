@@ -7,13 +7,13 @@ set -euo pipefail
 
 build_packages=(
   git ca-certificates clang lld cmake ninja-build ccache pkg-config
-  libboost-dev libeigen3-dev libceres-dev libsuitesparse-dev
+  libboost-dev libeigen3-dev libsuitesparse-dev
   libapriltag-dev libvtk9-dev
   libpng-dev libjpeg62-turbo-dev libcairo2-dev libxxhash-dev zlib1g-dev
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libtbb-dev
   libsqlite3-dev libsqlitecpp-dev libkainjow-mustache-dev
   libgtest-dev libgmock-dev)
-test_packages=(chromium fish fonts-dejavu-core python3 libbenchmark-dev libopencv-core-dev
+test_packages=(chromium fish fonts-dejavu-core python3 libbenchmark-dev libceres-dev libopencv-core-dev
   libopencv-imgproc-dev libopencv-calib3d-dev zsh)
 sanitize_packages=(libclang-rt-dev)
 check_packages=(clang-format clang-tidy g++ python3)

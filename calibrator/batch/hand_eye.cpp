@@ -6,13 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-
-#include <ceres/problem.h>
-#include <ceres/sized_cost_function.h>
-#include <ceres/solver.h>
+#include <utility>
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/linear/levenberg_marquardt.h"
 
 namespace plumbline {
 namespace {
@@ -27,50 +25,79 @@ struct Noise {
   double sigma_m = 1, sigma_rad = 1;
 };
 
-/// The state after steps in the tangents of T_SM and T_VW, six numbers each.
-HandEyeState moved(const HandEyeState& state, const double* d_SM, const double* d_VW,
-                   double offset_s) {
-  return {boxplus(state.T_SM, Eigen::Map<const Vector6d>(d_SM)),
-          boxplus(state.T_VW, Eigen::Map<const Vector6d>(d_VW)), state.offset_s + offset_s};
+/// Of the unknowns (T_SM (6), T_VW (6), and where it is free the offset (1)).
+struct Normals {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd b;
+  double cost = 0;
+};
+
+Normals normalsAt(std::span<const HandEyePair> pairs, const HandEyeState& state, const Noise& noise,
+                  bool with_offset) {
+  const int n = with_offset ? 13 : 12;
+  Vector6d weights;
+  weights << Eigen::Vector3d::Constant(1 / noise.sigma_m),
+      Eigen::Vector3d::Constant(1 / noise.sigma_rad);
+  Normals sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, n);
+  for (const HandEyePair& pair : pairs) {
+    const HandEyeResidual e = handEyeResidual(pair, state);
+    J.leftCols<6>() = e.J_SM;
+    J.middleCols<6>(6) = e.J_VW;
+    if (with_offset) J.col(12) = e.J_offset;
+    J = weights.asDiagonal() * J;
+    const Vector6d r = weights.cwiseProduct(e.r);
+    sum.H += J.transpose() * J;
+    sum.b += J.transpose() * r;
+    sum.cost += 0.5 * r.squaredNorm();
+  }
+  return sum;
 }
 
-// Steps from `start` to Jacobians by the steps: the rotation's left Jacobian comes on top.
-class PairCost final : public ceres::SizedCostFunction<6, 6, 6, 1> {
+/// As minimise() wants it.
+class HandEyeSteps {
  public:
-  PairCost(const HandEyePair& pair, const HandEyeState& start, const Noise& noise)
-      : pair_(pair), start_(start) {
-    weights_ << Eigen::Vector3d::Constant(1 / noise.sigma_m),
-        Eigen::Vector3d::Constant(1 / noise.sigma_rad);
+  HandEyeSteps(std::span<const HandEyePair> pairs, const HandEyeState& start, const Noise& noise,
+               bool with_offset)
+      : pairs_(pairs), noise_(noise), with_offset_(with_offset), state_(start), now_(at(start)) {}
+
+  double cost() const { return now_.cost; }
+  const HandEyeState& state() const { return state_; }
+
+  std::optional<double> solve(double damping) {
+    Eigen::MatrixXd H = now_.H;
+    H.diagonal() *= 1 + damping;
+    const Eigen::LLT<Eigen::MatrixXd> llt(H);
+    if (llt.info() != Eigen::Success) return std::nullopt;
+    step_ = -llt.solve(now_.b);
+    return -step_.dot(now_.b);
   }
 
-  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const HandEyeResidual e = handEyeResidual(pair_, moved(start_, x[0], x[1], *x[2]));
-    writeVector(e.r, residuals);
-    if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) write(byStep(e.J_SM, x[0]), jacobians[0]);
-    if (jacobians[1] != nullptr) write(byStep(e.J_VW, x[1]), jacobians[1]);
-    if (jacobians[2] != nullptr) writeVector(e.J_offset, jacobians[2]);
-    return true;
+  Trial attempt() {
+    next_state_ = {boxplus(state_.T_SM, step_.head<6>()), boxplus(state_.T_VW, step_.segment<6>(6)),
+                   state_.offset_s + (with_offset_ ? step_[12] : 0)};
+    next_ = at(next_state_);
+    return {.cost = next_.cost};
   }
+
+  void accept() {
+    state_ = next_state_;
+    now_ = std::move(next_);
+  }
+
+  static bool refuse() { return false; }
 
  private:
-  static Matrix6d byStep(Matrix6d J, const double* step) {
-    const Eigen::Vector3d angle = Eigen::Map<const Eigen::Vector3d>(step + 3);
-    J.rightCols<3>() = (J.rightCols<3>() * leftJacobianSO3(angle)).eval();
-    return J;
-  }
-  void writeVector(const Vector6d& v, double* out) const {
-    Eigen::Map<Vector6d> column(out);
-    column = weights_.cwiseProduct(v);
-  }
-  void write(const Matrix6d& J, double* out) const {
-    Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> rows(out);
-    rows = weights_.asDiagonal() * J;
+  Normals at(const HandEyeState& state) const {
+    return normalsAt(pairs_, state, noise_, with_offset_);
   }
 
-  const HandEyePair& pair_;
-  const HandEyeState& start_;
-  Vector6d weights_;
+  std::span<const HandEyePair> pairs_;
+  Noise noise_;
+  bool with_offset_;
+  HandEyeState state_, next_state_;
+  Normals now_, next_;
+  Eigen::VectorXd step_;
 };
 
 // R_SM with Log(R_WSi^T R_WSj) = R_SM Log(R_VMi^T R_VMj), over pairs a fiftieth of them apart.
@@ -140,48 +167,19 @@ Noise noiseOf(const Squares& squares, std::size_t pairs, const HandEyeOptions& o
 
 std::optional<HandEyeState> refined(std::span<const HandEyePair> pairs, const HandEyeState& start,
                                     const Noise& noise, bool with_offset) {
-  // The unknowns are steps from `start`: plain vectors, which need no manifold.
-  Vector6d d_SM = Vector6d::Zero(), d_VW = Vector6d::Zero();
-  double offset_s = 0;
-  ceres::Problem problem;
-  for (const HandEyePair& pair : pairs) {
-    problem.AddResidualBlock(new PairCost(pair, start, noise), nullptr, d_SM.data(), d_VW.data(),
-                             &offset_s);
-  }
-  if (!with_offset) problem.SetParameterBlockConstant(&offset_s);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.logging_type = ceres::SILENT;
-  options.function_tolerance = 1e-14;
-  options.parameter_tolerance = 1e-12;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return std::nullopt;
-  return moved(start, d_SM.data(), d_VW.data(), offset_s);
+  HandEyeSteps steps(pairs, start, noise, with_offset);
+  const MinimiserSummary end = minimise(steps, {.tolerance = 1e-4});
+  // Exact pairs leave nothing but rounding: no step lowers the cost, and the last one was short.
+  if (!end.converged() && !(end.last_step < 1e-2)) return std::nullopt;
+  return steps.state();
 }
 
 Eigen::MatrixXd covarianceOf(std::span<const HandEyePair> pairs, const HandEyeState& state,
                              const Noise& noise, bool with_offset) {
-  const int n = with_offset ? 13 : 12;
-  Vector6d weights;
-  weights << Eigen::Vector3d::Constant(1 / noise.sigma_m),
-      Eigen::Vector3d::Constant(1 / noise.sigma_rad);
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
-  double chi2 = 0;
-  for (const HandEyePair& pair : pairs) {
-    const HandEyeResidual e = handEyeResidual(pair, state);
-    Eigen::MatrixXd J(6, n);
-    J.leftCols<6>() = e.J_SM;
-    J.middleCols<6>(6) = e.J_VW;
-    if (with_offset) J.col(12) = e.J_offset;
-    J = weights.asDiagonal() * J;
-    A += J.transpose() * J;
-    chi2 += weights.cwiseProduct(e.r).squaredNorm();
-  }
-  // By how much a noise that was given is too small or too large; 1 where both are from the
-  // residuals, whose degrees of freedom add up to these.
-  const double freedom = 6 * static_cast<double>(pairs.size()) - n;
-  return A.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * (chi2 / freedom);
+  const Normals at = normalsAt(pairs, state, noise, with_offset);
+  const auto n = at.H.rows();
+  const double freedom = 6 * static_cast<double>(pairs.size()) - static_cast<double>(n);
+  return at.H.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * (2 * at.cost / freedom);
 }
 
 // sum (R - mean)^T (R - mean) / n = I - mean^T mean: the squares by which the end of a unit lever

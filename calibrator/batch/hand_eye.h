@@ -64,8 +64,9 @@ struct HandEye {
 };
 
 /// Minimises sum |r_t|^2 / sigma_m^2 + |r_a|^2 / sigma_rad^2 of handEyeResidual: a start from
-/// rotations alone (Kabsch over relative rotation vectors) and linear translations, then Ceres with
-/// analytic Jacobians; noise that is not given is estimated from the residuals, three times over.
+/// rotations alone (Kabsch over relative rotation vectors) and linear translations, then
+/// minimise(); noise that is not given is estimated from the residuals of the solution before, four
+/// times over.
 ///
 /// Fails with kTooFewViews for fewer than 10 pairs; with kNotObservable, naming the direction,
 /// where S turns about one axis only (the translation of M along it then goes unseen) or not at
