@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/residuals/packed_corners.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace plumbline {
@@ -10,43 +11,51 @@ constexpr int kColumns = 7;  // x y z u v w edge
 
 int lines(int count) { return (count + kLanes - 1) / kLanes; }
 
-/// Mean length of the edges of every tag that the view has; 0 where it has no edge.
-std::vector<double> edgesOf(const AprilGrid& target, const ImageView& view) {
-  const auto corners = static_cast<std::size_t>(target.cornerCount());
-  std::vector<const Eigen::Vector2d*> at(corners, nullptr);
-  for (const Corner& corner : view.corners) {
-    assert(corner.id >= 0 && corner.id < target.cornerCount());
-    at[static_cast<std::size_t>(corner.id)] = &corner.uv;
+/// tagEdgeScale() of every tag, one view after the other in the same memory.
+class EdgeScales {
+ public:
+  explicit EdgeScales(const AprilGrid& target)
+      : at_(static_cast<std::size_t>(target.cornerCount())), scales_(at_.size() / 4) {}
+
+  /// By the mean length of the tag's edges that the view has; of tags without an edge by the mean
+  /// of the others.
+  const std::vector<double>& of(const ImageView& view) {
+    std::fill(at_.begin(), at_.end(), nullptr);
+    for (const Corner& corner : view.corners) {
+      assert(corner.id >= 0 && static_cast<std::size_t>(corner.id) < at_.size());
+      at_[static_cast<std::size_t>(corner.id)] = &corner.uv;
+    }
+    double sum = 0;
+    int seen = 0;
+    for (std::size_t tag = 0; tag < scales_.size(); ++tag) {
+      const double edge = scales_[tag] = edgeOf(tag);
+      sum += edge;
+      seen += edge > 0 ? 1 : 0;
+    }
+    const double mean = seen > 0 ? sum / seen : kTagEdgePx;
+    for (double& scale : scales_) scale = tagEdgeScale(scale > 0 ? scale : mean);
+    return scales_;
   }
-  std::vector<double> edges(corners / 4, 0.0);
-  for (std::size_t tag = 0; tag < edges.size(); ++tag) {
+
+ private:
+  /// Mean length of a tag's edges [px]; 0 where the view has none.
+  double edgeOf(std::size_t tag) const {
     double sum = 0;
     int count = 0;
     // A tag's corners go round it, so that k and k + 1 share an edge.
     for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector2d* a = at[4 * tag + k];
-      const Eigen::Vector2d* b = at[4 * tag + (k + 1) % 4];
+      const Eigen::Vector2d* a = at_[4 * tag + k];
+      const Eigen::Vector2d* b = at_[4 * tag + (k + 1) % 4];
       if (a == nullptr || b == nullptr) continue;
       sum += (*a - *b).norm();
       ++count;
     }
-    if (count > 0) edges[tag] = sum / count;
+    return count > 0 ? sum / count : 0;
   }
-  return edges;
-}
 
-/// tagEdgeScale() of every tag of a view; of tags without an edge that of the others' mean.
-std::vector<double> edgeScales(const AprilGrid& target, const ImageView& view) {
-  std::vector<double> scales = edgesOf(target, view);
-  double sum = 0, seen = 0;
-  for (const double edge : scales) {
-    sum += edge;
-    seen += edge > 0 ? 1 : 0;
-  }
-  const double mean = seen > 0 ? sum / seen : kTagEdgePx;
-  for (double& scale : scales) scale = tagEdgeScale(scale > 0 ? scale : mean);
-  return scales;
-}
+  std::vector<const Eigen::Vector2d*> at_;  // by corner_id; null: not seen
+  std::vector<double> scales_;
+};
 
 /// Corners of a board as seen by a detector that does not widen the tags, and by how much it does:
 /// that differs from view to view with the size at which a tag is seen.
@@ -58,11 +67,12 @@ struct PlacedBoard {
   /// Corner `id` moved outward by half of what the tag seems wider: 1 and 2 lie to the right, 2 and
   /// 3 at the top.
   Eigen::Vector3d point(int id, double edge_scale) const {
-    const int k = id % 4;
+    constexpr double kRight[] = {-1, 1, 1, -1};
+    constexpr double kUp[] = {-1, -1, 1, 1};
     const double half = 0.5 * tag_edge * edge_scale;
     Eigen::Vector3d p = points[static_cast<std::size_t>(id)];
-    p.x() += k == 1 || k == 2 ? half : -half;
-    p.y() += k == 2 || k == 3 ? half : -half;
+    p.x() += half * kRight[id % 4];
+    p.y() += half * kUp[id % 4];
     return p;
   }
   std::vector<Eigen::Vector3d> points;
@@ -78,17 +88,18 @@ PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageVie
     total_ += lines(count_.back());
   }
   const PlacedBoard board(target);
+  EdgeScales edge_scales(target);
   storage_.resize(kColumns * total_);
   ids_.resize(kLanes * total_);
   for (std::size_t i = 0; i < views.size(); ++i) {
+    const std::vector<Corner>& corners = views[i].corners;
     const int n = count_[i];
     const int step = lines(n);
-    const std::vector<double> scales = edgeScales(target, views[i]);
+    const std::vector<double>& scales = edge_scales.of(views[i]);
     // Lanes beyond the last corner repeat it with weight 0: kernels need no masks, and a corner
     // that is there projects to finite numbers, where zeros might divide by zero.
     for (int j = 0; j < kLanes * step; ++j) {
-      const Corner& corner = views[i].corners[j < n ? j : n - 1];
-      assert(corner.id >= 0 && corner.id < target.cornerCount());
+      const Corner& corner = corners[static_cast<std::size_t>(std::min(j, n - 1))];
       const double scale = scales[static_cast<std::size_t>(corner.id) / 4];
       const Eigen::Vector3d p_F = board.point(corner.id, scale);
       const double row[kColumns] = {p_F.x(),       p_F.y(),         p_F.z(), corner.uv.x(),
