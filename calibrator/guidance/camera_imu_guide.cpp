@@ -35,6 +35,7 @@ struct CameraImuGuide::State {
         first_suggestion(begin.first_suggestion),
         next_suggestion(begin.first_suggestion),
         next_attempt(options_.trajectories.start_frames),
+        watch(cameras, options_.latency.imu_batch_s, options_.threads),
         gate(options_, begin.busy_until),
         first_trajectory(lissajousFirst(), rig_.target, Transform(),
                          lissajousOptions(options_.trajectories)) {}
@@ -82,10 +83,11 @@ struct CameraImuGuide::State {
   int without_view = 0;
   bool finished = false;
   std::optional<double> entropy_nats;
-  double squared_px_sum = 0;  // mean squared residual of a corner [px^2], frame by frame
-  int squared_px_count = 0;
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
+  double squared_px_sum = 0;  // mean squared residual of a corner [px^2], frame by frame
+  int squared_px_count = 0;
+  NoiseWatch watch;
   FrameGate gate;
   LissajousTrajectory first_trajectory;  // asked for before any could be scored
 };
@@ -207,15 +209,16 @@ void CameraImuGuide::State::report(Decision& d) {
 }
 
 /// What points that the IMU predicts are expected to be off by, with the weights as assumed, under
-/// the noise that the corners' residuals have had in this stage; the IMU's is as stated. What a
-/// trajectory would leave is scaled alike.
+/// the noise that the residuals of this stage show. What a trajectory would leave is scaled alike.
 void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision& d) {
   squared_px_sum += *d.rmse_px * *d.rmse_px;
   ++squared_px_count;
+  watch.look(d.t, recording);
+  const StageNoise& noise = watch.noiseAt(d.t);
   // A corner has two axes, and pixel_sigma is of one.
-  const double corner_variance =
-      0.5 * squared_px_sum / (squared_px_count * stage().pixel_sigma * stage().pixel_sigma);
-  const auto E = evaluator->squaredPx(known, corner_variance);
+  const double sigma = noise.shared_px / stage().pixel_sigma;
+  const double corners = 0.5 * squared_px_sum / squared_px_count * sigma * sigma;
+  const auto E = evaluator->squaredPx(known, {corners, noise.imu_variance});
   if (E) d.error_px = std::sqrt(*E);
   if (stopsByError()) d.error_bound_px = stage().stop_reprojection_px;
   if (evaluator->isDue(d.t)) {

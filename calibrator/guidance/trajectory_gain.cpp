@@ -198,8 +198,8 @@ std::optional<Eigen::MatrixXd> TrajectoryScorer::informationWith(
 }
 
 std::optional<double> TrajectoryScorer::squaredPx(const WindowKnowledge& now,
-                                                  double corner_variance) const {
-  const auto covariance = calibrationCovariance(now, corner_variance);
+                                                  const NoiseVariances& variances) const {
+  const auto covariance = calibrationCovariance(now, variances);
   if (!covariance) return std::nullopt;
   const double E = reprojection_.expectedErrorUnder(*covariance, now.estimate.T_SC0);
   return std::isfinite(E) && E > 0 ? std::optional(E) : std::nullopt;

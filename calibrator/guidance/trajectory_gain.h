@@ -63,9 +63,10 @@ class TrajectoryScorer {
   /// Of each trajectory; NaN where nothing can be said: too few corners along it, or something is
   /// not determined. Equal for any number of threads.
   TrajectoryScores scores(const WindowKnowledge& now, int threads = 1) const;
-  /// E of what is known now [px^2], of corners with `corner_variance` times the variance that was
-  /// assumed (calibrationCovariance()); empty where the time offset, or T_SC0, is not determined.
-  std::optional<double> squaredPx(const WindowKnowledge& now, double corner_variance = 1) const;
+  /// E of what is known now [px^2] under this noise (calibrationCovariance()); empty where the time
+  /// offset, or T_SC0, is not determined.
+  std::optional<double> squaredPx(const WindowKnowledge& now,
+                                  const NoiseVariances& variances = {}) const;
 
  private:
   /// A trajectory without what depends on the estimate.
@@ -113,8 +114,9 @@ class TrajectoryEvaluator {
   /// Predicted errors are multiplied by `error_scale`.
   void ask(TimeNs t, WindowKnowledge now, double error_scale = 1);
   /// E of what is known now [px^2], without scale; see TrajectoryScorer.
-  std::optional<double> squaredPx(const WindowKnowledge& now, double corner_variance = 1) const {
-    return scorer_->squaredPx(now, corner_variance);
+  std::optional<double> squaredPx(const WindowKnowledge& now,
+                                  const NoiseVariances& variances = {}) const {
+    return scorer_->squaredPx(now, variances);
   }
   /// The scores, once, with the first frame at or after their time.
   std::optional<CandidateRound> answerAt(TimeNs t);

@@ -279,7 +279,7 @@ std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& inf
 }
 
 std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& known,
-                                                     double corner_variance) {
+                                                     const NoiseVariances& variances) {
   const auto size = known.information.rows();
   const int first = static_cast<int>(size) - BorderLayout::kFixed;
   std::vector<int> keep(6);
@@ -289,14 +289,15 @@ std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& know
       marginalised({known.information, Eigen::VectorXd::Zero(size), 0, known.corners}, keep);
   const auto factor = cost ? scaledCholesky(cost->H) : std::nullopt;
   if (!factor) return std::nullopt;
-  // A sandwich: the estimate weighs corners as if their variance were 1, the scatter of the
-  // gradient has `corner_variance` of it.
+  // A sandwich: the estimate weighs as if all variances were 1, the gradient scatters by the true
+  // ones. What the corners do not bring of the information, the IMU does.
   const Eigen::VectorXd scale = factor->D.cwiseInverse();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() *
       factor->llt.solve(Eigen::MatrixXd::Identity(cost->H.rows(), cost->H.rows())) *
       scale.asDiagonal();
-  return inverse * (cost->H + (corner_variance - 1) * cost->noise) * inverse;
+  return inverse * (variances.imu * cost->H + (variances.corners - variances.imu) * cost->noise) *
+         inverse;
 }
 
 }  // namespace plumbline

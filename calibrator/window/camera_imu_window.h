@@ -141,10 +141,15 @@ class CameraImuWindow {
 std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& information,
                                                       bool offset);
 
-/// Covariance of T_SC0 (6) and the time offset (7 x 7) where the corners have `corner_variance`
-/// times the variance that their weights assume: covarianceUnder() of a window. Empty where they
-/// are not determined.
+/// True variances over those that the weights assume.
+struct NoiseVariances {
+  double corners = 1;
+  double imu = 1;  ///< of all inertial rows alike
+};
+
+/// Covariance of T_SC0 (6) and the time offset (7 x 7) under other noise than assumed:
+/// covarianceUnder() of a window. Empty where they are not determined.
 std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& known,
-                                                     double corner_variance);
+                                                     const NoiseVariances& variances);
 
 }  // namespace plumbline

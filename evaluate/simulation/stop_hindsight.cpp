@@ -231,7 +231,7 @@ std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
   const auto found = calibrateCameraImu(session, truth.cameras, stage);
   if (!found) return std::nullopt;
   const double sigma = made.simulation.corner_sigma_px / stage.pixel_sigma;
-  const auto covariance = covarianceUnder(solvedBatch(session, *found, stage), sigma * sigma);
+  const auto covariance = covarianceUnder(solvedBatch(session, *found, stage), {.corner = sigma});
   if (!covariance) return std::nullopt;
   const ImuReprojection use(truth.cameras);
   // Without noise, what is off is what the model leaves out, as the board's shape.

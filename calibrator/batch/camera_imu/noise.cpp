@@ -16,6 +16,7 @@ constexpr int kSegment = 100;  // frames
 constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 1e3;
+constexpr double kTriedRedundancy = 1;  // from which a group may move to see where it leads
 using Groups = Eigen::Array<double, kGroups, 1>;
 
 double limited(double factor) { return std::clamp(factor, kLeastFactor, kMostFactor); }
@@ -34,31 +35,45 @@ struct Link {
   Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
 };
 
+/// Whitened rows (J | r) of an inertial link, columns as in LinkGram. Empty where the samples do
+/// not cover it.
+std::optional<Eigen::Matrix<double, 9, 28>> motionRows(const CameraImuProblem& problem,
+                                                       const CameraImuEstimate& estimate,
+                                                       const ImuWeights& weights, std::size_t k) {
+  const ImuState& i = estimate.states[k];
+  const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
+  const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
+  if (!motion) return std::nullopt;
+  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
+  const ImuResidual r = imuResidual(*motion, i, estimate.states[k + 1], gravity);
+  Eigen::Matrix<double, 9, 28> J;
+  J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
+  return weights[k].sqrt_information.lazyProduct(J).eval();
+}
+
+Vector6d walkWeight(const ImuWeight& weight) {
+  Vector6d rows;
+  rows << Eigen::Vector3d::Constant(weight.gyro_walk), Eigen::Vector3d::Constant(weight.accel_walk);
+  return rows;
+}
+
 /// Once, at the solution; afterwards only the factors change, and no sample is visited again.
 std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
                                          const CameraImuEstimate& estimate,
                                          const ImuWeights& weights) {
   std::vector<Link> links;
-  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
   for (std::size_t k = 0; k < problem.links.size(); ++k) {
     if (problem.links[k] == FrameLink::kBroken) continue;
-    const ImuState& i = estimate.states[k];
-    const ImuState& j = estimate.states[k + 1];
     Link& link = links.emplace_back();
     link.at = static_cast<int>(k);
-    link.walk_weight << Eigen::Vector3d::Constant(weights[k].gyro_walk),
-        Eigen::Vector3d::Constant(weights[k].accel_walk);
-    link.walk = biasWalkResidual(i, j).cwiseProduct(link.walk_weight);
+    link.walk_weight = walkWeight(weights[k]);
+    link.walk =
+        biasWalkResidual(estimate.states[k], estimate.states[k + 1]).cwiseProduct(link.walk_weight);
     if (problem.links[k] != FrameLink::kInertial) continue;
-    const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
-    const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
-    if (!motion) return std::nullopt;
-    const ImuResidual r = imuResidual(*motion, i, j, gravity);
-    Eigen::Matrix<double, 9, 28> J;
-    J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
-    const Eigen::Matrix<double, 9, 28> W = weights[k].sqrt_information.lazyProduct(J);
-    link.motion[0] = W.topRows<3>().transpose().lazyProduct(W.topRows<3>());
-    link.motion[1] = W.bottomRows<6>().transpose().lazyProduct(W.bottomRows<6>());
+    const auto W = motionRows(problem, estimate, weights, k);
+    if (!W) return std::nullopt;
+    link.motion[0] = W->topRows<3>().transpose().lazyProduct(W->topRows<3>());
+    link.motion[1] = W->bottomRows<6>().transpose().lazyProduct(W->bottomRows<6>());
     link.inertial = true;
   }
   return links;
@@ -318,6 +333,52 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
   return out;
 }
 
+namespace {
+
+struct VarianceFit {
+  Factors factors;
+  Evaluation at;
+};
+
+/// From the densities as assumed; a group moves while its redundancy is at least `least`.
+std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
+                                        const Evaluation& assumed, const Groups& least,
+                                        const ImuNoiseOptions& options) {
+  VarianceFit fit{{}, assumed};
+  for (int round = 0; round < options.max_rounds; ++round) {
+    const double pixel = components.pixelFactor(fit.at);
+    const Groups ratio =
+        (fit.at.redundancy >= least).select(fit.at.squares / fit.at.redundancy, 1.0);
+    // Both in the logarithm of a standard deviation; `ratio` is of variances.
+    const double change = std::max(std::abs(std::log(pixel / fit.factors.pixel)),
+                                   0.5 * ratio.max(1e-12).log().abs().maxCoeff());
+    if (change < options.tolerance) break;
+    fit.factors = {pixel, nextFactors(fit.factors.imu, ratio)};
+    const auto next = components.at(fit.factors);
+    if (!next) return std::nullopt;
+    fit.at = *next;
+  }
+  return fit;
+}
+
+/// Densities far too small leave an interval nothing to say: its states follow the samples, and the
+/// poses pay. A group that has the redundancy once its factor is found is believed, however little
+/// it had under the density assumed; the others keep that.
+std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
+                                        const Evaluation& assumed, const ImuNoiseOptions& options) {
+  const Groups least = Groups::Constant(options.least_redundancy);
+  const auto fit = fitVariances(components, assumed, least, options);
+  const Groups tried = least.min(kTriedRedundancy);
+  if (!fit || (fit->at.redundancy >= least || fit->at.redundancy < tried).all()) return fit;
+  const auto released = fitVariances(components, assumed, tried, options);
+  if (!released) return fit;
+  const auto found = (released->at.redundancy >= least).eval();
+  if ((found == (fit->at.redundancy >= least)).all()) return fit;
+  return fitVariances(components, assumed, found.select(tried, least), options);
+}
+
+}  // namespace
+
 ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
                              const ImuNoiseOptions& options) {
   solution.normals = CameraImuNormals();  // large, and not needed here
@@ -326,26 +387,97 @@ ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solutio
   auto links = linksOf(problem, solution.estimate, solution.weights);
   if (!links) return {};
   const VarianceComponents components(std::move(cameras.chain), std::move(*links), problem.threads);
-  Factors factors;
-  const auto assumed = components.at(factors);
-  if (!assumed) return {};
-  Evaluation now = *assumed;
-  for (int round = 0; round < options.max_rounds; ++round) {
-    const double pixel = components.pixelFactor(now);
-    const Groups ratio =
-        (now.redundancy >= options.least_redundancy).select(now.squares / now.redundancy, 1.0);
-    // Both in the logarithm of a standard deviation; `ratio` is of variances.
-    const double change = std::max(std::abs(std::log(pixel / factors.pixel)),
-                                   0.5 * ratio.max(1e-12).log().abs().maxCoeff());
-    if (change < options.tolerance) break;
-    factors = {pixel, nextFactors(factors.imu, ratio)};
-    const auto next = components.at(factors);
-    if (!next) return {};
-    now = *next;
+  const auto assumed = components.at({});
+  const auto fit = assumed ? fitVariances(components, *assumed, options) : std::nullopt;
+  if (!fit) return {};
+  const auto check = [&](int group) { return checkOf(group, *assumed, fit->at, fit->factors.imu); };
+  return {check(0), check(1), check(2), check(3), fit->factors.pixel * problem.pixel_sigma};
+}
+
+NoiseFactors noiseFactors(const ImuNoiseChecks& checks, double pixel_sigma) {
+  const bool known = checks.pose_pixel_sigma > 0;
+  return {known ? checks.pose_pixel_sigma / pixel_sigma : 1, checks.gyro.factor,
+          checks.accel.factor, checks.gyro_bias.factor, checks.accel_bias.factor};
+}
+
+namespace {
+
+// What a group of rows brings of the border's information once the chain has followed it: with W
+// the chain's response (chainResponses()), the sum of (W', 1) J' J (W', 1)' over the chain.
+
+Eigen::MatrixXd cornersInBorder(const BlockArrow& corners,
+                                const std::vector<ChainResponse>& responses) {
+  const int m = corners.border();
+  Eigen::MatrixXd out = corners.border_block.selfadjointView<Eigen::Upper>();
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    const Eigen::MatrixXd W = responses[i];
+    const Eigen::MatrixXd coupled = W.transpose() * corners.to_border[i].leftCols(m);
+    out += coupled + coupled.transpose();
+    out += W.transpose() * (corners.diagonal[i].selfadjointView<Eigen::Upper>() * W);
   }
-  return {checkOf(0, *assumed, now, factors.imu), checkOf(1, *assumed, now, factors.imu),
-          checkOf(2, *assumed, now, factors.imu), checkOf(3, *assumed, now, factors.imu),
-          factors.pixel * problem.pixel_sigma};
+  return out;
+}
+
+/// Of the four groups of a link's rows. Row by row: in the sum of their Gram's blocks what the rows
+/// leave would be lost among what cancels.
+std::optional<std::array<Eigen::MatrixXd, kGroups>> linksInBorder(
+    const SolvedCameraImu& solved, const ImuWeights& weights,
+    const std::vector<ChainResponse>& responses) {
+  constexpr int kGravity = BorderLayout::kGravity;
+  const auto& [problem, estimate] = solved;
+  const auto m = responses.front().cols();
+  std::array<Eigen::MatrixXd, kGroups> out;
+  out.fill(Eigen::MatrixXd::Zero(m, m));
+  const auto add = [&](std::size_t group, const Eigen::MatrixXd& rows) {
+    out[group] += rows.transpose() * rows;
+  };
+  for (std::size_t k = 0; k < problem.links.size(); ++k) {
+    if (problem.links[k] == FrameLink::kBroken) continue;
+    const Eigen::MatrixXd walk =
+        walkWeight(weights[k]).asDiagonal() * (responses[k + 1] - responses[k]).bottomRows<6>();
+    add(2, walk.topRows<3>());
+    add(3, walk.bottomRows<3>());
+    if (problem.links[k] != FrameLink::kInertial) continue;
+    const auto J = motionRows(problem, estimate, weights, k);
+    if (!J) return std::nullopt;
+    Eigen::MatrixXd rows =
+        J->leftCols<15>() * responses[k] + J->middleCols<9>(15) * responses[k + 1].topRows<9>();
+    rows.middleCols<3>(kGravity) += J->middleCols<3>(24);
+    add(0, rows.topRows<3>());
+    add(1, rows.bottomRows<6>());
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
+                                               const NoiseFactors& noise) {
+  const auto& [problem, estimate] = solved;
+  const auto weights = imuWeights(problem, estimate);
+  if (!weights) return std::nullopt;
+  auto normals = informationAt(problem, estimate, *weights);
+  if (!normals) return std::nullopt;
+  const auto chain = solveChain(normals->chain, {0, problem.threads});
+  const auto responses = chainResponses(std::move(normals->chain), problem.threads);
+  if (!chain || !responses) return std::nullopt;
+  const auto links = linksInBorder(solved, *weights, *responses);
+  if (!links) return std::nullopt;
+  const auto more = [](double factor) { return factor * factor - 1; };
+  // Of the gradient by the border: its information under the noise assumed, and what is more.
+  Eigen::MatrixXd gradient = chain->border_information;
+  gradient += more(noise.corner) *
+              cornersInBorder(cameraInformationAt(problem, estimate).chain, *responses);
+  gradient += more(noise.gyro) * (*links)[0] + more(noise.accel) * (*links)[1] +
+              more(noise.gyro_bias) * (*links)[2] + more(noise.accel_bias) * (*links)[3];
+  gradient(BorderLayout::kOffset, BorderLayout::kOffset) += normals->offset_noise;
+  const Eigen::MatrixXd inverse = borderCovariance(chain->border_information);
+  const Eigen::MatrixXd full = inverse * gradient * inverse;
+  constexpr int kT = BorderLayout::kExtrinsics;
+  const std::array<int, 7> rows{kT, kT + 1, kT + 2, kT + 3, kT + 4, kT + 5, BorderLayout::kOffset};
+  Eigen::MatrixXd covariance = full(rows, rows);
+  if (!covariance.allFinite()) return std::nullopt;
+  return covariance;
 }
 
 }  // namespace plumbline

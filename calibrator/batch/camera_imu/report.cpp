@@ -103,10 +103,6 @@ Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixX
   return 0.5 * (out + out.transpose());
 }
 
-// An information far weaker than any useful measurement, and its share of what there is.
-constexpr double kNoInformation = 1e-12;
-constexpr double kWeakPrior = 1e-13;
-
 /// The worst direction of a 3 x 3 covariance and its deviation, where that exceeds the limit or is
 /// no number.
 struct Loose {
@@ -232,6 +228,13 @@ void setCovariance(ParameterCovariance covariance, StageSummary& summary) {
   summary.covariance = std::move(covariance);
 }
 
+Eigen::MatrixXd borderCovariance(const Eigen::MatrixXd& information) {
+  // An information far weaker than any useful measurement, and its share of what there is.
+  constexpr double kNoInformation = 1e-12;
+  constexpr double kWeakPrior = 1e-13;
+  return finiteInverse(information, kNoInformation, kWeakPrior);
+}
+
 Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options) {
@@ -244,7 +247,7 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   if (!chain) {
     return Failure{FailureCode::kMotionInformationSingular};
   }
-  Eigen::MatrixXd full = finiteInverse(chain->border_information, kNoInformation, kWeakPrior);
+  Eigen::MatrixXd full = borderCovariance(chain->border_information);
   // Sandwich: the gradient by t_d varies by more than the information says.
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
@@ -264,8 +267,7 @@ std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
   const auto chain = solveChain(normals->chain, {0, problem.threads});
   if (!chain) return std::nullopt;
   constexpr int kFixed = BorderLayout::kFixed;  // own offsets stand behind: leaving them out holds
-  Eigen::MatrixXd full = finiteInverse(chain->border_information.topLeftCorner(kFixed, kFixed),
-                                       kNoInformation, kWeakPrior);
+  Eigen::MatrixXd full = borderCovariance(chain->border_information.topLeftCorner(kFixed, kFixed));
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
   const ParameterList list = parameterList(solution.estimate, false);
@@ -274,48 +276,6 @@ std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
     return std::nullopt;
   }
   return out;
-}
-
-namespace {
-
-/// Variance that the corners' noise gives the gradient by the border once the chain has followed
-/// it: with W the chain's response (chainResponses()), the sum of (W', 1) C (W', 1)'.
-Eigen::MatrixXd cornersInBorder(const BlockArrow& corners,
-                                const std::vector<ChainResponse>& responses) {
-  const int m = corners.border();
-  Eigen::MatrixXd out = corners.border_block.selfadjointView<Eigen::Upper>();
-  for (std::size_t i = 0; i < responses.size(); ++i) {
-    const Eigen::MatrixXd W = responses[i];
-    const Eigen::MatrixXd coupled = W.transpose() * corners.to_border[i].leftCols(m);
-    out += coupled + coupled.transpose();
-    out += W.transpose() * (corners.diagonal[i].selfadjointView<Eigen::Upper>() * W);
-  }
-  return out;
-}
-
-}  // namespace
-
-std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
-                                               double corner_variance) {
-  const auto& [problem, estimate] = solved;
-  const auto weights = imuWeights(problem, estimate);
-  if (!weights) return std::nullopt;
-  auto normals = informationAt(problem, estimate, *weights);
-  if (!normals) return std::nullopt;
-  const auto chain = solveChain(normals->chain, {0, problem.threads});
-  const auto responses = chainResponses(std::move(normals->chain), problem.threads);
-  if (!chain || !responses) return std::nullopt;
-  const Eigen::MatrixXd corners =
-      cornersInBorder(cameraInformationAt(problem, estimate).chain, *responses);
-  Eigen::MatrixXd noise = chain->border_information + (corner_variance - 1) * corners;
-  noise(BorderLayout::kOffset, BorderLayout::kOffset) += normals->offset_noise;
-  const Eigen::MatrixXd inverse =
-      finiteInverse(chain->border_information, kNoInformation, kWeakPrior);
-  const Eigen::MatrixXd full = inverse * noise * inverse;
-  const std::vector<int> rows = parameterList(estimate, false).rows;
-  Eigen::MatrixXd covariance = full(rows, rows);
-  if (!covariance.allFinite()) return std::nullopt;
-  return covariance;
 }
 
 std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& problem,

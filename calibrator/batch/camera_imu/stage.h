@@ -73,6 +73,10 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options);
 
+/// Inverse of the border's information, always finite: what nothing measures has a deviation far
+/// beyond every limit.
+Eigen::MatrixXd borderCovariance(const Eigen::MatrixXd& information);
+
 /// The same parameters at a solution that held them (fixed_calibration): the inverse information
 /// with states and gravity's direction marginalised, cameras and the differences between the
 /// cameras' own offsets held, so that the list is the same for every calibration; with the
@@ -81,15 +85,6 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
 std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
                                                    const CameraImuSolution& solution,
                                                    double cauchy_px);
-
-/// Covariance of T_SC0 (6) and the time offset (7 x 7), cameras held, of a batch whose corners have
-/// `corner_variance` times the variance that their weights assume (pixel_sigma^2). With H the
-/// information of all unknowns and C what corners bring of it,
-///   H^-1 (H + (corner_variance - 1) C) H^-1,
-/// all else marginalised, with the sandwich's part of cameraImuCovariance(). The IMU's noise is as
-/// assumed. Empty where H is singular.
-std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
-                                               double corner_variance);
 
 /// Covariance of every state and of gravity's direction, by the same rules: the selected inverse of
 /// the information, plus the sandwich's part. Empty where the information is singular.
@@ -137,5 +132,25 @@ struct ImuNoiseOptions {
 /// Takes over problem and solution, which are large: move them in where they are needed no more.
 ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
                              const ImuNoiseOptions& options = {});
+
+/// True standard deviations of the noise over those that a batch's weights assume.
+struct NoiseFactors {
+  double corner = 1;      ///< over pixel_sigma
+  double gyro = 1;        ///< rotation rows
+  double accel = 1;       ///< velocity and position rows
+  double gyro_bias = 1;   ///< random walk
+  double accel_bias = 1;  ///< random walk
+};
+/// As the residuals show them; corners by the poses' noise.
+NoiseFactors noiseFactors(const ImuNoiseChecks& checks, double pixel_sigma);
+
+/// Covariance of T_SC0 (6) and the time offset (7 x 7), cameras held, of a batch whose measurements
+/// have other noise than its weights assume. With H_g the information that a group of rows brings
+/// and f_g its factor,
+///   H^-1 (sum of f_g^2 H_g) H^-1,   H = sum of H_g,
+/// all else marginalised, with the sandwich's part of cameraImuCovariance(). Empty where H is
+/// singular or the offset leaves the samples.
+std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
+                                               const NoiseFactors& noise);
 
 }  // namespace plumbline

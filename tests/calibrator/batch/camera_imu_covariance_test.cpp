@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The covariance of a batch whose corners have another noise than their weights assume.
+// The covariance of a batch whose measurements have other noise than their weights assume.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -22,6 +22,7 @@ struct CovarianceCase {
   SolvedCameraImu solved() const { return solvedBatch(simulated.session, result, options); }
 };
 
+/// In standard deviations of b.
 double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   const Eigen::VectorXd scale = b.diagonal().cwiseSqrt().cwiseInverse();
   return (scale.asDiagonal() * (a - b) * scale.asDiagonal()).norm();
@@ -29,29 +30,69 @@ double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 TEST(CameraImuCovariance, OfTheNoiseAssumedIsTheBatchs) {
   const CovarianceCase c(test::noisyRecording(3));
-  EXPECT_LT(relative(*covarianceUnder(c.solved(), 1), c.result.summary.covariance.matrix), 1e-3);
+  EXPECT_LT(relative(*covarianceUnder(c.solved(), {}), c.result.summary.covariance.matrix), 1e-3);
 }
 
-// With A = s C + B, the corners' part in units of s, the derivative of A^-1 by log s is
-// -A^-1 s C A^-1: what a change of the assumed noise alone makes of the covariance tells the
-// corners' share. Without noise, since the sandwich's part does not follow.
+// Without noise of the samples, since the sandwich's part does not follow.
+TEST(CameraImuCovariance, IsFourTimesItselfUnderTwiceTheNoise) {
+  const CovarianceCase c(test::exactRecording(200));
+  const Eigen::MatrixXd assumed = *covarianceUnder(c.solved(), {});
+  EXPECT_LT(relative(*covarianceUnder(c.solved(), {2, 2, 2, 2, 2}), 4 * assumed), 2e-2);
+}
+
+/// What the covariance gains by the noise of one group of measurements, from a derivative: with
+/// A = s H_g + B, the group's part in units of s, that of A^-1 by log s is -A^-1 s H_g A^-1.
+/// `scale` multiplies the group's standard deviation in the weights.
+template <class Scale>
+Eigen::MatrixXd shareOf(const SolvedCameraImu& solved, const Scale& scale) {
+  const double h = 1e-3;
+  SolvedCameraImu more = solved, less = solved;
+  scale(more.problem, std::exp(h / 2));
+  scale(less.problem, std::exp(-h / 2));
+  return (*covarianceUnder(more, {}) - *covarianceUnder(less, {})) / (2 * h);
+}
+
+/// `noise` makes of the covariance what the group's share, times variance - 1, adds to it.
+void expectFollows(const SolvedCameraImu& solved, const Eigen::MatrixXd& share,
+                   NoiseFactors (*noise)(double factor)) {
+  const Eigen::MatrixXd assumed = *covarianceUnder(solved, {});
+  for (const double factor : {0.2, 2.0}) {
+    const Eigen::MatrixXd expected = assumed + (factor * factor - 1) * share;
+    EXPECT_LT(relative(*covarianceUnder(solved, noise(factor)), expected), 2e-2) << factor;
+  }
+}
+
 TEST(CameraImuCovariance, FollowsTheCornersShare) {
   const CovarianceCase c(test::exactRecording(200));
-  SolvedCameraImu solved = c.solved();
-  const Eigen::MatrixXd assumed = *covarianceUnder(solved, 1);
-  const auto withSigma = [&](double factor) {
-    SolvedCameraImu other = solved;
-    other.problem.pixel_sigma *= factor;
-    return *covarianceUnder(other, 1);
-  };
-  const double h = 1e-3;
-  const Eigen::MatrixXd share =
-      (withSigma(std::exp(h / 2)) - withSigma(std::exp(-h / 2))) / (2 * h);
-  EXPECT_GT(relative(assumed + share, assumed), 0.1);
-  for (const double variance : {0.0, 0.04, 4.0}) {
-    const Eigen::MatrixXd expected = assumed + (variance - 1) * share;
-    EXPECT_LT(relative(*covarianceUnder(solved, variance), expected), 1e-4) << variance;
-  }
+  const SolvedCameraImu solved = c.solved();
+  const Eigen::MatrixXd share = shareOf(
+      solved, [](CameraImuProblem& problem, double factor) { problem.pixel_sigma *= factor; });
+  EXPECT_GT(share(0, 0) / (*covarianceUnder(solved, {}))(0, 0), 0.02);
+  expectFollows(solved, share, [](double factor) { return NoiseFactors{.corner = factor}; });
+}
+
+TEST(CameraImuCovariance, FollowsTheShareOfTheImusNoise) {
+  const CovarianceCase c(test::exactRecording(200));
+  const SolvedCameraImu solved = c.solved();
+  const Eigen::MatrixXd share = shareOf(solved, [](CameraImuProblem& problem, double factor) {
+    problem.noise.gyro_density *= factor;
+    problem.noise.accel_density *= factor;
+  });
+  EXPECT_GT(share(0, 0) / (*covarianceUnder(solved, {}))(0, 0), 0.02);
+  expectFollows(solved, share,
+                [](double factor) { return NoiseFactors{.gyro = factor, .accel = factor}; });
+}
+
+TEST(CameraImuCovariance, FollowsTheShareOfTheBiases) {
+  const CovarianceCase c(test::exactRecording(200));
+  const SolvedCameraImu solved = c.solved();
+  const Eigen::MatrixXd share = shareOf(solved, [](CameraImuProblem& problem, double factor) {
+    problem.noise.gyro_random_walk *= factor;
+    problem.noise.accel_random_walk *= factor;
+  });
+  expectFollows(solved, share, [](double factor) {
+    return NoiseFactors{.gyro_bias = factor, .accel_bias = factor};
+  });
 }
 
 }  // namespace

@@ -183,15 +183,15 @@ TEST(CameraImuWindow, KnowsTheCornersShareAsTheBatchDoes) {
   const SolvedCameraImu batch{recording().problem,
                               test::solvedWithOffsetHeld(recording().problem, recording().truth)};
   for (const double variance : {0.04, 1.0, 25.0}) {
-    const auto own = calibrationCovariance(*known, variance);
-    const auto expected = covarianceUnder(batch, variance);
+    const auto own = calibrationCovariance(*known, {.corners = variance});
+    const auto expected = covarianceUnder(batch, {.corner = std::sqrt(variance)});
     ASSERT_TRUE(own && expected);
     for (int i = 0; i < 7; ++i) {
       EXPECT_NEAR(std::sqrt((*own)(i, i) / (*expected)(i, i)), 1, 0.05) << variance << ' ' << i;
     }
   }
-  EXPECT_LT((*calibrationCovariance(*known, 0.04))(5, 5),
-            0.95 * (*calibrationCovariance(*known, 1))(5, 5));
+  EXPECT_LT((*calibrationCovariance(*known, {.corners = 0.04}))(5, 5),
+            0.95 * (*calibrationCovariance(*known, {}))(5, 5));
 }
 
 TEST(CameraImuWindow, HoldsItsSizeAndTheTimeOffset) {
