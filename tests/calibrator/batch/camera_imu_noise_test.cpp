@@ -19,8 +19,9 @@ struct Assumed {
   double pixel_sigma = 0.2;  // as simulated
 };
 
-ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed) {
-  SimulationOptions simulation = test::noisyRecording(seed, 10);
+ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed,
+                                double duration_s = 10) {
+  SimulationOptions simulation = test::noisyRecording(seed, duration_s);
   simulation.trajectory.seed = seed;
   const SimulatedSession s = test::simulate(simulation);
   CameraImuOptions options = test::matchedOptions(s, assumed.pixel_sigma);
@@ -69,6 +70,18 @@ TEST(ImuNoiseCheck, DensitiesWrongByThreeShowAsAThirdAndThree) {
     EXPECT_NEAR(accel.gyro.factor, right.gyro.factor, 0.1);
     EXPECT_NEAR(accel.accel.factor * wrong, right.accel.factor, 0.1);
   }
+}
+
+// Under them an interval has next to no redundancy: states follow the samples, poses pay.
+TEST(ImuNoiseCheck, DensitiesFarTooSmallAreToldFromFewFrames) {
+  const ImuNoiseChecks noise = summaryUnder({0.25, 0.25, 0.2}, 2, 4).noise;
+  EXPECT_LT(noise.gyro.expected_rms, 0.25);
+  for (const ImuNoiseCheck& check : {noise.gyro, noise.accel}) {
+    EXPECT_NEAR(std::log(check.factor / 4), 0, 4 / std::sqrt(2 * check.redundancy));
+    EXPECT_GT(check.factor, 2.5);
+  }
+  EXPECT_NEAR(noise.pose_pixel_sigma, 0.2, 0.03);
+  EXPECT_EQ(noise.gyro_bias.factor, 1);  // of a walk so short nothing is known
 }
 
 TEST(ImuNoiseCheck, AWrongPixelSigmaDoesNotMatter) {
