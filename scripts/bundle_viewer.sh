@@ -7,7 +7,7 @@ set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
-cp "$root"/report/html/viewer/* "$work"
+cp "$root"/report/html/viewer/*.* "$work"
 cd "$work"
 npm ci --no-fund --no-audit --silent
 node_modules/.bin/esbuild scene_viewer.js --bundle --minify --format=iife --target=es2020 \

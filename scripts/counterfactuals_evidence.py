@@ -51,16 +51,18 @@ def run(options):
     folder = pathlib.Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     for name, (model, loss, shape, camera, split) in pools():
-        path = folder / f"{name}-{options.candidates}.txt"
+        path = folder / f"{name}-{options.candidates}-{options.starts}-{options.views}.txt"
         if path.exists() or not fnmatch.fnmatch(name, options.only):
             continue
         shape = options.shape if shape == "bent" else "flat"
         numbers = [str(options.starts), str(options.candidates), str(options.views)]
         command = [options.program, options.session, model, loss, shape, camera, split, *numbers]
         done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode == 2:
-            sys.exit(done.stderr)
-        path.write_text(done.stdout)
+        if done.returncode not in (0, 1):  # 1: this pool has no calibration
+            sys.exit(f"{' '.join(command)}: ended with {done.returncode}\n{done.stderr}")
+        part = path.with_suffix(".part")
+        part.write_text(done.stdout)
+        part.rename(path)
 
 
 class Pool:
@@ -116,7 +118,7 @@ def text(views):
 
 def table(options):
     read = []
-    for path in sorted(pathlib.Path(options.out).glob(f"*-{options.candidates}.txt")):
+    for path in sorted(pathlib.Path(options.out).glob(f"*-{options.candidates}-{options.starts}-{options.views}.txt")):
         name = path.stem.rsplit("-", 1)[0]
         pool = Pool(path)
         if fnmatch.fnmatch(name, options.only) and pool.full is not None and pool.steps:

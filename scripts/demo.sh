@@ -4,9 +4,10 @@
 # small simulated session with images, calibrates it as if it were real, then makes a small user study and
 # evaluates it as a night would. Everything is written below ./demo (or the folder given as first argument).
 set -euo pipefail
+out=${1:+$(realpath -m "$1")}
 cd "$(dirname "$0")/.."
 source scripts/build_environment.sh
-out=${1:-demo}
+out=${out:-demo}
 
 scripts/install_dependencies.sh build
 echo "Building ..."
@@ -28,4 +29,6 @@ echo "Simulating a user study of four participants, with and without guidance ..
 build/evaluate/plumbline simulate study --participants 4 --duration 10 --sequences 2 --out "$out/study" --force
 echo
 echo "Evaluating it as every night would ..."
+# A demo has no nights before, of other programs, to be worse than.
+[ ! -e "$out/night/plumbline-study.json" ] || rm -rf "$out/night"
 build/evaluate/plumbline study "$out/study/STUDY.yaml" --out "$out/night"

@@ -55,4 +55,4 @@ fuzz_one() {
 }
 export -f fuzz_one
 if [ $# -gt 0 ]; then printf '%s\n' "$@"; else ls build-sanitized/tests/fuzzers | sed 's/^fuzz_//'; fi |
-  xargs -P "$(nproc)" -I{} bash -c 'fuzz_one "$@"' _ "$folder" {} "${limit[@]}"
+  xargs -P "$(nproc)" -I{} bash -c 'fuzz_one "$@"' _ "$folder" {} "${limit[@]}" || exit 1

@@ -10,11 +10,13 @@ if [ $# -lt 2 ]; then
   echo "usage: $0 STUDY.yaml FOLDER [OPTIONS]" >&2
   exit 2
 fi
-study=$1 folder=$2
+study=$1 folder=${2%/}
 shift 2
 mkdir -p "$folder.logs" || exit 2
 log=$folder.logs/$(date -u +%Y-%m-%dT%H-%M-%SZ).txt
-"${PLUMBLINE:-plumbline}" study "$study" --out "$folder" --recheck 5 "$@" >"$log" 2>&1
+recheck=(--recheck 5)
+case " $* " in *" --recheck"[\ =]*) recheck=() ;; esac
+"${PLUMBLINE:-plumbline}" study "$study" --out "$folder" ${recheck[@]+"${recheck[@]}"} "$@" >"$log" 2>&1
 code=$?
 cat "$log"
 # A year of them is enough.

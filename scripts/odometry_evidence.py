@@ -101,7 +101,10 @@ def main():
     o.work.mkdir(parents=True, exist_ok=True)
     options = ["--duration", str(o.duration), "--turns", str(o.turns)]
     options += ["--images"] if o.images else []
-    table = [errors(o.plumbline, o.work, seed, options) for seed in range(1, o.seeds + 1)]
+    # Flights made with other options are others.
+    work = o.work / "".join(options).replace("--", "-").strip("-")
+    work.mkdir(exist_ok=True)
+    table = [errors(o.plumbline, work, seed, options) for seed in range(1, o.seeds + 1)]
     print("| ATE [cm] | " + " | ".join(f"seed {i + 1}, {length:.0f} m"
                                       for i, (_, length) in enumerate(table)) +
           " | median increase |")

@@ -22,6 +22,7 @@ import math
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 
 METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
@@ -52,8 +53,8 @@ def quantile(values, p):
 
 
 def kept_file(options, name, person):
-    rig = options.rig if options.first_seed == 1 else f"{options.rig}-from-{options.first_seed}"
-    return pathlib.Path(options.work) / rig / name.replace(", ", "-").replace(" ", "_") / f"{person}.json"
+    made = f"{options.rig}-{options.persons}x{options.duration:g}s-from-{options.first_seed}"
+    return pathlib.Path(options.work) / made / name.replace(", ", "-").replace(" ", "_") / f"{person}.json"
 
 
 def record(options, name, person):
@@ -99,6 +100,8 @@ def quartiles(values, digits=1):
 def table(options):
     found = {name: read(options, name) for name in METHODS if fnmatch.fnmatch(name, options.only)}
     found = {name: documents for name, documents in found.items() if documents}
+    if not found:
+        sys.exit(f"{options.work}: holds no recording of such persons by a method like {options.only}")
     persons = set.intersection(*(set(f) for f in found.values()))
     print(f"{len(persons)} persons, rig {options.rig}; quartiles and median (25 / 50 / 75 %)\n")
     print("| method | cameras [s] | views | reached | T_SC0 [s] | reached | both [s] |\n|---|---|---|---|---|---|---|")

@@ -6,9 +6,10 @@
 # Needs root (slurmd's), and no Slurm that listens on its two ports. Ends what it starts. KEEP=1 leaves its folder.
 # Usage: scripts/test_slurm.sh [PLUMBLINE]
 set -euo pipefail
-cd "$(dirname "$0")/.."
-[ "$(id -u)" = 0 ] || exec sudo "KEEP=${KEEP:-}" "$0" "$@"
-plumbline=$(realpath "${1:-build/evaluate/plumbline}")
+self=$(realpath "$0")
+[ "$(id -u)" = 0 ] || exec sudo "KEEP=${KEEP:-}" "$self" "$@"
+plumbline=$(realpath "${1:-$(dirname "$self")/../build/evaluate/plumbline}")
+cd "$(dirname "$self")/.."
 work=$(mktemp -d)
 pids=()
 finish() {

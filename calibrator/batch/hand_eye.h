@@ -72,7 +72,7 @@ struct HandEye {
 /// where S turns about one axis only (the translation of M along it then goes unseen) or not at
 /// all; with kImplausible where no T_SM explains the rotations within 20 degrees (RMS), as when one
 /// side's quaternions are inverted, or leaves a quarter of the positions' spread; with
-/// kNotConverged where Ceres gives up. O(pairs).
+/// kHandEyeNotConverged where minimise() finds no minimum. O(pairs).
 Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs,
                                 const HandEyeOptions& options = {});
 

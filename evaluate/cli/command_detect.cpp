@@ -79,6 +79,8 @@ Command detectCommand() {
           "plumbline detect session --out corners", [](CLI::App& app) {
             auto options = std::make_shared<DetectOptions>();
             options->session.declare(app);
+            // Corners do not depend on the board's shape, and a session of them states none.
+            app.remove_option(app.get_option("--target-shape"));
             options->output.declare(app, "Folder to write")->required();
             options->json.declare(app);
             return std::function<int()>([options] { return detect(*options); });

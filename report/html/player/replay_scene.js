@@ -280,8 +280,8 @@
     listen() {
       let last = null;
       const redraw = () => this.draw(this.frame);
-      this.canvas.addEventListener('pointerdown', (e) => { last = [e.clientX, e.clientY]; this.canvas.setPointerCapture(e.pointerId); });
-      this.canvas.addEventListener('pointerup', () => { last = null; });
+      this.canvas.addEventListener('pointerdown', (e) => { if (e.button !== 0) return; last = [e.clientX, e.clientY]; this.canvas.setPointerCapture(e.pointerId); });
+      for (const end of ['pointerup', 'pointercancel', 'lostpointercapture']) this.canvas.addEventListener(end, () => { last = null; });
       this.canvas.addEventListener('pointermove', (e) => {
         if (!last) { this.point(e); return; }
         this.eye[e.shiftKey ? 'move' : 'turn'](e.clientX - last[0], e.clientY - last[1]);

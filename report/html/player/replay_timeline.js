@@ -91,7 +91,7 @@
 
     drawTimes(ctx) {
       const {offsets, frames} = this.data;
-      const most = Math.max(...offsets) / 1e9;
+      const most = offsets.reduce((a, b) => Math.max(a, b), 0) / 1e9;
       if (!(most > 0)) return;
       const step = roundStep(most, Math.max(2, this.width / 90));
       let due = 0;
