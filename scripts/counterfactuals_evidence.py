@@ -119,7 +119,7 @@ def text(views):
 def table(options):
     read = []
     for path in sorted(pathlib.Path(options.out).glob(f"*-{options.candidates}-{options.starts}-{options.views}.txt")):
-        name = path.stem.rsplit("-", 1)[0]
+        name = path.stem.rsplit("-", 3)[0]
         pool = Pool(path)
         if fnmatch.fnmatch(name, options.only) and pool.full is not None and pool.steps:
             read.append((name, pool))
