@@ -334,7 +334,7 @@ struct ImuNoiseCheck {
   double redundancy = 0;
 };
 
-/// The checks of all groups; see calibrator/batch/camera_imu/noise.h.
+/// The checks of all groups; see checkImuNoise() (calibrator/batch/camera_imu/stage.h).
 struct ImuNoiseChecks {
   ImuNoiseCheck gyro;        ///< rotation rows
   ImuNoiseCheck accel;       ///< velocity and position rows

@@ -68,11 +68,12 @@ struct HandEye {
 /// minimise(); noise that is not given is estimated from the residuals of the solution before, four
 /// times over.
 ///
-/// Fails with kTooFewViews for fewer than 10 pairs; with kNotObservable, naming the direction,
-/// where S turns about one axis only (the translation of M along it then goes unseen) or not at
-/// all; with kImplausible where no T_SM explains the rotations within 20 degrees (RMS), as when one
-/// side's quaternions are inverted, or leaves a quarter of the positions' spread; with
-/// kHandEyeNotConverged where minimise() finds no minimum. O(pairs).
+/// Fails with kHandEyeTooFewPairs for fewer than 10; with kHandEyeOneAxis, naming it, where S turns
+/// about one axis only (the translation of M along it then goes unseen), with kHandEyeNoRotation
+/// where not at all; with kHandEyeRotationsDisagree where no T_SM explains the rotations within 20
+/// degrees (RMS), as when one side's quaternions are inverted; with kHandEyePositionsDisagree where
+/// what is left exceeds a quarter of the positions' spread; with kHandEyeNotConverged where
+/// minimise() finds no minimum. O(pairs).
 Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs,
                                 const HandEyeOptions& options = {});
 

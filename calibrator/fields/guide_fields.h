@@ -76,7 +76,8 @@ void fields(V& v, Decision& d) {
   v("error_px", d.error_px, "px", "predicted error in later use of the views kept");
   v("error_with_px", d.error_with_px, "px", "the same with this frame");
   v("error_bound_px", d.error_bound_px, "px",
-    "what `error_with_px` was compared with; null where the criterion is the gain");
+    "what `error_with_px` was compared with, in the camera-IMU stage `error_px`; null where the "
+    "gain decides");
   v("excess", d.excess, "1", "relative increase of a corner's error that it causes");
   v("projection_px", d.projection_px, "px",
     "predicted RMS projection error, with `--stop-projection-px`");

@@ -318,7 +318,8 @@ void fields(V& v, FaultTest& t) {
   v("std", t.std, "its cluster-robust standard deviation");
   v("frequency_hz", t.frequency_hz, "of the swinging motion");
   v("chi2", t.chi2, "of the estimate against zero");
-  v("explained", t.explained, "decrease of twice the batch's cost when the fault is modelled");
+  v("explained", t.explained,
+    "decrease of twice the batch's cost when the fault is modelled, over its overdispersion");
   v("dof", t.dof, "number of its parameters");
   v("significance", t.significance, "chi2 as a deviate of the normal distribution");
   v("shift", t.shift, "change of T_SC0 (3 m, 3 rad) and the offset [s] if it were modelled");

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
@@ -85,8 +86,7 @@ struct CameraImuGuide::State {
   std::optional<double> entropy_nats;
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
-  double squared_px_sum = 0;  // mean squared residual of a corner [px^2], frame by frame
-  int squared_px_count = 0;
+  std::vector<double> squared_px;  // mean squared residual of a corner [px^2], frame by frame
   NoiseWatch watch;
   FrameGate gate;
   LissajousTrajectory first_trajectory;  // asked for before any could be scored
@@ -209,16 +209,18 @@ void CameraImuGuide::State::report(Decision& d) {
 }
 
 /// What points that the IMU predicts are expected to be off by, with the weights as assumed, under
-/// the noise that the residuals of this stage show. What a trajectory would leave is scaled alike.
+/// the noise that the residuals of this stage show. No stop before that is known. What a trajectory
+/// would leave is scaled alike.
 void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision& d) {
-  squared_px_sum += *d.rmse_px * *d.rmse_px;
-  ++squared_px_count;
+  squared_px.push_back(*d.rmse_px * *d.rmse_px);
   watch.look(d.t, recording);
-  const StageNoise& noise = watch.noiseAt(d.t);
-  // A corner has two axes, and pixel_sigma is of one.
-  const double sigma = noise.shared_px / stage().pixel_sigma;
-  const double corners = 0.5 * squared_px_sum / squared_px_count * sigma * sigma;
-  const auto E = evaluator->squaredPx(known, {corners, noise.imu_variance});
+  const auto noise = watch.noiseAt(d.t);
+  const StageNoise shown = noise.value_or(StageNoise());
+  // A corner has two axes, and pixel_sigma is of one. The median: a frame with a false corner says
+  // nothing of the others.
+  const double sigma = shown.shared_px / stage().pixel_sigma;
+  const double corners = 0.5 * median(squared_px) * sigma * sigma;
+  const auto E = evaluator->squaredPx(known, {corners, shown.imu_variance});
   if (E) d.error_px = std::sqrt(*E);
   if (stopsByError()) d.error_bound_px = stage().stop_reprojection_px;
   if (evaluator->isDue(d.t)) {
@@ -226,7 +228,7 @@ void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision&
     evaluator->ask(d.t, known, E && assumed ? *E / *assumed : 1);
     asked_error_px = d.error_px;
   }
-  if (stopsByError() && d.error_px && *d.error_px <= *d.error_bound_px) finish(d);
+  if (stopsByError() && noise && d.error_px && *d.error_px <= *d.error_bound_px) finish(d);
 }
 
 /// What a trajectory promises, by the criterion: nats of its gain, or the logarithm by which it

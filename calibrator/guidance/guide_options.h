@@ -129,7 +129,9 @@ struct GuideLatency {
   double imu_start_s = 0;     ///< each attempt to start the camera-IMU stage
   double imu_frame_s = 0;
   double trajectories_s = 0;
-  double imu_batch_s = 0;  ///< once, when the stage finishes
+  /// Once, when the stage finishes; and beside the frames, from a batch that judges the noise to
+  /// its answer.
+  double imu_batch_s = 0;
 
   void check() const;
 };

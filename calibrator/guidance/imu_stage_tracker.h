@@ -176,8 +176,8 @@ class NoiseWatch {
 
   /// Asks, if it is time to, for the frames kept until `t`.
   void look(TimeNs t, const ImuStageRecording& recording);
-  /// As answered last; as assumed before. A batch that fails leaves it as it was.
-  const StageNoise& noiseAt(TimeNs t);
+  /// As answered last; empty before. A batch that fails leaves it as it was.
+  std::optional<StageNoise> noiseAt(TimeNs t);
 
  private:
   std::vector<CameraCalibration> cameras_;
@@ -186,7 +186,7 @@ class NoiseWatch {
   std::size_t next_frames_ = 0;  // number of frames kept that asks again
   TimeNs asked_ = 0;
   std::future<std::optional<StageNoise>> answer_;
-  StageNoise noise_;
+  std::optional<StageNoise> noise_;
 };
 
 /// The window on the first frames of the camera-IMU stage: their batch (the time offset by

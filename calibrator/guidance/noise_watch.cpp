@@ -31,22 +31,27 @@ std::optional<StageNoise> noiseOf(const Session& session,
                                   const std::vector<CameraCalibration>& cameras,
                                   const CameraImuOptions& options) {
   const auto found = calibrateCameraImu(session, cameras, options);
-  if (!found) return std::nullopt;
-  const SolvedCameraImu batch = solvedBatch(session, *found, options);
+  if (!found || !found->summary.converged) return std::nullopt;
   const ImuNoiseChecks& checks = found->imu_summary.noise;
+  if (!(checks.pose_pixel_sigma > 0)) return std::nullopt;  // the check found nothing
+  const SolvedCameraImu batch = solvedBatch(session, *found, options);
   const ImuReprojection use(cameras);
   const auto expected = [&](const NoiseFactors& noise) {
     const auto covariance = covarianceUnder(batch, noise);
     return covariance ? use.expectedErrorUnder(*covariance, found->imu.T_SC0) : -1;
   };
-  const double shown = expected({0, beyondChance(checks.gyro), beyondChance(checks.accel),
-                                 beyondChance(checks.gyro_bias), beyondChance(checks.accel_bias)});
-  const double assumed = expected({0, 1, 1, 1, 1});
+  // Of the inertial rows alone.
+  const double shown =
+      expected({0, beyondChance(checks.gyro), beyondChance(checks.accel),
+                beyondChance(checks.gyro_bias), beyondChance(checks.accel_bias), 0});
+  const double assumed = expected({0, 1, 1, 1, 1, 0});
   if (!(shown > 0) || !(assumed > 0)) return std::nullopt;
   StageNoise out;
   out.imu_variance = shown / assumed;
   // A pose has six rows, about half of them left by what the IMU says.
-  const double of_poses = 1 / std::sqrt(6.0 * static_cast<double>(found->frames.size()));
+  const auto judged =
+      std::min(static_cast<int>(found->frames.size()), ImuNoiseOptions().max_frames);
+  const double of_poses = 1 / std::sqrt(6.0 * judged);
   const double ratio = std::sqrt(2) * checks.pose_pixel_sigma / found->summary.reprojection.rmse_px;
   if (std::isfinite(ratio)) out.shared_px = std::max(1.0, beyondChance(ratio, of_poses));
   return out;
@@ -68,9 +73,9 @@ void NoiseWatch::look(TimeNs t, const ImuStageRecording& recording) {
                        });
 }
 
-const StageNoise& NoiseWatch::noiseAt(TimeNs t) {
+std::optional<StageNoise> NoiseWatch::noiseAt(TimeNs t) {
   if (answer_.valid() && t >= asked_ + toNanoseconds(latency_s_)) {
-    if (const auto noise = answer_.get()) noise_ = *noise;
+    if (const auto noise = answer_.get()) noise_ = noise;
   }
   return noise_;
 }

@@ -127,7 +127,7 @@ MinimiserSummary minimise(Problem& problem, const MinimiserOptions& options) {
     }
     ++out.iterations;
     const std::optional<double> decrement = problem.solve(damping.value());
-    if (!decrement) {
+    if (!decrement || !std::isfinite(*decrement)) {
       if (!problem.refuse()) damping.raise();
       continue;
     }

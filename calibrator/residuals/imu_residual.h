@@ -58,6 +58,9 @@ std::optional<Preintegration> preintegrate(std::span<const ImuSample> samples,
 /// knowledge of t_d. (A consumer IMU at 400 Hz claims half as much again that way.)
 Vector9d smoothOffsetDerivative(std::span<const ImuSample> samples, const ImuWindow& window,
                                 const ImuBias& bias, const Preintegration& motion);
+/// The motion with these in place of its own derivatives by t_d.
+Preintegration withSmoothOffset(std::span<const ImuSample> samples, const ImuWindow& window,
+                                const ImuBias& bias, Preintegration motion);
 
 /// Covariance of (rotation, velocity, position) of preintegrate(), from the continuous-time white
 /// noise densities alone (bias walk is a residual of its own): rotation on the right [rad],

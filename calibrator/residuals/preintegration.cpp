@@ -229,6 +229,15 @@ Vector9d smoothOffsetDerivative(std::span<const ImuSample> samples, const ImuWin
   return d;
 }
 
+Preintegration withSmoothOffset(std::span<const ImuSample> samples, const ImuWindow& window,
+                                const ImuBias& bias, Preintegration motion) {
+  const Vector9d d = smoothOffsetDerivative(samples, window, bias, motion);
+  motion.R_td = d.head<3>();
+  motion.v_td = d.segment<3>(3);
+  motion.p_td = d.tail<3>();
+  return motion;
+}
+
 std::optional<Preintegration> preintegrate(std::span<const ImuSample> samples,
                                            const ImuWindow& window, const ImuBias& bias) {
   Preintegration o;

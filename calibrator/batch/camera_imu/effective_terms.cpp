@@ -179,16 +179,13 @@ class LinkRows {
     const ImuState& i = e.states[k];
     const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.timeOffset()};
     const ImuBias bias{i.gyro_bias, i.accel_bias};
-    // The offset's derivative is the smooth one of informationAt().
-    auto motion = preintegrate(problem_.samples, window, bias);
+    const auto exact = preintegrate(problem_.samples, window, bias);
     const auto faults = sampleFaultDerivatives(problem_.samples, window, bias);
-    if (!motion || !faults) return false;
-    const Vector9d d = smoothOffsetDerivative(problem_.samples, window, bias, *motion);
-    motion->R_td = d.head<3>();
-    motion->v_td = d.segment<3>(3);
-    motion->p_td = d.tail<3>();
+    if (!exact || !faults) return false;
+    // As in informationAt().
+    const Preintegration motion = withSmoothOffset(problem_.samples, window, bias, *exact);
     const Gravity gravity{e.gravity_direction, problem_.gravity_m_s2};
-    const ImuResidual r = imuResidual(*motion, i, e.states[k + 1], gravity);
+    const ImuResidual r = imuResidual(motion, i, e.states[k + 1], gravity);
     const Matrix9d& W = solution_.weights[k].sqrt_information;
     out.r.head<9>() = W * r.r;
     out.J_i.topRows<9>() = W * r.J_i;

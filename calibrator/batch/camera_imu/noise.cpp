@@ -35,15 +35,23 @@ struct Link {
   Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
 };
 
+/// Of the motion by t_d: exact for residuals, smooth for information (smoothOffsetDerivative()).
+enum class OffsetDerivative { kExact, kSmooth };
+
 /// Whitened rows (J | r) of an inertial link, columns as in LinkGram. Empty where the samples do
 /// not cover it.
 std::optional<Eigen::Matrix<double, 9, 28>> motionRows(const CameraImuProblem& problem,
                                                        const CameraImuEstimate& estimate,
-                                                       const ImuWeights& weights, std::size_t k) {
+                                                       const ImuWeights& weights, std::size_t k,
+                                                       OffsetDerivative derivative) {
   const ImuState& i = estimate.states[k];
   const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
-  const auto motion = preintegrate(problem.samples, window, {i.gyro_bias, i.accel_bias});
+  const ImuBias bias{i.gyro_bias, i.accel_bias};
+  auto motion = preintegrate(problem.samples, window, bias);
   if (!motion) return std::nullopt;
+  if (derivative == OffsetDerivative::kSmooth) {
+    motion = withSmoothOffset(problem.samples, window, bias, *motion);
+  }
   const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
   const ImuResidual r = imuResidual(*motion, i, estimate.states[k + 1], gravity);
   Eigen::Matrix<double, 9, 28> J;
@@ -70,7 +78,7 @@ std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
     link.walk =
         biasWalkResidual(estimate.states[k], estimate.states[k + 1]).cwiseProduct(link.walk_weight);
     if (problem.links[k] != FrameLink::kInertial) continue;
-    const auto W = motionRows(problem, estimate, weights, k);
+    const auto W = motionRows(problem, estimate, weights, k, OffsetDerivative::kExact);
     if (!W) return std::nullopt;
     link.motion[0] = W->topRows<3>().transpose().lazyProduct(W->topRows<3>());
     link.motion[1] = W->bottomRows<6>().transpose().lazyProduct(W->bottomRows<6>());
@@ -363,7 +371,8 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
 
 /// Densities far too small leave an interval nothing to say: its states follow the samples, and the
 /// poses pay. A group that has the redundancy once its factor is found is believed, however little
-/// it had under the density assumed; the others keep that.
+/// it had under the density assumed; the others keep that. Where that does not come out with the
+/// others held, nothing is released.
 std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
                                         const Evaluation& assumed, const ImuNoiseOptions& options) {
   const Groups least = Groups::Constant(options.least_redundancy);
@@ -374,7 +383,9 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
   if (!released) return fit;
   const auto found = (released->at.redundancy >= least).eval();
   if ((found == (fit->at.redundancy >= least)).all()) return fit;
-  return fitVariances(components, assumed, found.select(tried, least), options);
+  const auto chosen = fitVariances(components, assumed, found.select(tried, least), options);
+  const bool holds = chosen && (!found || chosen->at.redundancy >= least).all();
+  return holds ? chosen : fit;
 }
 
 }  // namespace
@@ -392,12 +403,6 @@ ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solutio
   if (!fit) return {};
   const auto check = [&](int group) { return checkOf(group, *assumed, fit->at, fit->factors.imu); };
   return {check(0), check(1), check(2), check(3), fit->factors.pixel * problem.pixel_sigma};
-}
-
-NoiseFactors noiseFactors(const ImuNoiseChecks& checks, double pixel_sigma) {
-  const bool known = checks.pose_pixel_sigma > 0;
-  return {known ? checks.pose_pixel_sigma / pixel_sigma : 1, checks.gyro.factor,
-          checks.accel.factor, checks.gyro_bias.factor, checks.accel_bias.factor};
 }
 
 namespace {
@@ -438,7 +443,7 @@ std::optional<std::array<Eigen::MatrixXd, kGroups>> linksInBorder(
     add(2, walk.topRows<3>());
     add(3, walk.bottomRows<3>());
     if (problem.links[k] != FrameLink::kInertial) continue;
-    const auto J = motionRows(problem, estimate, weights, k);
+    const auto J = motionRows(problem, estimate, weights, k, OffsetDerivative::kSmooth);
     if (!J) return std::nullopt;
     Eigen::MatrixXd rows =
         J->leftCols<15>() * responses[k] + J->middleCols<9>(15) * responses[k + 1].topRows<9>();
@@ -470,7 +475,8 @@ std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
               cornersInBorder(cameraInformationAt(problem, estimate).chain, *responses);
   gradient += more(noise.gyro) * (*links)[0] + more(noise.accel) * (*links)[1] +
               more(noise.gyro_bias) * (*links)[2] + more(noise.accel_bias) * (*links)[3];
-  gradient(BorderLayout::kOffset, BorderLayout::kOffset) += normals->offset_noise;
+  gradient(BorderLayout::kOffset, BorderLayout::kOffset) +=
+      noise.samples * noise.samples * normals->offset_noise;
   const Eigen::MatrixXd inverse = borderCovariance(chain->border_information);
   const Eigen::MatrixXd full = inverse * gradient * inverse;
   constexpr int kT = BorderLayout::kExtrinsics;

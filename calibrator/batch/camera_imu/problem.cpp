@@ -250,16 +250,11 @@ class Linearisation {
 
   /// Puts the smooth derivative by t_d in place of the exact one, and notes what the difference,
   /// which is noise of single samples, adds to the variance of the gradient.
-  void smoothOffset(const ImuWindow& window, const ImuBias& bias, const Preintegration& motion,
-                    std::size_t at, ImuResidual& r, Partial& partial) const {
-    const Vector9d d = smoothOffsetDerivative(problem_.samples, window, bias, motion);
-    Preintegration smooth = motion;
-    smooth.R_td = d.head<3>();
-    smooth.v_td = d.segment<3>(3);
-    smooth.p_td = d.tail<3>();
-    const ImuState& i = estimate_.states[at];
-    const ImuState& j = estimate_.states[at + 1];
-    const Vector9d J = imuResidual(smooth, i, j, gravity_).J_offset;
+  void takeSmoothOffset(const ImuWindow& window, const ImuBias& bias, const Preintegration& motion,
+                        std::size_t at, ImuResidual& r, Partial& partial) const {
+    const Preintegration smooth = withSmoothOffset(problem_.samples, window, bias, motion);
+    const Vector9d J =
+        imuResidual(smooth, estimate_.states[at], estimate_.states[at + 1], gravity_).J_offset;
     const Matrix9d& W = weights_[at].sqrt_information;
     const double gradient = (W * (r.J_offset - J)).dot(W * r.r);
     partial.offset_noise += problem_.weights[at] * gradient * gradient;
@@ -275,7 +270,7 @@ class Linearisation {
     const auto motion = preintegrate(problem_.samples, window, bias);
     if (!motion) return false;
     ImuResidual r = imuResidual(*motion, i, j, gravity_);
-    if (purpose_ == Purpose::kInformation) smoothOffset(window, bias, *motion, at, r, partial);
+    if (purpose_ == Purpose::kInformation) takeSmoothOffset(window, bias, *motion, at, r, partial);
     // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
     RowMatrix J(9, 28);
     J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;

@@ -100,7 +100,8 @@ void setCovariance(ParameterCovariance covariance, StageSummary& summary);
 FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate);
 
 struct ImuNoiseOptions {
-  /// A group keeps its assumed density while its redundancy is below this.
+  /// A group keeps its assumed density where its redundancy is below this, also under the factor
+  /// that it would have.
   double least_redundancy = 10;
   int max_rounds = 8;
   double tolerance = 0.02;  ///< end where no factor is asked to change by more, relative
@@ -140,15 +141,14 @@ struct NoiseFactors {
   double accel = 1;       ///< velocity and position rows
   double gyro_bias = 1;   ///< random walk
   double accel_bias = 1;  ///< random walk
+  double samples = 1;  ///< of single samples, in the gradient by the offset (the sandwich's part)
 };
-/// As the residuals show them; corners by the poses' noise.
-NoiseFactors noiseFactors(const ImuNoiseChecks& checks, double pixel_sigma);
 
 /// Covariance of T_SC0 (6) and the time offset (7 x 7), cameras held, of a batch whose measurements
 /// have other noise than its weights assume. With H_g the information that a group of rows brings
 /// and f_g its factor,
 ///   H^-1 (sum of f_g^2 H_g) H^-1,   H = sum of H_g,
-/// all else marginalised, with the sandwich's part of cameraImuCovariance(). Empty where H is
+/// all else marginalised; with the sandwich's part of cameraImuCovariance(). Empty where H is
 /// singular or the offset leaves the samples.
 std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
                                                const NoiseFactors& noise);

@@ -4,6 +4,7 @@
 #include "calibrator/batch/hand_eye.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,6 +62,12 @@ TEST(HandEye, OfExactPairsIsExact) {
   EXPECT_LT(boxminus(found->state.T_VW, kT_VW).norm(), 1e-9);
   EXPECT_LT(found->rms_translation_m, 1e-9);
   EXPECT_EQ(found->covariance.rows(), 12);
+}
+
+TEST(HandEye, OfANumberThatIsNoneThereIsNoResult) {
+  std::vector<HandEyePair> pairs = pairsOf({});
+  pairs[7].T_VM.t.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(estimateHandEye(pairs).ok());
 }
 
 TEST(HandEye, FindsTheClockOffsetWithIt) {
