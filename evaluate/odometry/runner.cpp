@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <span>
-#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/files/yaml_map.h"
+#include "evaluate/results/text.h"
 #include "generated/evaluate/runners.h"
 
 namespace plumbline {
@@ -47,13 +47,6 @@ std::map<std::string, std::string> textsOf(const YamlMap& file, const std::strin
   const YamlMap map = file.map(key, "names and texts");
   for (const std::string& name : map.keys()) texts[name] = map.text(name, "a text");
   return texts;
-}
-
-std::vector<std::string> wordsOf(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
 }
 
 /// A change to text that no file has would be passed over in silence.

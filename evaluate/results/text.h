@@ -2,8 +2,10 @@
 #pragma once
 
 #include <iterator>
+#include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +18,12 @@ using Text = fmt::memory_buffer;
 template <class... Args>
 void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
   fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+/// What stands between blanks and line ends.
+inline std::vector<std::string> wordsOf(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 /// A cell of a CSV file: quoted where a comma, a quote or a line end would break the row.

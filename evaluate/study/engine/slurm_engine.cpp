@@ -66,11 +66,6 @@ BadInput slurmFailed(const std::string& tool, const Said& said) {
                       said.text.empty() ? fmt::format("exit code {}", said.exit_code) : said.text)};
 }
 
-std::vector<std::string> wordsOf(const std::string& text) {
-  std::istringstream stream(text);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
-
 /// One submission of everything that is not settled.
 class Round {
  public:
