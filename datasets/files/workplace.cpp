@@ -79,8 +79,7 @@ void removeWorkplace(const fs::path& folder) {
   removeResult(folder / "result");
   removeResult(folder / kOld);
   if (fs::exists(folder / "result", ignored) || fs::exists(folder / kOld, ignored)) return;
-  fs::remove(folder / kLock, ignored);
-  fs::remove(folder, ignored);
+  fs::remove_all(folder, ignored);  // beside the lock what was made on the way, such as a log
 }
 
 // Puts back the result that was moved aside by a process that died before the new one had its name.

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/study/night_folder.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <set>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -61,17 +59,6 @@ void refuseForeign(const fs::path& folder) {
                    {InputFault::kForeignFiles, "holds " + name + " and is not a study's folder", "",
                     "choose another folder"});
   }
-}
-
-/// Whether somebody holds the file's exclusive lock; a file without one, or none at all, is
-/// nobody's.
-bool isHeld(const fs::path& lock) {
-  const int file = open(lock.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  // Shared, so that two that look do not take each other for the holder.
-  const bool held = flock(file, LOCK_SH | LOCK_NB) != 0;
-  close(file);
-  return held;
 }
 
 }  // namespace
@@ -135,19 +122,8 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
 
 void removeLeftovers(const fs::path& folder, const std::vector<Step>& steps) {
   removeDeadTemporaries(folder);
-  // Steps make their results beside their folders (Workplace).
-  std::set<fs::path> parents;
-  for (const Step& step : steps) parents.insert((folder / step.name).parent_path());
-  for (const fs::path& parent : parents) {
-    if (!fs::is_directory(parent)) continue;
-    for (const auto& entry : fs::directory_iterator(parent)) {
-      const std::string name = entry.path().filename().string();
-      const bool in_the_making = name.front() == '.' && name.find(".partial-") != std::string::npos;
-      if (!in_the_making || isHeld(entry.path() / "lock")) continue;
-      std::error_code ignored;
-      fs::remove_all(entry.path(), ignored);
-    }
-  }
+  // Steps make their results beside their folders.
+  for (const Step& step : steps) removeDeadWorkplaces(fs::absolute(folder / step.name));
 }
 
 void requireNightFolder(const fs::path& folder) {

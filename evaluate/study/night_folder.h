@@ -40,7 +40,7 @@ class NightLock {
 void takeNightFolder(const std::filesystem::path& folder, const StudyDefinition& study);
 
 /// Removes what processes that were killed left: temporary files in the study's folder, and beside
-/// the folders of steps hidden folders of results in the making, whose lock nobody holds.
+/// the folders of steps the results in the making (removeDeadWorkplaces()).
 void removeLeftovers(const std::filesystem::path& folder, const std::vector<Step>& steps);
 
 /// Throws InputError unless a study's results lie in the folder.

@@ -53,6 +53,21 @@ TEST_F(NightFolder, WhatAKilledNightWasWritingIsRemoved) {
   EXPECT_TRUE(fs::is_empty(fs::path(folder_.path()) / "sessions/p1"));
 }
 
+TEST_F(NightFolder, AResultThatWasMovedAsideIsPutBackAndForeignFoldersStay) {
+  folder_.write("sessions/p1/.calibrate.partial-dEAd03/lock", "plumbline\nfor calibrate\n");
+  folder_.write("sessions/p1/.calibrate.partial-dEAd03/old/step.json", "{}");
+  folder_.write("sessions/p1/.calibrate.partial-dEAd03/log.txt", "of its command");
+  folder_.write("sessions/p1/.notes.partial-mine", "mine");
+  folder_.write("sessions/p1/.calibrate.partial-notYet/result", "no lock as yet");
+  Step step;
+  step.name = "sessions/p1/calibrate";
+  removeLeftovers(folder_.path(), {step});
+  EXPECT_TRUE(fs::exists(folder_.path("sessions/p1/calibrate/step.json")));
+  EXPECT_FALSE(fs::exists(folder_.path("sessions/p1/.calibrate.partial-dEAd03")));
+  EXPECT_TRUE(fs::exists(folder_.path("sessions/p1/.notes.partial-mine")));
+  EXPECT_TRUE(fs::exists(folder_.path("sessions/p1/.calibrate.partial-notYet/result")));
+}
+
 TEST_F(NightFolder, WhatALiveProcessWritesStays) {
   folder_.write("summary.json.partial-aLIve1", "half");
   const int file = open(folder_.path("summary.json.partial-aLIve1").c_str(), O_RDONLY);
