@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kAte = "ate_m";
 constexpr const char* kStages = "stages_s.";  // as STUDY.yaml has them
+constexpr const char* kEstimates = "estimates.";
 
 /// The number of one name among a session's fields, by a walk over its field list. Stages go by
 /// their names.
@@ -50,6 +51,11 @@ FigureFinder findFigure(const StudySession& session, const std::string& name) {
     finder.wanted = "stages." + name.substr(std::string(kStages).size()) + ".seconds";
   }
   walkFields(finder, session);
+  for (const ParameterEstimate& e : session.estimates) {  // the last stage's where both have one
+    if (name != kEstimates + e.name) continue;
+    finder.value = e.value;
+    finder.unit = e.unit;
+  }
   return finder;
 }
 
@@ -71,8 +77,10 @@ std::string wordsFor(const std::string& name) {
                                    : name;
 }
 
-/// In seconds, but with a sign that means a direction: a ratio of two offsets says nothing.
-bool signedFigure(const std::string& name) { return name == "time_offset_s"; }
+/// With a sign that means a direction, whatever the unit: a ratio of two offsets says nothing.
+bool signedFigure(const std::string& name) {
+  return name == "time_offset_s" || name.starts_with(kEstimates);
+}
 
 /// Log-ATE by sequence of a participant's sessions of a method, mean over sessions and runs: a
 /// sequence that was run more often has no more weight for it.
@@ -158,7 +166,7 @@ std::optional<int> periodOf(const StudyRecord& record, const std::string& partic
 }
 
 bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages) {
-  if (name == kAte || name.starts_with("estimates.")) return true;
+  if (name == kAte || name.starts_with(kEstimates)) return true;
   StudySession all;  // every figure that a session may have
   all.stages = stages;
   for (std::optional<double>* figure :

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -156,10 +157,14 @@ std::optional<double> medianOrNone(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional(median(values));
 }
 
-/// Unfinished at the limit: who gave up, or took longer.
-TimeToEvent timeOf(const StudySession& s, double limit_s) {
-  const bool done = s.finished && *s.capture_s <= limit_s;
-  return {done ? *s.capture_s : limit_s, done};
+/// Unfinished at the limit: who gave up, or took longer. None where a session that was finished has
+/// no time, or the study has none at all.
+std::optional<TimeToEvent> timeOf(const StudyRecord& record, const StudySession& s) {
+  const bool timed = std::any_of(record.sessions.begin(), record.sessions.end(),
+                                 [](const StudySession& x) { return x.capture_s.has_value(); });
+  if (!timed || (s.finished && !s.capture_s)) return std::nullopt;
+  const bool done = s.finished && *s.capture_s <= record.limit_s;
+  return TimeToEvent{done ? *s.capture_s : record.limit_s, done};
 }
 
 /// Who gave up counts in medians of time with the limit; figures of calibrations are of those that
@@ -178,7 +183,8 @@ StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
                                              : m.bad);
   }
   m.median_capture_s = medianOrNone(valuesOf(record, name, [&](const StudySession& s) {
-    return s.capture_s ? std::optional(timeOf(s, record.limit_s).t) : std::nullopt;
+    const auto time = timeOf(record, s);
+    return time ? std::optional(time->t) : std::nullopt;
   }));
   m.median_held_out_px = medianOrNone(
       valuesOf(record, name, [](const StudySession& s) { return s.held_out_rmse_px; }));
@@ -196,11 +202,16 @@ StudySurvival survivalOf(const StudyRecord& record, const std::string& method) {
   StudySurvival result;
   result.method = method;
   std::vector<TimeToEvent> times;
+  std::set<std::string> tried, finished;
   for (const StudySession& s : record.sessions) {
-    if (s.method == method && s.capture_s) times.push_back(timeOf(s, record.limit_s));
+    const auto time = s.method == method ? timeOf(record, s) : std::nullopt;
+    if (!time) continue;
+    times.push_back(*time);
+    tried.insert(s.participant);
+    if (time->done) finished.insert(s.participant);
   }
-  result.participants = static_cast<int>(times.size());
-  for (const TimeToEvent& t : times) result.finished += t.done ? 1 : 0;
+  result.participants = static_cast<int>(tried.size());
+  result.finished = static_cast<int>(finished.size());
   const std::vector<SurvivalPoint> curve = kaplanMeier(times);
   for (const SurvivalPoint& p : curve) result.curve.push_back({p.t, p.survival, p.at_risk});
   result.restricted_mean_s = restrictedMean(curve, record.limit_s);
@@ -216,8 +227,11 @@ StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::strin
   time.baseline = record.methods.front();
   time.method = method;
   StudyRecord known = record;  // sessions with a time, those that failed later among them
+  for (StudySession& s : known.sessions) {
+    const auto of_session = timeOf(record, s);
+    s.capture_s = of_session ? std::optional(of_session->t) : std::nullopt;
+  }
   std::erase_if(known.sessions, [](const StudySession& s) { return !s.capture_s; });
-  for (StudySession& s : known.sessions) s.capture_s = timeOf(s, record.limit_s).t;
   // By differences: the area between two curves is one of seconds, not of factors.
   const EndpointPairs found = pairsOf(known, {"capture_s", "s", "", false}, time.baseline, method);
   time.participants = static_cast<int>(found.pairs.size());
@@ -244,10 +258,12 @@ std::string failuresSentence(const StudyRecord& record) {
   const auto failed =
       std::count_if(record.sessions.begin(), record.sessions.end(),
                     [](const StudySession& s) { return s.status == StudyStatus::kFailed; });
-  const auto gave_up = std::count_if(record.sessions.begin(), record.sessions.end(),
-                                     [](const StudySession& s) { return !s.finished; });
+  std::set<std::string> gave_up;
+  for (const StudySession& s : record.sessions) {
+    if (!s.finished) gave_up.insert(s.participant);
+  }
   return fmt::format("sessions without a calibration: {} of {}; participants who gave up: {}",
-                     failed, record.sessions.size(), gave_up);
+                     failed, record.sessions.size(), gave_up.size());
 }
 
 /// How many parameters spread as stated, by method.

@@ -105,7 +105,7 @@ double heightAt(const StudySurvival& s, double t_s) {
 void addEnds(const StudyRecord& record, const StudySurvival& s, const Colour& colour,
              LinePlot& plot) {
   for (const StudySession& session : record.sessions) {
-    if (session.method != s.method || !session.capture_s) continue;
+    if (session.method != s.method || (session.finished && !session.capture_s)) continue;
     // Whoever gave up is not done until the limit, as the curve has it.
     const bool done = session.finished && *session.capture_s <= record.limit_s;
     const double t = done ? *session.capture_s : record.limit_s;

@@ -232,6 +232,56 @@ TEST(StudyStatistics, CountWhoGaveUpAsUnfinishedAtTheLimit) {
   EXPECT_DOUBLE_EQ(*time.p, 2.0 / 256) << "all were slower with the guide";
 }
 
+// Nobody stopped the time of who gave up: it counts all the same, everywhere alike.
+TEST(StudyStatistics, CountWhoGaveUpWithoutATimeAtTheLimit) {
+  StudyRecord timed = study(8), record = study(8);
+  timed.limit_s = record.limit_s = 300;
+  for (std::size_t i = 0; i < record.sessions.size(); ++i) {
+    if (record.sessions[i].name != "p1_guided") continue;
+    timed.sessions[i].finished = record.sessions[i].finished = false;
+    record.sessions[i].capture_s.reset();
+  }
+  addStatistics(timed);
+  addStatistics(record);
+  EXPECT_EQ(record.statistics.survival[1].participants, 8);
+  EXPECT_EQ(record.statistics.survival[1].restricted_mean_s,
+            timed.statistics.survival[1].restricted_mean_s);
+  EXPECT_EQ(record.statistics.time[0].difference_s.estimate,
+            timed.statistics.time[0].difference_s.estimate);
+  EXPECT_EQ(record.statistics.methods[1].median_capture_s,
+            timed.statistics.methods[1].median_capture_s);
+  for (StudySession& s : record.sessions) s.capture_s.reset();
+  addStatistics(record);
+  EXPECT_EQ(record.statistics.survival[1].participants, 0) << "a study without times";
+}
+
+TEST(StudyStatistics, CountParticipantsAndNotTheirSessions) {
+  StudyRecord record = study(8);
+  for (StudySession& s : record.sessions) {
+    if (s.participant == "p1") s.finished = false;
+  }
+  StudySession again = record.sessions[0];
+  again.name += "_again";
+  record.sessions.push_back(again);
+  addStatistics(record);
+  EXPECT_THAT(record.statistics.sentences.back(), HasSubstr("participants who gave up: 1"));
+  EXPECT_EQ(record.statistics.survival[0].participants, 8);
+  EXPECT_EQ(record.statistics.survival[0].finished, 7);
+}
+
+// Positive in every session, and yet with a sign.
+TEST(StudyStatistics, CompareEstimatesByDifferences) {
+  StudyRecord record = study(6);
+  for (StudySession& s : record.sessions) {
+    s.estimates = {{"T_SC0.tx", s.method == "guided" ? 0.02 : 0.01, 1e-3, "m", {}, {}, {}}};
+  }
+  record.endpoints = {"estimates.T_SC0.tx"};
+  addStatistics(record);
+  const StudyEffect& e = effectOn(record, "estimates.T_SC0.tx");
+  EXPECT_FALSE(e.ratio);
+  EXPECT_NEAR(e.effect.estimate, 0.01, 1e-12);
+}
+
 TEST(StudyStatistics, ReachStagesByTheirNames) {
   StudyRecord record = study(6);
   for (StudySession& s : record.sessions) {
