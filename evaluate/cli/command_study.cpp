@@ -178,14 +178,13 @@ int finish(const PreparedNight& night, const StepResults& results, double second
   return outcome.alarms.empty() ? o.fail_on.exitCode(outcome.level) : kRegression;
 }
 
-int runSlurm(const StudyOptions& o, PreparedNight night, double seconds) {
+int runSlurm(const StudyOptions& o, PreparedNight night) {
   NightTeller teller;
   if (o.merge_round > 0) {
-    return mergeSlurmRound(night, o.slurm, o.merge_round, seconds,
-                           [&](const NightOutcome& outcome) {
-                             say("{}", nightSummary(outcome, o.out));
-                             return exitCodeOf(outcome);
-                           });
+    return mergeSlurmRound(night, o.slurm, o.merge_round, [&](const NightOutcome& outcome) {
+      say("{}", nightSummary(outcome, o.out));
+      return exitCodeOf(outcome);
+    });
   }
   const SlurmEnd end = runOnSlurm(std::move(night), o.slurm, teller.sink());
   teller.clear();
@@ -206,7 +205,7 @@ int study(const StudyOptions& o, const CLI::App& app) {
     say("{}", commandList(night.folder, night.steps, o.study, o.out));
     return kDone;
   }
-  if (o.engine == "slurm") return runSlurm(o, std::move(night), watch.seconds());
+  if (o.engine == "slurm") return runSlurm(o, std::move(night));
   NightTeller teller;
   LocalEngineOptions local;
   local.jobs = o.jobs;
@@ -310,6 +309,7 @@ void declareStudy(CLI::App& app, StudyOptions& o) {
   o.json.declare(app);
   o.fail_on.declare(app);
   app.add_option("--merge-round", o.merge_round, "")->group("");
+  app.add_option("--merge-since", o.slurm.since, "")->group("");
 }
 
 void addPart(CLI::App& app, const char* name, const char* summary, const char* group,

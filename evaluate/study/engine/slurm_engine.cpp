@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <ctime>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -33,6 +35,10 @@ constexpr auto kPollEvery = std::chrono::milliseconds(500);
 constexpr int kDefaultMaxArraySize = 1001;
 // Polls in a row in which no job is known and none has left word: then nothing more will come.
 constexpr int kSilentPolls = 6;
+// Polls in a row in which Slurm does not answer, five minutes or more: it may be restarting, and
+// its jobs run on.
+constexpr int kUnansweredPolls = 600;
+constexpr int kLockTries = 60;  // half a minute, in which the merging job ends
 
 struct Said {
   int exit_code = -1;
@@ -89,13 +95,21 @@ class Round {
     for (std::size_t i = 0; i < stages.size(); ++i) {
       const auto packs = packed(stages[i], seconds, most);
       jobs.push_back(submitStage(i, packs, jobs.empty() ? "" : jobs.back()));
+      writeJobs(jobs);
     }
     jobs.push_back(submitMerge(jobs.empty() ? "" : jobs.back()));
+    writeJobs(jobs);
     return jobs;
   }
 
  private:
   using Pack = std::vector<std::string>;
+
+  // After each submission: where the next one is refused, those before run all the same.
+  void writeJobs(const std::vector<std::string>& jobs) const {
+    writeFileAtomically((night_.folder / kFolder / kJobsFile).string(),
+                        fmt::format("{}\n", fmt::join(jobs, " ")));
+  }
 
   int maxArraySize() const {
     const Said said = runTool(folder_ / "tool.txt", {"scontrol", "show", "config"});
@@ -179,10 +193,10 @@ class Round {
   }
 
   std::string submitMerge(const std::string& after) const {
-    const std::string command =
-        fmt::format("{} study {} --out {} --engine slurm --slurm-rounds {} --merge-round {}",
-                    shellWords({thisProgram()}), shellWords({night_.study.file.string()}),
-                    shellWords({night_.folder.string()}), options_.rounds, number_);
+    const std::string command = fmt::format(
+        "{} study {} --out {} --engine slurm --slurm-rounds {} --merge-round {} --merge-since {}",
+        shellWords({thisProgram()}), shellWords({night_.study.file.string()}),
+        shellWords({night_.folder.string()}), options_.rounds, number_, options_.since);
     return sbatch("merge", after, "", command, "merge.log");
   }
 
@@ -192,11 +206,14 @@ class Round {
   const fs::path folder_;
 };
 
-/// Whether jobs of the list still wait or run; squeue fails for those that Slurm has forgotten.
+/// Whether jobs of the list still wait or run; those that Slurm has forgotten do not. Throws where
+/// squeue fails for another reason, which says nothing of them.
 bool anyJobLeft(const fs::path& folder, const std::vector<std::string>& jobs) {
   for (const std::string& job : jobs) {
     const Said said = runTool(folder / "tool.txt", {"squeue", "--noheader", "--jobs=" + job});
     if (said.exit_code == 0 && !said.text.empty()) return true;
+    const bool forgotten = said.text.find("Invalid job id") != std::string::npos;
+    if (said.exit_code != 0 && !forgotten) throw slurmFailed("squeue", said);
   }
   return false;
 }
@@ -257,35 +274,51 @@ std::optional<Word> awaitWord(const PreparedNight& night, int round,
                               const std::vector<std::string>& jobs, const NightSink& sink) {
   NightProgress progress;
   // A job that has just ended may have left squeue before its file is seen here.
-  for (int silent = 0; silent < kSilentPolls;) {
+  for (int silent = 0, unanswered = 0; silent < kSilentPolls;) {
     if (auto word = readWord(night.folder, round)) return word;
-    silent = anyJobLeft(night.folder / kFolder, jobs) ? 0 : silent + 1;
+    try {
+      silent = anyJobLeft(night.folder / kFolder, jobs) ? 0 : silent + 1;
+      unanswered = 0;
+    } catch (const BadInput&) {
+      if (++unanswered == kUnansweredPolls) throw;
+    }
     tell(sink, night, progress);
     std::this_thread::sleep_for(kPollEvery);
   }
   return readWord(night.folder, round);
 }
 
+/// The merging job leaves word while it holds the lock, which goes with its end.
+std::unique_ptr<NightLock> lockAgain(const fs::path& night) {
+  for (int left = kLockTries;; --left) {
+    try {
+      return std::make_unique<NightLock>(night);
+    } catch (const InputError&) {
+      if (left == 0) throw;
+    }
+    std::this_thread::sleep_for(kPollEvery);
+  }
+}
+
 }  // namespace
 
-SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const NightSink& sink) {
+SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink) {
   makeFoldersIn(night.folder, kFolder);
   refuseWhileUnderWay(night.folder);
   // An earlier night's scripts and words: its round_1.json would pass for this one's.
   std::error_code left_there;
   fs::remove_all(night.folder / kFolder, left_there);  // of earlier nights
   makeFoldersIn(night.folder, kFolder);
+  options.since = std::time(nullptr);
   for (int round = 1; round <= options.rounds; ++round) {
     std::error_code ignored;
     fs::remove(wordFile(night.folder, round), ignored);
     const std::vector<std::string> jobs = Round(night, options, round).submit();
-    writeFileAtomically((night.folder / kFolder / kJobsFile).string(),
-                        fmt::format("{}\n", fmt::join(jobs, " ")));
     night.lock.reset();  // from here on the jobs keep others away, and the last one merges
     const auto word = awaitWord(night, round, jobs, sink);
     if (word && word->merged) return word->end;
     // Again this process: the next round is submitted under the lock.
-    night.lock = std::make_unique<NightLock>(night.folder);
+    night.lock = lockAgain(night.folder);
   }
   throw BadInput(InputFault::kOther,
                  fmt::format("the merging job was lost {} times; see {}, or run the study again",
@@ -293,7 +326,7 @@ SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const Nigh
 }
 
 int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int round,
-                    double seconds, const std::function<int(const NightOutcome&)>& tell_outcome) {
+                    const std::function<int(const NightOutcome&)>& tell_outcome) {
   Word word;
   const auto missing = unsettledStages(night.folder, night.steps);
   // What needs a step that failed is missing for good.
@@ -316,7 +349,8 @@ int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int
         results.emplace(step.name, *result);
       }
     }
-    const NightOutcome outcome = finishNight(night, results, seconds);
+    const NightOutcome outcome =
+        finishNight(night, results, std::difftime(std::time(nullptr), options.since));
     word.merged = true;
     word.end = {tell_outcome(outcome), nightSummary(outcome, night.folder)};
     std::error_code ignored;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -24,10 +25,11 @@ std::string commandList(const std::filesystem::path& night, const std::vector<St
 
 /// How steps are put into job arrays.
 struct SlurmOptions {
-  int throttle = 0;     ///< tasks of an array at once (%M); 0: no limit
-  double pack_s = 300;  ///< work of one task: short steps are packed together
-  int rounds = 3;       ///< times that steps are submitted, if they were lost
-  std::string options;  ///< further ones of sbatch
+  int throttle = 0;       ///< tasks of an array at once (%M); 0: no limit
+  double pack_s = 300;    ///< work of one task: short steps are packed together
+  int rounds = 3;         ///< times that steps are submitted, if they were lost
+  std::string options;    ///< further ones of sbatch
+  std::time_t since = 0;  ///< of a merging job: when the first round was submitted [s since 1970]
 };
 
 /// How a night on the cluster ended, as the job said that merged it.
@@ -41,12 +43,12 @@ struct SlurmEnd {
 /// done; sacct is not asked. Steps that were lost with their task are submitted again, `rounds`
 /// times in all. The folder must be one that all nodes see. Throws InputError where sbatch cannot
 /// be run or refuses, or jobs of an earlier night still wait or run.
-SlurmEnd runOnSlurm(PreparedNight night, const SlurmOptions& options, const NightSink& sink);
+SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink);
 
 /// The work of the merging job: merges, unless steps are missing and a round is left, and leaves
 /// word for who waits. `tell` gives the exit code of a night that was merged.
 int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int round,
-                    double seconds, const std::function<int(const NightOutcome&)>& tell);
+                    const std::function<int(const NightOutcome&)>& tell);
 
 /// The names of the steps of a task: a line of the file that the array was submitted with.
 std::vector<std::string> stepsOfPack(const std::string& packs, int index);

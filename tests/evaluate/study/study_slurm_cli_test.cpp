@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A night on the cluster where Slurm does not answer, or refuses. Stand-ins take the place of its
+// tools; scripts/test_slurm.sh runs the real ones.
+#include "tests/evaluate/study/study_nights.h"
+
+namespace plumbline {
+namespace {
+
+class StudySlurm : public StudyNights {
+ protected:
+  void SetUp() override {
+    StudyNights::SetUp();
+    tool("scontrol", "echo 'MaxArraySize = 20'");
+  }
+  void tool(const std::string& name, const std::string& text) const {
+    fs::create_directories(scratch_ / "bin");
+    write(scratch_ / "bin" / name, "#!/bin/sh\n" + text + "\n");
+    fs::permissions(scratch_ / "bin" / name, fs::perms::owner_all);
+  }
+  Outcome slurm(const fs::path& night) const {
+    return shell("PATH=" + (scratch_ / "bin").string() + ":$PATH " + PLUMBLINE_BINARY + " " +
+                 words(root_ / "data", night) + " --engine slurm");
+  }
+};
+
+// All steps are done, so that the merging job alone is submitted. It runs for four seconds, and
+// longer than the polls after which forgotten jobs would count as lost.
+TEST_F(StudySlurm, WhileSlurmDoesNotAnswerItsJobsRunOn) {
+  const fs::path night = doneNight();
+  tool("sbatch", "for script; do :; done\necho x >>" + (scratch_ / "submitted").string() +
+                     "\nsetsid sh -c \"sleep 4; sh $script\" >/dev/null 2>&1 </dev/null &\necho 7");
+  tool("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller'; exit 1");
+  const Outcome outcome = slurm(night);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("4 of 4 sessions have a calibration"));
+  EXPECT_EQ(read(scratch_ / "submitted"), "x\n");
+  // From the first submission on, and not the merging job's own time.
+  EXPECT_GE(StudyStore(night / "study.sqlite").nights().back().seconds.value(), 3);
+}
+
+TEST_F(StudySlurm, JobsBeforeARefusedOneKeepOtherNightsAway) {
+  tool("sbatch", "test -e " + (scratch_ / "one").string() +
+                     " && echo 'sbatch: too many' && exit 1\n" + "touch " +
+                     (scratch_ / "one").string() + "\necho 7");
+  tool("squeue", "echo '7 all running'");
+  const Outcome refused = slurm(scratch_ / "night");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.text, HasSubstr("too many"));
+  EXPECT_THAT(slurm(scratch_ / "night").text, HasSubstr("Slurm's jobs 7"));
+  tool("squeue", "echo 'slurm_load_jobs error: Invalid job id specified'; exit 1");
+  EXPECT_THAT(slurm(scratch_ / "night").text, HasSubstr("too many"));
+}
+
+}  // namespace
+}  // namespace plumbline
